@@ -1,0 +1,40 @@
+// AlignedFlight: where every photo of the map was taken and through which lens. Value of align_flight (or of
+// AlignByPoseOnly), input of model_ground and of the renderer. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/camera/intrinsics.h"
+#include "core/flight/photo.h"
+#include "core/geo/local_frame.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+
+enum class Placement { kAligned, kPoseOnly };
+
+struct AlignedPhoto {
+  flight::Photo photo;                // as read; its intrinsics are the recorded ones
+  camera::Intrinsics intrinsics;      // as refined
+  geo::Rigid3 cam_from_enu;
+  Placement placement = Placement::kPoseOnly;
+  std::string placement_reason;       // why it is not aligned, or what was corrected
+  double error_radius_m = 0.0;
+  double height_above_ground_m = 0.0;
+};
+
+struct AlignedFlight {
+  geo::LocalFrame frame{geo::Wgs84{}};
+  double ground_z_in_enu_m = 0.0;
+  std::vector<AlignedPhoto> photos;
+  std::vector<flight::LeftOutPhoto> left_out;
+  std::vector<std::string> warnings;
+  // Points on the ground seen by several photos, in enu; empty without alignment. Input of model_ground.
+  std::vector<Eigen::Vector3d> tie_points_in_enu;
+};
+
+const char* PlacementName(Placement placement);  // "aligned", "pose_only"
+
+}  // namespace skyquilt::alignment

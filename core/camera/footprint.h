@@ -1,0 +1,25 @@
+// Footprint: the outline on the ground of what a photo sees, as a polygon in enu (E, N), counter-clockwise as seen
+// from above, clipped where the view would run towards the horizon. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/camera/intrinsics.h"
+#include "core/geo/bounds.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::camera {
+
+// Rays steeper than this off the vertical are cut: beyond it a pixel covers metres.
+inline constexpr double kMaxViewAngleRad = 1.31;  // 75 degrees
+
+// Points along the border, `points_per_side` a side, so that lens bending shows. Empty when nothing of the photo
+// looks at the ground.
+std::vector<Eigen::Vector2d> GroundFootprint(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
+                                             double plane_z_m, int points_per_side = 8);
+geo::Bounds2 BoundsOf(const std::vector<Eigen::Vector2d>& polygon);
+double AreaM2(const std::vector<Eigen::Vector2d>& polygon);
+bool PolygonContains(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point);
+
+}  // namespace skyquilt::camera

@@ -1,0 +1,34 @@
+#include "core/camera/ground_homography.h"
+
+#include <cmath>
+
+namespace skyquilt::camera {
+
+Eigen::Matrix3d GroundHomography(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu, double plane_z_m) {
+  Eigen::Matrix3d plane;  // (E, N, 1) to the point relative to the camera centre, in enu
+  plane.col(0) = Eigen::Vector3d::UnitX();
+  plane.col(1) = Eigen::Vector3d::UnitY();
+  plane.col(2) = plane_z_m * Eigen::Vector3d::UnitZ() - cam_from_enu.TargetOriginInSource();
+  return intrinsics.K() * cam_from_enu.rotation.toRotationMatrix() * plane;
+}
+
+std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
+                                               const Eigen::Vector2d& pixel_in_image, double plane_z_m) {
+  const Eigen::Vector3d ray = (cam_from_enu.rotation.conjugate() * intrinsics.Unproject(pixel_in_image)).normalized();
+  const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
+  constexpr double kSinHalfDegree = 0.0087;
+  const double drop_m = center.z() - plane_z_m;
+  if (ray.z() > -kSinHalfDegree || drop_m <= 0.0) return std::nullopt;
+  Eigen::Vector3d point = center + (drop_m / -ray.z()) * ray;
+  point.z() = plane_z_m;
+  return point;
+}
+
+std::optional<Eigen::Vector2d> PixelFromEnu(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
+                                            const Eigen::Vector3d& point_in_enu) {
+  const std::optional<Eigen::Vector2d> pixel = intrinsics.Project(cam_from_enu * point_in_enu);
+  if (!pixel || !intrinsics.IsInImage(*pixel)) return std::nullopt;
+  return pixel;
+}
+
+}  // namespace skyquilt::camera

@@ -1,0 +1,50 @@
+// Intrinsics: a pinhole camera with Brown distortion, OpenCV's order and signs. Frame `cam` (x right, y down,
+// z forward) to `image` (pixels; the centre of the first pixel is (0,0)). Values; any thread.
+// Method: D. C. Brown, Close-Range Camera Calibration (1971). The polynomial folds back on itself far outside the
+// image; Project refuses rays beyond the fold instead of returning a pixel that the lens cannot have made.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+namespace skyquilt::camera {
+
+struct Intrinsics {
+  int width_px = 0;
+  int height_px = 0;
+  double focal_x_px = 0.0;
+  double focal_y_px = 0.0;
+  double center_x_px = 0.0;
+  double center_y_px = 0.0;
+  double k1 = 0.0, k2 = 0.0, k3 = 0.0;  // radial
+  double p1 = 0.0, p2 = 0.0;            // tangential
+
+  // A camera without distortion whose axis meets the middle of the image.
+  static Intrinsics Centered(int width_px, int height_px, double focal_px);
+
+  bool HasDistortion() const { return k1 != 0.0 || k2 != 0.0 || k3 != 0.0 || p1 != 0.0 || p2 != 0.0; }
+  double MeanFocalPx() const { return 0.5 * (focal_x_px + focal_y_px); }
+  Eigen::Matrix3d K() const;
+
+  // Normalised coordinates (x/z, y/z) before and after the lens bent the ray.
+  Eigen::Vector2d Distort(const Eigen::Vector2d& normalised) const;
+  Eigen::Vector2d Undistort(const Eigen::Vector2d& distorted) const;
+
+  // The pixel that sees a point of the cam frame; nothing behind the camera or beyond the lens' fold.
+  std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_cam) const;
+  // The ray through a pixel, in cam, with z = 1.
+  Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel_in_image) const;
+
+  bool IsInImage(const Eigen::Vector2d& pixel_in_image) const {
+    return pixel_in_image.x() >= -0.5 && pixel_in_image.y() >= -0.5 && pixel_in_image.x() <= width_px - 0.5 &&
+           pixel_in_image.y() <= height_px - 0.5;
+  }
+  // Largest r^2 (normalised, undistorted) for which the radial polynomial still grows; infinity without distortion.
+  double MaxRadiusSquared() const;
+  // The same camera for an image decoded at another size (both sides scaled by the same factor, up to rounding).
+  Intrinsics Scaled(int new_width_px, int new_height_px) const;
+
+  bool operator==(const Intrinsics&) const = default;
+};
+
+}  // namespace skyquilt::camera

@@ -1,0 +1,87 @@
+// FlightLog: what a flight recorder wrote, whatever its format, in SI units and one clock. Value of the parsers in
+// this folder, input of core/poses. Any subset of the series may be empty. Times are seconds on the log's own
+// clock (t_s), in rising order; utc_at_zero, when known, is the UTC instant of t_s = 0 (leap seconds applied).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "core/flight/photo.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::flight {
+
+// Frame `body`: x forward, y right, z down. Specific force: at rest (0, 0, -9.81).
+struct ImuSample {
+  double t_s = 0.0;
+  Eigen::Vector3d angular_rate_radps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();
+};
+
+struct AttitudeSample {
+  double t_s = 0.0;
+  Eigen::Quaterniond ned_from_body = Eigen::Quaterniond::Identity();
+  bool has_yaw = true;
+};
+
+struct GnssSample {
+  double t_s = 0.0;
+  geo::LatLon position;
+  std::optional<double> height_ellipsoid_m;
+  std::optional<double> height_amsl_m;
+  std::optional<Eigen::Vector3d> velocity_in_ned_mps;
+  std::optional<double> sigma_horizontal_m;
+  std::optional<double> sigma_vertical_m;
+  bool is_rtk_fixed = false;
+};
+
+struct BaroSample {
+  double t_s = 0.0;
+  double height_above_takeoff_m = 0.0;
+};
+
+struct RangeSample {
+  double t_s = 0.0;
+  double distance_m = 0.0;  // along the body's down axis
+};
+
+// One exposure as the recorder saw it.
+struct CameraEvent {
+  double t_s = 0.0;
+  bool is_feedback = true;  // measured shutter; false: only the command to trigger
+  std::optional<std::int64_t> sequence;
+  std::optional<std::string> image_name;
+  std::optional<geo::LatLon> position;
+  std::optional<double> height_ellipsoid_m;
+  std::optional<double> height_amsl_m;
+  std::optional<double> height_above_takeoff_m;
+  std::optional<Eigen::Vector3d> sigma_in_ned_m;
+  // Horizon-zero angles of the camera or of the airframe, as `attitude_kind` says.
+  std::optional<Eigen::Vector3d> yaw_pitch_roll_rad;
+  AttitudeKind attitude_kind = AttitudeKind::kAirframe;
+};
+
+struct FlightLog {
+  std::string format;       // "dataflash", "ulog", "mavlink_tlog", "dji_mrk", ...
+  std::string file_name;
+  std::vector<ImuSample> imu;
+  std::vector<AttitudeSample> attitude;
+  std::vector<GnssSample> gnss;
+  std::vector<BaroSample> baro;
+  std::vector<RangeSample> range;
+  std::vector<CameraEvent> events;
+  std::optional<UtcTime> utc_at_zero;
+  double utc_sigma_s = 0.0;
+  std::map<std::string, std::uint64_t> message_counts;  // by the format's own message names
+  std::vector<std::string> mapping;   // for tolerant formats: "column -> meaning, unit"
+  std::vector<std::string> warnings;  // damage, drop-outs, what was skipped and why
+};
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,34 @@
+// ReadFlight: files in, a Flight out. Reads headers only (EXIF, XMP, image size), never decodes pixels.
+// Files that are not photos or cannot be read are listed in left_out; one bad file never fails the flight.
+// Files are read on `threads` threads; the result does not depend on how many.
+// Fails only when nothing at all was given.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/flight/flight.h"
+
+namespace skyquilt::flight {
+
+struct ReadFlightOptions {
+  int threads = 0;  // 0 = all cores
+};
+
+// One file of the user's: the name he gave it and where its bytes are.
+struct InputFile {
+  std::string name;
+  std::filesystem::path path;
+};
+
+// Folders are walked (sorted, hidden files skipped); files are taken as they are.
+Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths);
+
+Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options, Progress& progress);
+
+// One photo. Errors: kUnsupportedFormat, kCorrupt, kIo.
+Result<Photo> ReadPhoto(const InputFile& file);
+
+}  // namespace skyquilt::flight

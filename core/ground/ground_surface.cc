@@ -1,0 +1,45 @@
+#include "core/ground/ground_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/check.h"
+
+namespace skyquilt::ground {
+
+GroundSurface GroundSurface::Plane(double z_in_enu_m) {
+  GroundSurface surface;
+  surface.mean_z_m_ = surface.min_z_m_ = surface.max_z_m_ = z_in_enu_m;
+  return surface;
+}
+
+GroundSurface GroundSurface::Grid(const Eigen::Vector2d& south_west_in_enu, double cell_m, int columns, int rows,
+                                  std::vector<float> heights_m, double mean_z_in_enu_m) {
+  SKYQUILT_CHECK(columns >= 2 && rows >= 2 && cell_m > 0.0, "a ground grid needs at least 2 x 2 cells");
+  SKYQUILT_CHECK(heights_m.size() == static_cast<std::size_t>(columns) * rows, "ground grid size and data differ");
+  GroundSurface surface;
+  const auto [low, high] = std::minmax_element(heights_m.begin(), heights_m.end());
+  surface.min_z_m_ = *low;
+  surface.max_z_m_ = *high;
+  surface.mean_z_m_ = mean_z_in_enu_m;
+  surface.south_west_ = south_west_in_enu;
+  surface.cell_m_ = cell_m;
+  surface.columns_ = columns;
+  surface.rows_ = rows;
+  surface.heights_m_ = std::move(heights_m);
+  return surface;
+}
+
+double GroundSurface::HeightAt(const Eigen::Vector2d& east_north) const {
+  if (IsPlane()) return mean_z_m_;
+  const double x = std::clamp((east_north.x() - south_west_.x()) / cell_m_, 0.0, columns_ - 1.0);
+  const double y = std::clamp((east_north.y() - south_west_.y()) / cell_m_, 0.0, rows_ - 1.0);
+  const int column = std::min(static_cast<int>(x), columns_ - 2);
+  const int row = std::min(static_cast<int>(y), rows_ - 2);
+  const double u = x - column;
+  const double v = y - row;
+  const float* cell = heights_m_.data() + static_cast<std::size_t>(row) * columns_ + column;
+  return (1.0 - v) * ((1.0 - u) * cell[0] + u * cell[1]) + v * ((1.0 - u) * cell[columns_] + u * cell[columns_ + 1]);
+}
+
+}  // namespace skyquilt::ground

@@ -1,0 +1,31 @@
+// MosaicOptions: everything a user can choose about a map. Plain values with defaults; Validate names the field,
+// the value and the rule.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::pipeline {
+
+enum class AlignMethod { kAuto, kImu, kFeatures, kDirect };
+enum class TileEncoding { kJpegPng, kWebp };
+
+struct MosaicOptions {
+  AlignMethod method = AlignMethod::kAuto;  // --method auto|imu|features|direct
+  std::optional<double> gsd_m;              // --gsd: ground size of an output pixel; default: that of the photos
+  std::optional<geo::LatLon> origin;        // --origin: where a flight without any position starts
+  TileEncoding encoding = TileEncoding::kJpegPng;  // --format auto|webp
+  int jpeg_quality = 85;                    // --quality 1..100
+  double feather_m = 0.0;                   // width of the seams' transition; 0 = chosen from the GSD
+  std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
+  int threads = 0;                          // --threads: 0 = all cores
+  std::string title;                        // name written into the tileset
+
+  Result<void> Validate() const;
+};
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,46 @@
+// MosaicReport: what was made and how good it is. Prints itself as report.json (schema:
+// core/pipeline/report.schema.json) and the photos as GeoJSON (RFC 7946). A value; any thread.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/flight/photo.h"
+
+namespace skyquilt::pipeline {
+
+struct StageTiming {
+  std::string stage;
+  double wall_s = 0.0;
+};
+
+struct MosaicReport {
+  std::string title;
+  int photos_total = 0;
+  int photos_aligned = 0;
+  int photos_pose_only = 0;
+  int photos_left_out = 0;
+  std::vector<flight::LeftOutPhoto> left_out_photos;
+  double gsd_m = 0.0;       // of the photos (median at the image centres)
+  double area_m2 = 0.0;     // covered ground
+  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  int min_zoom = 0;
+  int max_zoom = 0;
+  std::int64_t tile_count = 0;
+  std::string height_rule;
+  std::vector<StageTiming> timings;
+  std::int64_t peak_memory_bytes = 0;
+  std::vector<std::string> warnings;
+  std::string alignment_json;  // a JSON object of the alignment's own figures; empty without alignment
+  std::string poses_json;      // a JSON object of pose estimation's own figures; empty when none
+};
+
+std::string ReportJson(const MosaicReport& report);
+// A FeatureCollection with one footprint polygon a photo.
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,42 @@
+// The ports of the core: what it needs from outside, as interfaces. The only pipeline header that every stage may
+// include. Implementations live in core/flight (photo files) and storage (tiles).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/photo.h"
+#include "core/geo/tile_id.h"
+
+namespace skyquilt::pipeline {
+
+// 8-bit RGB, rows without padding, first row on top, as the sensor stored it (EXIF orientation not applied: the
+// recorded angles belong to the sensor).
+struct DecodedImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> rgb;
+
+  const std::uint8_t* Row(int y) const { return rgb.data() + static_cast<std::size_t>(y) * width_px * 3; }
+};
+
+class PhotoSource {
+ public:
+  virtual ~PhotoSource() = default;
+  // Decodes at 1/denominator of the size (1, 2, 4 or 8; sides rounded up). Any number of threads at a time.
+  // Errors: kCorrupt (damaged or cut off), kUnsupportedFormat, kIo.
+  virtual Result<DecodedImage> Decode(const flight::Photo& photo, int denominator) const = 0;
+};
+
+enum class TileFormat { kJpeg, kPng, kWebp };
+
+class TileSink {
+ public:
+  virtual ~TileSink() = default;
+  // Takes one encoded tile. Called by one thread at a time, in an order that does not depend on threads.
+  virtual Result<void> Put(const geo::TileId& tile, TileFormat format, std::span<const std::uint8_t> bytes) = 0;
+};
+
+}  // namespace skyquilt::pipeline

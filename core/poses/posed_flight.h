@@ -1,0 +1,41 @@
+// PosedFlight: one pose per photo with its covariance, in one local frame. Value of estimate_poses, input of
+// align_flight and, for pose-only maps, of the renderer. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/flight/photo.h"
+#include "core/geo/local_frame.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::poses {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+enum class AttitudeOrigin { kRecorded, kYawRecordedTiltAssumed, kCourse, kSmoothed };
+
+struct PosedPhoto {
+  flight::Photo photo;
+  geo::Rigid3 cam_from_enu;
+  // Covariance of the error (rotation about the enu axes in radians, then camera centre in enu metres):
+  // true enu_from_cam rotation = Exp(error.head<3>()) * estimated, true centre = estimated + error.tail<3>().
+  Matrix6d covariance = Matrix6d::Zero();
+  // Cross-covariance with the next photo in time (this row, next column); zero for the last.
+  Matrix6d covariance_with_next = Matrix6d::Zero();
+  double height_above_ground_m = 0.0;
+  double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
+  AttitudeOrigin attitude_origin = AttitudeOrigin::kRecorded;
+};
+
+struct PosedFlight {
+  geo::LocalFrame frame{geo::Wgs84{}};
+  double ground_z_in_enu_m = 0.0;  // the flat ground: take-off height
+  std::vector<PosedPhoto> photos;  // in the order of capture
+  std::vector<flight::LeftOutPhoto> left_out;
+  std::vector<std::string> warnings;
+  std::string height_rule;         // which heights were used, in words
+};
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,27 @@
+// StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.tif (COG),
+// report.json and photos.geojson, each written under a temporary name and published by rename. What both the
+// `stitch` command and the worker run. Blocking; one call at a time per process (it uses all the threads asked for).
+// Errors: kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/flight/read_flight.h"
+#include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/mosaic_report.h"
+
+namespace skyquilt::server {
+
+struct StitchJobOptions {
+  pipeline::MosaicOptions mosaic;
+  bool write_cog = true;
+};
+
+Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
+                                                 const StitchJobOptions& options,
+                                                 const std::filesystem::path& out_dir, Progress& progress);
+
+}  // namespace skyquilt::server
