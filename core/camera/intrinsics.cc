@@ -90,7 +90,8 @@ std::optional<Eigen::Vector2d> Intrinsics::Project(const Eigen::Vector3d& point_
 Eigen::Vector3d Intrinsics::Unproject(const Eigen::Vector2d& pixel_in_image) const {
   const Eigen::Vector2d distorted{(pixel_in_image.x() - center_x_px) / focal_x_px,
                                   (pixel_in_image.y() - center_y_px) / focal_y_px};
-  return Undistort(distorted).homogeneous();
+  const Eigen::Vector2d straight = Undistort(distorted);
+  return {straight.x(), straight.y(), 1.0};
 }
 
 Intrinsics Intrinsics::Scaled(int new_width_px, int new_height_px) const {
