@@ -1,0 +1,13 @@
+// AlignByPoseOnly: the map of the flight recorder alone: every photo is placed where the estimated pose says,
+// no pixel looked at. The way of Iz and Unel's pose-based mosaics, the preview, and what AlignFlight falls
+// back to. Pure; any thread; cannot fail.
+#pragma once
+
+#include "core/alignment/aligned_flight.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed);
+
+}  // namespace skyquilt::alignment
