@@ -1,0 +1,103 @@
+#include "storage/sqlite_db.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <vector>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+TEST(SqliteDb, GivesBackWhatWasBound) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db) << db.error().detail;
+  ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER, b REAL, c TEXT, d BLOB, e)"));
+  const std::vector<std::uint8_t> bytes = {0, 1, 255};
+  {
+    auto insert = db->Prepare("INSERT INTO t VALUES(?,?,?,?,?)");
+    ASSERT_TRUE(insert);
+    insert->Bind(1, std::int64_t{1} << 62).Bind(2, 1.5).Bind(3, "a\"'é").Bind(4, bytes).BindNull(5);
+    ASSERT_TRUE(insert->Run());
+  }
+  auto select = db->Prepare("SELECT a,b,c,d,e FROM t");
+  ASSERT_TRUE(select);
+  const auto row = select->Step();
+  ASSERT_TRUE(row);
+  ASSERT_TRUE(*row);
+  EXPECT_EQ(select->ColumnInt64(0), std::int64_t{1} << 62);
+  EXPECT_EQ(select->ColumnDouble(1), 1.5);
+  EXPECT_EQ(select->ColumnText(2), "a\"'é");
+  EXPECT_TRUE(std::ranges::equal(select->ColumnBlob(3), bytes));
+  EXPECT_TRUE(select->IsNull(4));
+  EXPECT_FALSE(*select->Step());
+}
+
+TEST(SqliteDb, RollsBackATransactionThatWasNotCommitted) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER)"));
+  {
+    auto transaction = Transaction::Begin(*db);
+    ASSERT_TRUE(transaction);
+    ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(1)"));
+  }
+  auto count = db->Prepare("SELECT count(*) FROM t");
+  ASSERT_TRUE(*count->Step());
+  EXPECT_EQ(count->ColumnInt64(0), 0);
+}
+
+TEST(SqliteDb, SaysWhenAFileIsNotADatabase) {
+  ScratchDir dir;
+  std::ofstream(dir.path() / "a.db") << std::string(5000, 'x');
+  const auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadOnlyImmutable);
+  ASSERT_FALSE(db);
+  EXPECT_EQ(db.error().code, ErrorCode::kCorrupt);
+}
+
+TEST(SqliteDb, SaysWhenAFileIsMissing) {
+  ScratchDir dir;
+  const auto db = SqliteDb::Open(dir.path() / "none.db", OpenMode::kReadOnlyImmutable);
+  ASSERT_FALSE(db);
+  EXPECT_EQ(db.error().code, ErrorCode::kNotFound);
+}
+
+TEST(SqliteDb, OpensImmutableFilesWithOddNames) {
+  ScratchDir dir;
+  const auto path = dir.path() / "a?b=%41#c d.db";
+  {
+    auto db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
+    ASSERT_TRUE(db->Exec("CREATE TABLE t(a); INSERT INTO t VALUES(7)"));
+  }
+  auto db = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
+  ASSERT_TRUE(db) << db.error().detail;
+  auto select = db->Prepare("SELECT a FROM t");
+  ASSERT_TRUE(*select->Step());
+  EXPECT_EQ(select->ColumnInt64(0), 7);
+}
+
+TEST(SqliteDb, ReportsAFullDatabaseAsOutOfSpace) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db->Exec("CREATE TABLE t(a); PRAGMA max_page_count=4"));
+  const auto full = db->Exec("INSERT INTO t VALUES(zeroblob(100000))");
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().code, ErrorCode::kOutOfSpace);
+}
+
+TEST(SqliteDb, ReportsAConstraintAsAConflict) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db->Exec("CREATE TABLE t(a INTEGER UNIQUE); INSERT INTO t VALUES(1)"));
+  auto insert = db->Prepare("INSERT INTO t VALUES(?)");
+  const auto twice = insert->Bind(1, 1).Run();
+  ASSERT_FALSE(twice);
+  EXPECT_EQ(twice.error().code, ErrorCode::kConflict);
+  EXPECT_TRUE(insert->Bind(1, 2).Run());
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
