@@ -1,0 +1,42 @@
+// ByteSource: bytes that can be read at any offset, from memory or from a file, so that a header reader
+// touches only what it asks for. Reads are all or nothing and never past the end. One thread per object.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace skyquilt::flight {
+
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+  virtual std::uint64_t size() const = 0;
+  // Fills `into` from `offset` on; false (and `into` unspecified) when the range leaves the source or the
+  // disk fails.
+  virtual bool Read(std::uint64_t offset, std::span<std::uint8_t> into) = 0;
+
+  // At most `count` bytes from `offset` on; shorter only where the source ends.
+  std::vector<std::uint8_t> ReadUpTo(std::uint64_t offset, std::size_t count);
+};
+
+// Bytes that somebody else keeps alive.
+class MemoryBytes final : public ByteSource {
+ public:
+  explicit MemoryBytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  std::uint64_t size() const override { return bytes_.size(); }
+  bool Read(std::uint64_t offset, std::span<std::uint8_t> into) override;
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+};
+
+// Errors: kIo, kNotFound; kUnsupportedFormat for what is not a regular file.
+Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& path);
+
+}  // namespace skyquilt::flight

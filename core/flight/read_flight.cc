@@ -1,0 +1,120 @@
+#include "core/flight/read_flight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+#include <tuple>
+
+#include "core/base/parallel_for.h"
+#include "core/flight/duplicates.h"
+#include "core/flight/side_files.h"
+
+namespace skyquilt::flight {
+namespace {
+
+// By time of capture, then by name; photos without a time come last.
+bool ComesBefore(const Photo& a, const Photo& b) {
+  if (a.captured_at.has_value() != b.captured_at.has_value()) return a.captured_at.has_value();
+  return std::tie(a.captured_at, a.name) < std::tie(b.captured_at, b.name);
+}
+
+std::vector<InputFile> WithoutSideFiles(const std::vector<InputFile>& files) {
+  std::vector<InputFile> kept;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(kept),
+               [](const InputFile& file) { return !IsSideFileName(file.name); });
+  return kept;
+}
+
+// Names are how a person and a log speak of a photo, so that each must be one photo's own.
+void MakeNamesUnique(std::vector<InputFile>& files) {
+  std::set<std::string> taken;
+  for (InputFile& file : files) {
+    const std::string original = file.name;
+    for (int copy = 2; !taken.insert(file.name).second; ++copy)
+      file.name = fmt::format("{} ({})", original, copy);
+  }
+}
+
+std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& files, int threads,
+                                                  Progress& progress) {
+  std::vector<std::optional<Result<Photo>>> read(files.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  ParallelFor(files.size(), threads, [&](std::size_t i) {
+    if (progress.IsCancelled()) return;
+    read[i] = ReadPhoto(files[i]);
+    const std::lock_guard lock(mutex);
+    ++done;
+    progress.Report(static_cast<double>(done) / static_cast<double>(files.size()),
+                    fmt::format("{} of {} files read", done, files.size()));
+  });
+  return read;
+}
+
+void WarnAboutFlight(Flight& flight) {
+  const auto count = [&](auto predicate) {
+    return std::count_if(flight.photos.begin(), flight.photos.end(), predicate);
+  };
+  const auto total = static_cast<std::ptrdiff_t>(flight.photos.size());
+  const auto warn = [&](std::ptrdiff_t photos, std::string_view what) {
+    if (photos > 0) flight.warnings.push_back(fmt::format("{} of {} photos {}", photos, total, what));
+  };
+  warn(count([](const Photo& p) { return !p.position; }), "carry no usable position.");
+  warn(count([](const Photo& p) { return !p.attitude; }),
+       "carry no camera angles; they are taken to look straight down, with the heading from the flight's "
+       "course.");
+  warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
+  warn(count([](const Photo& p) { return p.focal_source == FocalSource::kAssumed; }),
+       "do not say their focal length; the map's scale is a guess for them.");
+  warn(count([](const Photo& p) {
+         return std::any_of(p.notes.begin(), p.notes.end(),
+                            [](const std::string& note) { return note.starts_with("Re-saved by"); });
+       }),
+       "were re-saved by a picture viewer, which may have turned them against their recorded angles.");
+  const auto local = count([](const Photo& p) { return p.captured_at && p.captured_at_is_local; });
+  if (local > 0 && local < count([](const Photo& p) { return p.captured_at.has_value(); })) {
+    warn(local, "have a clock of unknown zone while others have UTC: their order in time is doubtful.");
+  }
+}
+
+}  // namespace
+
+Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
+                          Progress& progress) {
+  if (files.empty()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "No files were given. Give the flight's photos, or their folder.", ""};
+  }
+  progress.BeginStage("read");
+  std::vector<InputFile> candidates = WithoutSideFiles(files);
+  MakeNamesUnique(candidates);
+  std::vector<std::filesystem::path> paths;
+  for (const InputFile& file : candidates) paths.push_back(file.path);
+  auto read = ReadAll(candidates, options.threads, progress);
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Reading the photos was cancelled.", ""};
+  const auto duplicate_of = FindDuplicates(paths);
+
+  Flight flight;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Result<Photo>& photo = *read[i];
+    if (!photo) {
+      flight.left_out.push_back({candidates[i].name, photo.error().code, photo.error().message});
+    } else if (duplicate_of[i]) {
+      flight.left_out.push_back(
+          {candidates[i].name, ErrorCode::kConflict,
+           "The same bytes as " + candidates[*duplicate_of[i]].name + "; one copy is enough."});
+    } else {
+      flight.photos.push_back(std::move(*photo));
+    }
+  }
+  std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);
+  std::sort(flight.left_out.begin(), flight.left_out.end(),
+            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
+  WarnAboutFlight(flight);
+  progress.Report(1.0, fmt::format("{} photos read", flight.photos.size()));
+  return flight;
+}
+
+}  // namespace skyquilt::flight
