@@ -1,0 +1,40 @@
+// Overviews: parents from children still in memory. Blocks arrive along a quadtree curve, so at most one unfinished
+// parent a level is held: memory does not grow with the map. One thread.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/geo/tile_id.h"
+#include "core/pyramid/tile_image.h"
+
+namespace skyquilt::pyramid {
+
+class OverviewBuilder {
+ public:
+  using Emit = std::function<void(const geo::TileId&, const RgbaImage&)>;
+  // Emits every tile from first_zoom - 1 down to min_zoom, each once, when its last child has come.
+  OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit);
+
+  // A finished tile of first_zoom. All tiles below one parent must come one after the other.
+  void Add(const geo::TileId& tile, const RgbaImage& image);
+  // No more tiles: closes the parents still open.
+  void Finish();
+
+ private:
+  struct OpenParent {
+    bool is_open = false;
+    geo::TileId tile;
+    RgbaImage image;
+  };
+  void AddTo(int parent_zoom, const geo::TileId& child, const RgbaImage& child_image);
+  void Close(int zoom);
+
+  const int first_zoom_;
+  const int min_zoom_;
+  const int tile_size_px_;
+  const Emit emit_;
+  std::vector<OpenParent> open_;  // by zoom
+};
+
+}  // namespace skyquilt::pyramid

@@ -1,0 +1,27 @@
+// EncodeTile: a premultiplied tile to the bytes that are stored and served: JPEG where every pixel is covered, PNG
+// with alpha at the fringe (or WebP for both). Deterministic. Any thread; each call uses its own encoder.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/pipeline/ports.h"
+#include "core/pyramid/tile_image.h"
+
+namespace skyquilt::pyramid {
+
+struct EncodeOptions {
+  bool use_webp = false;
+  int quality = 85;
+};
+
+struct EncodedTile {
+  pipeline::TileFormat format = pipeline::TileFormat::kJpeg;
+  std::vector<std::uint8_t> bytes;
+};
+
+// Nothing for a tile without any covered pixel.
+std::optional<EncodedTile> EncodeTile(const RgbaImage& tile, const EncodeOptions& options);
+
+}  // namespace skyquilt::pyramid

@@ -1,0 +1,31 @@
+// RgbaImage: 8-bit RGBA with PREMULTIPLIED alpha, rows without padding, north row first. Premultiplied, so that
+// averaging at the map's edge neither darkens nor bleeds. A value; any thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace skyquilt::pyramid {
+
+struct RgbaImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> rgba;
+
+  static RgbaImage Transparent(int width_px, int height_px) {
+    return {width_px, height_px, std::vector<std::uint8_t>(static_cast<std::size_t>(width_px) * height_px * 4, 0)};
+  }
+  std::uint8_t* Pixel(int x, int y) { return rgba.data() + (static_cast<std::size_t>(y) * width_px + x) * 4; }
+  const std::uint8_t* Pixel(int x, int y) const {
+    return rgba.data() + (static_cast<std::size_t>(y) * width_px + x) * 4;
+  }
+};
+
+// The part of `image` that starts at (x, y) and is size x size.
+RgbaImage Crop(const RgbaImage& image, int x, int y, int size_px);
+// Half the size, each pixel the mean of four: what GDAL's "average" overviews do, in the stored (sRGB) values.
+RgbaImage Halve(const RgbaImage& image);
+// Writes `quarter` at (x, y) of `image`.
+void Paste(const RgbaImage& quarter, int x, int y, RgbaImage& image);
+
+}  // namespace skyquilt::pyramid

@@ -1,0 +1,32 @@
+// MosaicPlan: what will be rendered, in which order. Value of plan_mosaic, input of render_tiles. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geo/bounds.h"
+#include "core/geo/tile_id.h"
+
+namespace skyquilt::render {
+
+// A square of base tiles rendered in one go: the part of the base zoom below one coarser tile.
+struct RenderBlock {
+  geo::TileId tile;                       // of zoom base_zoom - block_levels
+  std::vector<std::uint32_t> photos;      // indices of the photos that see it, rising
+};
+
+struct MosaicPlan {
+  double gsd_m = 0.0;        // ground size of a photo pixel, median at the image centres
+  int base_zoom = 0;
+  int min_zoom = 0;          // where one tile holds the whole mosaic
+  int block_levels = 2;      // a block is 2^block_levels tiles a side
+  int tile_size_px = 256;
+  geo::Bounds2 bounds_in_merc;
+  std::vector<RenderBlock> blocks;  // along the Hilbert curve, so that neighbours share decoded photos
+  double feather_m = 0.0;
+  std::int64_t output_pixels = 0;   // upper bound
+
+  int BlockSizePx() const { return tile_size_px << block_levels; }
+};
+
+}  // namespace skyquilt::render

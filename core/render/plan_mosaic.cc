@@ -1,0 +1,124 @@
+#include "core/render/plan_mosaic.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/camera/footprint.h"
+#include "core/camera/ground_homography.h"
+#include "core/geo/web_mercator.h"
+#include "core/render/hilbert.h"
+
+namespace skyquilt::render {
+namespace {
+
+using alignment::AlignedFlight;
+using alignment::AlignedPhoto;
+
+constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
+
+std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight, double plane_z_m) {
+  std::vector<Eigen::Vector2d> polygon = camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m);
+  for (Eigen::Vector2d& point : polygon) {
+    const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), plane_z_m});
+    point = geo::MercFromLatLon({wgs84.lat_deg, wgs84.lon_deg});
+  }
+  return polygon;
+}
+
+// What the photo can see for any height the ground takes.
+geo::Bounds2 BoundsSeen(const AlignedPhoto& photo, const AlignedFlight& flight, const ground::GroundSurface& ground) {
+  geo::Bounds2 bounds;
+  for (const double z_m : {ground.MinHeight(), ground.MaxHeight()}) {
+    bounds.Include(camera::BoundsOf(FootprintInMerc(photo, flight, z_m)));
+  }
+  return bounds;
+}
+
+// Ground size of a pixel at the image centre: height along the axis over the focal length.
+std::optional<double> GsdM(const AlignedPhoto& photo, double plane_z_m) {
+  const Eigen::Vector2d middle{0.5 * (photo.intrinsics.width_px - 1), 0.5 * (photo.intrinsics.height_px - 1)};
+  const auto ground = camera::GroundFromPixel(photo.intrinsics, photo.cam_from_enu, middle, plane_z_m);
+  if (!ground) return std::nullopt;
+  return (*ground - photo.cam_from_enu.TargetOriginInSource()).norm() / photo.intrinsics.MeanFocalPx();
+}
+
+int CommonAncestorZoom(const std::vector<RenderBlock>& blocks) {
+  int zoom = blocks.front().tile.z();
+  std::uint32_t x = blocks.front().tile.x();
+  std::uint32_t y = blocks.front().tile.y();
+  for (const RenderBlock& block : blocks) {
+    const int below = block.tile.z() - zoom;
+    std::uint32_t other_x = block.tile.x() >> below;
+    std::uint32_t other_y = block.tile.y() >> below;
+    while (other_x != x || other_y != y) {
+      other_x >>= 1, other_y >>= 1, x >>= 1, y >>= 1;
+      --zoom;
+    }
+  }
+  return zoom;
+}
+
+}  // namespace
+
+Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundSurface& ground,
+                              const PlanOptions& options) {
+  MosaicPlan plan;
+  std::vector<double> gsds;
+  std::vector<geo::Bounds2> seen(flight.photos.size());
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    seen[i] = BoundsSeen(flight.photos[i], flight, ground);
+    if (seen[i].IsEmpty()) continue;
+    plan.bounds_in_merc.Include(seen[i]);
+    if (const auto gsd_m = GsdM(flight.photos[i], ground.MeanHeight())) gsds.push_back(*gsd_m);
+  }
+  if (gsds.empty()) {
+    return Error{ErrorCode::kUnprocessable,
+                 "no photo looks at the ground: by the recorded angles and heights all look at the sky or from below", ""};
+  }
+  std::nth_element(gsds.begin(), gsds.begin() + static_cast<std::ptrdiff_t>(gsds.size() / 2), gsds.end());
+  plan.gsd_m = gsds[gsds.size() / 2];
+  const double lat_deg = flight.frame.origin().lat_deg;
+  plan.base_zoom = geo::ZoomForGsd(options.gsd_m.value_or(plan.gsd_m), lat_deg, plan.tile_size_px);
+  plan.block_levels = std::min(2, plan.base_zoom);
+  const double pixel_m = geo::PixelSizeInMercM(plan.base_zoom, plan.tile_size_px) * geo::GroundMetresPerMercMetre(lat_deg);
+  plan.feather_m = options.feather_m > 0.0 ? options.feather_m : 24.0 * pixel_m;
+
+  const int block_zoom = plan.base_zoom - plan.block_levels;
+  // The ground bends and photos lean: a photo is asked about a little more than it may turn out to see.
+  const double margin_m = 2.0 * geo::PixelSizeInMercM(plan.base_zoom, plan.tile_size_px);
+  std::map<std::uint64_t, RenderBlock> by_hilbert;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i].IsEmpty()) continue;
+    const geo::TileId first =
+        geo::TileId::AtMerc(block_zoom, {seen[i].min.x() - margin_m, seen[i].max.y() + margin_m});
+    const geo::TileId last = geo::TileId::AtMerc(block_zoom, {seen[i].max.x() + margin_m, seen[i].min.y() - margin_m});
+    const std::int64_t across = std::int64_t{last.x()} - first.x() + 1;
+    const std::int64_t down = std::int64_t{last.y()} - first.y() + 1;
+    if (across * down > 1'000'000) {
+      return Error{ErrorCode::kTooLarge,
+                   fmt::format("{} would cover {} x {} blocks of the map at this resolution. Choose a coarser --gsd.",
+                               flight.photos[i].photo.name, across, down),
+                   ""};
+    }
+    for (std::uint32_t y = first.y(); y <= last.y(); ++y) {
+      for (std::uint32_t x = first.x(); x <= last.x(); ++x) {
+        RenderBlock& block = by_hilbert[HilbertIndex(block_zoom, x, y)];
+        if (block.photos.empty()) block.tile = *geo::TileId::Make(block_zoom, x, y);
+        block.photos.push_back(static_cast<std::uint32_t>(i));
+      }
+    }
+  }
+  plan.blocks.reserve(by_hilbert.size());
+  for (auto& [index, block] : by_hilbert) plan.blocks.push_back(std::move(block));
+  plan.min_zoom = CommonAncestorZoom(plan.blocks);
+  plan.output_pixels = static_cast<std::int64_t>(plan.blocks.size()) * plan.BlockSizePx() * plan.BlockSizePx();
+  if (plan.output_pixels > kMaxOutputPixels) {
+    return Error{ErrorCode::kTooLarge, "the map would have more than a million megapixels; choose a coarser --gsd", ""};
+  }
+  return plan;
+}
+
+}  // namespace skyquilt::render

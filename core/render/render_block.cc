@@ -1,0 +1,137 @@
+#include "core/render/render_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "core/geo/web_mercator.h"
+#include "core/render/block_geometry.h"
+#include "core/render/block_weights.h"
+
+namespace skyquilt::render {
+namespace {
+
+// Where each pixel of the share's rectangle lies in the decoded (possibly smaller) image: bilinear between nodes.
+struct PixelMaps {
+  cv::Mat1f x, y;
+};
+
+PixelMaps MapsFor(const PhotoShare& share, const PhotoView& view, int nodes_per_side, int denominator) {
+  PixelMaps maps{cv::Mat1f(share.height, share.width), cv::Mat1f(share.height, share.width)};
+  const float scale = 1.0f / static_cast<float>(denominator);
+  const float shift = 0.5f * scale - 0.5f;  // pixel corners scale, centres carry the half pixel
+  constexpr float kStep = 1.0f / kNodeStepPx;
+  for (int cell_y = 0; cell_y < share.height; cell_y += kNodeStepPx) {
+    for (int cell_x = 0; cell_x < share.width; cell_x += kNodeStepPx) {
+      const std::size_t k = static_cast<std::size_t>((share.y + cell_y) / kNodeStepPx) * nodes_per_side +
+                            static_cast<std::size_t>((share.x + cell_x) / kNodeStepPx);
+      const Eigen::Vector2f nw = view.pixel_in_image[k];
+      const Eigen::Vector2f ne = view.pixel_in_image[k + 1];
+      const Eigen::Vector2f sw = view.pixel_in_image[k + nodes_per_side];
+      const Eigen::Vector2f se = view.pixel_in_image[k + nodes_per_side + 1];
+      for (int dy = 0; dy < kNodeStepPx; ++dy) {
+        const float v = dy * kStep;
+        const Eigen::Vector2f west = (1.0f - v) * nw + v * sw;
+        const Eigen::Vector2f east = (1.0f - v) * ne + v * se;
+        const Eigen::Vector2f step = (east - west) * kStep;
+        float* out_x = maps.x[cell_y + dy] + cell_x;
+        float* out_y = maps.y[cell_y + dy] + cell_x;
+        for (int dx = 0; dx < kNodeStepPx; ++dx) {
+          // NaN (the photo does not see this cell) compares false and leaves a pixel nobody weighs.
+          const float x = west.x() + dx * step.x();
+          const float y = west.y() + dx * step.y();
+          out_x[dx] = x > -1e4f && x < 1e5f ? x * scale + shift : -1e4f;
+          out_y[dx] = y > -1e4f && y < 1e5f ? y * scale + shift : -1e4f;
+        }
+      }
+    }
+  }
+  return maps;
+}
+
+void Accumulate(const PhotoShare& share, const cv::Mat3b& warped, const PixelMaps& maps, const PhotoTone& tone,
+                const camera::Intrinsics& lens, int denominator, int block_size_px, std::vector<float>& sum_rgb,
+                std::vector<std::uint8_t>& covered) {
+  const float center_x = static_cast<float>((lens.center_x_px + 0.5) / denominator - 0.5);
+  const float center_y = static_cast<float>((lens.center_y_px + 0.5) / denominator - 0.5);
+  const double half_diagonal_px = 0.5 * std::hypot(lens.width_px, lens.height_px) / denominator;
+  const float radius_scale = static_cast<float>(1.0 / (half_diagonal_px * half_diagonal_px));
+  const std::array<float, 3> gain{static_cast<float>(tone.gain[0]), static_cast<float>(tone.gain[1]),
+                                  static_cast<float>(tone.gain[2])};
+  const std::array<float, 3> a{static_cast<float>(tone.vignetting.a[0]), static_cast<float>(tone.vignetting.a[1]),
+                               static_cast<float>(tone.vignetting.a[2])};
+  for (int y = 0; y < share.height; ++y) {
+    const float* weight = share.weight.data() + static_cast<std::size_t>(y) * share.width;
+    const auto* rgb = warped.ptr<std::uint8_t>(y);
+    const float* map_x = maps.x[y];
+    const float* map_y = maps.y[y];
+    const std::size_t base = static_cast<std::size_t>(share.y + y) * block_size_px + share.x;
+    for (int x = 0; x < share.width; ++x) {
+      if (weight[x] <= 0.0f) continue;
+      const float dx = map_x[x] - center_x;
+      const float dy = map_y[x] - center_y;
+      const float r2 = (dx * dx + dy * dy) * radius_scale;
+      const float brighten = 1.0f / (1.0f + r2 * (a[0] + r2 * (a[1] + r2 * a[2])));
+      float* out = sum_rgb.data() + (base + x) * 3;
+      for (int c = 0; c < 3; ++c) {
+        out[c] += weight[x] * std::min(255.0f, static_cast<float>(rgb[3 * x + c]) * gain[c] * brighten);
+      }
+      covered[base + x] = 255;
+    }
+  }
+}
+
+}  // namespace
+
+int DenominatorFor(const alignment::AlignedPhoto& photo, double output_pixel_m) {
+  const double photo_pixel_m = std::max(1.0, photo.height_above_ground_m) / photo.intrinsics.MeanFocalPx();
+  const double minification = output_pixel_m / photo_pixel_m;
+  int denominator = 1;
+  while (denominator < 8 && minification / denominator > 1.45) denominator *= 2;
+  return denominator;
+}
+
+Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block) {
+  const int size_px = context.plan.BlockSizePx();
+  const BlockGeometry geometry = MakeBlockGeometry(block.tile, size_px, context.flight.frame, context.ground);
+  std::vector<PhotoView> views;
+  views.reserve(block.photos.size());
+  for (const std::uint32_t photo : block.photos) views.push_back(ViewBlock(context.flight.photos[photo], geometry));
+  const std::vector<PhotoShare> shares =
+      WeighPhotos(context.flight, block.photos, views, geometry, {context.plan.feather_m});
+
+  pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
+  if (shares.empty()) return image;
+  std::vector<float> sum_rgb(static_cast<std::size_t>(size_px) * size_px * 3, 0.0f);
+  std::vector<std::uint8_t> covered(static_cast<std::size_t>(size_px) * size_px, 0);
+  const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px) *
+                         geo::GroundMetresPerMercMetre(context.flight.frame.origin().lat_deg);
+  for (const PhotoShare& share : shares) {
+    if (std::none_of(share.weight.begin(), share.weight.end(), [](float w) { return w > 0.0f; })) continue;
+    const alignment::AlignedPhoto& photo = context.flight.photos[share.photo];
+    const auto at = std::lower_bound(block.photos.begin(), block.photos.end(), share.photo) - block.photos.begin();
+    const int denominator = DenominatorFor(photo, pixel_m);
+    const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator);
+    if (!decoded) return decoded.error();
+    const pipeline::DecodedImage& source = **decoded;
+    const PixelMaps maps =
+        MapsFor(share, views[static_cast<std::size_t>(at)], geometry.nodes_per_side, denominator);
+    const cv::Mat3b source_rgb(source.height_px, source.width_px,
+                               reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(source.rgb.data())));
+    cv::Mat3b warped;
+    cv::remap(source_rgb, warped, maps.x, maps.y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    Accumulate(share, warped, maps, context.exposure.photos[share.photo], photo.intrinsics, denominator, size_px,
+               sum_rgb, covered);
+  }
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    if (covered[i] == 0) continue;
+    for (int c = 0; c < 3; ++c) {
+      image.rgba[4 * i + static_cast<std::size_t>(c)] =
+          static_cast<std::uint8_t>(std::clamp(std::lround(sum_rgb[3 * i + static_cast<std::size_t>(c)]), 0L, 255L));
+    }
+    image.rgba[4 * i + 3] = 255;
+  }
+  return image;
+}
+
+}  // namespace skyquilt::render

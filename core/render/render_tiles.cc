@@ -1,0 +1,132 @@
+#include "core/render/render_tiles.h"
+
+#include <fmt/core.h>
+
+#include <atomic>
+#include <optional>
+#include <utility>
+
+#include "core/base/parallel_for.h"
+#include "core/pyramid/build_overviews.h"
+
+namespace skyquilt::render {
+namespace {
+
+struct FinishedTile {
+  geo::TileId tile;
+  pyramid::EncodedTile encoded;
+};
+
+struct FinishedBlock {
+  std::optional<Error> error;
+  std::vector<FinishedTile> tiles;  // base zoom first, then the block's own overviews but the topmost's parents
+  std::optional<pyramid::RgbaImage> top;  // the block as one tile; nothing if no pixel is covered
+  std::int64_t base_tiles = 0;
+  std::int64_t covered_pixels = 0;
+  geo::Bounds2 covered_in_merc;
+};
+
+void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, int size_px, FinishedBlock& finished) {
+  int x0 = size_px, y0 = size_px, x1 = -1, y1 = -1;
+  for (int y = 0; y < size_px; ++y) {
+    for (int x = 0; x < size_px; ++x) {
+      if (image.Pixel(x, y)[3] == 0) continue;
+      ++finished.covered_pixels;
+      x0 = std::min(x0, x), x1 = std::max(x1, x);
+      y0 = std::min(y0, y), y1 = std::max(y1, y);
+    }
+  }
+  if (x1 < 0) return;
+  const geo::Bounds2 bounds = block.tile.BoundsInMerc();
+  const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px);
+  finished.covered_in_merc.Include(Eigen::Vector2d(bounds.min.x() + x0 * pixel_m, bounds.max.y() - y0 * pixel_m));
+  finished.covered_in_merc.Include(
+      Eigen::Vector2d(bounds.min.x() + (x1 + 1) * pixel_m, bounds.max.y() - (y1 + 1) * pixel_m));
+}
+
+FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options, const RenderBlock& block) {
+  FinishedBlock finished;
+  Result<pyramid::RgbaImage> rendered = RenderBlockPixels(context, block);
+  if (!rendered) {
+    finished.error = rendered.error();
+    return finished;
+  }
+  pyramid::RgbaImage image = *std::move(rendered);
+  MeasureCoverage(image, block, context.plan.BlockSizePx(), finished);
+  if (finished.covered_pixels == 0) return finished;
+  const int tile_px = context.plan.tile_size_px;
+  for (int level = context.plan.block_levels; level >= 0; --level) {
+    const int side = 1 << level;
+    for (int row = 0; row < side; ++row) {
+      for (int column = 0; column < side; ++column) {
+        auto encoded =
+            pyramid::EncodeTile(pyramid::Crop(image, column * tile_px, row * tile_px, tile_px), options.encode);
+        if (!encoded) continue;
+        const auto tile = geo::TileId::Make(block.tile.z() + level, (std::int64_t{block.tile.x()} << level) + column,
+                                            (std::int64_t{block.tile.y()} << level) + row);
+        if (level == context.plan.block_levels) ++finished.base_tiles;
+        finished.tiles.push_back({*tile, *std::move(encoded)});
+      }
+    }
+    if (level > 0) image = pyramid::Halve(image);
+  }
+  finished.top = std::move(image);
+  return finished;
+}
+
+}  // namespace
+
+Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options, pipeline::TileSink& sink,
+                                 Progress& progress) {
+  RenderReport report;
+  std::optional<Error> failure;
+  std::atomic<bool> stop{false};
+  const auto put = [&](const geo::TileId& tile, const pyramid::EncodedTile& encoded) {
+    if (failure) return;
+    if (auto stored = sink.Put(tile, encoded.format, encoded.bytes); !stored) {
+      failure = stored.error();
+      stop = true;
+      return;
+    }
+    ++report.tiles;
+  };
+  const int block_zoom = context.plan.base_zoom - context.plan.block_levels;
+  pyramid::OverviewBuilder overviews(block_zoom, std::min(context.plan.min_zoom, block_zoom), context.plan.tile_size_px,
+                                     [&](const geo::TileId& tile, const pyramid::RgbaImage& image) {
+                                       if (auto encoded = pyramid::EncodeTile(image, options.encode)) put(tile, *encoded);
+                                     });
+  const double pixel_m = geo::PixelSizeInMercM(context.plan.base_zoom, context.plan.tile_size_px);
+  const std::size_t count = context.plan.blocks.size();
+  const std::size_t window = 2 * static_cast<std::size_t>(ThreadCount(options.threads)) + 2;
+  ParallelOrdered<FinishedBlock>(
+      count, options.threads, window,
+      [&](std::size_t i) {
+        if (stop || progress.IsCancelled()) {
+          FinishedBlock skipped;
+          skipped.error = Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+          return skipped;
+        }
+        return FinishBlock(context, options, context.plan.blocks[i]);
+      },
+      [&](std::size_t i, FinishedBlock&& block) {
+        if (failure) return;
+        if (block.error) {
+          failure = block.error;
+          stop = true;
+          return;
+        }
+        for (const FinishedTile& tile : block.tiles) put(tile.tile, tile.encoded);
+        if (block.top) overviews.Add(context.plan.blocks[i].tile, *block.top);
+        report.base_tiles += block.base_tiles;
+        report.covered_merc_m2 += static_cast<double>(block.covered_pixels) * pixel_m * pixel_m;
+        report.covered_in_merc.Include(block.covered_in_merc);
+        progress.Report(static_cast<double>(i + 1) / static_cast<double>(count),
+                        fmt::format("block {} of {}", i + 1, count));
+      });
+  if (!failure) overviews.Finish();
+  if (failure) return *failure;
+  report.decodes = context.cache.decodes();
+  return report;
+}
+
+}  // namespace skyquilt::render

@@ -1,0 +1,29 @@
+// RenderTiles: the whole pyramid, block by block straight into the sink. Never more in memory than the decoded-photo
+// budget, a block a thread and one open parent a level. The same bytes in the same order with any number of threads.
+// Blocking. Errors: those of decoding and of the sink; kCancelled.
+#pragma once
+
+#include "core/base/progress.h"
+#include "core/pipeline/ports.h"
+#include "core/pyramid/encode_tile.h"
+#include "core/render/render_block.h"
+
+namespace skyquilt::render {
+
+struct RenderOptions {
+  int threads = 0;
+  pyramid::EncodeOptions encode;
+};
+
+struct RenderReport {
+  std::int64_t tiles = 0;
+  std::int64_t base_tiles = 0;
+  double covered_merc_m2 = 0.0;    // covered area in merc square metres
+  geo::Bounds2 covered_in_merc;    // of the base tiles' covered pixels
+  std::int64_t decodes = 0;
+};
+
+Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options, pipeline::TileSink& sink,
+                                 Progress& progress);
+
+}  // namespace skyquilt::render
