@@ -58,11 +58,8 @@ Result<DecodedImage> DecodeJpeg(const std::vector<std::uint8_t>& bytes, int widt
   const Turbo turbo(tjInitDecompress());
   if (!turbo) throw std::bad_alloc();
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
-  if (tjDecompressHeader3(turbo.get(), bytes.data(), bytes.size(), &width, &height, &subsampling,
-                          &colorspace) != 0 &&
-      tjGetErrorCode(turbo.get()) == TJERR_FATAL) {
-    return Damaged(tjGetErrorStr2(turbo.get()));
-  }
+  tjDecompressHeader3(turbo.get(), bytes.data(), bytes.size(), &width, &height, &subsampling, &colorspace);
+  if (width <= 0 || height <= 0) return Damaged(tjGetErrorStr2(turbo.get()));
   if (width != width_px || height != height_px) return Changed();
   DecodedImage image;
   image.width_px = CeilDiv(width, denominator);

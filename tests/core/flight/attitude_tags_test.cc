@@ -1,0 +1,248 @@
+// Every maker's convention for angles and speeds, and the traps among them.
+#include "core/flight/attitude_tags.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "core/geo/lat_lon.h"
+#include "tests/core/flight/synthetic_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using geo::DegToRad;
+using geo::RadToDeg;
+
+struct Read {
+  std::optional<RecordedAttitude> attitude;
+  std::vector<std::string> notes;
+};
+
+Read ReadXmp(const std::string& attributes, const std::string& elements = "", const std::string& make = "",
+             const std::optional<DjiMakerNote>& note = std::nullopt) {
+  XmpTags xmp;
+  EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes, elements)));
+  Read read;
+  read.attitude = AttitudeFromTags(xmp, note, make, read.notes);
+  return read;
+}
+
+void ExpectAngles(const Read& read, AttitudeKind kind, double yaw_deg, double pitch_deg, double roll_deg) {
+  ASSERT_TRUE(read.attitude);
+  EXPECT_EQ(read.attitude->kind, kind);
+  EXPECT_NEAR(RadToDeg(read.attitude->yaw_rad), yaw_deg, 1e-9);
+  EXPECT_NEAR(RadToDeg(read.attitude->pitch_rad), pitch_deg, 1e-9);
+  EXPECT_NEAR(RadToDeg(read.attitude->roll_rad), roll_deg, 1e-9);
+}
+
+std::string Dji(const std::string& yaw, const std::string& pitch, const std::string& roll) {
+  return kDjiNamespace + ("drone-dji:GimbalYawDegree=\"" + yaw + "\" drone-dji:GimbalPitchDegree=\"" + pitch +
+                          "\" drone-dji:GimbalRollDegree=\"" + roll + "\" ");
+}
+
+// The camera's axes in north-east-down: columns are image right, image down, optical axis.
+Eigen::Matrix3d NedFromCam(const RecordedAttitude& attitude) {
+  const Eigen::Matrix3d ned_from_source = (Eigen::AngleAxisd(attitude.yaw_rad, Eigen::Vector3d::UnitZ()) *
+                                           Eigen::AngleAxisd(attitude.pitch_rad, Eigen::Vector3d::UnitY()) *
+                                           Eigen::AngleAxisd(attitude.roll_rad, Eigen::Vector3d::UnitX()))
+                                              .toRotationMatrix();
+  Eigen::Matrix3d cam_from_source;
+  if (attitude.kind == AttitudeKind::kGimbal) {
+    cam_from_source << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  } else {
+    cam_from_source << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  }
+  return ned_from_source * cam_from_source.transpose();
+}
+
+TEST(AttitudeFromTags, TakesDjiGimbalAnglesAsTheyAre) {
+  ExpectAngles(ReadXmp(Dji("+45.00", "-89.90", "+0.00")), AttitudeKind::kGimbal, 45.0, -89.9, 0.0);
+  ExpectAngles(ReadXmp(Dji("-131.40", "-60.0", "1.5")), AttitudeKind::kGimbal, -131.4, -60.0, 1.5);
+}
+
+TEST(AttitudeFromTags, ReadsTheElementFormAndForeignPrefixes) {
+  const std::string uri = "xmlns:mine=\"http://www.dji.com/drone-dji/1.0/\"";
+  ExpectAngles(ReadXmp(uri,
+                       "<mine:GimbalYawDegree> +10.5 </mine:GimbalYawDegree><mine:GimbalPitchDegree>-90"
+                       "</mine:GimbalPitchDegree><mine:GimbalRollDegree>0</mine:GimbalRollDegree>"),
+               AttitudeKind::kGimbal, 10.5, -90.0, 0.0);
+}
+
+TEST(AttitudeFromTags, ReadsAGimbalRollOf180AsAHalfTurnOfTheYaw) {
+  const Read read = ReadXmp(Dji("170.0", "-89.9", "180.0"));
+  ExpectAngles(read, AttitudeKind::kGimbal, -10.0, -90.1, 0.0);
+  ASSERT_EQ(read.notes.size(), 1u);
+  // It is the same rotation, only written otherwise.
+  RecordedAttitude as_written;
+  as_written.yaw_rad = DegToRad(170.0);
+  as_written.pitch_rad = DegToRad(-89.9);
+  as_written.roll_rad = DegToRad(180.0);
+  EXPECT_LT((NedFromCam(as_written) - NedFromCam(*read.attitude)).norm(), 1e-12);
+}
+
+TEST(AttitudeFromTags, KeepsTheRotationWhateverTheRoll) {
+  for (double yaw = -180.0; yaw < 180.0; yaw += 37.0) {
+    for (double pitch = -120.0; pitch <= 30.0; pitch += 17.0) {
+      for (double roll = -180.0; roll <= 180.0; roll += 29.0) {
+        const Read read = ReadXmp(Dji(std::to_string(yaw), std::to_string(pitch), std::to_string(roll)));
+        ASSERT_TRUE(read.attitude);
+        EXPECT_LE(std::abs(read.attitude->roll_rad), DegToRad(90.0) + 1e-9);
+        RecordedAttitude as_written;
+        as_written.yaw_rad = DegToRad(yaw);
+        as_written.pitch_rad = DegToRad(pitch);
+        as_written.roll_rad = DegToRad(roll);
+        EXPECT_LT((NedFromCam(as_written) - NedFromCam(*read.attitude)).norm(), 1e-9);
+      }
+    }
+  }
+}
+
+TEST(AttitudeFromTags, RefusesAllZeroGimbalAnglesAndSaysSo) {
+  const Read read = ReadXmp(Dji("0.0", "+0.00", "0"));
+  EXPECT_FALSE(read.attitude);
+  ASSERT_EQ(read.notes.size(), 1u);
+  EXPECT_NE(read.notes[0].find("exactly zero"), std::string::npos);
+}
+
+TEST(AttitudeFromTags, TakesOnlyTheHeadingOfADjiAirframe) {
+  const std::string flight =
+      "drone-dji:FlightYawDegree=\"33\" drone-dji:FlightPitchDegree=\"-14\" "
+      "drone-dji:FlightRollDegree=\"3\" ";
+  const Read without_gimbal = ReadXmp(kDjiNamespace + flight);
+  ExpectAngles(without_gimbal, AttitudeKind::kAirframe, 33.0, 0.0, 0.0);
+  EXPECT_EQ(without_gimbal.notes.size(), 1u);
+  ExpectAngles(ReadXmp(Dji("12", "-90", "0") + flight), AttitudeKind::kGimbal, 12.0, -90.0, 0.0);
+}
+
+TEST(AttitudeFromTags, CountsParrotAnafiFromTheHorizon) {
+  ExpectAngles(ReadXmp("xmlns:drone-parrot=\"http://www.parrot.com/drone-parrot/1.0/\" "
+                       "drone-parrot:CameraYawDegree=\"100.5\" drone-parrot:CameraPitchDegree=\"-12\" "
+                       "drone-parrot:CameraRollDegree=\"0.3\" drone-parrot:DroneYawDegree=\"80\""),
+               AttitudeKind::kGimbal, 100.5, -12.0, 0.3);
+}
+
+TEST(AttitudeFromTags, CountsThePix4dSchemeFromNadir) {
+  const std::string uri = "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" ";
+  const Read down = ReadXmp(uri + "Camera:Yaw=\"350\" Camera:Pitch=\"0.5\" Camera:Roll=\"-7\"", "", "Parrot");
+  ExpectAngles(down, AttitudeKind::kAirframe, -10.0, 0.5, -7.0);
+  // 90 degrees of pitch look at the horizon, along the heading, with the picture upright.
+  const Read ahead = ReadXmp(uri + "Camera:Yaw=\"90\" Camera:Pitch=\"90\" Camera:Roll=\"0\"");
+  ASSERT_TRUE(ahead.attitude);
+  const Eigen::Matrix3d ned_from_cam = NedFromCam(*ahead.attitude);
+  EXPECT_LT((ned_from_cam.col(2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-9);  // towards east
+  EXPECT_LT((ned_from_cam.col(1) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);  // image down is down
+}
+
+TEST(AttitudeFromTags, AgreesForOldAutelsGimbalAndThePix4dSchemeWithoutRoll) {
+  const std::string tags =
+      "xmlns:Camera=\"http://www.pix4d.com/camera/1.0\" Camera:Yaw=\"123\" Camera:Pitch=\"14\" "
+      "Camera:Roll=\"0\"";
+  const Read autel = ReadXmp(tags, "", "Autel Robotics");
+  ExpectAngles(autel, AttitudeKind::kGimbal, 123.0, -76.0, 0.0);
+  const Read other = ReadXmp(tags);
+  ASSERT_TRUE(other.attitude);
+  EXPECT_LT((NedFromCam(*autel.attitude) - NedFromCam(*other.attitude)).norm(), 1e-12);
+}
+
+TEST(AttitudeFromTags, ReadsBothNamesOfOldSensefly) {
+  const std::string uri = "xmlns:sensefly=\"http://ns.sensefly.com/sensefly/1.0/\" ";
+  ExpectAngles(
+      ReadXmp(uri + "sensefly:Heading=\"242.5\" sensefly:PitchAngle=\"5.9\" sensefly:RollAngle=\"-10.8\""),
+      AttitudeKind::kAirframe, -117.5, 5.9, -10.8);
+  ExpectAngles(ReadXmp(uri + "sensefly:Yaw=\"12\" sensefly:Pitch=\"1\" sensefly:Roll=\"2\""),
+               AttitudeKind::kAirframe, 12.0, 1.0, 2.0);
+}
+
+TEST(AttitudeFromTags, ReadsSkydiosStructureInEveryForm) {
+  const std::string uri =
+      "xmlns:s=\"https://www.skydio.com/drone-skydio/1.0/\" "
+      "xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\"";
+  const std::string fields = "<s:Yaw>-20.5</s:Yaw><s:Pitch>-88</s:Pitch><s:Roll>0.5</s:Roll>";
+  for (const std::string& element :
+       {"<s:CameraOrientationNED rdf:parseType=\"Resource\">" + fields + "</s:CameraOrientationNED>",
+        "<s:CameraOrientationNED><rdf:Description>" + fields + "</rdf:Description></s:CameraOrientationNED>",
+        std::string("<s:CameraOrientationNED s:Yaw=\"-20.5\" s:Pitch=\"-88\" s:Roll=\"0.5\"/>")}) {
+    SCOPED_TRACE(element);
+    ExpectAngles(ReadXmp(uri, element), AttitudeKind::kGimbal, -20.5, -88.0, 0.5);
+  }
+}
+
+TEST(AttitudeFromTags, SumsTealsPlatformAndCamera) {
+  ExpectAngles(
+      ReadXmp("xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:PlatformYaw=\"170\" exif:CameraYaw=\"20\" "
+              "exif:PlatformPitch=\"-5\" exif:CameraPitch=\"-80\" exif:PlatformRoll=\"1\" "
+              "exif:CameraRoll=\"-1\""),
+      AttitudeKind::kGimbal, -170.0, -85.0, 0.0);
+}
+
+TEST(AttitudeFromTags, RefusesSentinelsAndNonsense) {
+  EXPECT_FALSE(ReadXmp("xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:Yaw=\"-20000000000\" "
+                       "Camera:Pitch=\"-20000000000\" Camera:Roll=\"-20000000000\"")
+                   .attitude);
+  EXPECT_FALSE(ReadXmp(Dji("nan", "-90", "0")).attitude);
+  EXPECT_FALSE(ReadXmp(Dji("inf", "-90", "0")).attitude);
+  EXPECT_FALSE(ReadXmp(Dji("north", "down", "none")).attitude);
+  EXPECT_FALSE(ReadXmp(Dji("5000", "-90", "0")).attitude);
+  EXPECT_FALSE(ReadXmp("").attitude);
+}
+
+TEST(AttitudeFromTags, FallsBackToTheDjiMakerNote) {
+  const auto note =
+      ReadDjiMakerNote(DjiNote({{3, 1.0f}, {7, 46.0f}, {9, -89.5f}, {10, 45.25f}, {11, 0.5f}}), false);
+  ASSERT_TRUE(note);
+  ExpectAngles(ReadXmp("", "", "DJI", note), AttitudeKind::kGimbal, 45.25, -89.5, 0.5);
+  ExpectAngles(ReadXmp(Dji("1", "-90", "0"), "", "DJI", note), AttitudeKind::kGimbal, 1.0, -90.0, 0.0);
+  ExpectAngles(ReadXmp("", "", "DJI", ReadDjiMakerNote(DjiNote({{7, 46.0f}}), false)),
+               AttitudeKind::kAirframe, 46.0, 0.0, 0.0);
+}
+
+TEST(ReadDjiMakerNote, RefusesWhatIsNotDjis) {
+  EXPECT_FALSE(ReadDjiMakerNote({}, false));
+  const Bytes cut_off = [] {
+    Bytes note = DjiNote({{9, -90.0f}, {10, 1.0f}});
+    note.resize(20);
+    return note;
+  }();
+  EXPECT_FALSE(ReadDjiMakerNote(cut_off, false));
+  EXPECT_FALSE(ReadDjiMakerNote(Bytes(4000, 0xFF), true));
+  EXPECT_FALSE(ReadDjiMakerNote(DjiNote({{9, std::numeric_limits<float>::quiet_NaN()}}), false));
+}
+
+TEST(VelocityFromTags, TurnsEveryFrameToEastNorthUp) {
+  XmpTags dji;
+  ASSERT_TRUE(dji.AddPacket(XmpPacket(kDjiNamespace + std::string("drone-dji:FlightXSpeed=\"+3.0\" "
+                                                                  "drone-dji:FlightYSpeed=\"-4.0\" "
+                                                                  "drone-dji:FlightZSpeed=\"+0.5\""))));
+  const auto from_ned = VelocityFromTags(dji);
+  ASSERT_TRUE(from_ned);
+  EXPECT_EQ(from_ned->north_mps, 3.0);
+  EXPECT_EQ(from_ned->east_mps, -4.0);
+  EXPECT_EQ(from_ned->up_mps, -0.5);
+
+  XmpTags sequoia;
+  ASSERT_TRUE(sequoia.AddPacket(XmpPacket("xmlns:Camera=\"http://pix4d.com/camera/1.0/\"",
+                                          "<Camera:IMULinearVelocity><rdf:Seq><rdf:li>1.5</"
+                                          "rdf:li><rdf:li>-2</rdf:li><rdf:li>0.25</rdf:li></rdf:Seq>"
+                                          "</Camera:IMULinearVelocity>")));
+  const auto from_enu = VelocityFromTags(sequoia);
+  ASSERT_TRUE(from_enu);
+  EXPECT_EQ(from_enu->east_mps, 1.5);
+  EXPECT_EQ(from_enu->north_mps, -2.0);
+  EXPECT_EQ(from_enu->up_mps, 0.25);
+}
+
+TEST(VelocityFromTags, RefusesAllZeroAndImpossibleSpeeds) {
+  for (const char* z : {"0", "5000"}) {
+    XmpTags xmp;
+    ASSERT_TRUE(xmp.AddPacket(XmpPacket(kDjiNamespace +
+                                        std::string("drone-dji:FlightXSpeed=\"0.0\" "
+                                                    "drone-dji:FlightYSpeed=\"-0.0\" "
+                                                    "drone-dji:FlightZSpeed=\"") +
+                                        z + "\"")));
+    EXPECT_FALSE(VelocityFromTags(xmp));
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

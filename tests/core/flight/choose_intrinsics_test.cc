@@ -1,0 +1,154 @@
+// The focal length from each of its sources, and images that are not the camera's full size.
+#include "core/flight/choose_intrinsics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string_view>
+
+#include "core/camera/sensor_database.h"
+#include "tests/core/flight/synthetic_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+ChosenIntrinsics Choose(int width_px, int height_px, const ExifRecord& exif,
+                        const std::string& attributes = "") {
+  XmpTags xmp;
+  EXPECT_TRUE(xmp.AddPacket(XmpPacket(attributes)));
+  std::vector<std::string> notes;
+  return ChooseIntrinsics(width_px, height_px, exif, xmp, notes);
+}
+
+const std::string kDewarp =
+    std::string(kDjiNamespace) +
+    "drone-dji:CalibratedOpticalCenterX=\"2736\" drone-dji:CalibratedOpticalCenterY=\"1824\" "
+    "drone-dji:CalibratedFocalLength=\"3666.67\" "
+    "drone-dji:DewarpData=\"2018-09-04;3678.87,3677.12,-11.25,15.61,-0.26,0.11,0.0003,-0.0004,-0.03\" ";
+
+TEST(ChooseIntrinsics, PrefersTheFactoryCalibration) {
+  const auto chosen = Choose(5472, 3648, {}, kDewarp);
+  EXPECT_EQ(chosen.source, FocalSource::kDewarpData);
+  EXPECT_EQ(chosen.intrinsics.focal_x_px, 3678.87);
+  EXPECT_EQ(chosen.intrinsics.focal_y_px, 3677.12);
+  EXPECT_EQ(chosen.intrinsics.center_x_px, 2735.5 - 11.25);
+  EXPECT_EQ(chosen.intrinsics.center_y_px, 1823.5 + 15.61);
+  EXPECT_EQ(chosen.intrinsics.k1, -0.26);
+  EXPECT_EQ(chosen.intrinsics.k2, 0.11);
+  EXPECT_EQ(chosen.intrinsics.p1, 0.0003);
+  EXPECT_EQ(chosen.intrinsics.p2, -0.0004);
+  EXPECT_EQ(chosen.intrinsics.k3, -0.03);
+}
+
+TEST(ChooseIntrinsics, ScalesTheCalibrationToAResizedImage) {
+  const auto half = Choose(2736, 1824, {}, kDewarp);
+  EXPECT_DOUBLE_EQ(half.intrinsics.focal_x_px, 3678.87 / 2);
+  EXPECT_DOUBLE_EQ(half.intrinsics.center_x_px, 1367.5 - 11.25 / 2);
+  EXPECT_EQ(half.intrinsics.k1, -0.26);
+}
+
+TEST(ChooseIntrinsics, KeepsTheCalibrationOfAnImageCroppedToAnotherAspect) {
+  EXPECT_EQ(Choose(5472, 3078, {}, kDewarp).intrinsics.focal_x_px, 3678.87);  // 16:9
+  EXPECT_EQ(Choose(4864, 3648, {}, kDewarp).intrinsics.focal_x_px, 3678.87);  // 4:3
+}
+
+TEST(ChooseIntrinsics, DoesNotTakeOutDistortionTwice) {
+  const auto chosen = Choose(5472, 3648, {}, kDewarp + "drone-dji:DewarpFlag=\"1\"");
+  EXPECT_EQ(chosen.source, FocalSource::kDewarpData);
+  EXPECT_FALSE(chosen.intrinsics.HasDistortion());
+  EXPECT_TRUE(Choose(5472, 3648, {}, kDewarp + "drone-dji:DewarpFlag=\"0\"").intrinsics.HasDistortion());
+}
+
+TEST(ChooseIntrinsics, IgnoresEmptyAndAbsurdCalibrations) {
+  for (const char* numbers : {"0,0,0,0,0,0,0,0,0", "nan,nan,0,0,0,0,0,0,0", "3678,1200,0,0,0,0,0,0,0",
+                              "3678,3678,9000,0,0,0,0,0,0", "1,2,3", "", ",,,,,,,,"}) {
+    const auto chosen = Choose(5472, 3648, {},
+                               kDjiNamespace +
+                                   std::string("drone-dji:CalibratedFocalLength=\"3666.67\" "
+                                               "drone-dji:DewarpData=\"2018-09-04;") +
+                                   numbers + "\"");
+    EXPECT_EQ(chosen.source, FocalSource::kCalibrated) << numbers;
+    EXPECT_EQ(chosen.intrinsics.focal_x_px, 3666.67);
+  }
+}
+
+TEST(ChooseIntrinsics, ReadsThePix4dSchemesLens) {
+  ExifRecord exif;
+  exif.focal_plane_x_px_per_mm = exif.focal_plane_y_px_per_mm = 1280 / 4.8;
+  const auto chosen =
+      Choose(1280, 960, exif,
+             "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:PerspectiveFocalLength=\"5.5\" "
+             "Camera:PerspectiveFocalLengthUnits=\"mm\" Camera:PrincipalPoint=\"2.43,1.79\" "
+             "Camera:PerspectiveDistortion=\"-0.1,0.15,-0.07,0.0002,-0.0003\"");
+  EXPECT_EQ(chosen.source, FocalSource::kXmpCamera);
+  EXPECT_NEAR(chosen.intrinsics.focal_x_px, 5.5 * 1280 / 4.8, 1e-9);
+  EXPECT_NEAR(chosen.intrinsics.center_x_px, 2.43 * 1280 / 4.8 - 0.5, 1e-9);
+  EXPECT_EQ(chosen.intrinsics.k3, -0.07);
+  EXPECT_EQ(chosen.intrinsics.p1, 0.0002);
+}
+
+TEST(ChooseIntrinsics, UsesTheFocalPlaneBeforeTheTable) {
+  ExifRecord exif;
+  exif.model = "FC6310";
+  exif.focal_length_mm = 8.8;
+  exif.focal_plane_x_px_per_mm = 400.0;
+  EXPECT_EQ(Choose(5472, 3648, exif).intrinsics.focal_x_px, 8.8 * 400.0);
+  exif.focal_plane_x_px_per_mm.reset();
+  const auto table = Choose(5472, 3648, exif);
+  EXPECT_EQ(table.source, FocalSource::kSensorTable);
+  EXPECT_NEAR(table.intrinsics.focal_x_px, 8.8 / 13.2 * 5472, 1e-9);
+}
+
+TEST(ChooseIntrinsics, ScalesTheTableToSmallTurnedAndCroppedImages) {
+  ExifRecord exif;
+  exif.model = "fc300s";
+  exif.focal_length_mm = 3.61;
+  const double full = 3.61 / 6.17 * 4000;
+  EXPECT_NEAR(Choose(4000, 3000, exif).intrinsics.focal_x_px, full, 1e-9);
+  EXPECT_NEAR(Choose(4000, 2250, exif).intrinsics.focal_x_px, full, 1e-9);
+  EXPECT_NEAR(Choose(2000, 1500, exif).intrinsics.focal_x_px, full / 2, 1e-9);
+  EXPECT_NEAR(Choose(3000, 4000, exif).intrinsics.focal_x_px, full, 1e-9);
+  EXPECT_NEAR(Choose(8000, 6000, exif).intrinsics.focal_x_px, full * 2, 1e-9);
+  exif.digital_zoom = 2.0;
+  EXPECT_NEAR(Choose(4000, 3000, exif).intrinsics.focal_x_px, full * 2, 1e-9);
+}
+
+TEST(ChooseIntrinsics, TurnsThe35mmEquivalentByTheDiagonal) {
+  ExifRecord exif;
+  exif.model = "a camera nobody listed";
+  exif.focal_length_35mm_mm = 24.0;
+  const auto chosen = Choose(6000, 4000, exif);
+  EXPECT_EQ(chosen.source, FocalSource::k35mmEquivalent);
+  EXPECT_NEAR(chosen.intrinsics.focal_x_px, 24.0 / 36.0 * 6000, 1e-6);  // 3:2: the same by width
+  // The diagonal view of 24 mm is 84.06 degrees, on 4:3 as on 3:2.
+  const double focal = FocalPxFrom35mm(24.0, 4000, 3000);
+  EXPECT_NEAR(2.0 * std::atan(2500.0 / focal) * 180.0 / geo::kPi, 84.06, 0.01);
+  EXPECT_EQ(FocalPxFrom35mm(24.0, 4000, 2250), focal);  // a wide crop keeps the number
+  EXPECT_EQ(FocalPxFrom35mm(24.0, 3000, 4000), focal);
+}
+
+TEST(ChooseIntrinsics, SaysWhenItHadToAssume) {
+  XmpTags xmp;
+  std::vector<std::string> notes;
+  const auto chosen = ChooseIntrinsics(4000, 3000, {}, xmp, notes);
+  EXPECT_EQ(chosen.source, FocalSource::kAssumed);
+  EXPECT_EQ(notes.size(), 1u);
+  EXPECT_GT(chosen.intrinsics.focal_x_px, 0.0);
+}
+
+TEST(FocalSourceName, HasAWordForEach) {
+  for (const auto source :
+       {FocalSource::kDewarpData, FocalSource::kCalibrated, FocalSource::kXmpCamera, FocalSource::kFocalPlane,
+        FocalSource::kSensorTable, FocalSource::k35mmEquivalent, FocalSource::kAssumed}) {
+    EXPECT_NE(std::string_view(FocalSourceName(source)), "unknown");
+  }
+}
+
+TEST(FindSensor, KnowsNoCameraByPartOfItsName) {
+  EXPECT_TRUE(camera::FindSensor("FC6310"));
+  EXPECT_FALSE(camera::FindSensor("FC"));
+  EXPECT_FALSE(camera::FindSensor(""));
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

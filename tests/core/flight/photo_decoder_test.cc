@@ -1,0 +1,149 @@
+// Decoding: sizes, colours, kinds of picture, and damage.
+#include "core/flight/photo_decoder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <turbojpeg.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/flight/read_photo.h"
+#include "tests/core/flight/synthetic_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+// Red grows to the right, green downwards, blue is constant: mirrored or swapped channels would show.
+Bytes Ramp(int width_px, int height_px) {
+  Bytes rgb;
+  for (int y = 0; y < height_px; ++y) {
+    for (int x = 0; x < width_px; ++x) {
+      rgb.push_back(static_cast<std::uint8_t>(20 + 200 * x / width_px));
+      rgb.push_back(static_cast<std::uint8_t>(20 + 200 * y / height_px));
+      rgb.push_back(60);
+    }
+  }
+  return rgb;
+}
+
+Bytes Jpeg(const Bytes& pixels, int width_px, int height_px, int pixel_format, int subsampling) {
+  tjhandle turbo = tjInitCompress();
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;
+  EXPECT_EQ(tjCompress2(turbo, pixels.data(), width_px, 0, height_px, pixel_format, &buffer, &size,
+                        subsampling, 95, 0),
+            0)
+      << tjGetErrorStr2(turbo);
+  Bytes jpeg(buffer, buffer + size);
+  tjFree(buffer);
+  tjDestroy(turbo);
+  return jpeg;
+}
+
+void ExpectRamp(const pipeline::DecodedImage& image, int width_px, int height_px, int denominator) {
+  ASSERT_EQ(image.width_px, (width_px + denominator - 1) / denominator);
+  ASSERT_EQ(image.height_px, (height_px + denominator - 1) / denominator);
+  ASSERT_EQ(image.rgb.size(), static_cast<std::size_t>(image.width_px) * image.height_px * 3);
+  for (int y = 1; y + 1 < image.height_px; ++y) {
+    for (int x = 1; x + 1 < image.width_px; ++x) {
+      const std::uint8_t* pixel = image.Row(y) + 3 * x;
+      const double source_x = denominator * (x + 0.5) - 0.5;
+      const double source_y = denominator * (y + 0.5) - 0.5;
+      ASSERT_NEAR(pixel[0], 20 + 200 * source_x / width_px, 8) << x << " " << y;
+      ASSERT_NEAR(pixel[1], 20 + 200 * source_y / height_px, 8) << x << " " << y;
+      ASSERT_NEAR(pixel[2], 60, 8) << x << " " << y;
+    }
+  }
+}
+
+TEST(DecodePhotoBytes, DecodesJpegAtEverySize) {
+  constexpr int kWidth = 203, kHeight = 149;
+  const Bytes jpeg = Jpeg(Ramp(kWidth, kHeight), kWidth, kHeight, TJPF_RGB, TJSAMP_422);
+  for (const int denominator : {1, 2, 4, 8}) {
+    SCOPED_TRACE(denominator);
+    const auto image = DecodePhotoBytes(jpeg, kWidth, kHeight, denominator);
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    ExpectRamp(*image, kWidth, kHeight, denominator);
+  }
+}
+
+TEST(DecodePhotoBytes, DecodesTiffAndPngAtEverySize) {
+  constexpr int kWidth = 203, kHeight = 149;
+  const Bytes rgb = Ramp(kWidth, kHeight);
+  cv::Mat bgr(kHeight, kWidth, CV_8UC3);
+  for (std::size_t i = 0; i < bgr.total(); ++i) {
+    bgr.data[3 * i] = rgb[3 * i + 2];
+    bgr.data[3 * i + 1] = rgb[3 * i + 1];
+    bgr.data[3 * i + 2] = rgb[3 * i];
+  }
+  cv::Mat deep;
+  bgr.convertTo(deep, CV_16UC3, 256.0);
+  for (const char* ending : {".tif", ".png"}) {
+    for (const cv::Mat& picture : {bgr, deep}) {
+      Bytes file;
+      ASSERT_TRUE(cv::imencode(ending, picture, file));
+      const auto header = ReadPhotoFromBytes(ending, file);
+      ASSERT_TRUE(header.ok()) << header.error().message;
+      for (const int denominator : {1, 2, 4, 8}) {
+        SCOPED_TRACE(std::string(ending) + " " + std::to_string(denominator));
+        const auto image =
+            DecodePhotoBytes(file, header->intrinsics.width_px, header->intrinsics.height_px, denominator);
+        ASSERT_TRUE(image.ok()) << image.error().message;
+        ExpectRamp(*image, kWidth, kHeight, denominator);
+      }
+    }
+  }
+}
+
+TEST(DecodePhotoBytes, TurnsGreyIntoRgb) {
+  const Bytes jpeg = Jpeg(Bytes(64 * 48, 77), 64, 48, TJPF_GRAY, TJSAMP_GRAY);
+  const auto image = DecodePhotoBytes(jpeg, 64, 48, 2);
+  ASSERT_TRUE(image.ok());
+  ASSERT_EQ(image->rgb.size(), 32u * 24u * 3u);
+  for (const std::uint8_t value : image->rgb) ASSERT_NEAR(value, 77, 2);
+}
+
+TEST(DecodePhotoBytes, TurnsAdobesInvertedCmykIntoRgb) {
+  Bytes cmyk;
+  for (int i = 0; i < 64 * 48; ++i) cmyk.insert(cmyk.end(), {200, 100, 50, 255});
+  const auto image = DecodePhotoBytes(Jpeg(cmyk, 64, 48, TJPF_CMYK, TJSAMP_444), 64, 48, 1);
+  ASSERT_TRUE(image.ok()) << image.error().message;
+  EXPECT_NEAR(image->rgb[0], 200, 4);
+  EXPECT_NEAR(image->rgb[1], 100, 4);
+  EXPECT_NEAR(image->rgb[2], 50, 4);
+}
+
+TEST(DecodePhotoBytes, RefusesEveryJpegThatIsCutOff) {
+  const Bytes jpeg = Jpeg(Ramp(160, 120), 160, 120, TJPF_RGB, TJSAMP_420);
+  for (std::size_t length = 0; length + 2 < jpeg.size(); length += 97) {
+    const auto image = DecodePhotoBytes(Bytes(jpeg.begin(), jpeg.begin() + length), 160, 120, 1);
+    ASSERT_FALSE(image.ok()) << length;
+    EXPECT_EQ(image.error().code, ErrorCode::kCorrupt);
+    EXPECT_THAT(image.error().message, ::testing::HasSubstr("Copy the file"));
+  }
+}
+
+TEST(DecodePhotoBytes, RefusesAFileThatChangedSinceItsHeaderWasRead) {
+  const auto image = DecodePhotoBytes(Jpeg(Ramp(160, 120), 160, 120, TJPF_RGB, TJSAMP_420), 4000, 3000, 1);
+  ASSERT_FALSE(image.ok());
+  EXPECT_EQ(image.error().code, ErrorCode::kCorrupt);
+}
+
+TEST(DecodePhotoBytes, SurvivesDamagedTiffAndNonsense) {
+  const Bytes whole = TiffImage(ExifWriter(), 64, 48, Bytes(64 * 48 * 3, 90));
+  EXPECT_FALSE(DecodePhotoBytes(Bytes(whole.begin(), whole.begin() + 60), 64, 48, 1).ok());
+  EXPECT_FALSE(DecodePhotoBytes({}, 64, 48, 1).ok());
+  EXPECT_FALSE(DecodePhotoBytes(Bytes(1000, 'x'), 64, 48, 4).ok());
+}
+
+TEST(FilePhotoSource, NamesAFileThatIsGone) {
+  Photo photo;
+  photo.path = "/nonexistent/photo.jpg";
+  const auto image = FilePhotoSource().Decode(photo, 1);
+  ASSERT_FALSE(image.ok());
+  EXPECT_EQ(image.error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

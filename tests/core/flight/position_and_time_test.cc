@@ -1,0 +1,234 @@
+// Positions, heights and times: the traps of EXIF and XMP, one by one.
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "core/flight/read_photo.h"
+#include "tests/core/flight/synthetic_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using std::chrono::microseconds;
+
+Photo Read(const ExifWriter& exif, const std::string& xmp = "", bool is_big_endian = false) {
+  auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian), .xmp = xmp}));
+  EXPECT_TRUE(photo.ok()) << (photo.ok() ? "" : photo.error().message);
+  return std::move(*photo);
+}
+
+bool Notes(const Photo& photo, const std::string& words) {
+  for (const std::string& note : photo.notes) {
+    if (note.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
+std::string Dji(const std::string& attributes) { return XmpPacket(kDjiNamespace + attributes); }
+
+TEST(ReadPhotoPosition, ReadsAllFourQuartersInBothByteOrders) {
+  for (const bool is_big_endian : {false, true}) {
+    for (const double lat : {-33.8567844, 46.8426070833}) {
+      for (const double lon : {-91.9945598888, 151.2152967}) {
+        const Photo photo = Read(ExifWriter().Position(lat, lon), "", is_big_endian);
+        ASSERT_TRUE(photo.position);
+        EXPECT_NEAR(photo.position->position.lat_deg, lat, 2e-8);
+        EXPECT_NEAR(photo.position->position.lon_deg, lon, 2e-8);
+        EXPECT_EQ(photo.position->source, "exif");
+      }
+    }
+  }
+}
+
+TEST(ReadPhotoPosition, UnderstandsHemispheresAsPeopleWriteThem) {
+  const Photo photo = Read(ExifWriter().Position(10.5, 20.5, "south", "west"));
+  ASSERT_TRUE(photo.position);
+  EXPECT_NEAR(photo.position->position.lat_deg, -10.5, 1e-7);
+  EXPECT_NEAR(photo.position->position.lon_deg, -20.5, 1e-7);
+}
+
+TEST(ReadPhotoPosition, SaysWhenTheHemisphereIsMissing) {
+  const Photo guessed = Read(ExifWriter().Position(10.5, 20.5, "", ""));
+  ASSERT_TRUE(guessed.position);
+  EXPECT_NEAR(guessed.position->position.lat_deg, 10.5, 1e-7);
+  EXPECT_TRUE(Notes(guessed, "north or south"));
+  const Photo known = Read(ExifWriter().Position(10.5, 20.5, "", ""),
+                           Dji("drone-dji:GpsLatitude=\"-10.5\" drone-dji:GpsLongtitude=\"-20.5\""));
+  ASSERT_TRUE(known.position);
+  EXPECT_EQ(known.position->position.lat_deg, -10.5);
+  EXPECT_EQ(known.position->position.lon_deg, -20.5);
+}
+
+TEST(ReadPhotoPosition, TreatsZeroZeroAsNoFix) {
+  const Photo photo =
+      Read(ExifWriter().Position(0.0, 0.0), Dji("drone-dji:Latitude=\"0\" drone-dji:Longitude=\"0\""));
+  EXPECT_FALSE(photo.position);
+  EXPECT_TRUE(Notes(photo, "no fix"));
+  EXPECT_TRUE(Read(ExifWriter().Position(0.0, 6.5)).position);  // the equator is a place
+}
+
+TEST(ReadPhotoPosition, RefusesWhatIsNotOnEarth) {
+  EXPECT_FALSE(Read(ExifWriter().Position(91.0, 5.0)).position);
+  EXPECT_FALSE(Read(ExifWriter().Position(45.0, 181.0)).position);
+  EXPECT_FALSE(Read(ExifWriter()
+                        .Rational(ExifIfd::kGps, 2, {{46, 0}, {50, 1}, {3, 1}})
+                        .Rational(ExifIfd::kGps, 4, {{9, 1}, {5, 1}, {3, 1}})
+                        .Ascii(ExifIfd::kGps, 1, "N")
+                        .Ascii(ExifIfd::kGps, 3, "E"))
+                   .position);
+  EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI")).position);
+  EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI"),
+                    Dji("drone-dji:GpsLatitude=\"nan\" drone-dji:GpsLongitude=\"5\""))
+                   .position);
+}
+
+TEST(ReadPhotoPosition, ReadsDecimalMinutesWithEmptySeconds) {
+  const Photo photo = Read(ExifWriter()
+                               .Rational(ExifIfd::kGps, 2, {{46, 1}, {505567, 10000}, {0, 0}})
+                               .Rational(ExifIfd::kGps, 4, {{91, 1}, {595, 10}, {0, 1}})
+                               .Ascii(ExifIfd::kGps, 1, "N")
+                               .Ascii(ExifIfd::kGps, 3, "W"));
+  ASSERT_TRUE(photo.position);
+  EXPECT_NEAR(photo.position->position.lat_deg, 46.0 + 50.5567 / 60.0, 1e-9);
+  EXPECT_NEAR(photo.position->position.lon_deg, -(91.0 + 59.5 / 60.0), 1e-9);
+}
+
+TEST(ReadPhotoPosition, PrefersTheFinerOfTwoWritingsOfOnePosition) {
+  const ExifWriter coarse = ExifWriter()
+                                .Rational(ExifIfd::kGps, 2, {{46, 1}, {50, 1}, {33, 1}})
+                                .Rational(ExifIfd::kGps, 4, {{91, 1}, {59, 1}, {40, 1}})
+                                .Ascii(ExifIfd::kGps, 1, "N")
+                                .Ascii(ExifIfd::kGps, 3, "W");
+  const Photo photo =
+      Read(coarse, Dji("drone-dji:GpsLatitude=\"46.84261\" drone-dji:GpsLongitude=\"-91.99455\""));
+  ASSERT_TRUE(photo.position);
+  EXPECT_EQ(photo.position->position.lat_deg, 46.84261);
+  const Photo corrected =
+      Read(ExifWriter().Position(46.84263, -91.99455),
+           Dji("drone-dji:GpsLatitude=\"46.84261\" drone-dji:GpsLongitude=\"-91.99455\""));
+  EXPECT_NEAR(corrected.position->position.lat_deg, 46.84263, 2e-8);  // somebody put EXIF right
+}
+
+TEST(ReadPhotoPosition, ReadsXmpAloneInEveryNaming) {
+  const std::string skydio = XmpPacket(
+      "xmlns:q=\"https://www.skydio.com/drone-skydio/1.0/\" q:Latitude=\"1.5\" q:Longitude=\"2.5\" "
+      "q:AbsoluteAltitude=\"77\"");
+  const std::string exif_in_xmp = XmpPacket(
+      "xmlns:exif=\"http://ns.adobe.com/exif/1.0/\" exif:GPSLatitude=\"1,30.0N\" "
+      "exif:GPSLongitude=\"2,30,0E\"");
+  for (const std::string& xmp :
+       {Dji("drone-dji:Latitude=\"1.5\" drone-dji:Longitude=\"2.5\""), skydio, exif_in_xmp}) {
+    const auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.xmp = xmp}));
+    ASSERT_TRUE(photo.ok());
+    ASSERT_TRUE(photo->position);
+    EXPECT_NEAR(photo->position->position.lat_deg, 1.5, 1e-12);
+    EXPECT_NEAR(photo->position->position.lon_deg, 2.5, 1e-12);
+    EXPECT_EQ(photo->position->source, "xmp");
+  }
+}
+
+TEST(ReadPhotoHeights, KeepsEachZeroApart) {
+  const Photo photo =
+      Read(ExifWriter().Position(46.0, 7.0).Rational(ExifIfd::kGps, 6, {{198309, 1000}}),
+           Dji("drone-dji:AbsoluteAltitude=\"+198.31\" drone-dji:RelativeAltitude=\"+39.80\""));
+  EXPECT_EQ(photo.position->height_amsl_m, 198.31);
+  EXPECT_EQ(photo.position->height_above_takeoff_m, 39.80);
+  EXPECT_FALSE(photo.position->height_ellipsoid_m);
+  EXPECT_FALSE(photo.position->is_rtk_fixed);
+}
+
+TEST(ReadPhotoHeights, TakesRtkHeightsAsEllipsoidal) {
+  const std::string rtk =
+      "drone-dji:AbsoluteAltitude=\"+51.2\" drone-dji:RtkStdLon=\"0.012\" "
+      "drone-dji:RtkStdLat=\"0.016\" drone-dji:RtkStdHgt=\"0.031\" ";
+  const Photo fixed = Read(ExifWriter().Position(46.0, 7.0), Dji(rtk + "drone-dji:RtkFlag=\"50\""));
+  EXPECT_TRUE(fixed.position->is_rtk_fixed);
+  EXPECT_EQ(fixed.position->height_ellipsoid_m, 51.2);
+  EXPECT_FALSE(fixed.position->height_amsl_m);
+  EXPECT_NEAR(fixed.position->sigma_horizontal_m.value(), std::sqrt((0.012 * 0.012 + 0.016 * 0.016) / 2),
+              1e-12);
+  EXPECT_EQ(fixed.position->sigma_vertical_m, 0.031);
+  for (const char* flag : {"16", "34", "0"}) {
+    EXPECT_FALSE(Read(ExifWriter().Position(46.0, 7.0), Dji(rtk + "drone-dji:RtkFlag=\"" + flag + "\""))
+                     .position->is_rtk_fixed);
+  }
+}
+
+TEST(ReadPhotoHeights, SeesARelativeHeightInTheExifAltitude) {
+  const Photo photo = Read(ExifWriter().Position(46.0, 7.0).Rational(ExifIfd::kGps, 6, {{73, 1}}),
+                           Dji("drone-dji:AbsoluteAltitude=\"824.6\" drone-dji:RelativeAltitude=\"73.0\""));
+  EXPECT_EQ(photo.position->height_amsl_m, 824.6);
+  EXPECT_TRUE(Notes(photo, "height above take-off"));
+  const Photo only_relative = Read(ExifWriter().Position(46.0, 7.0).Rational(ExifIfd::kGps, 6, {{73, 1}}),
+                                   Dji("drone-dji:RelativeAltitude=\"73.0\""));
+  EXPECT_FALSE(only_relative.position->height_amsl_m);
+}
+
+TEST(ReadPhotoHeights, RefusesImpossibleAltitudes) {
+  for (const std::uint32_t altitude : {117991907u, 13490u}) {
+    const Photo photo = Read(ExifWriter().Position(46.0, 7.0).Rational(ExifIfd::kGps, 6, {{altitude, 1}}));
+    EXPECT_FALSE(photo.position->height_amsl_m);
+    EXPECT_TRUE(Notes(photo, "impossible"));
+  }
+}
+
+TEST(ReadPhotoHeights, ReadsDepthsBelowTheSea) {
+  const Photo photo = Read(ExifWriter()
+                               .Position(31.5, 35.5)
+                               .Rational(ExifIfd::kGps, 6, {{390, 1}})
+                               .Undefined(ExifIfd::kGps, 5, {0})
+                               .Short(ExifIfd::kGps, 5, 1));
+  EXPECT_EQ(photo.position->height_amsl_m, -390.0);
+}
+
+TEST(ReadPhotoTime, TakesTwoSubSecondDigitsAsHundredths) {
+  const Photo photo = Read(ExifWriter()
+                               .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:34:56")
+                               .Ascii(ExifIfd::kExif, 0x9291, "05")
+                               .Ascii(ExifIfd::kExif, 0x9011, "+02:00"));
+  using namespace std::chrono;
+  EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 10h + 34min + 56s + 50ms);
+  EXPECT_FALSE(photo.captured_at_is_local);
+}
+
+TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
+  using namespace std::chrono;
+  const ExifWriter exif = ExifWriter()
+                              .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 18:04:56")
+                              .Ascii(ExifIfd::kExif, 0x9291, "582")
+                              .Ascii(ExifIfd::kGps, 0x1D, "2021:06:03")
+                              .Rational(ExifIfd::kGps, 7, {{12, 1}, {34, 1}, {56, 1}});
+  const Photo photo = Read(exif);
+  EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 582ms);  // +05:30
+  EXPECT_FALSE(photo.captured_at_is_local);
+}
+
+TEST(ReadPhotoTime, BelievesTheGpsWhereTheClockIsFarOff) {
+  using namespace std::chrono;
+  const ExifWriter exif = ExifWriter()
+                              .Ascii(ExifIfd::kExif, 0x9003, "2000:01:01 00:00:10")
+                              .Ascii(ExifIfd::kGps, 0x1D, "2021:06:03")
+                              .Rational(ExifIfd::kGps, 7, {{12, 1}, {34, 1}, {5650, 100}});
+  const Photo photo = Read(exif);
+  EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 500ms);
+  EXPECT_TRUE(Notes(photo, "disagree"));
+}
+
+TEST(ReadPhotoTime, PrefersUtcOfTheExposure) {
+  using namespace std::chrono;
+  const Photo photo = Read(ExifWriter().Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 14:34:56"),
+                           Dji("drone-dji:UTCAtExposure=\"2021:06:03 12:34:56.123456\""));
+  EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 123456us);
+  EXPECT_FALSE(photo.captured_at_is_local);
+}
+
+TEST(ReadPhotoTime, MarksALocalClockAndRefusesImpossibleDates) {
+  EXPECT_TRUE(Read(ExifWriter().Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 14:34:56")).captured_at_is_local);
+  for (const char* text : {"0000:00:00 00:00:00", "2021:13:03 14:34:56", "2021:02:30 14:34:56", "yesterday",
+                           "2021:06:03 25:00:00", "    :  :     :  :  ", ""}) {
+    EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kExif, 0x9003, text)).captured_at) << text;
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

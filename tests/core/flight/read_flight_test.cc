@@ -1,0 +1,152 @@
+// Folders and flights: names, order, doubles, side files; one bad file never fails the flight.
+#include "core/flight/read_flight.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "tests/core/flight/synthetic_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "skyquilt_flight_XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  const fs::path& path() const { return path_; }
+  void Write(const std::string& name, const Bytes& bytes) const {
+    fs::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
+ private:
+  fs::path path_;
+};
+
+Bytes PhotoAt(double lat_deg, const std::string& time) {
+  ExifWriter exif;
+  exif.Position(lat_deg, 7.0);
+  if (!time.empty()) exif.Ascii(ExifIfd::kExif, 0x9003, time);
+  return JpegHeader({.exif = exif.Write()});
+}
+
+Flight Read(const Folder& folder) {
+  SilentProgress progress;
+  const auto files = ListInputFiles({folder.path()});
+  EXPECT_TRUE(files.ok());
+  auto flight = ReadFlight(*files, {}, progress);
+  EXPECT_TRUE(flight.ok());
+  return std::move(*flight);
+}
+
+std::vector<std::string> Names(const Flight& flight) {
+  std::vector<std::string> names;
+  for (const Photo& photo : flight.photos) names.push_back(photo.name);
+  return names;
+}
+
+TEST(ReadFlight, OrdersByTimeThenNameAndPutsPhotosWithoutTimeLast) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  folder.Write("b.jpg", PhotoAt(1.1, "2021:06:03 12:00:02"));
+  folder.Write("c.jpg", PhotoAt(1.2, "2021:06:03 12:00:01"));
+  folder.Write("d.jpg", PhotoAt(1.3, "2021:06:03 12:00:01"));
+  EXPECT_EQ(Names(Read(folder)), (std::vector<std::string>{"c.jpg", "d.jpg", "b.jpg", "a.jpg"}));
+}
+
+TEST(ReadFlight, LeavesOutBadFilesWithTheirReasonsAndKeepsTheRest) {
+  const Folder folder;
+  folder.Write("good.jpg", PhotoAt(1.0, "2021:06:03 12:00:00"));
+  folder.Write("no_gps.jpg", JpegHeader({}));
+  folder.Write("empty.jpg", {});
+  folder.Write("letter.jpg", {'h', 'e', 'l', 'l', 'o'});
+  folder.Write("cut.jpg", JpegHeader({.has_end = false}));
+  folder.Write("film.mp4", {0, 0, 0, 32, 'f', 't', 'y', 'p', 'i', 's', 'o', 'm'});
+  folder.Write("flight.BIN", {0xA3, 0x95, 0x80});
+  folder.Write("notes.txt", {'x'});
+  folder.Write(".hidden.jpg", {});
+  const Flight flight = Read(folder);
+  EXPECT_EQ(Names(flight), (std::vector<std::string>{"good.jpg", "no_gps.jpg"}));
+  EXPECT_TRUE(flight.photos[0].position);
+  EXPECT_FALSE(flight.photos[1].position);
+  ASSERT_EQ(flight.left_out.size(), 4u);
+  EXPECT_EQ(flight.left_out[0].name, "cut.jpg");
+  EXPECT_EQ(flight.left_out[0].code, ErrorCode::kCorrupt);
+  EXPECT_THAT(flight.left_out[1].reason, HasSubstr("empty"));
+  EXPECT_THAT(flight.left_out[2].reason, HasSubstr("video"));
+  EXPECT_THAT(flight.left_out[3].reason, HasSubstr("text file"));
+  EXPECT_THAT(flight.warnings, ::testing::Contains(HasSubstr("1 of 2 photos carry no usable position")));
+}
+
+TEST(ReadFlight, KeepsTwoPhotosOfOneNameAndDropsTrueDoubles) {
+  const Folder folder;
+  folder.Write("100/DJI_0001.JPG", PhotoAt(1.0, "2021:06:03 12:00:00"));
+  folder.Write("101/DJI_0001.JPG", PhotoAt(1.1, "2021:06:03 12:00:05"));
+  folder.Write("copy/DJI_0001.JPG", PhotoAt(1.0, "2021:06:03 12:00:00"));
+  const Flight flight = Read(folder);
+  EXPECT_EQ(Names(flight), (std::vector<std::string>{"DJI_0001.JPG", "101/DJI_0001.JPG"}));
+  ASSERT_EQ(flight.left_out.size(), 1u);
+  EXPECT_EQ(flight.left_out[0].name, "copy/DJI_0001.JPG");
+  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("DJI_0001.JPG"));
+}
+
+TEST(ReadFlight, MakesGivenNamesUnique) {
+  const Folder folder;
+  folder.Write("x", PhotoAt(1.0, "2021:06:03 12:00:00"));
+  folder.Write("y", PhotoAt(1.1, "2021:06:03 12:00:05"));
+  SilentProgress progress;
+  const auto flight =
+      ReadFlight({{"a.jpg", folder.path() / "x"}, {"a.jpg", folder.path() / "y"}}, {}, progress);
+  ASSERT_TRUE(flight.ok());
+  EXPECT_EQ(Names(*flight), (std::vector<std::string>{"a.jpg", "a.jpg (2)"}));
+}
+
+TEST(ReadFlight, FailsOnlyWithoutAnyFile) {
+  SilentProgress progress;
+  EXPECT_FALSE(ReadFlight({}, {}, progress).ok());
+  const auto missing = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, {}, progress);
+  ASSERT_TRUE(missing.ok());
+  ASSERT_EQ(missing->left_out.size(), 1u);
+  EXPECT_EQ(missing->left_out[0].code, ErrorCode::kNotFound);
+}
+
+TEST(ReadFlight, StopsWhenCancelled) {
+  class Cancelled final : public Progress {
+    void BeginStage(std::string_view) override {}
+    void Report(double, std::string_view) override {}
+    bool IsCancelled() const override { return true; }
+  } progress;
+  const auto flight = ReadFlight({{"a.jpg", "/nonexistent/a.jpg"}}, {}, progress);
+  ASSERT_FALSE(flight.ok());
+  EXPECT_EQ(flight.error().code, ErrorCode::kCancelled);
+}
+
+TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
+  const auto missing = ListInputFiles({"/nonexistent/folder"});
+  ASSERT_FALSE(missing.ok());
+  EXPECT_THAT(missing.error().message, HasSubstr("/nonexistent/folder"));
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const auto twice = ListInputFiles({folder.path(), folder.path() / "a.jpg"});
+  ASSERT_TRUE(twice.ok());
+  EXPECT_EQ(twice->size(), 1u);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

@@ -1,0 +1,245 @@
+// Containers and damage: where metadata hides, what is refused and with which words, and that no bytes bring
+// it down.
+#include "core/flight/read_photo.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/flight/xmp.h"
+#include "tests/core/flight/synthetic_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kAngles = std::string(kDjiNamespace) +
+                            "drone-dji:GimbalYawDegree=\"12.5\" drone-dji:GimbalPitchDegree=\"-90\" "
+                            "drone-dji:GimbalRollDegree=\"0\"";
+
+Bytes BytesOf(const std::string& text) { return Bytes(text.begin(), text.end()); }
+
+Error Refusal(const Bytes& bytes) {
+  const auto photo = ReadPhotoFromBytes("a.jpg", bytes);
+  EXPECT_FALSE(photo.ok());
+  return photo.ok() ? Error{} : photo.error();
+}
+
+// A photo with everything a reader may stumble over.
+Bytes RichPhoto() {
+  return JpegHeader(
+      {.exif = ExifWriter()
+                   .Ascii(ExifIfd::kImage, 0x010F, "DJI")
+                   .Ascii(ExifIfd::kImage, 0x0110, "FC6310")
+                   .Ascii(ExifIfd::kExif, 0x9003, "2021:06:03 12:34:56")
+                   .Rational(ExifIfd::kExif, 0x920A, {{88, 10}})
+                   .Undefined(ExifIfd::kExif, 0x927C, DjiNote({{9, -90.0f}, {10, 45.0f}}))
+                   .Position(46.5, 7.5)
+                   .Write(),
+       .xmp = XmpPacket(kAngles),
+       .extended_xmp = XmpPacket(std::string(kDjiNamespace) + "drone-dji:RelativeAltitude=\"40\"")});
+}
+
+TEST(ReadPhoto, FindsXmpWhereverItHides) {
+  const std::string packet = XmpPacket(kAngles);
+  Bytes unmarked = JpegHeader({});
+  unmarked.insert(unmarked.end() - 2, packet.begin(), packet.end());
+  const std::pair<const char*, Bytes> places[] = {
+      {"segment", JpegHeader({.xmp = packet})},
+      {"extended segment", JpegHeader({.extended_xmp = packet})},
+      {"tag 700 of the image",
+       JpegHeader({.exif = ExifWriter().Undefined(ExifIfd::kImage, 0x02BC, BytesOf(packet)).Write()})},
+      {"tag 700 of the EXIF directory",
+       JpegHeader({.exif = ExifWriter().Undefined(ExifIfd::kExif, 0x02BC, BytesOf(packet)).Write()})},
+      {"somewhere", unmarked},
+      {"TIFF", TiffImage(ExifWriter(), 32, 24, Bytes(32 * 24 * 3, 100), packet)}};
+  for (const auto& [where, bytes] : places) {
+    SCOPED_TRACE(where);
+    const auto photo = ReadPhotoFromBytes("a", bytes);
+    ASSERT_TRUE(photo.ok()) << photo.error().message;
+    ASSERT_TRUE(photo->attitude);
+    EXPECT_NEAR(photo->attitude->yaw_rad, 12.5 * geo::kPi / 180.0, 1e-12);
+  }
+}
+
+TEST(ReadPhoto, ReadsPositionAndSizeOfATiff) {
+  const auto photo = ReadPhotoFromBytes(
+      "a.tif", TiffImage(ExifWriter().Position(-12.25, 130.5), 40, 30, Bytes(40 * 30 * 3, 7)));
+  ASSERT_TRUE(photo.ok()) << photo.error().message;
+  EXPECT_EQ(photo->intrinsics.width_px, 40);
+  EXPECT_EQ(photo->intrinsics.height_px, 30);
+  ASSERT_TRUE(photo->position);
+  EXPECT_NEAR(photo->position->position.lat_deg, -12.25, 1e-8);
+}
+
+TEST(ReadPhoto, KeepsRawValuesBesideTheNormalised) {
+  const auto photo = ReadPhotoFromBytes("a.jpg", RichPhoto());
+  ASSERT_TRUE(photo.ok());
+  EXPECT_EQ(photo->raw.at("XMP:drone-dji:GimbalYawDegree"), "12.5");
+  EXPECT_EQ(photo->raw.at("EXIF:FocalLength"), "88/10");
+  EXPECT_EQ(photo->raw.at("EXIF:Make"), "DJI");
+  EXPECT_EQ(photo->raw.at("EXIF:GPSLatitudeRef"), "N");
+  EXPECT_EQ(photo->position->height_above_takeoff_m, 40.0);
+}
+
+TEST(ReadPhoto, TellsCamerasApart) {
+  const auto key = [](const JpegParts& parts) {
+    return ReadPhotoFromBytes("a.jpg", JpegHeader(parts))->camera_key;
+  };
+  const auto exif = [](std::uint32_t focal_tenths) {
+    return ExifWriter()
+        .Ascii(ExifIfd::kImage, 0x0110, "X")
+        .Rational(ExifIfd::kExif, 0x920A, {{focal_tenths, 10}})
+        .Write();
+  };
+  EXPECT_EQ(key({.exif = exif(45)}), key({.exif = exif(45)}));
+  EXPECT_NE(key({.exif = exif(45)}), key({.exif = exif(90)}));
+  EXPECT_NE(key({.exif = exif(45)}), key({.width_px = 2000, .height_px = 1500, .exif = exif(45)}));
+}
+
+TEST(ReadPhoto, NotesOrientationAndViewersWithoutTurningAnything) {
+  const auto photo = ReadPhotoFromBytes(
+      "a.jpg", JpegHeader({.exif = ExifWriter()
+                                       .Short(ExifIfd::kImage, 0x0112, 6)
+                                       .Ascii(ExifIfd::kImage, 0x0131, "Microsoft Windows Photo Viewer 10.0")
+                                       .Write()}));
+  ASSERT_TRUE(photo.ok());
+  EXPECT_EQ(photo->intrinsics.width_px, 4000);
+  EXPECT_THAT(photo->notes, ::testing::Contains(HasSubstr("orientation 6")));
+  EXPECT_THAT(photo->notes, ::testing::Contains(HasSubstr("Re-saved by")));
+}
+
+TEST(ReadPhoto, RefusesOtherFilesInWordsThatHelp) {
+  EXPECT_THAT(Refusal({}).message, HasSubstr("empty"));
+  EXPECT_EQ(Refusal({}).code, ErrorCode::kCorrupt);
+  EXPECT_THAT(Refusal(BytesOf("Dear pilot,\nthis is a note.\n")).message, HasSubstr("text file"));
+  EXPECT_EQ(Refusal(BytesOf("Dear pilot")).code, ErrorCode::kUnsupportedFormat);
+  EXPECT_THAT(Refusal(BytesOf(std::string("\0\0\0\x20"
+                                          "ftypisom",
+                                          12)))
+                  .message,
+              HasSubstr("video"));
+  EXPECT_THAT(Refusal(BytesOf(std::string("\0\0\0\x20"
+                                          "ftypheic",
+                                          12)))
+                  .message,
+              HasSubstr("HEIC"));
+  EXPECT_THAT(Refusal(BytesOf("PK\x03\x04 rest")).message, HasSubstr("ZIP"));
+  EXPECT_THAT(Refusal(TiffImage(ExifWriter().Undefined(ExifIfd::kImage, 0xC612, {1, 4, 0, 0}), 32, 24,
+                                Bytes(32 * 24 * 3)))
+                  .message,
+              HasSubstr("DNG"));
+  EXPECT_EQ(Refusal(Bytes(300, 0x01)).code, ErrorCode::kUnsupportedFormat);
+}
+
+TEST(ReadPhoto, RefusesJpegsThatAreCutOff) {
+  EXPECT_THAT(Refusal(JpegHeader({.has_end = false})).message, HasSubstr("cut off"));
+  EXPECT_EQ(Refusal({0xFF, 0xD8, 0xFF, 0xE1, 0x10}).code, ErrorCode::kCorrupt);
+  // An end marker of a preview inside the metadata is not the picture's.
+  EXPECT_THAT(
+      Refusal(
+          JpegHeader(
+              {.exif = ExifWriter().Undefined(ExifIfd::kExif, 0x927C, {0xFF, 0xD8, 1, 2, 0xFF, 0xD9}).Write(),
+               .has_end = false}))
+          .message,
+      HasSubstr("cut off"));
+  Bytes padded = JpegHeader({});
+  padded.resize(padded.size() + 200000, 0);  // trailing bytes harm nobody
+  EXPECT_TRUE(ReadPhotoFromBytes("a.jpg", padded).ok());
+}
+
+TEST(ReadPhoto, RefusesAbsurdSizes) {
+  EXPECT_EQ(Refusal(JpegHeader({.width_px = 65535, .height_px = 65535})).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(Refusal(JpegHeader({.width_px = 29000, .height_px = 29000})).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(Refusal(JpegHeader({.width_px = 4, .height_px = 3})).code, ErrorCode::kUnsupportedFormat);
+  EXPECT_EQ(Refusal(JpegHeader({.width_px = 0, .height_px = 0})).code, ErrorCode::kCorrupt);
+  EXPECT_EQ(Refusal(TiffImage(ExifWriter(), 2000000000, 2000000000, {})).code, ErrorCode::kTooLarge);
+}
+
+TEST(ReadPhoto, SurvivesBeingCutAnywhere) {
+  for (const Bytes& whole :
+       {RichPhoto(), TiffImage(ExifWriter().Position(1.5, 2.5), 16, 16, Bytes(768, 9), XmpPacket(kAngles))}) {
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+      const auto photo = ReadPhotoFromBytes("a", std::span(whole).first(length));
+      if (!photo.ok()) {
+        EXPECT_FALSE(photo.error().message.empty());
+      }
+    }
+  }
+}
+
+TEST(ReadPhoto, SurvivesFlippedBytes) {
+  std::mt19937 random(1);
+  for (const Bytes& whole :
+       {RichPhoto(), TiffImage(ExifWriter().Position(1.5, 2.5), 16, 16, Bytes(768, 9), XmpPacket(kAngles))}) {
+    for (int round = 0; round < 4000; ++round) {
+      Bytes damaged = whole;
+      for (int flips = 0; flips < 4; ++flips) {
+        damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random() % 3 == 0 ? 0xFF : random());
+      }
+      const auto photo = ReadPhotoFromBytes("a", damaged);
+      if (photo.ok() && photo->position) {
+        EXPECT_LE(std::abs(photo->position->position.lat_deg), 90.0);
+        EXPECT_LE(std::abs(photo->position->position.lon_deg), 180.0);
+      }
+      if (photo.ok()) {
+        EXPECT_GT(photo->intrinsics.focal_x_px, 0.0);
+      }
+    }
+  }
+}
+
+TEST(ReadTiffTags, StopsAtLoopsAndHugeCounts) {
+  // The EXIF and GPS pointers lead back to the first directory.
+  ExifWriter loop;
+  loop.Long(ExifIfd::kImage, 0x8769, 8).Long(ExifIfd::kImage, 0x8825, 8).Long(ExifIfd::kImage, 0x0100, 32);
+  Bytes looping = loop.Write();
+  MemoryBytes source(looping);
+  const auto table = ReadTiffTags(source);
+  ASSERT_TRUE(table.ok());
+  EXPECT_EQ(table->values().size(), 3u);
+  // One entry that claims four thousand million rationals.
+  Bytes huge = ExifWriter().Rational(ExifIfd::kImage, 0x0100, {{1, 1}}).Write();
+  for (int i = 0; i < 4; ++i) huge[8 + 2 + 4 + i] = 0xFF;
+  MemoryBytes huge_source(huge);
+  const auto huge_table = ReadTiffTags(huge_source);
+  ASSERT_TRUE(huge_table.ok());
+  EXPECT_TRUE(huge_table->values().empty());
+}
+
+TEST(XmpTags, RefusesBrokenAndBottomlessXml) {
+  XmpTags xmp;
+  EXPECT_FALSE(xmp.AddPacket("<x:xmpmeta"));
+  EXPECT_FALSE(xmp.AddPacket(""));
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "<a>";
+  EXPECT_FALSE(xmp.AddPacket(deep));
+  std::string nested = "<q:a xmlns:q=\"u\">";
+  for (int i = 0; i < 200; ++i) nested = "<q:a>" + nested + "</q:a>";
+  xmp.AddPacket(XmpPacket("", nested));
+  EXPECT_TRUE(xmp.empty());
+}
+
+TEST(XmpTags, ReadsNumbersAsPeopleWriteThem) {
+  EXPECT_EQ(ParseNumber("+198.31"), 198.31);
+  EXPECT_EQ(ParseNumber(" -1e1 "), -10.0);
+  EXPECT_EQ(ParseNumber("73/10"), 7.3);
+  for (const char* text :
+       {"", "+", "-", "nan", "inf", "1/0", "-20000000000", "12abc", "0x10", "1,5", "1e999"}) {
+    EXPECT_FALSE(ParseNumber(text)) << text;
+  }
+}
+
+TEST(XmpTags, KeepsEqualNamesOfDifferentMakersApart) {
+  XmpTags xmp;
+  ASSERT_TRUE(
+      xmp.AddPacket(XmpPacket("xmlns:drone-dji=\"http://elsewhere.example/1.0/\" "
+                              "xmlns:own=\"http://www.dji.com/drone-dji/1.0/\" "
+                              "own:GimbalYawDegree=\"5\"")));
+  EXPECT_EQ(xmp.Number("drone-dji:GimbalYawDegree"), 5.0);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight
