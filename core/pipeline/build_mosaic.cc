@@ -1,0 +1,115 @@
+#include "core/pipeline/build_mosaic.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/alignment/align_by_pose.h"
+#include "core/base/scoped_timer.h"
+#include "core/geo/web_mercator.h"
+#include "core/ground/ground_surface.h"
+#include "core/pipeline/check_photos.h"
+#include "core/poses/estimate_poses.h"
+#include "core/render/plan_mosaic.h"
+#include "core/render/render_tiles.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+// Runs one stage: says so, times it, and stops between stages when the user asked to.
+class StageRunner {
+ public:
+  StageRunner(MosaicReport& report, Progress& progress) : report_(report), progress_(progress) {}
+
+  template <typename Stage>
+  auto Run(const char* name, Stage&& stage) {
+    progress_.BeginStage(name);
+    report_.timings.push_back({name, 0.0});
+    ScopedTimer timer(report_.timings.back().wall_s);
+    return stage();
+  }
+
+ private:
+  MosaicReport& report_;
+  Progress& progress_;
+};
+
+std::int64_t PeakMemoryBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::array<double, 4> DegreeBounds(const geo::Bounds2& bounds_in_merc) {
+  const geo::LatLon south_west = geo::LatLonFromMerc(bounds_in_merc.min);
+  const geo::LatLon north_east = geo::LatLonFromMerc(bounds_in_merc.max);
+  return {south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg};
+}
+
+void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report) {
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    ++(photo.placement == alignment::Placement::kAligned ? report.photos_aligned : report.photos_pose_only);
+  }
+  report.left_out_photos = flight.left_out;
+  std::sort(report.left_out_photos.begin(), report.left_out_photos.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  report.photos_left_out = static_cast<int>(report.left_out_photos.size());
+  report.photos_total = static_cast<int>(flight.photos.size()) + report.photos_left_out;
+}
+
+}  // namespace
+
+Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
+                                const PhotoSource& photo_source, TileSink& sink, Progress& progress) {
+  if (auto valid = options.Validate(); !valid) return valid.error();
+  MosaicReport report;
+  report.title = options.title;
+  StageRunner stages(report, progress);
+
+  auto flight = stages.Run("read", [&] { return flight::ReadFlight(files, {options.threads}, progress); });
+  if (!flight) return flight.error();
+
+  auto checked = stages.Run("check", [&] {
+    return CheckPhotos(*std::move(flight), photo_source, options.threads, progress);
+  });
+  if (!checked) return checked.error();
+
+  auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin}, progress); });
+  if (!posed) return posed.error();
+
+  alignment::AlignedFlight aligned = stages.Run("align", [&] { return alignment::AlignByPoseOnly(*posed); });
+  const ground::GroundSurface ground = ground::GroundSurface::Plane(aligned.ground_z_in_enu_m);
+
+  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, {options.gsd_m, options.feather_m}); });
+  if (!plan) return plan.error();
+
+  const render::ExposureModel exposure{std::vector<render::PhotoTone>(aligned.photos.size())};
+  auto rendered = stages.Run("render", [&] {
+    render::PhotoCache cache(photo_source, options.max_memory_bytes / 2);
+    const render::RenderContext context{aligned, ground, exposure, *plan, cache};
+    const render::RenderOptions render_options{
+        options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
+    return render::RenderTiles(context, render_options, sink, progress);
+  });
+  if (!rendered) return rendered.error();
+  if (rendered->base_tiles == 0) {
+    return Error{ErrorCode::kUnprocessable, "the photos were placed, but none of them shows any ground", ""};
+  }
+
+  DescribePhotos(aligned, report);
+  report.warnings = aligned.warnings;
+  report.height_rule = posed->height_rule;
+  report.gsd_m = plan->gsd_m;
+  const double lat_deg = aligned.frame.origin().lat_deg;
+  const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
+  report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
+  report.bounds = DegreeBounds(rendered->covered_in_merc);
+  report.min_zoom = plan->min_zoom;
+  report.max_zoom = plan->base_zoom;
+  report.tile_count = rendered->tiles;
+  report.peak_memory_bytes = PeakMemoryBytes();
+  return BuiltMosaic{std::move(aligned), std::move(report)};
+}
+
+}  // namespace skyquilt::pipeline

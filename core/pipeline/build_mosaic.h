@@ -1,0 +1,26 @@
+// BuildMosaic: the whole flow, photos and logs in, tiles out, one stage after the other. Blocking; uses all the
+// threads asked for. A photo that cannot be read, decoded or placed is left out and listed; it never fails the map.
+// Errors: kUnprocessable (nothing could be placed), kCancelled, those of the sink.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/flight/read_flight.h"
+#include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/mosaic_report.h"
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::pipeline {
+
+struct BuiltMosaic {
+  alignment::AlignedFlight flight;
+  MosaicReport report;
+};
+
+Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
+                                const PhotoSource& photo_source, TileSink& sink, Progress& progress);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,38 @@
+#include "core/pipeline/check_photos.h"
+
+#include <fmt/core.h>
+
+#include <atomic>
+#include <optional>
+
+#include "core/base/parallel_for.h"
+
+namespace skyquilt::pipeline {
+
+Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source, int threads, Progress& progress) {
+  const std::size_t count = flight.photos.size();
+  std::vector<std::optional<Result<render::Thumbnail>>> made(count);
+  std::atomic<std::size_t> done{0};
+  ParallelFor(count, threads, [&](std::size_t i) {
+    if (progress.IsCancelled()) return;
+    made[i] = render::MakeThumbnail(source, flight.photos[i]);
+    const std::size_t finished = ++done;
+    progress.Report(static_cast<double>(finished) / static_cast<double>(count),
+                    fmt::format("photo {} of {}", finished, count));
+  });
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+  CheckedFlight checked;
+  checked.flight.left_out = std::move(flight.left_out);
+  checked.flight.warnings = std::move(flight.warnings);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (made[i]->ok()) {
+      checked.flight.photos.push_back(std::move(flight.photos[i]));
+      checked.thumbnails.push_back(**std::move(made[i]));
+    } else {
+      checked.flight.left_out.push_back({flight.photos[i].name, made[i]->error().code, made[i]->error().message});
+    }
+  }
+  return checked;
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,26 @@
+#include "core/pipeline/mosaic_options.h"
+
+#include <fmt/core.h>
+
+namespace skyquilt::pipeline {
+
+Result<void> MosaicOptions::Validate() const {
+  const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message), ""}; };
+  if (gsd_m && !(*gsd_m >= 0.001 && *gsd_m <= 100.0)) {
+    return refuse(fmt::format("gsd_m is {} but must be 0.001 to 100 metres", *gsd_m));
+  }
+  if (jpeg_quality < 1 || jpeg_quality > 100) {
+    return refuse(fmt::format("quality is {} but must be 1 to 100", jpeg_quality));
+  }
+  if (!(feather_m >= 0.0 && feather_m <= 100.0)) {
+    return refuse(fmt::format("feather_m is {} but must be 0 to 100 metres", feather_m));
+  }
+  constexpr std::int64_t kLeastMemory = std::int64_t{256} << 20;
+  if (max_memory_bytes < kLeastMemory) {
+    return refuse(fmt::format("max memory is {} bytes but must be at least 256 MiB", max_memory_bytes));
+  }
+  if (threads < 0 || threads > 1024) return refuse(fmt::format("threads is {} but must be 0 (all cores) to 1024", threads));
+  return {};
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,110 @@
+#include "core/pipeline/mosaic_report.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error_code.h"
+#include "core/camera/footprint.h"
+#include "core/geo/lat_lon.h"
+#include "core/poses/attitude_convention.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double Rounded(double value, int digits) {
+  const double scale = std::pow(10.0, digits);
+  return std::round(value * scale) / scale;
+}
+
+Json ParsedOrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json::parse(text); }
+
+// Names come from file systems and need not be UTF-8.
+std::string Printed(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+std::string IsoTime(const flight::UtcTime& time) {
+  const auto milliseconds = std::chrono::floor<std::chrono::milliseconds>(time);
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(milliseconds);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)),
+                     (milliseconds - seconds).count());
+}
+
+Json FootprintRing(const alignment::AlignedPhoto& photo, const alignment::AlignedFlight& flight) {
+  Json ring = Json::array();
+  for (const Eigen::Vector2d& point :
+       camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, flight.ground_z_in_enu_m, 4)) {
+    const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), flight.ground_z_in_enu_m});
+    ring.push_back({Rounded(wgs84.lon_deg, 9), Rounded(wgs84.lat_deg, 9)});
+  }
+  if (!ring.empty()) ring.push_back(ring.front());
+  return ring;
+}
+
+}  // namespace
+
+std::string ReportJson(const MosaicReport& report) {
+  Json left_out = Json::array();
+  for (const flight::LeftOutPhoto& photo : report.left_out_photos) {
+    left_out.push_back({{"name", photo.name}, {"code", ErrorCodeName(photo.code)}, {"reason", photo.reason}});
+  }
+  Json timings = Json::array();
+  for (const StageTiming& timing : report.timings) {
+    timings.push_back({{"stage", timing.stage}, {"wall_s", Rounded(timing.wall_s, 3)}});
+  }
+  Json json;
+  json["title"] = report.title;
+  json["photos"] = {{"total", report.photos_total},
+                    {"aligned", report.photos_aligned},
+                    {"pose_only", report.photos_pose_only},
+                    {"left_out", report.photos_left_out}};
+  json["left_out_photos"] = left_out;
+  json["gsd_m"] = Rounded(report.gsd_m, 6);
+  json["area_m2"] = Rounded(report.area_m2, 2);
+  json["bounds"] = Json::array();
+  for (const double bound : report.bounds) json["bounds"].push_back(Rounded(bound, 9));
+  json["min_zoom"] = report.min_zoom;
+  json["max_zoom"] = report.max_zoom;
+  json["tile_count"] = report.tile_count;
+  json["height_rule"] = report.height_rule;
+  json["timings"] = timings;
+  json["peak_memory_bytes"] = report.peak_memory_bytes;
+  json["warnings"] = report.warnings;
+  json["poses"] = ParsedOrNull(report.poses_json);
+  json["alignment"] = ParsedOrNull(report.alignment_json);
+  return Printed(json);
+}
+
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight) {
+  Json features = Json::array();
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    const geo::Wgs84 camera = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    const poses::CameraAngles angles = poses::AnglesOf(photo.cam_from_enu.rotation);
+    const Json ring = FootprintRing(photo, flight);
+    Json properties;
+    properties["name"] = photo.photo.name;
+    properties["placement"] = alignment::PlacementName(photo.placement);
+    properties["reason"] = photo.placement_reason;
+    properties["error_radius_m"] = Rounded(photo.error_radius_m, 3);
+    properties["camera_lon"] = Rounded(camera.lon_deg, 9);
+    properties["camera_lat"] = Rounded(camera.lat_deg, 9);
+    properties["camera_height_above_ground_m"] = Rounded(photo.height_above_ground_m, 3);
+    properties["yaw_deg"] = Rounded(geo::RadToDeg(angles.yaw_rad), 3);
+    properties["pitch_deg"] = Rounded(geo::RadToDeg(angles.pitch_rad), 3);
+    properties["roll_deg"] = Rounded(geo::RadToDeg(angles.roll_rad), 3);
+    if (photo.photo.captured_at) {
+      properties["captured_at"] = IsoTime(*photo.photo.captured_at) + (photo.photo.captured_at_is_local ? "" : "Z");
+    } else {
+      properties["captured_at"] = nullptr;
+    }
+    Json geometry = nullptr;
+    if (!ring.empty()) geometry = {{"type", "Polygon"}, {"coordinates", Json::array({ring})}};
+    features.push_back({{"type", "Feature"}, {"geometry", geometry}, {"properties", properties}});
+  }
+  return Printed({{"type", "FeatureCollection"}, {"features", features}});
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,26 @@
+// Thumbnail: a photo averaged down to at most kThumbnailSidePx, for what needs colour but no detail. A value.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/photo.h"
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::render {
+
+inline constexpr int kThumbnailSidePx = 160;
+
+struct Thumbnail {
+  std::string photo_name;
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+// Errors: those of decoding.
+Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo);
+
+}  // namespace skyquilt::render

@@ -1,0 +1,89 @@
+#include "server/commands/stitch.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/commands/terminal_progress.h"
+#include "server/stitch_job.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct StitchArguments {
+  std::vector<std::filesystem::path> inputs;
+  std::filesystem::path out_dir;
+  StitchJobOptions job;
+  double gsd_m = 0.0;
+  double max_memory_gib = 1.0;
+  bool no_cog = false;
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt: {}\n", error.message);
+  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
+}
+
+void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
+  fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total, report.photos_aligned,
+             report.photos_pose_only, report.photos_left_out);
+  for (const flight::LeftOutPhoto& photo : report.left_out_photos) fmt::print("  left out: {}: {}\n", photo.name, photo.reason);
+  for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", warning);
+  fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4, report.gsd_m * 100.0,
+             report.min_zoom, report.max_zoom, report.tile_count);
+  fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
+}
+
+void Run(StitchArguments& arguments) {
+  if (arguments.gsd_m > 0.0) arguments.job.mosaic.gsd_m = arguments.gsd_m;
+  arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
+  arguments.job.write_cog = !arguments.no_cog;
+  const auto files = flight::ListInputFiles(arguments.inputs);
+  if (!files) Fail(files.error());
+  if (arguments.job.mosaic.title.empty()) {
+    std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
+    if (!first.has_filename()) first = first.parent_path();
+    arguments.job.mosaic.title = std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
+  }
+  Result<pipeline::MosaicReport> report = [&] {
+    TerminalProgress progress;
+    return StitchToDirectory(*files, arguments.job, arguments.out_dir, progress);
+  }();
+  if (!report) Fail(report.error());
+  PrintOutcome(*report, arguments.out_dir);
+}
+
+}  // namespace
+
+void AddStitchCommand(CLI::App& app) {
+  auto arguments = std::make_shared<StitchArguments>();
+  CLI::App* command = app.add_subcommand("stitch", "Make a map from a folder of drone photos");
+  command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them (an SD card's DCIM will do)")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("-o,--out", arguments->out_dir,
+                      "Folder for mosaic.mbtiles, mosaic.tif, report.json and photos.geojson; made if missing")
+      ->required();
+  command->add_option("--gsd", arguments->gsd_m, "Ground size of a map pixel in metres (default: that of the photos)");
+  command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")->capture_default_str();
+  command->add_option("--format", arguments->job.mosaic.encoding, "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::TileEncoding>{
+          {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
+  command->add_option("--method", arguments->job.mosaic.method,
+                      "auto: poses refined by image features; imu: recorded poses alone, no pixel compared")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::AlignMethod>{
+          {"auto", pipeline::AlignMethod::kAuto}, {"imu", pipeline::AlignMethod::kImu}}));
+  command->add_option("--title", arguments->job.mosaic.title, "Name of the map (default: the folder's name)");
+  command->add_option("--threads", arguments->job.mosaic.threads, "Threads; 0 takes all cores. The map is the same with any number")
+      ->capture_default_str();
+  command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")->capture_default_str();
+  command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
+  command->footer("Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  gdalinfo map/mosaic.tif");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

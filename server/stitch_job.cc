@@ -1,0 +1,72 @@
+#include "server/stitch_job.h"
+
+#include <utility>
+
+#include "core/base/scoped_timer.h"
+#include "core/flight/photo_decoder.h"
+#include "core/pipeline/build_mosaic.h"
+#include "storage/cog_writer.h"
+#include "storage/mbtiles_writer.h"
+#include "storage/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+// A cancelled or failed flight leaves no product behind; what an earlier run made stays until it is replaced.
+Result<void> MakeFolder(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) {
+    return Error{ErrorCode::kIo, "cannot make the folder " + folder.string() + ": " + failed.message(), ""};
+  }
+  return {};
+}
+
+storage::TilesetMetadata MetadataOf(const pipeline::MosaicReport& report) {
+  storage::TilesetMetadata metadata;
+  metadata.name = report.title.empty() ? "Skyquilt map" : report.title;
+  metadata.description = "Orthomosaic of " + std::to_string(report.photos_aligned + report.photos_pose_only) + " aerial photos";
+  metadata.bounds = report.bounds;
+  metadata.min_zoom = report.min_zoom;
+  metadata.max_zoom = report.max_zoom;
+  metadata.generator = "Skyquilt";
+  return metadata;
+}
+
+}  // namespace
+
+Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
+                                                 const StitchJobOptions& options,
+                                                 const std::filesystem::path& out_dir, Progress& progress) {
+  if (auto made = MakeFolder(out_dir); !made) return made.error();
+  const std::filesystem::path mbtiles = out_dir / "mosaic.mbtiles";
+  auto writer = storage::MbtilesWriter::Create(mbtiles);
+  if (!writer) return writer.error();
+  const flight::FilePhotoSource photos;
+  Result<pipeline::BuiltMosaic> built = pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress);
+  if (!built) return built.error();
+  if (auto published = (*writer)->Publish(MetadataOf(built->report)); !published) return published.error();
+  if (options.write_cog) {
+    progress.BeginStage("export");
+    const storage::CogOptions cog{built->report.max_zoom, options.mosaic.jpeg_quality, options.mosaic.threads};
+    double export_s = 0.0;
+    Result<void> written;
+    {
+      ScopedTimer timer(export_s);
+      written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress);
+    }
+    if (!written) return written.error();
+    built->report.timings.push_back({"export", export_s});
+  }
+  if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight));
+      !written) {
+    return written.error();
+  }
+  if (auto written = storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));
+      !written) {
+    return written.error();
+  }
+  return std::move(built->report);
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,20 @@
+#include "storage/gdal_guard.h"
+
+#include <cpl_conv.h>
+#include <gdal_priv.h>
+
+#include <mutex>
+
+namespace skyquilt::storage {
+
+void RegisterGdalOnce() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+    CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".none");
+    GDALAllRegister();
+  });
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,15 @@
+// Publishing a finished file: bytes on the disk first, then the name, then the folder. Any thread.
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/result.h"
+
+namespace skyquilt::storage {
+
+// fsync(temporary), rename to `path`, fsync of the folder. Errors: kIo, kOutOfSpace.
+Result<void> PublishFile(const std::filesystem::path& temporary, const std::filesystem::path& path);
+// Writes `bytes` under a temporary name and publishes it.
+Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace skyquilt::storage
