@@ -29,6 +29,7 @@ storage::TilesetMetadata MetadataOf(const pipeline::MosaicReport& report) {
   metadata.bounds = report.bounds;
   metadata.min_zoom = report.min_zoom;
   metadata.max_zoom = report.max_zoom;
+  metadata.tile_size_px = report.tile_size_px;
   metadata.generator = "Skyquilt";
   return metadata;
 }

@@ -71,9 +71,10 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
     statement = *std::move(prepared);
     return {};
   };
-  for (const auto& [statement, sql] : {std::pair{&state->find_bytes, "SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"},
-                                       std::pair{&state->add_bytes, "INSERT INTO tiles_data VALUES (?1, ?2)"},
-                                       std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4)"}}) {
+  for (const auto& [statement, sql] :
+       {std::pair{&state->find_bytes, "SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"},
+        std::pair{&state->add_bytes, "INSERT INTO tiles_data VALUES (?1, ?2)"},
+        std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4)"}}) {
     if (auto prepared = prepare(*statement, sql); !prepared) return prepared.error();
   }
   return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
@@ -81,7 +82,8 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
 
 Result<void> MbtilesWriter::Put(const geo::TileId& tile, pipeline::TileFormat format,
                                 std::span<const std::uint8_t> bytes) {
-  // 63 bits, so that the id is a positive SQLite rowid; a collision of different bytes moves on to the next id.
+  // 63 bits, so that the id is a positive SQLite rowid; a collision of different bytes moves on to the next
+  // id.
   auto id = static_cast<std::int64_t>(XXH3_64bits(bytes.data(), bytes.size()) >> 1);
   while (true) {
     state_->find_bytes.Bind(1, id);
@@ -93,7 +95,8 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, pipeline::TileFormat fo
       break;
     }
     const std::span<const std::uint8_t> known = state_->find_bytes.ColumnBlob(0);
-    const bool is_same = known.size() == bytes.size() && std::memcmp(known.data(), bytes.data(), bytes.size()) == 0;
+    const bool is_same =
+        known.size() == bytes.size() && std::memcmp(known.data(), bytes.data(), bytes.size()) == 0;
     state_->find_bytes.Reset();
     if (is_same) break;
     id = (id + 1) & 0x7fffffffffffffff;
@@ -108,7 +111,8 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, pipeline::TileFormat fo
 }
 
 Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
-  // Readers take the format as the kind of most tiles; the fringe is PNG whatever it says. A map all of fringe is PNG.
+  // Readers take the format as the kind of most tiles; the fringe is PNG whatever it says. A map all of
+  // fringe is PNG.
   const char* format = state_->formats.contains(pipeline::TileFormat::kWebp)   ? "webp"
                        : state_->formats.contains(pipeline::TileFormat::kJpeg) ? "jpg"
                                                                                : "png";
@@ -116,11 +120,12 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
   const std::vector<std::pair<std::string, std::string>> rows = {
       {"name", metadata.name},
       {"format", format},
-      {"bounds", fmt::format("{:.8f},{:.8f},{:.8f},{:.8f}", b[0], b[1], b[2], b[3])},
+      {"bounds", fmt::format("{:.12f},{:.12f},{:.12f},{:.12f}", b[0], b[1], b[2], b[3])},
       {"center", fmt::format("{:.8f},{:.8f},{}", 0.5 * (b[0] + b[2]), 0.5 * (b[1] + b[3]),
                              std::max(metadata.min_zoom, metadata.max_zoom - 4))},
       {"minzoom", std::to_string(metadata.min_zoom)},
       {"maxzoom", std::to_string(metadata.max_zoom)},
+      {"tile_size", std::to_string(metadata.tile_size_px)},
       {"type", "overlay"},
       {"version", metadata.version},
       {"description", metadata.description},
@@ -144,7 +149,8 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
     if (!check) return check.error();
     if (auto row = check->Step(); !row) return row.error();
     if (check->ColumnInt64(0) != state_->tiles) {
-      return Error{ErrorCode::kCorrupt, "the tileset lost tiles while it was written; try again", state_->temporary};
+      return Error{ErrorCode::kCorrupt, "the tileset lost tiles while it was written; try again",
+                   state_->temporary};
     }
   }
   if (auto closed = state_->db.Close(); !closed) return closed;

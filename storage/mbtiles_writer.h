@@ -1,8 +1,8 @@
-// MbtilesWriter: a TileSink that builds one MBTiles 1.3 file. Tiles are stored once however often they occur; the key
-// of the bytes is also their ETag. Written under `<path>.tmp` without a journal and published by rename after
-// fsync, so a crash leaves no half file under the final name. One thread at a time.
-// Format: https://github.com/mapbox/mbtiles-spec 1.3 (rows counted from the south); deduplicated as
-// tiles_shallow + tiles_data behind a view `tiles`. Errors: kOutOfSpace, kIo.
+// MbtilesWriter: a TileSink that builds one MBTiles 1.3 file. Tiles are stored once however often they occur;
+// the key of the bytes is also their ETag. Written under `<path>.tmp` without a journal and published by
+// rename after fsync, so a crash leaves no half file under the final name. One thread at a time. Format:
+// https://github.com/mapbox/mbtiles-spec 1.3 (rows counted from the south); deduplicated as tiles_shallow +
+// tiles_data behind a view `tiles`. Errors: kOutOfSpace, kIo.
 #pragma once
 
 #include <array>
@@ -22,6 +22,7 @@ struct TilesetMetadata {
   std::array<double, 4> bounds{};  // west, south, east, north, degrees
   int min_zoom = 0;
   int max_zoom = 0;
+  int tile_size_px = 256;
   std::string version = "1";
   std::string generator;
 };
@@ -31,7 +32,8 @@ class MbtilesWriter final : public pipeline::TileSink {
   static Result<std::unique_ptr<MbtilesWriter>> Create(const std::filesystem::path& path);
   ~MbtilesWriter() override;  // removes the temporary file unless Publish succeeded
 
-  Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format, std::span<const std::uint8_t> bytes) override;
+  Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format,
+                   std::span<const std::uint8_t> bytes) override;
   // Writes the metadata, checks the file and gives it its name.
   Result<void> Publish(const TilesetMetadata& metadata);
 

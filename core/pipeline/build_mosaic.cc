@@ -107,6 +107,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.bounds = DegreeBounds(rendered->covered_in_merc);
   report.min_zoom = plan->min_zoom;
   report.max_zoom = plan->base_zoom;
+  report.tile_size_px = plan->tile_size_px;
   report.tile_count = rendered->tiles;
   report.peak_memory_bytes = PeakMemoryBytes();
   return BuiltMosaic{std::move(aligned), std::move(report)};

@@ -30,6 +30,7 @@ struct MosaicReport {
   std::array<double, 4> bounds{};  // west, south, east, north in degrees
   int min_zoom = 0;
   int max_zoom = 0;
+  int tile_size_px = 256;  // above zoom 22 the tiles grow instead of the zoom
   std::int64_t tile_count = 0;
   std::string height_rule;
   std::vector<StageTiming> timings;

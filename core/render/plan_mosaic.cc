@@ -17,6 +17,9 @@ namespace {
 using alignment::AlignedFlight;
 using alignment::AlignedPhoto;
 
+// GDAL (and with it QGIS) refuses MBTiles with a zoom above 22.
+constexpr int kFinestZoom = 22;
+constexpr int kBlockSizePx = 1024;
 constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
 
 std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight, double plane_z_m) {
@@ -82,7 +85,13 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   plan.gsd_m = gsds[gsds.size() / 2];
   const double lat_deg = flight.frame.origin().lat_deg;
   plan.base_zoom = geo::ZoomForGsd(options.gsd_m.value_or(plan.gsd_m), lat_deg, plan.tile_size_px);
-  plan.block_levels = std::min(2, plan.base_zoom);
+  // Finer than the last zoom that GIS tools open, the tiles grow instead of the zoom: 512 pixels, 1024, ...
+  while (plan.base_zoom > kFinestZoom) {
+    --plan.base_zoom;
+    plan.tile_size_px *= 2;
+  }
+  plan.block_levels = 0;
+  while (plan.block_levels < plan.base_zoom && plan.BlockSizePx() < kBlockSizePx) ++plan.block_levels;
   const double pixel_m = geo::PixelSizeInMercM(plan.base_zoom, plan.tile_size_px) * geo::GroundMetresPerMercMetre(lat_deg);
   plan.feather_m = options.feather_m > 0.0 ? options.feather_m : 24.0 * pixel_m;
 
