@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "core/flight/jpeg_segments.h"
 #include "core/flight/read_photo.h"
@@ -64,6 +65,22 @@ Result<ImageHeader> ReadJpeg(ByteSource& source) {
   return header;
 }
 
+// Whether all strips (or tiles) lie within the file. Only what is listed is judged.
+bool HoldsItsPixels(const ExifTable& table, std::uint64_t file_size) {
+  constexpr std::pair<std::uint16_t, std::uint16_t> kOffsetsAndCounts[] = {{0x0111, 0x0117},
+                                                                           {0x0144, 0x0145}};
+  for (const auto& [offsets_tag, counts_tag] : kOffsetsAndCounts) {
+    const ExifValue* offsets = table.Find(ExifIfd::kImage, offsets_tag);
+    const ExifValue* counts = table.Find(ExifIfd::kImage, counts_tag);
+    if (offsets == nullptr || counts == nullptr) continue;
+    for (std::size_t i = 0; i < std::min(offsets->count, counts->count); ++i) {
+      const double end = offsets->Number(i).value_or(0.0) + counts->Number(i).value_or(0.0);
+      if (end > static_cast<double>(file_size)) return false;
+    }
+  }
+  return true;
+}
+
 Result<ImageHeader> ReadTiff(ByteSource& source) {
   constexpr std::uint16_t kWidth = 0x0100, kHeight = 0x0101, kDngVersion = 0xC612;
   auto table = ReadTiffTags(source);
@@ -75,6 +92,11 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
   const auto height = table->Number(ExifIfd::kImage, kHeight);
   if (!width || !height || *width < 1.0 || *height < 1.0) {
     return Error{ErrorCode::kCorrupt, "The TIFF does not say how large its image is; it cannot be read.", ""};
+  }
+  if (!HoldsItsPixels(*table, source.size())) {
+    return Error{ErrorCode::kCorrupt,
+                 "The TIFF is cut off: part of its picture is missing. Copy the file from the camera again.",
+                 ""};
   }
   ImageHeader header;
   header.width_px = static_cast<int>(std::min(*width, 1e9));

@@ -150,6 +150,13 @@ TEST(ReadPhoto, RefusesJpegsThatAreCutOff) {
   EXPECT_TRUE(ReadPhotoFromBytes("a.jpg", padded).ok());
 }
 
+TEST(ReadPhoto, RefusesTiffsThatAreCutOff) {
+  Bytes tiff = TiffImage(ExifWriter(), 32, 24, Bytes(32 * 24 * 3, 5));
+  EXPECT_TRUE(ReadPhotoFromBytes("a.tif", tiff).ok());
+  tiff.pop_back();
+  EXPECT_THAT(Refusal(tiff).message, HasSubstr("cut off"));
+}
+
 TEST(ReadPhoto, RefusesAbsurdSizes) {
   EXPECT_EQ(Refusal(JpegHeader({.width_px = 65535, .height_px = 65535})).code, ErrorCode::kTooLarge);
   EXPECT_EQ(Refusal(JpegHeader({.width_px = 29000, .height_px = 29000})).code, ErrorCode::kTooLarge);
