@@ -1,0 +1,40 @@
+// Copies the map library out of node_modules into web/vendor, so that the page loads everything from its own host.
+// Run by `npm run vendor` (the build does it after `npm ci`). Fails with a message when a package is missing.
+import { createHash } from 'node:crypto';
+import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const web = join(dirname(fileURLToPath(import.meta.url)), '..');
+const vendor = join(web, 'vendor');
+
+/** @type {[string, string][]} source below node_modules, name below vendor */
+const copies = [
+  ['maplibre-gl/dist/maplibre-gl.mjs', 'maplibre-gl.mjs'],
+  ['maplibre-gl/dist/maplibre-gl-shared.mjs', 'maplibre-gl-shared.mjs'],
+  ['maplibre-gl/dist/maplibre-gl-worker.mjs', 'maplibre-gl-worker.mjs'],
+  ['maplibre-gl/dist/maplibre-gl.css', 'maplibre-gl.css'],
+  ['maplibre-gl/dist/maplibre-gl.d.ts', 'maplibre-gl.d.mts'],
+  ['maplibre-gl/LICENSE.txt', 'maplibre-gl.LICENSE.txt'],
+];
+
+for (const [from] of copies) {
+  if (!existsSync(join(web, 'node_modules', from))) {
+    console.error(`web/node_modules/${from} is missing: run "npm ci" in web/ first.`);
+    process.exit(1);
+  }
+}
+rmSync(vendor, { recursive: true, force: true });
+mkdirSync(vendor, { recursive: true });
+for (const [from, to] of copies) {
+  const source = join(web, 'node_modules', from);
+  if (to.endsWith('.mjs')) {
+    // The source maps stay behind, so their names must not be asked for.
+    writeFileSync(join(vendor, to), readFileSync(source, 'utf8').replace(/\n\/\/# sourceMappingURL=.*\s*$/, '\n'));
+  } else {
+    cpSync(source, join(vendor, to));
+  }
+}
+const lock = readFileSync(join(web, 'package-lock.json'));
+writeFileSync(join(vendor, 'lock.sha256'), createHash('sha256').update(lock).digest('hex'));
+console.log(`web/vendor: ${copies.length} files of the map library`);

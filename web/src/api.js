@@ -1,0 +1,157 @@
+// The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
+/** @import { Flight, Job, PhotoCollection, Report, StoredFile, TileJson } from './types.js' */
+import { strings } from './strings.js';
+
+/** What went wrong, in the server's words where it gave some (RFC 9457). */
+export class ApiError extends Error {
+  /**
+   * @param {number} status HTTP status, 0 when the server could not be reached
+   * @param {string} title
+   * @param {string} [detail]
+   */
+  constructor(status, title, detail = '') {
+    super(detail || title);
+    this.status = status;
+    this.title = title;
+  }
+
+  /** Worth trying again without a change by the user? */
+  get is_passing() {
+    return this.status === 0 || this.status === 408 || this.status === 429 || this.status >= 500;
+  }
+}
+
+/**
+ * @param {number} status
+ * @param {string} text
+ * @returns {ApiError}
+ */
+function problem(status, text) {
+  try {
+    const body = JSON.parse(text);
+    if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', body.detail ?? '');
+  } catch {
+    // Not a problem document (a proxy's page, say): the status alone has to tell.
+  }
+  return new ApiError(status, strings.errors.status(status));
+}
+
+/**
+ * @param {string} method
+ * @param {string} path
+ * @param {object} [body]
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<any>} the JSON, or null for an empty answer
+ */
+async function request(method, path, body, signal) {
+  /** @type {Response} */
+  let response;
+  try {
+    response = await fetch(path, {
+      method,
+      signal,
+      headers: body ? { 'Content-Type': 'application/json' } : {},
+      body: body ? JSON.stringify(body) : undefined,
+    });
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    throw new ApiError(0, strings.errors.unreachable);
+  }
+  const text = await response.text();
+  if (!response.ok) throw problem(response.status, text);
+  if (text === '') return null;
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new ApiError(response.status, strings.errors.not_json);
+  }
+}
+
+const flight_path = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}`;
+
+/**
+ * All flights, newest first as the server lists them.
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<Flight[]>}
+ */
+export async function listFlights(signal) {
+  /** @type {Flight[]} */
+  const flights = [];
+  let cursor = '';
+  do {
+    const page = await request('GET', `/api/v1/flights?limit=100${cursor}`, undefined, signal);
+    flights.push(...page.flights);
+    cursor = page.next_cursor ? `&cursor=${encodeURIComponent(page.next_cursor)}` : '';
+  } while (cursor);
+  return flights;
+}
+
+/** @param {string} name @returns {Promise<Flight>} */
+export const createFlight = (name) => request('POST', '/api/v1/flights', { name });
+
+/** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Flight>} */
+export const getFlight = (id, signal) => request('GET', flight_path(id), undefined, signal);
+
+/** @param {string} id @param {string} name @returns {Promise<Flight>} */
+export const renameFlight = (id, name) => request('PATCH', flight_path(id), { name });
+
+/** @param {string} id @returns {Promise<null>} */
+export const deleteFlight = (id) => request('DELETE', flight_path(id));
+
+/**
+ * @param {string} id
+ * @returns {Promise<StoredFile[]>}
+ */
+export async function listFiles(id) {
+  const answer = await request('GET', `${flight_path(id)}/files`);
+  return answer.files ?? [];
+}
+
+/** @param {string} id @returns {Promise<Job>} */
+export const startJob = (id) => request('POST', `${flight_path(id)}/jobs`, { options: {} });
+
+/** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Job>} */
+export const getJob = (id, signal) => request('GET', `/api/v1/jobs/${encodeURIComponent(id)}`, undefined, signal);
+
+/** @param {string} id @returns {Promise<Job|null>} */
+export const cancelJob = (id) => request('DELETE', `/api/v1/jobs/${encodeURIComponent(id)}`);
+
+/** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Report>} */
+export const getReport = (id, signal) => request('GET', `${flight_path(id)}/report`, undefined, signal);
+
+/** @param {string} id @param {AbortSignal} [signal] @returns {Promise<PhotoCollection>} */
+export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, signal);
+
+/** @param {string} path @param {AbortSignal} [signal] @returns {Promise<TileJson>} */
+export const getTileJson = (path, signal) => request('GET', path, undefined, signal);
+
+/** @param {string} id @param {'mbtiles'|'tif'} kind @returns {string} */
+export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;
+
+/**
+ * Sends one file. XMLHttpRequest, since fetch cannot tell how much has been sent.
+ * @param {string} flight_id
+ * @param {string} name
+ * @param {Blob} file
+ * @param {(sent_bytes: number) => void} on_progress
+ * @param {AbortSignal} signal
+ * @returns {Promise<void>}
+ */
+export function putFile(flight_id, name, file, on_progress, signal) {
+  return new Promise((resolve, reject) => {
+    const xhr = new XMLHttpRequest();
+    xhr.open('PUT', `${flight_path(flight_id)}/files/${encodeURIComponent(name)}`);
+    xhr.setRequestHeader('Content-Type', 'application/octet-stream');
+    const abort = () => xhr.abort();
+    signal.addEventListener('abort', abort, { once: true });
+    xhr.upload.addEventListener('progress', (event) => on_progress(event.loaded));
+    xhr.addEventListener('loadend', () => signal.removeEventListener('abort', abort));
+    xhr.addEventListener('load', () => {
+      if (xhr.status >= 200 && xhr.status < 300) resolve();
+      else reject(problem(xhr.status, xhr.responseText));
+    });
+    xhr.addEventListener('error', () => reject(new ApiError(0, strings.errors.unreachable)));
+    xhr.addEventListener('abort', () => reject(new DOMException('upload stopped', 'AbortError')));
+    xhr.send(file);
+  });
+}

@@ -1,0 +1,69 @@
+// The page's few questions, as native <dialog>s (focus is kept inside and returns by itself).
+import { h } from './dom.js';
+import { strings } from './strings.js';
+
+/**
+ * @param {HTMLDialogElement} dialog
+ * @returns {Promise<string>} what was chosen; '' when closed by Escape
+ */
+function ask(dialog) {
+  document.body.append(dialog);
+  dialog.showModal();
+  return new Promise((resolve) => {
+    dialog.addEventListener('close', () => {
+      dialog.remove();
+      resolve(dialog.returnValue);
+    });
+  });
+}
+
+/**
+ * @param {string} name
+ * @returns {Promise<string|null>} the new name, or null
+ */
+export async function askName(name) {
+  const input = h('input', { type: 'text', value: name, maxlength: 200, required: true, id: 'rename-input', class: 'field' });
+  const dialog = h(
+    'dialog',
+    { class: 'dialog', 'aria-label': strings.flights.rename },
+    h(
+      'form',
+      { method: 'dialog' },
+      h('label', { for: 'rename-input', class: 'dialog-title' }, strings.flights.rename_label),
+      input,
+      h(
+        'div',
+        { class: 'dialog-actions' },
+        h('button', { type: 'button', class: 'button', on: { click: () => dialog.close('') } }, strings.flights.cancel),
+        h('button', { type: 'submit', class: 'button primary', value: 'save' }, strings.flights.save),
+      ),
+    ),
+  );
+  const chosen = ask(dialog);
+  input.select();
+  const trimmed = (await chosen) === 'save' ? input.value.trim() : '';
+  return trimmed === '' || trimmed === name ? null : trimmed;
+}
+
+/**
+ * @param {number} count of files
+ * @param {string} flight_name
+ * @returns {Promise<'add'|'new'|''>}
+ */
+export async function askWhereTo(count, flight_name) {
+  const choose = (/** @type {string} */ value) => () => dialog.close(value);
+  const dialog = h(
+    'dialog',
+    { class: 'dialog', 'aria-labelledby': 'where-title' },
+    h('h2', { id: 'where-title', class: 'dialog-title' }, strings.drop.choice_title),
+    h('p', {}, strings.drop.choice_text(count, flight_name)),
+    h(
+      'div',
+      { class: 'dialog-actions' },
+      h('button', { type: 'button', class: 'button', on: { click: choose('') } }, strings.flights.cancel),
+      h('button', { type: 'button', class: 'button', on: { click: choose('add') } }, strings.drop.choice_add),
+      h('button', { type: 'button', class: 'button primary', on: { click: choose('new') } }, strings.drop.choice_new),
+    ),
+  );
+  return /** @type {'add'|'new'|''} */ (await ask(dialog));
+}

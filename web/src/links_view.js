@@ -1,0 +1,83 @@
+// Downloads, and the addresses by which other programs read the map.
+/** @import { Flight, TileJson } from './types.js' */
+import { announce, showError } from './announce.js';
+import { downloadPath } from './api.js';
+import { h } from './dom.js';
+import { icon } from './icons.js';
+import { strings } from './strings.js';
+import { ownHost } from './thumbnail.js';
+
+/**
+ * @param {string} what
+ * @param {string} text
+ * @returns {HTMLButtonElement}
+ */
+export function copyButton(what, text) {
+  const button = h(
+    'button',
+    { type: 'button', class: 'icon-button', 'aria-label': strings.links.copy(what), title: strings.links.copy(what) },
+    icon('copy'),
+  );
+  button.addEventListener('click', async () => {
+    try {
+      await copyText(text);
+    } catch (error) {
+      showError(error);
+      return;
+    }
+    announce(strings.links.copied);
+    button.replaceChildren(icon('check'));
+    setTimeout(() => button.replaceChildren(icon('copy')), 1500);
+  });
+  return button;
+}
+
+/** @param {string} text */
+async function copyText(text) {
+  if (navigator.clipboard) {
+    await navigator.clipboard.writeText(text);
+    return;
+  }
+  // The clipboard API exists on secure origins only; in a field network the page often comes over plain HTTP.
+  const area = h('textarea', { class: 'visually-hidden', 'aria-hidden': 'true', value: text });
+  document.body.append(area);
+  area.select();
+  document.execCommand('copy');
+  area.remove();
+}
+
+/**
+ * @param {string} label
+ * @param {string} address
+ * @returns {HTMLElement}
+ */
+function addressField(label, address) {
+  const id = `address-${label.toLowerCase().replace(/[^a-z]+/g, '-')}`;
+  const input = h('input', { id, class: 'field mono', type: 'text', readonly: true, value: address });
+  input.addEventListener('focus', () => input.select());
+  return h('div', { class: 'address' }, h('label', { for: id }, label), h('div', { class: 'address-row' }, input, copyButton(label, address)));
+}
+
+/**
+ * @param {Flight} flight
+ * @param {TileJson} tilejson
+ * @returns {HTMLElement}
+ */
+export function linksView(flight, tilejson) {
+  const words = strings.links;
+  const download = (/** @type {'mbtiles'|'tif'} */ kind, /** @type {string} */ name, /** @type {string} */ hint) =>
+    h(
+      'a',
+      { class: 'button download', href: downloadPath(flight.id, kind), download: '' },
+      icon('download'),
+      h('span', {}, name, ' ', h('small', {}, hint)),
+    );
+  return h(
+    'section',
+    { class: 'block no-print', 'aria-labelledby': 'links-heading' },
+    h('h3', { id: 'links-heading' }, words.heading),
+    h('div', { class: 'downloads' }, download('mbtiles', words.mbtiles, words.mbtiles_hint), download('tif', words.tif, words.tif_hint)),
+    addressField(words.xyz, ownHost(tilejson.tiles[0])),
+    addressField(words.tilejson, new URL(flight.tilejson ?? '', location.origin).href),
+  );
+}

@@ -1,0 +1,154 @@
+// Wires the page together: the address decides what is open, the list is kept fresh, files start uploads.
+/** @import { Flight } from './types.js' */
+/** @import { Route } from './router.js' */
+/** @import { Selection } from './drop_files.js' */
+import { announce, showError } from './announce.js';
+import { createFlight, getFlight, listFlights, renameFlight } from './api.js';
+import { deleteWithUndo, isDeleted } from './deletions.js';
+import { askName, askWhereTo } from './dialogs.js';
+import { byId, put } from './dom.js';
+import { dropZone } from './drop_zone.js';
+import { flightList } from './flight_list.js';
+import { FlightView } from './flight_view.js';
+import { icon } from './icons.js';
+import { go, watchRoute } from './router.js';
+import { bottomSheet } from './sheet.js';
+import { Stage } from './stage.js';
+import { strings } from './strings.js';
+import { isUploading, startUpload, uploadOf } from './uploads.js';
+import { welcomeView } from './welcome.js';
+
+const stage = new Stage();
+const panel_body = byId('panel-body');
+/** @type {FlightView|null} */
+let open_view = null;
+
+const pickers = dropZone((selection) => void takeFiles(selection));
+const list = flightList({ rename, remove });
+byId('welcome').append(welcomeView(pickers));
+put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
+byId('new-flight').addEventListener('click', pickers.choose_folder);
+
+/** @param {Flight} flight */
+async function rename(flight) {
+  const name = await askName(flight.name);
+  if (!name) return;
+  try {
+    const renamed = await renameFlight(flight.id, name);
+    if (open_view?.id === flight.id && open_view.flight) {
+      open_view.flight.name = renamed.name;
+      open_view.drawHead(open_view.flight);
+    }
+  } catch (error) {
+    showError(error);
+  }
+  await refreshList();
+}
+
+/** @param {Flight} flight */
+function remove(flight) {
+  if (open_view?.id === flight.id) go({ view: 'home' });
+  deleteWithUndo(flight, () => void refreshList());
+  byId('flights-heading').focus();
+}
+
+/** @param {Selection} selection */
+async function takeFiles(selection) {
+  try {
+    const open = open_view?.flight ?? null;
+    let id = open?.id ?? '';
+    if (open && open.state !== 'empty' && !uploadOf(open.id)) {
+      const answer = await askWhereTo(selection.chosen.length, open.name);
+      if (answer === '') return;
+      if (answer === 'new') id = '';
+    }
+    if (!id) id = (await createFlight(selection.folder || defaultName(selection))).id;
+    const session = startUpload(id, selection);
+    session.addEventListener('job', () => void refreshList());
+    if (open_view?.id === id) await open_view.refresh();
+    else go({ view: 'flight', id });
+  } catch (error) {
+    showError(error);
+  }
+}
+
+/** @param {Selection} selection */
+function defaultName(selection) {
+  const taken = Math.min(...selection.chosen.map(({ file }) => file.lastModified));
+  return strings.flights.default_name(new Date(taken).toLocaleDateString(undefined, { dateStyle: 'medium' }));
+}
+
+/** @param {Route} route */
+function show(route) {
+  const keeps_view = route.view !== 'home' && open_view?.id === route.id;
+  document.body.dataset.view = route.view === 'home' ? 'home' : 'flight';
+  byId('welcome').hidden = route.view !== 'home';
+  if (!keeps_view) {
+    open_view?.close();
+    open_view = null;
+  }
+  if (route.view === 'home') {
+    stage.hide();
+    document.title = 'Skyquilt';
+    put(panel_body, list.element);
+    void refreshList();
+    return;
+  }
+  stage.endCompare();
+  void openFlight(route);
+}
+
+/** @param {Extract<Route, {id: string}>} route */
+async function openFlight(route) {
+  if (!open_view) {
+    const had_focus = document.activeElement !== document.body;
+    open_view = new FlightView(route.id, stage, {
+      rename,
+      remove,
+      add_photos: pickers.choose_folder,
+      on_flight: (flight) => {
+        byId('panel').setAttribute('aria-label', flight.name);
+      },
+    });
+    put(panel_body, open_view.element);
+    panel_body.scrollTop = 0;
+    const view = open_view;
+    await view.refresh();
+    if (open_view !== view) return;
+    if (view.flight) announce(view.flight.name);
+    if (had_focus) document.getElementById('flight-title')?.focus({ preventScroll: true });
+  }
+  if (route.view !== 'compare' || !open_view.flight) return;
+  try {
+    await stage.compare(open_view.flight, await getFlight(route.other));
+  } catch (error) {
+    showError(error);
+    go({ view: 'flight', id: route.id });
+  }
+}
+
+let list_timer = 0;
+/** Loads the list, and again soon while something is happening to a flight. */
+async function refreshList() {
+  clearTimeout(list_timer);
+  let delay_ms = 30_000;
+  try {
+    const flights = (await listFlights()).filter((flight) => !isDeleted(flight.id));
+    list.update(flights);
+    if (flights.some(({ state, id }) => state === 'queued' || state === 'processing' || uploadOf(id))) delay_ms = 2000;
+  } catch (error) {
+    list.update(null, `${strings.errors.list} ${error instanceof Error ? error.message : ''}`);
+    delay_ms = 5000;
+  }
+  clearTimeout(list_timer);
+  if (document.body.dataset.view === 'home') list_timer = setTimeout(() => void refreshList(), delay_ms);
+}
+
+document.addEventListener('visibilitychange', () => {
+  if (!document.hidden && document.body.dataset.view === 'home') void refreshList();
+});
+addEventListener('beforeunload', (event) => {
+  if (isUploading()) event.preventDefault();
+});
+bottomSheet(() => stage.resize());
+watchRoute(show);

@@ -1,0 +1,151 @@
+// What floats over the map: the tool column, the layers card with its legend, and the coordinates.
+/** @import { MapView } from './map_view.js' */
+/** @import { CoordinateForm } from './coordinates.js' */
+import { coordinate_forms, formatCoordinates } from './coordinates.js';
+import { h, put } from './dom.js';
+import { formatLength } from './format.js';
+import { compassNeedle, icon } from './icons.js';
+import { strings } from './strings.js';
+
+/**
+ * @param {MapView} view
+ * @param {{fit: () => void, measure: (kind: 'distance'|'area') => void, compare: () => void}} actions
+ */
+export function mapTools(view, actions) {
+  const words = strings.map;
+  const tool = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, id = '') =>
+    h('button', { type: 'button', class: 'tool', id: id || null, 'aria-label': label, title: label, on: { click: run } }, picture);
+
+  const needle = compassNeedle();
+  const layers_button = tool(icon('layers'), words.layers, () => toggleLayers(), 'tool-layers');
+  const distance = tool(icon('ruler'), words.distance, () => actions.measure('distance'), 'tool-distance');
+  const area = tool(icon('area'), words.area, () => actions.measure('area'), 'tool-area');
+  const compare = tool(icon('compare'), words.compare, () => actions.compare(), 'tool-compare');
+  const column = h(
+    'div',
+    { class: 'tools', role: 'group', 'aria-label': words.layers },
+    h(
+      'div',
+      { class: 'tool-group' },
+      tool(icon('plus'), words.zoom_in, () => view.map.zoomIn()),
+      tool(icon('minus'), words.zoom_out, () => view.map.zoomOut()),
+      tool(needle, words.north, () => view.map.resetNorth()),
+      tool(icon('fit'), words.fit, actions.fit, 'tool-fit'),
+    ),
+    h('div', { class: 'tool-group' }, layers_button, distance, area, compare),
+  );
+  const turn = () => needle.style.setProperty('transform', `rotate(${-view.map.getBearing()}deg)`);
+  view.map.on('rotate', turn);
+
+  const card = layersCard(view);
+  const toggleLayers = (open = card.element.hidden) => {
+    card.element.hidden = !open;
+    layers_button.setAttribute('aria-expanded', String(open));
+    if (open) card.draw();
+  };
+  layers_button.setAttribute('aria-expanded', 'false');
+  layers_button.setAttribute('aria-controls', card.element.id);
+  card.element.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    toggleLayers(false);
+    layers_button.focus();
+  });
+
+  return {
+    column,
+    layers: card.element,
+    coordinates: coordinateReadout(view),
+    drawLayers: card.draw,
+    closeLayers: () => toggleLayers(false),
+    /** @param {'distance'|'area'|null} kind */
+    showMeasuring(kind) {
+      distance.setAttribute('aria-pressed', String(kind === 'distance'));
+      area.setAttribute('aria-pressed', String(kind === 'area'));
+    },
+  };
+}
+
+/** @param {MapView} view */
+function layersCard(view) {
+  const words = strings.map;
+  const check = (/** @type {string} */ label, /** @type {string} */ id, /** @type {boolean} */ checked, /** @type {(on: boolean) => void} */ set) => {
+    const input = h('input', { type: 'checkbox', id, checked });
+    input.addEventListener('change', () => set(input.checked));
+    return h('label', { class: 'check', for: id }, input, h('span', {}, label));
+  };
+  const opacity = h('input', { type: 'range', id: 'opacity', min: 0, max: 100, step: 1, value: Math.round(view.opacity * 100) });
+  opacity.addEventListener('input', () => view.setOpacity(Number(opacity.value) / 100));
+  const by = h(
+    'select',
+    { id: 'colour-by', class: 'field' },
+    h('option', { value: 'placement' }, words.by_placement),
+    h('option', { value: 'error' }, words.by_error),
+  );
+  const legend = h('div', { class: 'map-legend' });
+  const draw = () => {
+    if (view.colour_by === 'placement') {
+      const entry = (/** @type {'aligned'|'pose_only'} */ kind) => h('li', {}, h('span', { class: `dot dot-${kind}` }), strings.placement[kind]);
+      put(legend, h('ul', { class: 'legend' }, entry('aligned'), entry('pose_only')));
+    } else {
+      put(
+        legend,
+        h('div', { class: 'error-ramp', 'aria-hidden': 'true' }),
+        h('div', { class: 'row between muted' }, h('span', {}, '0 m'), h('span', {}, formatLength(view.worstError()))),
+      );
+    }
+  };
+  by.addEventListener('change', () => {
+    view.setColourBy(/** @type {any} */ (by.value));
+    draw();
+  });
+  const element = h(
+    'section',
+    { class: 'layers-card floating', id: 'layers-card', 'aria-label': words.layers, hidden: true },
+    h('label', { for: 'opacity', class: 'small-label' }, words.opacity),
+    opacity,
+    check(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on)),
+    check(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
+    h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
+    by,
+    legend,
+  );
+  return { element, draw };
+}
+
+/**
+ * Coordinates under the cursor, or of the centre where there is no cursor; a click changes their form.
+ * @param {MapView} view
+ */
+function coordinateReadout(view) {
+  const words = strings.map;
+  /** @type {CoordinateForm} */
+  let form = /** @type {CoordinateForm} */ (localStorage.getItem('skyquilt.coordinates') ?? 'decimal');
+  if (!coordinate_forms.includes(form)) form = 'decimal';
+  /** @type {{lng: number, lat: number}|null} */
+  let cursor = null;
+  const text = h('span', { class: 'mono', id: 'coordinates' });
+  const zoom = h('span', { class: 'muted mono' });
+  const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, text, zoom);
+  const draw = () => {
+    const place = cursor ?? view.map.getCenter();
+    text.textContent = formatCoordinates(place.lng, place.lat, form);
+    zoom.textContent = `z ${view.map.getZoom().toFixed(1)}`;
+    element.setAttribute('aria-label', `${cursor ? words.cursor : words.centre} ${text.textContent}. ${words.format}`);
+  };
+  view.map.on('mousemove', (event) => {
+    cursor = event.lngLat;
+    draw();
+  });
+  view.map.on('mouseout', () => {
+    cursor = null;
+    draw();
+  });
+  view.map.on('move', draw);
+  element.addEventListener('click', () => {
+    form = coordinate_forms[(coordinate_forms.indexOf(form) + 1) % coordinate_forms.length];
+    localStorage.setItem('skyquilt.coordinates', form);
+    draw();
+  });
+  draw();
+  return element;
+}

@@ -1,0 +1,205 @@
+// MapView: one MapLibre map with a flight's mosaic and photos on a plain ground. Knows nothing of panels.
+// The container's data-map-state says 'empty', 'loading' or 'idle' (everything drawn).
+/** @import { Bounds, PhotoCollection, PhotoRecord, TileJson } from './types.js' */
+/** @import { ColourBy } from './map_style.js' */
+import * as maplibre from '../vendor/maplibre-gl.mjs';
+import { isInside } from './geodesy.js';
+import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { strings } from './strings.js';
+import { ownHost } from './thumbnail.js';
+
+maplibre.setWorkerUrl(new URL('../vendor/maplibre-gl-worker.mjs', import.meta.url).href);
+
+export const kMaxZoom = 24;
+
+export class MapView {
+  /** @type {PhotoCollection|null} */
+  photos = null;
+  /** @type {Bounds|null} */
+  bounds = null;
+  /** @type {ColourBy} */
+  colour_by = 'placement';
+  opacity = 1;
+  shows_footprints = true;
+  shows_path = false;
+  #selected = '';
+
+  /** @param {HTMLElement} container */
+  constructor(container) {
+    this.container = container;
+    this.map = new maplibre.Map({
+      container,
+      style: emptyStyle(),
+      attributionControl: false,
+      maxZoom: kMaxZoom,
+      maxPitch: 0,
+      pitchWithRotate: false,
+      renderWorldCopies: false,
+      fadeDuration: 120,
+      locale: { 'Map.Title': strings.map.label },
+    });
+    this.map.addControl(new maplibre.ScaleControl({ maxWidth: 130, unit: 'metric' }), 'bottom-left');
+    container.dataset.mapState = 'empty';
+    this.map.on('dataloading', () => this.#setState('loading'));
+    this.map.on('movestart', () => this.#setState('loading'));
+    this.map.on('idle', () => this.#setState('idle'));
+    // A missing tile is a hole, not a fault; anything else should be seen by whoever looks for it.
+    this.map.on('error', (event) => console.debug('map:', event.error?.message));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      this.map.setPaintProperty('ground', 'background-color', groundColour());
+    });
+    this.ready = new Promise((resolve) => this.map.once('load', () => resolve(undefined)));
+  }
+
+  /** @param {'loading'|'idle'} state */
+  #setState(state) {
+    const shown = this.bounds ? state : 'empty';
+    if (this.container.dataset.mapState !== shown) this.container.dataset.mapState = shown;
+  }
+
+  /**
+   * Shows a mosaic, replacing the one before.
+   * @param {TileJson} tilejson
+   * @param {Bounds} bounds
+   */
+  async showMosaic(tilejson, bounds) {
+    await this.ready;
+    this.#remove('mosaic', ['mosaic']);
+    this.bounds = bounds;
+    this.map.addSource('mosaic', {
+      type: 'raster',
+      tiles: tilejson.tiles.map(ownHost),
+      tileSize: 256,
+      minzoom: tilejson.minzoom ?? 0,
+      maxzoom: tilejson.maxzoom ?? 22,
+      bounds,
+    });
+    const above = this.map.getStyle().layers.find((layer) => layer.id !== 'ground')?.id;
+    this.map.addLayer(
+      { id: 'mosaic', type: 'raster', source: 'mosaic', paint: { 'raster-opacity': this.opacity, 'raster-fade-duration': 120 } },
+      above,
+    );
+    this.#setState('loading');
+  }
+
+  /** @param {PhotoCollection} photos */
+  async showPhotos(photos) {
+    await this.ready;
+    this.#remove('photos', ['photos-fill', 'photos-line']);
+    this.#remove('cameras', ['cameras']);
+    this.#remove('flight-path', path_layers);
+    this.photos = photos;
+    this.#selected = '';
+    this.map.addSource('photos', { type: 'geojson', data: /** @type {any} */ (photos), promoteId: 'name' });
+    this.map.addSource('cameras', { type: 'geojson', data: cameraPoints(photos), promoteId: 'name' });
+    this.map.addSource('flight-path', { type: 'geojson', data: flightPath(photos) });
+    for (const layer of photoLayers(photoColour(this.colour_by, this.worstError()))) this.map.addLayer(layer);
+    this.setFootprints(this.shows_footprints);
+    this.setPath(this.shows_path);
+  }
+
+  /** Removes everything of the flight. */
+  async clear() {
+    await this.ready;
+    this.#remove('mosaic', ['mosaic']);
+    this.#remove('photos', ['photos-fill', 'photos-line']);
+    this.#remove('cameras', ['cameras']);
+    this.#remove('flight-path', path_layers);
+    this.photos = null;
+    this.bounds = null;
+    this.#selected = '';
+    this.container.dataset.mapState = 'empty';
+  }
+
+  /** @param {string} source @param {string[]} layers */
+  #remove(source, layers) {
+    for (const layer of layers) if (this.map.getLayer(layer)) this.map.removeLayer(layer);
+    if (this.map.getSource(source)) this.map.removeSource(source);
+  }
+
+  /** @returns {number} metres */
+  worstError() {
+    return Math.max(0, ...(this.photos?.features ?? []).map(({ properties }) => properties.error_radius_m ?? 0));
+  }
+
+  /**
+   * Moves so that the whole mosaic is seen.
+   * @param {{top: number, right: number, bottom: number, left: number}} padding px covered by other things
+   * @param {boolean} animated
+   */
+  fit(padding, animated) {
+    if (!this.bounds) return;
+    const reduced = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    this.map.fitBounds(this.bounds, { padding, animate: animated && !reduced, duration: 500, bearing: 0, maxZoom: kMaxZoom });
+  }
+
+  /** @param {number} opacity 0..1 */
+  setOpacity(opacity) {
+    this.opacity = opacity;
+    if (this.map.getLayer('mosaic')) this.map.setPaintProperty('mosaic', 'raster-opacity', opacity);
+  }
+
+  /** @param {boolean} visible */
+  setFootprints(visible) {
+    this.shows_footprints = visible;
+    this.#setVisible(photo_layers, visible);
+  }
+
+  /** @param {boolean} visible */
+  setPath(visible) {
+    this.shows_path = visible;
+    this.#setVisible(path_layers, visible);
+  }
+
+  /** @param {string[]} layers @param {boolean} visible */
+  #setVisible(layers, visible) {
+    for (const layer of layers) {
+      if (this.map.getLayer(layer)) this.map.setLayoutProperty(layer, 'visibility', visible ? 'visible' : 'none');
+    }
+  }
+
+  /** @param {ColourBy} by */
+  setColourBy(by) {
+    this.colour_by = by;
+    if (!this.map.getLayer('cameras')) return;
+    const colour = photoColour(by, this.worstError());
+    this.map.setPaintProperty('photos-fill', 'fill-color', colour);
+    this.map.setPaintProperty('photos-line', 'line-color', colour);
+    this.map.setPaintProperty('cameras', 'circle-color', colour);
+  }
+
+  /** @param {string} name of a photo; '' for none */
+  select(name) {
+    if (!this.map.getSource('photos')) return;
+    for (const source of ['photos', 'cameras']) {
+      if (this.#selected) this.map.setFeatureState({ source, id: this.#selected }, { selected: false });
+      if (name) this.map.setFeatureState({ source, id: name }, { selected: true });
+    }
+    this.#selected = name;
+  }
+
+  /**
+   * The photos that see a place, best first: a camera under the pointer, then the nearest to being straight above.
+   * @param {maplibre.LngLat} place
+   * @param {maplibre.Point} [point] of the pointer
+   * @returns {PhotoRecord[]}
+   */
+  photosAt(place, point) {
+    const squeeze = Math.cos((place.lat * Math.PI) / 180);
+    const distance = (/** @type {PhotoRecord} */ r) => Math.hypot((r.camera_lon - place.lng) * squeeze, r.camera_lat - place.lat);
+    const seeing = (this.photos?.features ?? [])
+      .filter(({ geometry }) => geometry && isInside([place.lng, place.lat], geometry.coordinates[0]))
+      .map(({ properties }) => properties)
+      .sort((a, b) => distance(a) - distance(b));
+    if (point && this.map.getLayer('cameras') && this.shows_footprints) {
+      const box = /** @type {[[number, number], [number, number]]} */ ([
+        [point.x - 6, point.y - 6],
+        [point.x + 6, point.y + 6],
+      ]);
+      const hit = this.map.queryRenderedFeatures(box, { layers: ['cameras'] })[0]?.properties.name;
+      const record = this.photos?.features.find(({ properties }) => properties.name === hit)?.properties;
+      if (record) return [record, ...seeing.filter((other) => other !== record)];
+    }
+    return seeing;
+  }
+}

@@ -1,0 +1,90 @@
+// The card of a photo: its record, and stepping through all photos that see the clicked place.
+/** @import { PhotoRecord } from './types.js' */
+import { announce } from './announce.js';
+import { formatCoordinates } from './coordinates.js';
+import { h, put } from './dom.js';
+import { formatDate, formatLength } from './format.js';
+import { icon } from './icons.js';
+import { strings } from './strings.js';
+
+/** @param {string} name @param {string} label @param {() => void} run */
+const iconButton = (name, label, run) =>
+  h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: label, on: { click: run } }, icon(name));
+
+/**
+ * @param {PhotoRecord} record
+ * @returns {[string, string][]}
+ */
+function facts(record) {
+  const words = strings.photo;
+  const known = (/** @type {unknown} */ value) => typeof value === 'number' && Number.isFinite(value);
+  const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${Number(value).toFixed(1)}°` : '–');
+  /** @type {[string, string][]} */
+  const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
+  if (record.reason) rows.push([words.reason, record.reason]);
+  if (known(record.error_radius_m)) rows.push([words.error, `± ${formatLength(Number(record.error_radius_m))}`]);
+  if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at) || record.captured_at]);
+  rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
+  if (known(record.camera_height_above_ground_m)) rows.push([words.height, formatLength(Number(record.camera_height_above_ground_m))]);
+  if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(', ')]);
+  return rows;
+}
+
+/**
+ * @param {{on_show: (record: PhotoRecord|null) => void}} listener
+ * @returns {{element: HTMLElement, show: (records: PhotoRecord[]) => void, close: () => void}}
+ */
+export function photoCard(listener) {
+  const words = strings.photo;
+  const element = h('section', { class: 'photo-card floating', 'aria-label': words.placement, id: 'photo-card', hidden: true });
+  /** @type {PhotoRecord[]} */
+  let records = [];
+  let shown = 0;
+
+  const close = () => {
+    if (element.hidden) return;
+    element.hidden = true;
+    records = [];
+    listener.on_show(null);
+  };
+  const step = (/** @type {number} */ by) => {
+    shown = (shown + by + records.length) % records.length;
+    draw();
+    /** @type {HTMLElement|null} */ (element.querySelector(by > 0 ? '.step-next' : '.step-back'))?.focus();
+  };
+  const draw = () => {
+    const record = records[shown];
+    const back = iconButton('back', words.previous, () => step(-1));
+    const next = iconButton('next', words.next, () => step(1));
+    back.classList.add('step-back');
+    next.classList.add('step-next');
+    put(
+      element,
+      h(
+        'div',
+        { class: 'row between card-head' },
+        h('h3', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
+        iconButton('close', words.close, close),
+      ),
+      h('dl', { class: 'record' }, ...facts(record).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
+      records.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, records.length)), next),
+    );
+    element.hidden = false;
+    element.setAttribute('aria-label', record.name);
+    listener.on_show(record);
+    announce(record.name);
+  };
+  element.addEventListener('keydown', (event) => {
+    if (event.key === 'Escape') close();
+  });
+  return {
+    element,
+    show(next_records) {
+      records = next_records;
+      shown = 0;
+      if (records.length > 0) draw();
+      else close();
+    },
+    close,
+  };
+}

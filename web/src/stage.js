@@ -1,0 +1,226 @@
+// The large part of the window: the map of the open flight with everything that floats over it. The map library is
+// loaded when the first map is wanted, so that the first view is light.
+/** @import { Flight, PhotoCollection, TileJson } from './types.js' */
+/** @import { MapView } from './map_view.js' */
+import { showNote } from './announce.js';
+import { getPhotos, getTileJson, listFlights } from './api.js';
+import { byId, h, put } from './dom.js';
+import { go } from './router.js';
+import { compareChooser, compareView, overlap } from './compare_view.js';
+import { mapTools } from './map_tools.js';
+import { measureTool } from './measure_tool.js';
+import { photoCard } from './photo_card.js';
+import { strings } from './strings.js';
+
+/**
+ * @typedef {object} Shown
+ * @property {string} id
+ * @property {string} revision
+ */
+
+export class Stage {
+  /** @type {MapView|null} */
+  #view = null;
+  /** @type {Shown|null} */
+  #shown = null;
+  /** @type {{fit: (animated: boolean) => void, card: ReturnType<typeof photoCard>, measure: ReturnType<typeof measureTool>, tools: ReturnType<typeof mapTools>}|null} */
+  #parts = null;
+  /** @type {Flight|null} */
+  #flight = null;
+  /** @type {(() => void)|null} */
+  #endCompare = null;
+  #turn = 0;
+
+  constructor() {
+    this.area = byId('map-area');
+    this.note = h('div', { class: 'stage-note', hidden: true });
+    this.area.append(this.note);
+  }
+
+  /** @returns {Promise<MapView|null>} null when this browser cannot draw maps */
+  async #map() {
+    if (this.#view) return this.#view;
+    const container = h('div', { class: 'map', id: 'map' });
+    try {
+      const { MapView } = await import('./map_view.js');
+      if (this.#view) return this.#view;  // two callers waited for the import
+      this.area.prepend(container);
+      this.#view = new MapView(container);
+    } catch (error) {
+      console.error(error);
+      container.remove();
+      this.say(strings.map.failed);
+      return null;
+    }
+    const view = this.#view;
+    this.#addParts(view);
+    Object.assign(window, { skyquilt: { map: view.map } });
+    return view;
+  }
+
+  /** @param {MapView} view */
+  #addParts(view) {
+    const fit = (/** @type {boolean} */ animated) => view.fit(this.#padding(), animated);
+    const card = photoCard({ on_show: (record) => view.select(record?.name ?? '') });
+    const measure = measureTool(view, {
+      on_change: (kind) => {
+        tools.showMeasuring(kind);
+        if (kind) card.close();
+      },
+    });
+    const tools = mapTools(view, {
+      fit: () => fit(true),
+      measure: (kind) => {
+        tools.closeLayers();
+        measure.start(kind);
+      },
+      compare: () => this.#chooseCompare(),
+    });
+    this.#parts = { fit, card, measure, tools };
+    this.area.append(measure.cross, tools.column, tools.layers, card.element, measure.element, tools.coordinates);
+
+    view.map.on('click', (event) => {
+      if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
+      else card.show(view.photosAt(event.lngLat, event.point));
+    });
+    view.map.getCanvas().addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') {
+        measure.end();
+        card.close();
+      }
+      if (event.key !== 'Enter') return;
+      const centre = view.map.getCenter();
+      if (measure.kind) {
+        measure.add([centre.lng, centre.lat]);
+        return;
+      }
+      const photos = view.photosAt(centre);
+      card.show(photos);
+      if (photos.length === 0) showNote(strings.photo.none, { duration_ms: 3000 });
+    });
+  }
+
+  /** Room that the panel (a sheet on phones) and the tools take from the map. */
+  #padding() {
+    const stage = this.area.getBoundingClientRect();
+    const panel = byId('panel').getBoundingClientRect();
+    const covered = Math.max(0, stage.bottom - Math.max(panel.top, stage.top));
+    const is_sheet = panel.width >= stage.width - 1;
+    const bottom = is_sheet ? Math.min(covered, stage.height * 0.6) + 16 : 48;
+    return { top: 28, left: 28, right: 64, bottom };
+  }
+
+  /** @param {string} text shown in place of a map; '' shows the map */
+  say(text) {
+    put(this.note, text);
+    this.note.hidden = text === '';
+  }
+
+  /**
+   * Shows the map of a flight, when it has one.
+   * @param {Flight} flight
+   * @returns {Promise<{tilejson: TileJson, photos: PhotoCollection|null}|null>} null when there is no map to show
+   */
+  async show(flight) {
+    const turn = (this.#turn += 1);
+    this.#flight = flight;
+    this.area.hidden = false;
+    if (!flight.tilejson || !flight.bounds) {
+      this.say(strings.stage[flight.state === 'failed' ? 'failed' : 'coming']);
+      await this.clear();
+      return null;
+    }
+    this.say('');
+    const [view, tilejson, photos] = await Promise.all([
+      this.#map(),
+      getTileJson(flight.tilejson),
+      getPhotos(flight.id).catch((error) => {
+        showNote(error.message, { is_error: true });  // the map is worth showing without its photos
+        return null;
+      }),
+    ]);
+    if (turn !== this.#turn) return null;
+    if (!view) return { tilejson, photos };
+    const revision = String(flight.revision ?? '');
+    const is_new = this.#shown?.id !== flight.id;
+    if (is_new || this.#shown?.revision !== revision) {
+      this.endCompare();
+      this.#parts?.card.close();
+      if (is_new) this.#parts?.measure.end();
+      await view.showMosaic(tilejson, flight.bounds);
+      if (photos) await view.showPhotos(photos);
+      this.#shown = { id: flight.id, revision };
+      this.#parts?.tools.drawLayers();
+      view.map.resize();
+      if (is_new) this.#parts?.fit(false);
+    }
+    return { tilejson, photos };
+  }
+
+  async clear() {
+    this.endCompare();
+    this.#parts?.card.close();
+    this.#parts?.measure.end();
+    this.#shown = null;
+    if (this.#view) await this.#view.clear();
+  }
+
+  hide() {
+    this.#turn += 1;
+    this.#flight = null;
+    this.area.hidden = true;
+    void this.clear();
+  }
+
+  /** The panel or the window changed its size. */
+  resize() {
+    this.#view?.map.resize();
+  }
+
+  async #chooseCompare() {
+    const flight = this.#flight;
+    if (!flight) return;
+    byIdOrNull('compare-chooser')?.remove();
+    this.#parts?.tools.closeLayers();
+    const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
+    const chooser = compareChooser(others, (other) => {
+      chooser.remove();
+      go({ view: 'compare', id: flight.id, other: other.id });
+    });
+    this.area.append(chooser);
+    /** @type {HTMLElement|null} */ (chooser.querySelector('button'))?.focus();
+  }
+
+  /**
+   * @param {Flight} left shown already
+   * @param {Flight} right
+   */
+  async compare(left, right) {
+    this.endCompare();
+    if (!this.#view || !right.tilejson || !right.bounds) return;
+    const { MapView } = await import('./map_view.js');
+    const tilejson = await getTileJson(right.tilejson);
+    const container = h('div', { class: 'map map-above', id: 'map-above' });
+    this.#view.container.after(container);
+    const above = new MapView(container);
+    const comparison = compareView(this.#view, above, { left, right, on_close: () => go({ view: 'flight', id: left.id }) });
+    this.area.append(comparison.element);
+    this.area.classList.add('comparing');
+    this.#parts?.card.close();
+    this.#endCompare = () => {
+      comparison.close();
+      above.map.remove();
+      container.remove();
+      this.area.classList.remove('comparing');
+    };
+    await above.showMosaic(tilejson, right.bounds);
+  }
+
+  endCompare() {
+    this.#endCompare?.();
+    this.#endCompare = null;
+  }
+}
+
+/** @param {string} id */
+const byIdOrNull = (id) => document.getElementById(id);

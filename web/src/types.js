@@ -1,0 +1,93 @@
+// The values that travel between the server and this page (see api/openapi.yaml). Types only; no code.
+
+/**
+ * @typedef {'empty'|'uploaded'|'queued'|'processing'|'ready'|'failed'} FlightState
+ * @typedef {'accepted'|'running'|'successful'|'failed'|'dismissed'} JobState
+ * @typedef {{code: string, message: string}} ServerError
+ * @typedef {[number, number, number, number]} Bounds west, south, east, north in degrees
+ * @typedef {{total: number, aligned: number, pose_only: number, left_out: number}} PhotoCounts
+ */
+
+/**
+ * @typedef {object} Job
+ * @property {string} id
+ * @property {string} flight_id
+ * @property {JobState} state
+ * @property {string} [stage]
+ * @property {number} [progress] 0..1
+ * @property {string} [message]
+ * @property {number|null} [eta_s]
+ * @property {number} [attempts]
+ * @property {string|null} [created_at]
+ * @property {string|null} [started_at]
+ * @property {string|null} [finished_at]
+ * @property {ServerError|null} [error]
+ */
+
+/**
+ * @typedef {object} Flight
+ * @property {string} id
+ * @property {string} name
+ * @property {FlightState} state
+ * @property {string} created_at
+ * @property {number} file_count
+ * @property {number} bytes
+ * @property {number|null} [revision]
+ * @property {Job|null} [job]
+ * @property {Bounds|null} [bounds]
+ * @property {number|null} [min_zoom]
+ * @property {number|null} [max_zoom]
+ * @property {PhotoCounts|null} [photos]
+ * @property {number|null} [gsd_m]
+ * @property {string|null} [tilejson]
+ * @property {ServerError|string|null} [error]
+ */
+
+/**
+ * @typedef {object} Report
+ * @property {PhotoCounts} photos
+ * @property {{name: string, reason: string}[]} left_out_photos
+ * @property {number} gsd_m
+ * @property {number} area_m2
+ * @property {Bounds} bounds
+ * @property {number} min_zoom
+ * @property {number} max_zoom
+ * @property {{stage: string, wall_s: number}[]} timings
+ * @property {number} peak_memory_bytes
+ * @property {string[]} warnings
+ */
+
+/**
+ * @typedef {object} TileJson
+ * @property {string[]} tiles
+ * @property {number} [minzoom]
+ * @property {number} [maxzoom]
+ * @property {number[]} [bounds]
+ */
+
+/**
+ * @typedef {object} PhotoRecord
+ * @property {string} name
+ * @property {'aligned'|'pose_only'} placement
+ * @property {string|null} [reason]
+ * @property {number|null} [error_radius_m]
+ * @property {number} camera_lon
+ * @property {number} camera_lat
+ * @property {number|null} [camera_height_above_ground_m]
+ * @property {number|null} [yaw_deg]
+ * @property {number|null} [pitch_deg]
+ * @property {number|null} [roll_deg]
+ * @property {string|null} [captured_at]
+ */
+
+/**
+ * @typedef {{type: 'Feature', id?: string|number, properties: PhotoRecord,
+ *            geometry: {type: 'Polygon', coordinates: number[][][]}}} PhotoFeature
+ * @typedef {{type: 'FeatureCollection', features: PhotoFeature[]}} PhotoCollection
+ */
+
+/**
+ * @typedef {{name: string, bytes: number}} StoredFile
+ */
+
+export {};

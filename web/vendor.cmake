@@ -1,0 +1,42 @@
+# Fills web/vendor from npm when package-lock.json changed. Called at build time:
+#   cmake -DWEB=<folder> -DNPM=<npm> -DDEV=ON|OFF -DSTAMP=<file> -P vendor.cmake
+# Several build folders may share this source tree, so one lock guards it. Without network, a page library that
+# is already there is kept: the build must not fail in the field.
+file(LOCK "${WEB}/.vendor.lock" GUARD PROCESS TIMEOUT 900)
+
+file(SHA256 "${WEB}/package-lock.json" wanted)
+set(present "")
+if(EXISTS "${WEB}/vendor/lock.sha256")
+  file(READ "${WEB}/vendor/lock.sha256" present)
+endif()
+
+set(current FALSE)
+if(wanted STREQUAL present AND (NOT DEV OR EXISTS "${WEB}/node_modules/.package-lock.json"))
+  set(current TRUE)
+endif()
+
+if(NOT current)
+  if(NOT NPM)
+    message(WARNING "npm was not found: the map library cannot be put into web/vendor (apt install npm).")
+    set(result 1)
+  else()
+    set(omit "")
+    if(NOT DEV)
+      set(omit "--omit=dev")
+    endif()
+    execute_process(COMMAND "${NPM}" ci --no-audit --no-fund --ignore-scripts ${omit}
+                    WORKING_DIRECTORY "${WEB}" RESULT_VARIABLE result OUTPUT_QUIET)
+    if(result EQUAL 0)
+      execute_process(COMMAND "${NPM}" run --silent vendor WORKING_DIRECTORY "${WEB}" RESULT_VARIABLE result)
+    endif()
+  endif()
+  if(NOT result EQUAL 0)
+    if(EXISTS "${WEB}/vendor/maplibre-gl.mjs")
+      message(WARNING "npm did not answer; the map library already in web/vendor is kept.")
+    else()
+      message(FATAL_ERROR "The page's map library is missing and npm could not install it. Connect to the "
+                          "network once and build again.")
+    endif()
+  endif()
+endif()
+file(TOUCH "${STAMP}")
