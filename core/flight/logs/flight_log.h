@@ -1,17 +1,17 @@
-// FlightLog: what a flight recorder wrote, whatever its format, in SI units and one clock. Value of the parsers in
-// this folder, input of core/poses. Any subset of the series may be empty. Times are seconds on the log's own
-// clock (t_s), in rising order; utc_at_zero, when known, is the UTC instant of t_s = 0 (leap seconds applied).
+// FlightLog: what a flight recorder wrote, whatever its format, in SI units and one clock. Value of the
+// parsers in this folder, input of core/poses. Any subset of the series may be empty. Times are seconds on
+// the log's own clock (t_s), in rising order; utc_at_zero, when known, is the UTC instant of t_s = 0 (leap
+// seconds applied).
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
@@ -66,10 +66,15 @@ struct CameraEvent {
   // Horizon-zero angles of the camera or of the airframe, as `attitude_kind` says.
   std::optional<Eigen::Vector3d> yaw_pitch_roll_rad;
   AttitudeKind attitude_kind = AttitudeKind::kAirframe;
+  bool has_time = true;  // false: the format names the image only, and t_s is the number of the row
+  std::optional<double> height_above_ground_m;  // measured (range finder)
+  std::optional<double> sigma_tilt_rad;
+  std::optional<double> sigma_yaw_rad;
+  bool is_rtk_fixed = false;
 };
 
 struct FlightLog {
-  std::string format;       // "dataflash", "ulog", "mavlink_tlog", "dji_mrk", ...
+  std::string format;  // "dataflash", "ulog", "mavlink_tlog", "dji_mrk", ...
   std::string file_name;
   std::vector<ImuSample> imu;
   std::vector<AttitudeSample> attitude;
@@ -77,11 +82,15 @@ struct FlightLog {
   std::vector<BaroSample> baro;
   std::vector<RangeSample> range;
   std::vector<CameraEvent> events;
+  // The camera's own attitude where the recorder knows its gimbal: x along the optical axis, y image right, z
+  // image down; at (yaw, pitch, roll) = 0 it looks north along the horizon, pitch -90 deg is straight down.
+  std::vector<AttitudeSample> gimbal;
   std::optional<UtcTime> utc_at_zero;
   double utc_sigma_s = 0.0;
+  std::optional<UtcTime> local_at_zero;  // a clock of unknown zone, where the format has no better one
   std::map<std::string, std::uint64_t> message_counts;  // by the format's own message names
-  std::vector<std::string> mapping;   // for tolerant formats: "column -> meaning, unit"
-  std::vector<std::string> warnings;  // damage, drop-outs, what was skipped and why
+  std::vector<std::string> mapping;                     // for tolerant formats: "column -> meaning, unit"
+  std::vector<std::string> warnings;                    // damage, drop-outs, what was skipped and why
 };
 
 }  // namespace skyquilt::flight

@@ -1,0 +1,324 @@
+#include "core/flight/logs/log_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace skyquilt::flight {
+namespace {
+
+// While reading, the segment is kept in the time itself; microseconds survive this in a double.
+constexpr double kSegmentStepS = 1e9;
+constexpr double kLatestS = 4e8;  // no log lasts 12 years; keeps segments apart
+constexpr int kMostSegments = 64;
+constexpr std::size_t kMostEvents = 200'000;
+
+bool IsFinite(const Eigen::Vector3d& v) { return v.allFinite(); }
+bool IsFinite(const ImuSample& s) {
+  return IsFinite(s.angular_rate_radps) && IsFinite(s.specific_force_mps2);
+}
+bool IsFinite(const AttitudeSample& s) {
+  return s.ned_from_body.coeffs().allFinite() && s.ned_from_body.norm() > 0.5;
+}
+bool IsFinite(const GnssSample&) { return true; }
+bool IsFinite(const BaroSample& s) { return std::isfinite(s.height_above_takeoff_m); }
+bool IsFinite(const RangeSample& s) { return std::isfinite(s.distance_m); }
+
+bool SamePayload(const ImuSample& a, const ImuSample& b) {
+  return a.angular_rate_radps == b.angular_rate_radps && a.specific_force_mps2 == b.specific_force_mps2;
+}
+bool SamePayload(const AttitudeSample& a, const AttitudeSample& b) {
+  return a.ned_from_body.coeffs() == b.ned_from_body.coeffs();
+}
+bool SamePayload(const GnssSample& a, const GnssSample& b) {
+  return a.position.lat_deg == b.position.lat_deg && a.position.lon_deg == b.position.lon_deg &&
+         a.height_amsl_m == b.height_amsl_m && a.height_ellipsoid_m == b.height_ellipsoid_m;
+}
+bool SamePayload(const BaroSample& a, const BaroSample& b) {
+  return a.height_above_takeoff_m == b.height_above_takeoff_m;
+}
+bool SamePayload(const RangeSample& a, const RangeSample& b) { return a.distance_m == b.distance_m; }
+
+void Accumulate(ImuSample& sum, const ImuSample& sample) {
+  sum.t_s += sample.t_s;
+  sum.angular_rate_radps += sample.angular_rate_radps;
+  sum.specific_force_mps2 += sample.specific_force_mps2;
+}
+void Divide(ImuSample& sum, double by) {
+  sum.t_s /= by;
+  sum.angular_rate_radps /= by;
+  sum.specific_force_mps2 /= by;
+}
+
+// Sorts, then drops what stands twice. Returns how many went.
+template <typename T>
+std::size_t SortAndDropDuplicates(std::vector<T>& samples) {
+  const auto earlier = [](const T& a, const T& b) { return a.t_s < b.t_s; };
+  if (!std::is_sorted(samples.begin(), samples.end(), earlier)) {
+    std::stable_sort(samples.begin(), samples.end(), earlier);
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < samples.size();) {
+    std::size_t end = i + 1;
+    bool same = true;
+    while (end < samples.size() && samples[end].t_s == samples[i].t_s) {
+      same = same && SamePayload(samples[i], samples[end]);
+      ++end;
+    }
+    if (end == i + 1 || same) samples[kept++] = samples[i];
+    i = end;
+  }
+  const std::size_t dropped = samples.size() - kept;
+  samples.resize(kept);
+  return dropped;
+}
+
+}  // namespace
+
+template <typename T>
+void CappedSeries<T>::Halve() {
+  const std::size_t half = samples_.size() / 2;
+  for (std::size_t i = 0; i < half; ++i) {
+    T merged = samples_[2 * i];
+    if constexpr (std::is_same_v<T, ImuSample>) {
+      // Samples of two segments are never averaged.
+      if (averages_ && std::abs(samples_[2 * i + 1].t_s - merged.t_s) < 1.0) {
+        Accumulate(merged, samples_[2 * i + 1]);
+        Divide(merged, 2.0);
+      }
+    }
+    samples_[i] = merged;
+  }
+  samples_.resize(half);
+  stride_ *= 2;
+}
+
+template <typename T>
+void CappedSeries<T>::Push(const T& sample, int segment) {
+  T placed = sample;
+  placed.t_s += segment * kSegmentStepS;
+  if (samples_.size() >= cap_) Halve();
+  if (stride_ == 1) {
+    samples_.push_back(placed);
+    return;
+  }
+  if constexpr (std::is_same_v<T, ImuSample>) {
+    if (averages_) {
+      if (in_group_ > 0 && std::abs(placed.t_s - group_.t_s / static_cast<double>(in_group_)) > 1.0)
+        in_group_ = 0;
+      if (in_group_ == 0) group_ = T{};
+      Accumulate(group_, placed);
+      if (++in_group_ == stride_) {
+        Divide(group_, static_cast<double>(stride_));
+        samples_.push_back(group_);
+        in_group_ = 0;
+      }
+      return;
+    }
+  }
+  if (in_group_++ == 0) samples_.push_back(placed);
+  if (in_group_ == stride_) in_group_ = 0;
+}
+
+LogBuilder::LogBuilder(std::string format, std::string_view file_name, std::size_t imu_cap,
+                       std::size_t other_cap)
+    : imu_(imu_cap, true),
+      attitude_(other_cap, false),
+      gimbal_(other_cap, false),
+      gnss_(other_cap, false),
+      baro_(other_cap, false),
+      range_(other_cap, false) {
+  log_.format = std::move(format);
+  log_.file_name = file_name;
+}
+
+void LogBuilder::Warn(std::string warning) {
+  constexpr std::size_t kMost = 100;
+  if (log_.warnings.size() < kMost) {
+    log_.warnings.push_back(std::move(warning));
+  } else if (log_.warnings.size() == kMost) {
+    log_.warnings.emplace_back("more warnings of this file were left out");
+  }
+}
+
+template <typename T>
+void LogBuilder::PushTimed(CappedSeries<T>& series, const T& sample, int which) {
+  if (!IsFinite(sample) || !(std::abs(sample.t_s) < kLatestS)) {
+    ++not_finite_;
+    return;
+  }
+  Clock& clock = clocks_[which];
+  if (clock.seen > 0 && sample.t_s < clock.last_s - 1.0) {
+    const bool last_was_stray = clock.seen > 1 && clock.last_s - clock.before_last_s > 60.0 &&
+                                sample.t_s >= clock.before_last_s && sample.t_s < clock.before_last_s + 60.0;
+    if (last_was_stray && !series.samples().empty() && series.stride() == 1) {
+      series.samples().pop_back();
+      --samples_of_segment_.back();
+      clock.last_s = clock.before_last_s;
+      ++stray_stamps_;
+    } else if (segment_ + 1 < kMostSegments) {
+      ++segment_;
+      samples_of_segment_.push_back(0);
+      for (Clock& each : clocks_) each = Clock{};
+    }
+  }
+  clock.before_last_s = clock.last_s;
+  clock.last_s = clock.seen == 0 ? sample.t_s : std::max(clock.last_s, sample.t_s);
+  ++clock.seen;
+  ++samples_of_segment_.back();
+  series.Push(sample, segment_);
+}
+
+void LogBuilder::Add(const ImuSample& sample) { PushTimed(imu_, sample, 0); }
+void LogBuilder::Add(const AttitudeSample& sample) {
+  AttitudeSample unit = sample;
+  unit.ned_from_body.normalize();
+  PushTimed(attitude_, unit, 1);
+}
+void LogBuilder::AddGimbal(const AttitudeSample& sample) {
+  AttitudeSample unit = sample;
+  unit.ned_from_body.normalize();
+  PushTimed(gimbal_, unit, 2);
+}
+
+void LogBuilder::Add(const GnssSample& sample) {
+  const bool is_null_island =
+      std::abs(sample.position.lat_deg) < 1e-6 && std::abs(sample.position.lon_deg) < 1e-6;
+  if (is_null_island || !geo::LatLon::Make(sample.position.lat_deg, sample.position.lon_deg)) {
+    ++bad_positions_;
+    return;
+  }
+  GnssSample clean = sample;
+  const auto keep = [](std::optional<double>& value, double least, double most) {
+    if (value && !(*value >= least && *value <= most)) value.reset();
+  };
+  keep(clean.height_ellipsoid_m, -1e3, 1e5);
+  keep(clean.height_amsl_m, -1e3, 1e5);
+  keep(clean.sigma_horizontal_m, 1e-4, 1e4);
+  keep(clean.sigma_vertical_m, 1e-4, 1e4);
+  if (clean.velocity_in_ned_mps && !clean.velocity_in_ned_mps->allFinite()) clean.velocity_in_ned_mps.reset();
+  PushTimed(gnss_, clean, 3);
+}
+
+void LogBuilder::Add(const BaroSample& sample) { PushTimed(baro_, sample, 4); }
+void LogBuilder::Add(const RangeSample& sample) { PushTimed(range_, sample, 5); }
+
+void LogBuilder::Add(CameraEvent event) {
+  if (!(std::abs(event.t_s) < kLatestS)) {
+    ++not_finite_;
+    return;
+  }
+  if (log_.events.size() >= kMostEvents) {
+    ++events_dropped_;
+    return;
+  }
+  if (event.position && (!geo::LatLon::Make(event.position->lat_deg, event.position->lon_deg) ||
+                         (event.position->lat_deg == 0.0 && event.position->lon_deg == 0.0))) {
+    event.position.reset();
+  }
+  const auto finite = [](std::optional<double>& value) {
+    if (value && !std::isfinite(*value)) value.reset();
+  };
+  finite(event.height_ellipsoid_m);
+  finite(event.height_amsl_m);
+  finite(event.height_above_takeoff_m);
+  finite(event.height_above_ground_m);
+  if (event.yaw_pitch_roll_rad && !event.yaw_pitch_roll_rad->allFinite()) event.yaw_pitch_roll_rad.reset();
+  if (event.sigma_in_ned_m && !event.sigma_in_ned_m->allFinite()) event.sigma_in_ned_m.reset();
+  event.t_s += segment_ * kSegmentStepS;
+  log_.events.push_back(std::move(event));
+}
+
+void LogBuilder::KeepLongestSegment() {
+  if (segment_ == 0) return;
+  const auto longest = std::max_element(samples_of_segment_.begin(), samples_of_segment_.end());
+  const auto kept = static_cast<int>(longest - samples_of_segment_.begin());
+  const auto keep = [&](auto& samples) {
+    std::erase_if(samples, [&](auto& sample) {
+      if (std::llround(sample.t_s / kSegmentStepS) != kept) return true;
+      sample.t_s -= kept * kSegmentStepS;
+      return false;
+    });
+  };
+  keep(log_.imu);
+  keep(log_.attitude);
+  keep(log_.gimbal);
+  keep(log_.gnss);
+  keep(log_.baro);
+  keep(log_.range);
+  keep(log_.events);
+  std::uint64_t total = 0;
+  for (const std::uint64_t count : samples_of_segment_) total += count;
+  Warn(
+      fmt::format("the recorder's clock jumped back {} times (restarts); part {} with {} of {} samples is "
+                  "used, cut the file to use "
+                  "another",
+                  segment_, kept + 1, *longest, total));
+}
+
+FlightLog LogBuilder::Finish() && {
+  if (imu_.stride() > 1)
+    Warn(fmt::format("the log is very long: {} IMU samples were averaged into one", imu_.stride()));
+  const auto thinned =
+      std::max({attitude_.stride(), gnss_.stride(), baro_.stride(), range_.stride(), gimbal_.stride()});
+  if (thinned > 1)
+    Warn(fmt::format("the log is very long: one in {} samples of its longest series is used", thinned));
+  log_.imu = std::move(imu_.samples());
+  log_.attitude = std::move(attitude_.samples());
+  log_.gimbal = std::move(gimbal_.samples());
+  log_.gnss = std::move(gnss_.samples());
+  log_.baro = std::move(baro_.samples());
+  log_.range = std::move(range_.samples());
+  KeepLongestSegment();
+  std::stable_sort(log_.events.begin(), log_.events.end(),
+                   [](const CameraEvent& a, const CameraEvent& b) { return a.t_s < b.t_s; });
+  const std::size_t duplicates = SortAndDropDuplicates(log_.imu) + SortAndDropDuplicates(log_.attitude) +
+                                 SortAndDropDuplicates(log_.gimbal) + SortAndDropDuplicates(log_.gnss) +
+                                 SortAndDropDuplicates(log_.baro) + SortAndDropDuplicates(log_.range);
+  if (duplicates > 0) Warn(fmt::format("{} samples with the time of another were dropped", duplicates));
+  if (not_finite_ > 0) Warn(fmt::format("{} samples without usable numbers were dropped", not_finite_));
+  if (bad_positions_ > 0) Warn(fmt::format("{} positions without a fix were dropped", bad_positions_));
+  if (stray_stamps_ > 0) Warn(fmt::format("{} samples with a stray time stamp were dropped", stray_stamps_));
+  if (events_dropped_ > 0) {
+    Warn(fmt::format("more than {} camera events; the last {} were dropped", kMostEvents, events_dropped_));
+  }
+  if (baro_starts_at_zero_ && !log_.baro.empty()) {
+    std::vector<double> first;
+    for (std::size_t i = 0; i < std::min<std::size_t>(10, log_.baro.size()); ++i) {
+      first.push_back(log_.baro[i].height_above_takeoff_m);
+    }
+    std::nth_element(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2),
+                     first.end());
+    const double zero_m = first[first.size() / 2];
+    for (BaroSample& sample : log_.baro) sample.height_above_takeoff_m -= zero_m;
+  }
+  return std::move(log_);
+}
+
+Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad) {
+  return Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX());
+}
+
+Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body) {
+  const Eigen::Matrix3d r = ned_from_body.normalized().toRotationMatrix();
+  const double pitch_rad = std::asin(std::clamp(-r(2, 0), -1.0, 1.0));
+  if (std::abs(r(2, 0)) > 1.0 - 1e-12) {  // straight up or down: only yaw and roll together are known
+    return {std::atan2(-r(0, 1), r(1, 1)), pitch_rad, 0.0};
+  }
+  return {std::atan2(r(1, 0), r(0, 0)), pitch_rad, std::atan2(r(2, 1), r(2, 2))};
+}
+
+double StandardHeightM(double pressure_pa) {
+  return 44330.76923 * (1.0 - std::pow(std::max(pressure_pa, 1.0) / 101325.0, 0.190263));
+}
+
+template class CappedSeries<ImuSample>;
+template class CappedSeries<AttitudeSample>;
+template class CappedSeries<GnssSample>;
+template class CappedSeries<BaroSample>;
+template class CappedSeries<RangeSample>;
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,104 @@
+// LogBuilder: gathers the samples of a parser, in the order of the file, into a FlightLog that keeps its
+// promises: finite numbers, rising times, bounded size. One thread; used once (Finish moves the log out).
+//
+// Size: a series that reaches its cap is thinned to half and from then on takes every second sample, and so
+// on; IMU samples are averaged instead of dropped. At the caps (IMU 8 M samples of 56 bytes, others 2 M) a
+// log needs about 0.5 GB at most and usually a few MB. Clock: a step back of more than a second begins a new
+// segment (the recorder restarted); the segment with the most samples is kept, the others are named in a
+// warning. A single stamp far ahead of its neighbours is dropped. Smaller disorder is sorted away. Of samples
+// with the same time and the same payload the first is kept; with different payloads both are dropped.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/flight/logs/flight_log.h"
+
+namespace skyquilt::flight {
+
+// One series with the caps and clock rules above. T has t_s.
+template <typename T>
+class CappedSeries {
+ public:
+  CappedSeries(std::size_t cap, bool averages) : cap_(cap), averages_(averages) {}
+  // `segment` counts the restarts of the clock seen so far in the whole log.
+  void Push(const T& sample, int segment);
+  std::vector<T>& samples() { return samples_; }
+  const std::vector<T>& samples() const { return samples_; }
+  std::uint64_t stride() const { return stride_; }
+
+ private:
+  void Halve();
+  std::size_t cap_;
+  bool averages_;
+  std::uint64_t stride_ = 1;
+  std::uint64_t in_group_ = 0;
+  T group_{};
+  std::vector<T> samples_;
+};
+
+class LogBuilder {
+ public:
+  LogBuilder(std::string format, std::string_view file_name, std::size_t imu_cap = 8'000'000,
+             std::size_t other_cap = 2'000'000);
+
+  void Add(const ImuSample& sample);
+  void Add(const AttitudeSample& sample);
+  void AddGimbal(const AttitudeSample& sample);
+  void Add(const GnssSample& sample);  // positions outside the Earth and (0, 0) are dropped and counted
+  void Add(const BaroSample& sample);
+  void Add(const RangeSample& sample);
+  void Add(CameraEvent event);  // at most 200 000
+
+  std::size_t gnss_count() const { return gnss_.samples().size(); }
+  std::size_t imu_count() const { return imu_.samples().size(); }
+  std::size_t attitude_count() const { return attitude_.samples().size(); }
+  std::size_t baro_count() const { return baro_.samples().size(); }
+  std::size_t event_count() const { return log_.events.size(); }
+
+  // The heights added are above some far zero: subtract the median of the first ten.
+  void BaroStartsAtZero() { baro_starts_at_zero_ = true; }
+  void Warn(std::string warning);  // at most 100, then a last one says so
+  void Count(const std::string& message, std::uint64_t count) { log_.message_counts[message] += count; }
+  // What has no clean-up rule: utc_at_zero, mapping, ...
+  FlightLog& log() { return log_; }
+
+  FlightLog Finish() &&;
+
+ private:
+  template <typename T>
+  void PushTimed(CappedSeries<T>& series, const T& sample, int which);
+  void KeepLongestSegment();
+
+  FlightLog log_;
+  CappedSeries<ImuSample> imu_;
+  CappedSeries<AttitudeSample> attitude_;
+  CappedSeries<AttitudeSample> gimbal_;
+  CappedSeries<GnssSample> gnss_;
+  CappedSeries<BaroSample> baro_;
+  CappedSeries<RangeSample> range_;
+  struct Clock {
+    double last_s = 0.0;
+    double before_last_s = 0.0;
+    int seen = 0;  // in this segment
+  };
+  Clock clocks_[6];
+  int segment_ = 0;
+  std::vector<std::uint64_t> samples_of_segment_{0};
+  bool baro_starts_at_zero_ = false;
+  std::uint64_t not_finite_ = 0;
+  std::uint64_t bad_positions_ = 0;
+  std::uint64_t stray_stamps_ = 0;
+  std::uint64_t events_dropped_ = 0;
+};
+
+// Z-Y-X angles in radians to the attitude they mean, and back.
+Eigen::Quaterniond NedFromYawPitchRoll(double yaw_rad, double pitch_rad, double roll_rad);
+Eigen::Vector3d YawPitchRollFromNed(const Eigen::Quaterniond& ned_from_body);
+
+// Height of a pressure in the standard atmosphere, metres (ISA troposphere); differences are what counts.
+double StandardHeightM(double pressure_pa);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,36 @@
+// The bytes of a log as the parsers of this folder see them, and checked little-endian loads. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <span>
+#include <string_view>
+
+namespace skyquilt::flight {
+
+using LogBytes = std::span<const std::uint8_t>;
+
+// Parsers say now and then that they will not look again at bytes before `offset`, so that a mapped file may
+// give its pages back. A parser that reads twice starts again at 0. May be empty.
+using ConsumedUpTo = std::function<void(std::size_t offset)>;
+
+inline constexpr std::size_t kConsumedStep = std::size_t{16} << 20;
+
+inline std::string_view TextOf(LogBytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+inline LogBytes BytesOf(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+// The caller has checked that sizeof(T) bytes are there. The machines we build for are little-endian.
+template <typename T>
+T LoadLittle(const std::uint8_t* from) {
+  T value;
+  std::memcpy(&value, from, sizeof(T));
+  return value;
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,52 @@
+// Reading text logs: lines, fields, numbers; never copies, never throws, every length bounded. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace skyquilt::flight {
+
+// Without blanks, tabs, carriage returns and newlines at both ends.
+std::string_view Trim(std::string_view text);
+std::string LowerCase(std::string_view text);
+bool StartsWithIgnoringCase(std::string_view text, std::string_view start);
+
+// The whole trimmed text as a finite number ("+1.5" too); nothing otherwise.
+std::optional<double> ParseNumber(std::string_view text);
+std::optional<std::int64_t> ParseInteger(std::string_view text);
+
+// How many digits stand after the decimal point.
+int DecimalPlaces(std::string_view text);
+
+// Walks the lines of a text ("\n", "\r\n", "\r"), without their ends; skips a byte-order mark at the start.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text);
+  // False at the end. A line longer than 1 MiB is cut there; the rest counts as the next line.
+  bool Next(std::string_view& line);
+  std::size_t offset() const { return at_; }
+  std::size_t line_number() const { return number_; }
+  // True when the last line given had no line end: the file may be cut there.
+  bool last_line_is_open() const { return open_; }
+
+ private:
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t number_ = 0;
+  bool open_ = false;
+};
+
+// Cuts at `separator`; fields in double quotes may hold it. At most 1024 fields; fields are trimmed.
+void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);
+// Cuts at runs of blanks and tabs.
+void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields);
+// The separator that a header line uses: ',', ';' or tab.
+char GuessSeparator(std::string_view header);
+
+// True where the first bytes look like text rather than a binary file.
+bool LooksLikeText(std::string_view head);
+
+}  // namespace skyquilt::flight
