@@ -121,9 +121,9 @@ Result<std::vector<TruePose>> PlanLawnmower(const TrajectoryOptions& options,
     pose.course_yaw_rad = geo::WrapRad(options.heading_rad + (is_outbound ? 0.0 : geo::kPi));
     const Eigen::Vector2d plan =
         (in_line - 0.5 * (per_line - 1)) * step_m * ahead + (line - 0.5 * (lines - 1)) * spacing_m * right;
-    const Eigen::Vector3d center(plan.x() + options.position_jitter_m * place.Gauss(),
+    const Eigen::Vector3d center{plan.x() + options.position_jitter_m * place.Gauss(),
                                  plan.y() + options.position_jitter_m * place.Gauss(),
-                                 options.height_m + height.Step(1.0, wander));
+                                 options.height_m + height.Step(1.0, wander)};
     const Eigen::Vector2d velocity = (is_outbound ? options.speed_mps : -options.speed_mps) * ahead;
     pose.velocity_in_enu_mps = {velocity.x(), velocity.y(), 0.0};
 

@@ -1,0 +1,217 @@
+#include "core/simulate/simulate_flight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <system_error>
+
+#include "core/base/parallel_for.h"
+#include "core/camera/footprint.h"
+#include "core/geo/web_mercator.h"
+#include "core/simulate/noise.h"
+#include "core/simulate/random.h"
+#include "core/simulate/truth_json.h"
+#include "core/simulate/world_raster.h"
+#include "core/simulate/write_photo.h"
+
+namespace skyquilt::simulate {
+namespace {
+
+constexpr double kHighestLatDeg = 85.0;  // Web Mercator ends at 85.05
+
+Error Bad(std::string message) {
+  return Error{ErrorCode::kInvalidArgument, std::move(message), "simulate options"};
+}
+
+Result<void> MakeFolder(const std::filesystem::path& path) {
+  std::error_code failure;
+  std::filesystem::create_directories(path, failure);
+  if (failure) {
+    return Error{ErrorCode::kIo,
+                 "Could not make the folder " + path.string() + ": " + failure.message() + ".",
+                 "create_directories failed"};
+  }
+  return {};
+}
+
+// The mean of denominator x denominator pixels; what is left at the far sides is averaged among itself.
+pipeline::DecodedImage Shrunk(const pipeline::DecodedImage& image, int denominator) {
+  pipeline::DecodedImage small;
+  small.width_px = (image.width_px + denominator - 1) / denominator;
+  small.height_px = (image.height_px + denominator - 1) / denominator;
+  small.rgb.resize(static_cast<std::size_t>(small.width_px) * static_cast<std::size_t>(small.height_px) * 3);
+  for (int y = 0; y < small.height_px; ++y) {
+    const int y_end = std::min((y + 1) * denominator, image.height_px);
+    for (int x = 0; x < small.width_px; ++x) {
+      const int x_end = std::min((x + 1) * denominator, image.width_px);
+      int sum[3] = {0, 0, 0};
+      for (int yy = y * denominator; yy < y_end; ++yy) {
+        for (int xx = x * denominator; xx < x_end; ++xx) {
+          for (int c = 0; c < 3; ++c) sum[c] += image.Row(yy)[3 * xx + c];
+        }
+      }
+      const int count = (y_end - y * denominator) * (x_end - x * denominator);
+      std::uint8_t* out =
+          small.rgb.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(small.width_px) +
+                              static_cast<std::size_t>(x)) *
+                                 3;
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>((sum[c] + count / 2) / count);
+    }
+  }
+  return small;
+}
+
+}  // namespace
+
+Result<void> SimulateOptions::Validate() const {
+  if (!(std::abs(origin.lat_deg) <= kHighestLatDeg) || !(std::abs(origin.lon_deg) <= 180.0)) {
+    return Bad(fmt::format(
+        "The simulated flight's position is {}, {}; the latitude must lie within 85 degrees of the "
+        "equator and the longitude within 180.",
+        origin.lat_deg, origin.lon_deg));
+  }
+  if (intrinsics.width_px < 16 || intrinsics.height_px < 16 || intrinsics.width_px > 20000 ||
+      intrinsics.height_px > 20000) {
+    return Bad(fmt::format("The photos' size is {} x {} pixels; each side must be from 16 to 20000.",
+                           intrinsics.width_px, intrinsics.height_px));
+  }
+  if (!(intrinsics.focal_x_px > 0.1 * intrinsics.width_px &&
+        intrinsics.focal_x_px < 100.0 * intrinsics.width_px)) {
+    return Bad(fmt::format("The focal length is {} pixels; it must be from 0.1 to 100 image widths.",
+                           intrinsics.focal_x_px));
+  }
+  const double x = 0.5 * intrinsics.width_px / intrinsics.focal_x_px;
+  const double y = 0.5 * intrinsics.height_px / intrinsics.focal_y_px;
+  const Eigen::Vector2d corner = intrinsics.Undistort({x, y});
+  if (intrinsics.HasDistortion() && !(corner.squaredNorm() < intrinsics.MaxRadiusSquared() &&
+                                      (intrinsics.Distort(corner) - Eigen::Vector2d(x, y)).norm() < 1e-6)) {
+    return Bad("The lens distortion folds the image's corners back: make k1 and k2 smaller.");
+  }
+  if (!(vignetting >= 0.0 && vignetting < 1.0))
+    return Bad("The vignetting must be from 0 to 1 (share of light lost).");
+  if (!(exposure_jitter >= 0.0 && exposure_jitter < 1.0))
+    return Bad("The exposure jitter must be from 0 to 1.");
+  if (jpeg_quality < 1 || jpeg_quality > 100) return Bad("The JPEG quality must be from 1 to 100.");
+  if (!(std::abs(world.relief_m) <= 0.4 * trajectory.height_m)) {
+    return Bad(
+        fmt::format("Hills of {} m reach too near to a flight at {} m; take at most 0.4 of the height.",
+                    world.relief_m, trajectory.height_m));
+  }
+  if (world.has_boxes && trajectory.height_m < 15.0)
+    return Bad("A flight over buildings must be at least 15 m high.");
+  return trajectory.Validate();
+}
+
+geo::RasterFrame SimulatedFlight::WorldRaster() const {
+  geo::Bounds2 bounds;
+  for (const SimulatedPhoto& photo : photos) {
+    for (const Eigen::Vector2d& corner :
+         camera::GroundFootprint(options.intrinsics, photo.pose.cam_from_enu, 0.0)) {
+      const geo::Wgs84 at = frame.Wgs84FromEnu({corner.x(), corner.y(), 0.0});
+      bounds.Include(geo::MercFromLatLon({at.lat_deg, at.lon_deg}));
+    }
+  }
+  int zoom = geo::ZoomForGsd(GsdM(), frame.origin().lat_deg, kWorldTilePx);
+  geo::RasterFrame raster = WorldRasterFrame(bounds, zoom);
+  while (zoom > 0 && 1e-6 * raster.width_px * raster.height_px > options.largest_world_megapixels) {
+    raster = WorldRasterFrame(bounds, --zoom);
+  }
+  return raster;
+}
+
+Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
+  if (const Result<void> valid = options.Validate(); !valid) return valid.error();
+  SimulatedFlight flight;
+  flight.options = options;
+  flight.options.trajectory.seed = options.seed;
+  flight.frame =
+      geo::LocalFrame({options.origin.lat_deg, options.origin.lon_deg, options.takeoff_height_ellipsoid_m});
+  flight.world = World(options.world);
+  const auto poses = PlanLawnmower(flight.options.trajectory, options.intrinsics);
+  if (!poses) return poses.error();
+  const std::vector<RecordedPose> recorded = RecordPoses(
+      *poses, flight.frame, options.intrinsics, options.start, options.noise, options.clock, options.seed);
+  RandomStream exposure(options.seed, 301);
+  for (std::size_t i = 0; i < poses->size(); ++i) {
+    SimulatedPhoto photo;
+    photo.pose = (*poses)[i];
+    photo.recorded = recorded[i];
+    photo.photo = PhotoOfRecordedPose(fmt::format("SIM_{:04}.JPG", i + 1), recorded[i]);
+    photo.render.supersample = options.supersample;
+    photo.render.vignetting = options.vignetting;
+    photo.render.exposure_gain = std::exp(options.exposure_jitter * exposure.Gauss());
+    photo.render.motion_in_enu_m = options.shutter_s * photo.pose.velocity_in_enu_mps;
+    photo.render.noise_counts = options.noise_counts;
+    photo.render.noise_seed = HashCell(static_cast<std::int32_t>(i), 17, options.seed);
+    flight.photos.push_back(std::move(photo));
+  }
+  return flight;
+}
+
+pipeline::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads) {
+  const SimulatedPhoto& photo = flight.photos.at(index);
+  RenderPhotoOptions render = photo.render;
+  render.threads = threads;
+  return RenderPhoto(flight.world, flight.options.intrinsics, photo.pose.cam_from_enu, render);
+}
+
+Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
+                                       Progress& progress) {
+  Result<SimulatedFlight> planned = PlanSimulatedFlight(options);
+  if (!planned) return planned.error();
+  SimulatedFlight& flight = *planned;
+  if (const auto made = MakeFolder(out_dir / "photos"); !made) return made.error();
+  if (const auto made = MakeFolder(out_dir / "truth"); !made) return made.error();
+
+  progress.BeginStage("photos");
+  std::mutex mutex;
+  std::optional<Error> failure;
+  std::atomic<std::size_t> done = 0;
+  for (SimulatedPhoto& photo : flight.photos) photo.photo.path = out_dir / "photos" / photo.photo.name;
+  ParallelFor(flight.photos.size(), options.threads, [&](std::size_t i) {
+    if (progress.IsCancelled()) return;
+    const SimulatedPhoto& photo = flight.photos[i];
+    const std::vector<std::uint8_t> bytes =
+        EncodePhoto(RenderSimulatedPhoto(flight, i), photo.recorded, options.jpeg_quality);
+    const Result<void> written = WriteBytes(photo.photo.path, bytes);
+    const std::lock_guard lock(mutex);
+    if (!written && !failure) failure = written.error();
+    progress.Report(static_cast<double>(++done) / static_cast<double>(flight.photos.size()),
+                    fmt::format("{} of {} photos", done.load(), flight.photos.size()));
+  });
+  if (failure) return *failure;
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The simulation was cancelled.", ""};
+
+  const std::string truth = TruthJson(flight);
+  if (const auto written = WriteBytes(out_dir / "truth" / "poses.json", {truth.begin(), truth.end()});
+      !written) {
+    return written.error();
+  }
+  if (options.write_world) {
+    progress.BeginStage("truth");
+    const auto written = WriteWorldGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,
+                                           out_dir / "truth" / "world.tif", progress);
+    if (!written) return written.error();
+  }
+  return planned;
+}
+
+SimulatedPhotoSource::SimulatedPhotoSource(const SimulatedFlight& flight) : flight_(flight) {
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) index_of_name_[flight.photos[i].photo.name] = i;
+}
+
+Result<pipeline::DecodedImage> SimulatedPhotoSource::Decode(const flight::Photo& photo,
+                                                            int denominator) const {
+  const auto found = index_of_name_.find(photo.name);
+  if (found == index_of_name_.end()) {
+    return Error{ErrorCode::kNotFound, "The simulated flight has no photo named " + photo.name + ".", ""};
+  }
+  const pipeline::DecodedImage image = RenderSimulatedPhoto(flight_, found->second);
+  return denominator == 1 ? image : Shrunk(image, denominator);
+}
+
+}  // namespace skyquilt::simulate

@@ -1,0 +1,89 @@
+// SimulateFlight: a whole survey with known truth. PlanSimulatedFlight decides where every photo is taken and
+// what is recorded of it; RenderSimulatedPhoto makes its picture; SimulatedPhotoSource hands the pictures to
+// a stage without any file; SimulateFlight writes photos and truth into a folder. Frame: enu at
+// options.origin; the flat ground is z = 0, at options.takeoff_height_ellipsoid_m over the ellipsoid.
+// Deterministic: the same options give the same bytes on any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/camera/intrinsics.h"
+#include "core/flight/photo.h"
+#include "core/geo/local_frame.h"
+#include "core/geo/raster_frame.h"
+#include "core/pipeline/ports.h"
+#include "core/simulate/recorded_pose.h"
+#include "core/simulate/render_photo.h"
+#include "core/simulate/trajectory.h"
+#include "core/simulate/world.h"
+
+namespace skyquilt::simulate {
+
+struct SimulateOptions {
+  geo::LatLon origin{46.8, 7.1};  // take-off, the middle of the block
+  double takeoff_height_ellipsoid_m = 500.0;
+  std::uint32_t seed = 1;  // of the flight: trajectory, noise (the world has its own, world.seed)
+  WorldOptions world;
+  TrajectoryOptions trajectory;  // its seed is replaced by `seed`
+  camera::Intrinsics intrinsics = camera::Intrinsics::Centered(1600, 1200, 1200.0);
+  NoiseClass noise = NoiseClass::kExact;
+  CameraClock clock;
+  flight::UtcTime start{std::chrono::seconds(1717236000)};  // 2024-06-01 10:00:00 UTC
+  double vignetting = 0.0;                                  // share of light lost in the corners
+  double exposure_jitter = 0.0;                             // 1-sigma of each photo's brightness, relative
+  double noise_counts = 1.0;                                // sensor noise, 8-bit counts
+  double shutter_s = 0.0;                                   // 0 = no motion blur
+  int supersample = 0;                                      // 0 = as needed
+  int jpeg_quality = 92;
+  bool write_world = true;
+  double largest_world_megapixels = 400.0;  // above it the truth map takes a coarser zoom
+  int threads = 0;                          // 0 = all cores
+
+  Result<void> Validate() const;
+};
+
+struct SimulatedPhoto {
+  TruePose pose;
+  RecordedPose recorded;
+  flight::Photo photo;  // as it is read back from the file; named like the file
+  RenderPhotoOptions render;
+};
+
+struct SimulatedFlight {
+  SimulateOptions options;
+  geo::LocalFrame frame{geo::Wgs84{}};
+  World world{WorldOptions{}};
+  std::vector<SimulatedPhoto> photos;
+
+  double GsdM() const { return options.trajectory.height_m / options.intrinsics.MeanFocalPx(); }
+  // Whole Web Mercator tiles that cover all footprints, at the zoom that fits the photos.
+  geo::RasterFrame WorldRaster() const;
+};
+
+Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options);
+pipeline::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index,
+                                            int threads = 1);
+
+// Writes out_dir/photos/*.JPG, out_dir/truth/poses.json and out_dir/truth/world.tif.
+// Errors: kInvalidArgument, kIo, kCancelled.
+Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
+                                       Progress& progress);
+
+// Renders when asked, so any number of photos costs no memory. Looks photos up by name. Any thread.
+class SimulatedPhotoSource final : public pipeline::PhotoSource {
+ public:
+  explicit SimulatedPhotoSource(const SimulatedFlight& flight);  // keeps a reference
+  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
+
+ private:
+  const SimulatedFlight& flight_;
+  std::map<std::string, std::size_t> index_of_name_;
+};
+
+}  // namespace skyquilt::simulate
