@@ -3,6 +3,8 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "core/alignment/align_by_pose.h"
@@ -11,6 +13,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/check_photos.h"
 #include "core/poses/estimate_poses.h"
+#include "core/render/estimate_exposure.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
 
@@ -45,6 +48,17 @@ std::array<double, 4> DegreeBounds(const geo::Bounds2& bounds_in_merc) {
   const geo::LatLon south_west = geo::LatLonFromMerc(bounds_in_merc.min);
   const geo::LatLon north_east = geo::LatLonFromMerc(bounds_in_merc.max);
   return {south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg};
+}
+
+// The thumbnails in the order of the placed photos.
+std::vector<render::Thumbnail> ThumbnailsOf(const alignment::AlignedFlight& flight,
+                                            const std::vector<render::Thumbnail>& thumbnails) {
+  std::map<std::string, const render::Thumbnail*> by_name;
+  for (const render::Thumbnail& thumbnail : thumbnails) by_name[thumbnail.photo_name] = &thumbnail;
+  std::vector<render::Thumbnail> ordered;
+  ordered.reserve(flight.photos.size());
+  for (const alignment::AlignedPhoto& photo : flight.photos) ordered.push_back(*by_name.at(photo.photo.name));
+  return ordered;
 }
 
 void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report) {
@@ -84,7 +98,9 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, {options.gsd_m, options.feather_m}); });
   if (!plan) return plan.error();
 
-  const render::ExposureModel exposure{std::vector<render::PhotoTone>(aligned.photos.size())};
+  const render::ExposureModel exposure = stages.Run("expose", [&] {
+    return render::EstimateExposure(aligned, ground, ThumbnailsOf(aligned, checked->thumbnails));
+  });
   auto rendered = stages.Run("render", [&] {
     render::PhotoCache cache(photo_source, options.max_memory_bytes / 2);
     const render::RenderContext context{aligned, ground, exposure, *plan, cache};

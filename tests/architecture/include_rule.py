@@ -1,0 +1,80 @@
+"""Fails on any #include that points upwards: server -> api -> storage -> core's values and ports; inside core only
+downwards. The heavy libraries stay in the folders that own them."""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(sys.argv[1])
+CORE_ORDER = ["base", "geo", "camera", "flight", "poses", "alignment", "ground", "render", "pyramid", "pipeline"]
+# pyramid is a leaf below render: tiles know nothing of photos.
+MAY_USE = {name: set(CORE_ORDER[: i + 1]) for i, name in enumerate(CORE_ORDER)}
+MAY_USE["render"] |= {"pyramid"}
+MAY_USE["simulate"] = {"base", "geo", "camera", "flight", "poses", "simulate"}
+# What storage and api may know of the core: values and ports, never a stage's algorithm.
+CORE_VALUES = {
+    "core/base/", "core/geo/", "core/camera/intrinsics.h", "core/flight/photo.h", "core/flight/flight.h",
+    "core/flight/read_flight.h", "core/pipeline/ports.h", "core/pipeline/mosaic_options.h",
+    "core/pipeline/mosaic_report.h", "core/alignment/aligned_flight.h",
+}
+LIBRARIES = {
+    r"boost/": {"server"},
+    r"sqlite3\.h": {"storage"},
+    r"(gdal|cpl_|ogr)": {"storage"},
+    r"opencv2/": {"core/alignment", "core/render", "core/pyramid", "core/simulate", "core/flight/photo_decoder.cc"},
+    r"ceres/": {"core/poses", "core/alignment"},
+}
+HEAVY_IN_HEADERS = re.compile(r"^(boost/|opencv2/|ceres/|nlohmann/|CLI/|spdlog/|gdal|sqlite3\.h)")
+# Plain memory and text, not the network part of Boost or a codec: none so far.
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+
+
+def core_part(path):
+    return path.split("/")[1]
+
+
+def allowed(source, target):
+    """Why `source` may not include the project header `target`; None if it may."""
+    top_source, top_target = source.split("/")[0], target.split("/")[0]
+    if target == "core/pipeline/ports.h":
+        return None
+    if top_source == "core":
+        if top_target != "core":
+            return "core knows nothing above itself"
+        if core_part(target) not in MAY_USE[core_part(source)]:
+            return f"core/{core_part(source)} may not know core/{core_part(target)}"
+        return None
+    if top_source in ("storage", "api"):
+        if top_target == "core" and not any(target.startswith(value) for value in CORE_VALUES):
+            return f"{top_source} sees only the core's values and ports"
+        if top_target == "server" or (top_source == "storage" and top_target == "api"):
+            return f"{top_source} is below {top_target}"
+        return None
+    return None
+
+
+def main():
+    problems = []
+    for folder in ("core", "storage", "api", "server"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix not in (".h", ".cc"):
+                continue
+            source = path.relative_to(ROOT).as_posix()
+            for kind, target in INCLUDE.findall(path.read_text()):
+                if kind == '"':
+                    if not (ROOT / target).exists() and "generated" not in target:
+                        continue  # a build-time header
+                    reason = allowed(source, target)
+                    if reason:
+                        problems.append(f"{source}: includes {target}: {reason}")
+                    continue
+                if path.suffix == ".h" and HEAVY_IN_HEADERS.match(target):
+                    problems.append(f"{source}: the heavy header <{target}> belongs in a .cc file")
+                for pattern, owners in LIBRARIES.items():
+                    if re.match(pattern, target) and not any(source.startswith(owner) for owner in owners):
+                        problems.append(f"{source}: <{target}> belongs to {', '.join(sorted(owners))}")
+    print("\n".join(problems) or "every include points the right way")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,107 @@
+#include "core/camera/ground_homography.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/camera/footprint.h"
+#include "core/poses/attitude_convention.h"
+
+namespace skyquilt::camera {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+geo::Rigid3 Pose(double yaw_deg, double pitch_deg, double roll_deg, const Eigen::Vector3d& center) {
+  flight::RecordedAttitude attitude;
+  attitude.yaw_rad = yaw_deg * kPi / 180, attitude.pitch_rad = pitch_deg * kPi / 180, attitude.roll_rad = roll_deg * kPi / 180;
+  return geo::Rigid3::FromRotationAndTargetOrigin(poses::CamFromEnu(attitude), center);
+}
+
+TEST(GroundHomography, IsTheRayThroughThePlaneForEveryPose) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const Intrinsics lens = Intrinsics::Centered(1600, 1200, 1150.0);
+  for (int i = 0; i < 300; ++i) {
+    const double plane_z_m = 10.0 * unit(random);
+    const geo::Rigid3 pose = Pose(180.0 * unit(random), -90.0 + 20.0 * unit(random), 15.0 * unit(random),
+                                  {500.0 * unit(random), 500.0 * unit(random), plane_z_m + 70.0 + 50.0 * unit(random)});
+    const Eigen::Matrix3d g = GroundHomography(lens, pose, plane_z_m);
+    const Eigen::Vector2d pixel{800.0 + 799.0 * unit(random), 600.0 + 599.0 * unit(random)};
+    const auto ground = GroundFromPixel(lens, pose, pixel, plane_z_m);
+    ASSERT_TRUE(ground.has_value());
+    const Eigen::Vector3d image = g * Eigen::Vector3d(ground->x(), ground->y(), 1.0);
+    EXPECT_LT((Eigen::Vector2d(image.head<2>() / image.z()) - pixel).norm(), 1e-7);
+    const auto seen = PixelFromEnu(lens, pose, *ground);
+    ASSERT_TRUE(seen.has_value());
+    EXPECT_LT((*seen - pixel).norm(), 1e-7);
+  }
+}
+
+// H = K_j (R_jk + t_jk n^T / h) K_k^-1 for the plane n.X_k = h below camera k: the textbook's other form.
+TEST(GroundHomography, ComposesToTheTextbooksImageToImageForm) {
+  const Intrinsics lens_k = Intrinsics::Centered(4000, 2250, 2222.0);
+  const Intrinsics lens_j = Intrinsics::Centered(5472, 3648, 3650.0);
+  const geo::Rigid3 k_from_enu = Pose(45.0, -88.0, 1.0, {3.0, 4.0, 40.0});
+  const geo::Rigid3 j_from_enu = Pose(-130.0, -93.0, -2.0, {12.0, -6.0, 47.0});
+  const geo::Rigid3 j_from_k = j_from_enu * k_from_enu.Inverse();
+  const Eigen::Vector3d down_in_k = k_from_enu.rotation * -Eigen::Vector3d::UnitZ();
+  const double height_m = 40.0;
+  Eigen::Matrix3d textbook = lens_j.K() *
+                             (j_from_k.rotation.toRotationMatrix() + j_from_k.translation * down_in_k.transpose() / height_m) *
+                             lens_k.K().inverse();
+  Eigen::Matrix3d ours = GroundHomography(lens_j, j_from_enu, 0.0) * GroundHomography(lens_k, k_from_enu, 0.0).inverse();
+  textbook /= textbook(2, 2);
+  ours /= ours(2, 2);
+  EXPECT_LT((textbook - ours).cwiseAbs().maxCoeff() / ours.cwiseAbs().maxCoeff(), 1e-10);
+}
+
+// The paper scales by (h2/h1)(f/f) and shears for pitch; both are wrong, and this says by how much.
+TEST(PaperLiteralForm, ShearForPitchIsWorseThanDoingNothing) {
+  const Intrinsics lens = Intrinsics::Centered(5472, 3648, 3650.0);
+  const geo::Rigid3 level = Pose(0.0, -90.0, 0.0, {0, 0, 60.0});
+  const geo::Rigid3 pitched = Pose(0.0, -85.0, 0.0, {0, 0, 60.0});
+  const Eigen::Matrix3d truth = GroundHomography(lens, level, 0.0) * GroundHomography(lens, pitched, 0.0).inverse();
+  const double shear = std::tan(5.0 * kPi / 180);
+  double nothing = 0.0, paper = 0.0;
+  int count = 0;
+  for (int y = 0; y < lens.height_px; y += 200) {
+    for (int x = 0; x < lens.width_px; x += 200, ++count) {
+      const Eigen::Vector3d image = truth * Eigen::Vector3d(x, y, 1.0);
+      const Eigen::Vector2d exact = image.head<2>() / image.z();
+      nothing += (exact - Eigen::Vector2d(x, y)).squaredNorm();
+      paper += (exact - Eigen::Vector2d(x, y + shear * (x - lens.center_x_px))).squaredNorm();
+    }
+  }
+  nothing = std::sqrt(nothing / count), paper = std::sqrt(paper / count);
+  EXPECT_NEAR(nothing, 354.0, 12.0);
+  EXPECT_NEAR(paper, 382.0, 12.0);
+}
+
+TEST(PaperLiteralForm, ScaleFromHeightsIsTheWrongWayUp) {
+  const Intrinsics lens = Intrinsics::Centered(4000, 3000, 3000.0);
+  const geo::Rigid3 low = Pose(0, -90, 0, {0, 0, 20.0});
+  const geo::Rigid3 high = Pose(0, -90, 0, {0, 0, 25.0});
+  const Eigen::Matrix3d high_from_low = GroundHomography(lens, high, 0.0) * GroundHomography(lens, low, 0.0).inverse();
+  EXPECT_NEAR(high_from_low(0, 0) / high_from_low(2, 2), 0.8, 1e-12);  // the paper's eq. (8) says 1.25
+}
+
+TEST(GroundFromPixel, SeesNoGroundAtOrAboveTheHorizon) {
+  const Intrinsics lens = Intrinsics::Centered(1000, 800, 900.0);
+  const geo::Rigid3 pose = Pose(0.0, 5.0, 0.0, {0, 0, 50.0});
+  EXPECT_FALSE(GroundFromPixel(lens, pose, {500.0, 400.0}, 0.0).has_value());
+  EXPECT_TRUE(GroundFootprint(lens, pose, 0.0).empty());
+  EXPECT_TRUE(GroundFootprint(lens, Pose(0, -90, 0, {0, 0, -3.0}), 0.0).empty());
+}
+
+TEST(Footprint, OfALevelPhotoIsItsRectangle) {
+  const Intrinsics lens = Intrinsics::Centered(1000, 800, 1000.0);
+  const auto polygon = GroundFootprint(lens, Pose(30.0, -90.0, 0.0, {10, 20, 50.0}), 0.0);
+  EXPECT_NEAR(AreaM2(polygon), 50.0 * 40.0, 1e-6);
+  EXPECT_TRUE(PolygonContains(polygon, {10, 20}));
+  EXPECT_FALSE(PolygonContains(polygon, {10, 80}));
+}
+
+}  // namespace
+}  // namespace skyquilt::camera

@@ -1,0 +1,88 @@
+#include "core/poses/attitude_convention.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/geo/lat_lon.h"
+#include "core/poses/course.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::AttitudeKind;
+using geo::DegToRad;
+
+flight::RecordedAttitude Angles(AttitudeKind kind, double yaw_deg, double pitch_deg, double roll_deg) {
+  flight::RecordedAttitude attitude;
+  attitude.kind = kind;
+  attitude.yaw_rad = DegToRad(yaw_deg);
+  attitude.pitch_rad = DegToRad(pitch_deg);
+  attitude.roll_rad = DegToRad(roll_deg);
+  return attitude;
+}
+
+Eigen::Vector3d AxisInEnu(const Eigen::Quaterniond& cam_from_enu) { return cam_from_enu.conjugate() * Eigen::Vector3d::UnitZ(); }
+Eigen::Vector3d ImageTopInEnu(const Eigen::Quaterniond& cam_from_enu) {
+  return cam_from_enu.conjugate() * -Eigen::Vector3d::UnitY();
+}
+
+TEST(CamFromEnu, LooksDownWithTheImageTopTowardsTheYaw) {
+  const Eigen::Quaterniond east = CamFromEnu(Angles(AttitudeKind::kGimbal, 90, -90, 0));
+  EXPECT_LT((AxisInEnu(east) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12);
+  EXPECT_LT((ImageTopInEnu(east) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);
+}
+
+TEST(CamFromEnu, LooksAtTheHorizonInTheDirectionOfTheYaw) {
+  const Eigen::Quaterniond west = CamFromEnu(Angles(AttitudeKind::kGimbal, -90, 0, 0));
+  EXPECT_LT((AxisInEnu(west) - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((ImageTopInEnu(west) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-12);
+}
+
+TEST(CamFromEnu, OfALevelAirframeIsTheNadirGimbal) {
+  for (const double yaw_deg : {-170.0, -20.0, 0.0, 133.0}) {
+    const Eigen::Quaterniond body = CamFromEnu(Angles(AttitudeKind::kAirframe, yaw_deg, 0, 0));
+    const Eigen::Quaterniond gimbal = CamFromEnu(Angles(AttitudeKind::kGimbal, yaw_deg, -90, 0));
+    EXPECT_LT(body.angularDistance(gimbal), 1e-9);
+    EXPECT_LT(body.angularDistance(NadirCamFromEnu(DegToRad(yaw_deg))), 1e-9);
+  }
+}
+
+TEST(CamFromEnu, LeansTheWayTheAirframeLeans) {
+  // Nose up swings the camera's view forward; right wing down swings it to the left.
+  EXPECT_GT(AxisInEnu(CamFromEnu(Angles(AttitudeKind::kAirframe, 0, 10, 0))).y(), 0.1);
+  EXPECT_LT(AxisInEnu(CamFromEnu(Angles(AttitudeKind::kAirframe, 0, 0, 10))).x(), -0.1);
+}
+
+TEST(AnglesOf, GivesBackWhatWentInAwayFromTheSingularity) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int i = 0; i < 200; ++i) {
+    const double yaw = 179.0 * unit(random);
+    const CameraAngles oblique = AnglesOf(CamFromEnu(Angles(AttitudeKind::kGimbal, yaw, -20 + 15 * unit(random), 8 * unit(random))));
+    EXPECT_NEAR(geo::WrapRad(oblique.yaw_rad - DegToRad(yaw)), 0.0, 1e-9);
+    const double pitch = -90 + 30 * unit(random);
+    const CameraAngles nadir = AnglesOf(CamFromEnu(Angles(AttitudeKind::kGimbal, yaw, pitch, 0)));
+    EXPECT_NEAR(geo::WrapRad(nadir.yaw_rad - DegToRad(yaw)), 0.0, 1e-9);
+    EXPECT_NEAR(nadir.pitch_rad, DegToRad(pitch), 1e-9);
+    EXPECT_NEAR(nadir.roll_rad, 0.0, 1e-9);
+  }
+}
+
+TEST(CoursesFromPositions, TakesTheStraightRunAtALinesEnd) {
+  std::vector<Eigen::Vector2d> lawnmower;
+  for (int i = 0; i < 5; ++i) lawnmower.emplace_back(0.0, 10.0 * i);
+  for (int i = 4; i >= 0; --i) lawnmower.emplace_back(15.0, 10.0 * i);
+  const auto courses = CoursesFromPositions(lawnmower);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(*courses[static_cast<std::size_t>(i)], 0.0, 1e-9) << i;
+  for (int i = 5; i < 10; ++i) EXPECT_NEAR(std::abs(*courses[static_cast<std::size_t>(i)]), geo::kPi, 1e-9) << i;
+}
+
+TEST(CoursesFromPositions, SaysNothingWhereNothingMoved) {
+  const auto courses = CoursesFromPositions({{0, 0}, {0.2, 0}, {0.1, 0.1}});
+  for (const auto& course : courses) EXPECT_FALSE(course.has_value());
+  EXPECT_TRUE(CoursesFromPositions({{0, 0}}).size() == 1);
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
