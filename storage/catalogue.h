@@ -1,0 +1,87 @@
+// Catalogue: which flights there are, which files belong to them, and which finished revision is shown.
+// Values in, values out; the files themselves are in PhotoStore. Any thread. Errors: kNotFound (no such
+// flight or file), kConflict (a job is using it), kOutOfSpace, kUnavailable, kIo.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/catalogue_db.h"
+#include "storage/clock.h"
+
+namespace skyquilt::storage {
+
+struct Flight {
+  std::string id;
+  std::string name;
+  std::string options;  // JSON text
+  Time created;
+  std::int64_t file_count = 0;
+  std::int64_t bytes = 0;
+  std::optional<std::int64_t> active_revision;
+};
+
+struct StoredFile {
+  std::string name;         // the user's
+  std::string stored_name;  // ours, below flights/<id>/files
+  std::int64_t bytes = 0;
+};
+
+// What a finished map says of itself.
+struct Revision {
+  std::int64_t revision = 0;
+  Time created;
+  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  int min_zoom = 0;
+  int max_zoom = 0;
+  double gsd_m = 0.0;
+  int photos_total = 0;
+  int photos_aligned = 0;
+  int photos_pose_only = 0;
+  int photos_left_out = 0;
+};
+
+struct FlightPage {
+  std::vector<Flight> flights;  // newest first
+  std::optional<std::string> next_cursor;
+};
+
+struct AddedFile {
+  bool replaced = false;
+  std::string replaced_stored_name;  // the caller removes this file now
+};
+
+class Catalogue {
+ public:
+  explicit Catalogue(CatalogueDb& db) : db_(db) {}
+
+  Result<Flight> AddFlight(const std::string& name, const std::string& options, Time now);
+  Result<Flight> GetFlight(const std::string& id) const;
+  // Flights older than `cursor` (an id that an earlier page ended with), or the newest.
+  Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;
+  Result<void> RenameFlight(const std::string& id, const std::string& name);
+  Result<void> SetFlightOptions(const std::string& id, const std::string& options);
+  // Files, revisions and jobs go with it; a worker that runs one of its jobs loses its lease.
+  Result<void> DeleteFlight(const std::string& id);
+  Result<bool> HasFlight(const std::string& id) const;
+  Result<std::vector<std::string>> FlightIds() const;
+
+  // Takes the place of a file of the same name; kConflict while a job reads the flight's files.
+  Result<AddedFile> AddFile(const std::string& flight_id, const StoredFile& file, Time now);
+  // Never replaces: picks "a (2).jpg" for a second "a.jpg" and says so in the answer's name.
+  Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now);
+  Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name);
+  Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;
+
+  Result<std::optional<Revision>> ActiveRevision(const std::string& flight_id) const;
+  Result<std::vector<std::int64_t>> Revisions(const std::string& flight_id) const;
+
+ private:
+  CatalogueDb& db_;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,14 @@
+// Ids made by the server: 26 characters of [0-9a-z] (Crockford's alphabet), 48 bits of time and 80 of the
+// kernel's randomness, so that they sort by age and cannot be guessed. Any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace skyquilt::storage {
+
+std::string NewId();
+// True for what NewId could have made; everything else from outside is refused before it comes near a path.
+bool IsId(std::string_view text);
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,115 @@
+// JobQueue: stitching jobs, handed to workers by lease. A worker claims a job, renews its lease by heartbeat,
+// and ends it; each write carries the lease's token, so that a worker that slept past its lease can change
+// nothing (fencing). A job whose lease ran out is handed out again, three times at most. Survives kill -9 of
+// anyone. Any thread, any number of processes. Time is given by the caller. Errors: kNotFound, kConflict (the
+// flight has an unfinished job; the job is finished), kOutOfSpace, kUnavailable.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/catalogue.h"
+#include "storage/catalogue_db.h"
+#include "storage/clock.h"
+
+namespace skyquilt::storage {
+
+inline constexpr std::chrono::seconds kLeaseTime{15};
+inline constexpr int kMaxAttempts = 3;
+
+enum class JobState { kAccepted, kRunning, kSuccessful, kFailed, kDismissed };
+const char* JobStateName(JobState state);
+
+struct JobError {
+  std::string code;  // an ErrorCodeName
+  std::string message;
+};
+
+struct Job {
+  std::string id;
+  std::string flight_id;
+  std::string options;  // JSON text
+  JobState state = JobState::kAccepted;
+  std::string stage;
+  double progress = 0.0;  // 0..1 over the whole job
+  std::string message;
+  int attempts = 0;
+  bool cancel_requested = false;
+  std::optional<JobError> error;
+  Time created;
+  std::optional<Time> started;
+  std::optional<Time> attempt_started;
+  std::optional<Time> finished;
+};
+
+// The right to run one job until the lease ends.
+struct Lease {
+  std::string job_id;
+  std::string flight_id;
+  std::string options;
+  std::int64_t token = 0;
+  int attempt = 1;
+};
+
+enum class LeaseState { kHeld, kCancelRequested, kLost };
+
+struct JobProgress {
+  std::string stage;
+  double fraction = 0.0;
+  std::string message;
+};
+
+class JobQueue {
+ public:
+  explicit JobQueue(CatalogueDb& db) : db_(db) {}
+
+  Result<Job> Add(const std::string& flight_id, const std::string& options, Time now);
+  Result<Job> Get(const std::string& id) const;
+  // Newest first; of one flight or of all.
+  Result<std::vector<Job>> List(const std::optional<std::string>& flight_id, int limit) const;
+  Result<std::optional<Job>> LatestOf(const std::string& flight_id) const;
+  Result<int> CountWaiting() const;
+  // A waiting job ends at once; a running one when its worker sees the wish. Asking twice changes nothing.
+  Result<Job> Cancel(const std::string& id, Time now);
+
+  // For workers.
+  Result<std::optional<Lease>> Claim(std::string_view worker, Time now);
+  Result<LeaseState> Renew(const Lease& lease, Time now);
+  Result<LeaseState> Look(const Lease& lease) const;  // like Renew, but only reads
+  Result<LeaseState> ReportProgress(const Lease& lease, const JobProgress& progress);
+  // The job ended badly. With `may_retry` it waits for another attempt if any is left. False: the lease was
+  // lost.
+  Result<bool> Fail(const Lease& lease, const Error& error, bool may_retry, Time now);
+  // The worker saw the wish to cancel and stopped. False: the lease was lost.
+  Result<bool> Dismiss(const Lease& lease, Time now);
+  // The worker must stop, through no fault of the job's: the attempt does not count. False: the lease was
+  // lost.
+  Result<bool> GiveBack(const Lease& lease, Time now);
+
+  // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
+  Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);
+  Result<bool> Publish(const Lease& lease, const Revision& revision, Time now);
+
+  // A worker process died: what it held waits for its next attempt now rather than at the lease's end. A name
+  // that ends in '*' stands for all that begin so.
+  Result<int> ReleaseWorker(const std::string& worker, Time now);
+  // Flights that a live lease may be publishing into, with the lease as "<job>-<token>".
+  struct LiveLease {
+    std::string flight_id;
+    std::string work_name;
+  };
+  Result<std::vector<LiveLease>> LiveLeases(Time now) const;
+
+ private:
+  CatalogueDb& db_;
+};
+
+// The name of a lease's own folder below work/: no two leases ever share one.
+std::string WorkName(const Lease& lease);
+
+}  // namespace skyquilt::storage

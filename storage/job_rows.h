@@ -1,0 +1,17 @@
+// How a job is read from its row: the columns and their order, in one place for the files of the queue. Any
+// thread.
+#pragma once
+
+#include "storage/job_queue.h"
+#include "storage/statement.h"
+
+namespace skyquilt::storage {
+
+inline constexpr const char* kJobColumns =
+    "SELECT id, flight_id, options, state, stage, progress, message, attempts, cancel, error_code, "
+    "error_message,"
+    " created_us, started_us, attempt_started_us, finished_us ";
+
+Job JobFrom(const Statement& row);
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,54 @@
+// MbtilesReader: tiles out of one finished MBTiles file, which never changes again (opened immutable, read
+// through mmap). Any file with `tiles` is read; one with integer-keyed `tiles_shallow` + `tiles_data` answers
+// "which bytes" without touching the bytes, so that a 304 reads no blob page. Any number of threads; each
+// takes a connection of a pool for the time of a call. The file may be unlinked while it is open. Errors:
+// kNotFound, kCorrupt, kIo. https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geo/tile_id.h"
+
+namespace skyquilt::storage {
+
+struct FoundTile {
+  std::uint64_t content_id = 0;      // equal ids mean equal bytes; stable for a file, so fit for an ETag
+  std::optional<std::string> bytes;  // there already when finding it meant reading it
+};
+
+class MbtilesReader {
+ public:
+  static Result<std::shared_ptr<MbtilesReader>> Open(const std::filesystem::path& path);
+  ~MbtilesReader();
+
+  // Absent: the file has no such tile.
+  Result<std::optional<FoundTile>> Find(const geo::TileId& tile);
+  // The bytes of a tile that Find answered.
+  Result<std::string> Load(FoundTile tile);
+
+  const std::map<std::string, std::string>& metadata() const { return metadata_; }
+
+ private:
+  struct Connection;
+  class Borrowed;
+  explicit MbtilesReader(std::filesystem::path path);
+  Result<std::unique_ptr<Connection>> Connect() const;
+  Result<std::unique_ptr<Connection>> Take();
+  void GiveBack(std::unique_ptr<Connection> connection);
+
+  std::filesystem::path path_;
+  bool is_deduplicated_ = false;
+  std::map<std::string, std::string> metadata_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Connection>> idle_;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,52 @@
+#include "storage/migrations.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace skyquilt::storage {
+
+extern const std::string_view kSchema0001;  // storage/schema/0001_catalogue.sql
+
+namespace {
+
+// Step i brings version i to i + 1. Only ever appended to.
+const std::array<const std::string_view*, 1> kSteps = {&kSchema0001};
+
+Result<int> CurrentVersion(SqliteDb& db) {
+  Result<Statement> query = db.Prepare("PRAGMA user_version");
+  if (!query) return query.error();
+  const Result<bool> row = query->Step();
+  if (!row) return row.error();
+  return static_cast<int>(query->ColumnInt64(0));
+}
+
+}  // namespace
+
+int NewestSchemaVersion() { return static_cast<int>(kSteps.size()); }
+
+Result<void> Migrate(SqliteDb& db) {
+  while (true) {
+    // Read again inside the write lock: another process may be doing the same.
+    Result<Transaction> transaction = Transaction::Begin(db);
+    if (!transaction) return transaction.error();
+    const Result<int> version = CurrentVersion(db);
+    if (!version) return version.error();
+    if (*version == NewestSchemaVersion()) return {};
+    if (*version > NewestSchemaVersion()) {
+      return Error{ErrorCode::kConflict,
+                   "This data folder was written by a newer Skyquilt. Use that version, or another folder.",
+                   fmt::format("schema {} against {}", *version, NewestSchemaVersion())};
+    }
+    const Result<void> stepped = db.Exec(std::string(*kSteps[static_cast<std::size_t>(*version)]));
+    if (!stepped) return stepped.error();
+    const Result<void> marked = db.Exec(fmt::format("PRAGMA user_version={}", *version + 1));
+    if (!marked) return marked.error();
+    const Result<void> done = transaction->Commit();
+    if (!done) return done.error();
+  }
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,24 @@
+// Sweep: removes what a crash left behind: unfinished uploads, work folders without a live lease, files and
+// revisions that the catalogue does not know. Run once at the start of a server, before it takes requests, by
+// the one process that holds the DataDirLock. Never touches what the catalogue refers to, nor the folders of
+// a live lease.
+#pragma once
+
+#include "core/base/result.h"
+#include "storage/catalogue.h"
+#include "storage/data_dir.h"
+#include "storage/job_queue.h"
+
+namespace skyquilt::storage {
+
+struct SweepReport {
+  int uploads = 0;
+  int work_folders = 0;
+  int files = 0;
+  int revisions = 0;
+  int flights = 0;
+};
+
+Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue, Time now);
+
+}  // namespace skyquilt::storage

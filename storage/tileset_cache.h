@@ -1,0 +1,53 @@
+// TilesetCache: the tileset that a flight shows now, opened once and kept while it is used. What a request
+// gets it may hold to its end: a newer revision never changes an older one. Another process publishes, so the
+// catalogue is asked again after kFreshFor; a flight without a map is asked for every time. Any thread.
+// Errors: kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+#include "core/base/result.h"
+#include "storage/catalogue.h"
+#include "storage/data_dir.h"
+#include "storage/mbtiles_reader.h"
+
+namespace skyquilt::storage {
+
+// One revision of one flight, ready to be read.
+struct Tileset {
+  std::string flight_id;
+  Revision revision;
+  std::shared_ptr<MbtilesReader> reader;
+};
+
+class TilesetCache {
+ public:
+  static constexpr std::chrono::milliseconds kFreshFor{100};
+  static constexpr std::size_t kMaxOpen = 256;
+
+  TilesetCache(DataDir dir, Catalogue& catalogue) : dir_(std::move(dir)), catalogue_(catalogue) {}
+  Result<std::shared_ptr<const Tileset>> Get(const std::string& flight_id);
+  // The flight was deleted here: gone for the next request.
+  void Forget(const std::string& flight_id);
+
+ private:
+  struct Entry {
+    std::shared_ptr<const Tileset> tileset;
+    std::chrono::steady_clock::time_point checked;
+    std::chrono::steady_clock::time_point used;
+  };
+  Result<std::shared_ptr<const Tileset>> Refresh(const std::string& flight_id);
+  void DropLeastUsed();
+
+  DataDir dir_;
+  Catalogue& catalogue_;
+  std::mutex mutex_;
+  std::unordered_map<std::string, Entry> entries_;
+};
+
+}  // namespace skyquilt::storage

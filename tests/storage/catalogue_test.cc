@@ -1,0 +1,116 @@
+#include "storage/catalogue.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "storage/ids.h"
+#include "storage/job_queue.h"
+#include "storage/migrations.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+class CatalogueTest : public testing::Test {
+ protected:
+  CatalogueTest() : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")), catalogue_(*db_) {}
+  ScratchDir dir_;
+  std::unique_ptr<CatalogueDb> db_;
+  Catalogue catalogue_;
+};
+
+TEST_F(CatalogueTest, RemembersAFlightAcrossOpenings) {
+  const std::string id = catalogue_.AddFlight("'; DROP TABLE flight; --", "{\"gsd_m\":0.1}", Now())->id;
+  ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 100}, Now()));
+  const auto again = *CatalogueDb::Open(dir_.path() / "catalogue.db");
+  const auto flight = Catalogue(*again).GetFlight(id);
+  ASSERT_TRUE(flight);
+  EXPECT_EQ(flight->name, "'; DROP TABLE flight; --");
+  EXPECT_EQ(flight->options, "{\"gsd_m\":0.1}");
+  EXPECT_EQ(flight->file_count, 1);
+  EXPECT_EQ(flight->bytes, 100);
+  EXPECT_FALSE(flight->active_revision);
+}
+
+TEST_F(CatalogueTest, PagesThroughAllFlightsOnceNewestFirst) {
+  std::vector<std::string> made;
+  for (int i = 0; i < 7; ++i) made.push_back(catalogue_.AddFlight("f", "{}", Now())->id);
+  std::vector<std::string> seen;
+  std::optional<std::string> cursor;
+  do {
+    const auto page = catalogue_.ListFlights(3, cursor);
+    ASSERT_TRUE(page);
+    for (const Flight& flight : page->flights) seen.push_back(flight.id);
+    cursor = page->next_cursor;
+  } while (cursor);
+  std::sort(made.rbegin(), made.rend());
+  EXPECT_EQ(seen, made);
+}
+
+TEST_F(CatalogueTest, ReplacesAFileOfTheSameNameAndSaysWhichBytesToDrop) {
+  const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
+  const std::string old_name = NewId();
+  EXPECT_FALSE(catalogue_.AddFile(id, {"a.jpg", old_name, 1}, Now())->replaced);
+  const auto second = catalogue_.AddFile(id, {"a.jpg", NewId(), 2}, Now());
+  EXPECT_TRUE(second->replaced);
+  EXPECT_EQ(second->replaced_stored_name, old_name);
+  ASSERT_EQ(catalogue_.ListFiles(id)->size(), 1u);
+  EXPECT_EQ(catalogue_.ListFiles(id)->front().bytes, 2);
+}
+
+TEST_F(CatalogueTest, KeepsBothFilesOfOneNameWhenAsked) {
+  const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a.jpg");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a (2).jpg");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {"a.jpg", NewId(), 1}, Now())->name, "a (3).jpg");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {".hidden", NewId(), 1}, Now())->name, ".hidden");
+  EXPECT_EQ(catalogue_.AddFileUnderFreeName(id, {".hidden", NewId(), 1}, Now())->name, ".hidden (2)");
+}
+
+TEST_F(CatalogueTest, RefusesToChangeFilesThatAJobReads) {
+  const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
+  ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 1}, Now()));
+  JobQueue queue(*db_);
+  ASSERT_TRUE(queue.Add(id, "{}", Now()));
+  ASSERT_TRUE(queue.Claim("w", Now())->has_value());
+  EXPECT_EQ(catalogue_.AddFile(id, {"a.jpg", NewId(), 1}, Now()).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(catalogue_.RemoveFile(id, "a.jpg").error().code, ErrorCode::kConflict);
+  EXPECT_TRUE(catalogue_.AddFile(id, {"b.jpg", NewId(), 1}, Now()));
+}
+
+TEST_F(CatalogueTest, SaysWhatDoesNotExist) {
+  EXPECT_EQ(catalogue_.GetFlight("x").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.RenameFlight("x", "n").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.DeleteFlight("x").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.ListFiles("x").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(catalogue_.AddFile("x", {"a", NewId(), 1}, Now()).error().code, ErrorCode::kNotFound);
+  const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
+  EXPECT_EQ(catalogue_.RemoveFile(id, "a.jpg").error().code, ErrorCode::kNotFound);
+}
+
+TEST(Migrations, RefuseACatalogueOfANewerVersion) {
+  ScratchDir dir;
+  {
+    auto db = *SqliteDb::Open(dir.path() / "catalogue.db", OpenMode::kReadWriteCreate);
+    ASSERT_TRUE(db.Exec("PRAGMA user_version=999"));
+  }
+  const auto opened = CatalogueDb::Open(dir.path() / "catalogue.db");
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
+}
+
+TEST(Ids, AreUniqueAndKnowThemselves) {
+  const std::string a = NewId();
+  EXPECT_TRUE(IsId(a));
+  EXPECT_NE(a, NewId());
+  EXPECT_FALSE(IsId(""));
+  EXPECT_FALSE(IsId("../../etc/passwd0000000000"));
+  EXPECT_FALSE(IsId(a + "0"));
+  std::string upper = a;
+  upper[0] = 'A';
+  EXPECT_FALSE(IsId(upper));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

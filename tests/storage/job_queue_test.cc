@@ -1,0 +1,236 @@
+#include "storage/job_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <thread>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using std::chrono::seconds;
+
+class JobQueueTest : public testing::Test {
+ protected:
+  JobQueueTest()
+      : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_), now_(Now()) {}
+
+  std::string NewFlight() { return catalogue_.AddFlight("field", "{}", now_)->id; }
+  Job NewJob() { return *queue_.Add(NewFlight(), "{}", now_); }
+  Lease Claimed() { return **queue_.Claim("w", now_); }
+
+  ScratchDir dir_;
+  std::unique_ptr<CatalogueDb> db_;
+  Catalogue catalogue_;
+  JobQueue queue_;
+  Time now_;
+};
+
+Revision Made(std::int64_t number) {
+  Revision revision;
+  revision.revision = number;
+  revision.bounds = {10, 50, 10.1, 50.1};
+  revision.min_zoom = 15;
+  revision.max_zoom = 21;
+  revision.gsd_m = 0.03;
+  revision.photos_total = 6;
+  revision.photos_aligned = 4;
+  revision.photos_pose_only = 1;
+  revision.photos_left_out = 1;
+  return revision;
+}
+
+TEST_F(JobQueueTest, HandsAJobToOneWorkerOnly) {
+  const Job job = NewJob();
+  const auto lease = queue_.Claim("a", now_);
+  ASSERT_TRUE(lease && lease->has_value());
+  EXPECT_EQ((*lease)->job_id, job.id);
+  EXPECT_EQ((*lease)->attempt, 1);
+  EXPECT_FALSE(queue_.Claim("b", now_)->has_value());
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kRunning);
+}
+
+TEST_F(JobQueueTest, HandsOutTheOldestFirst) {
+  const Job first = NewJob();
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  NewJob();
+  EXPECT_EQ(Claimed().job_id, first.id);
+}
+
+TEST_F(JobQueueTest, RefusesASecondUnfinishedJobOfAFlight) {
+  const Job job = NewJob();
+  EXPECT_EQ(queue_.Add(job.flight_id, "{}", now_).error().code, ErrorCode::kConflict);
+  ASSERT_TRUE(queue_.Cancel(job.id, now_));
+  EXPECT_TRUE(queue_.Add(job.flight_id, "{}", now_));
+}
+
+TEST_F(JobQueueTest, RefusesAJobOfNoFlight) {
+  EXPECT_EQ(queue_.Add("nothing", "{}", now_).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(queue_.Get("nothing").error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(JobQueueTest, GivesAnExpiredJobToTheNextAndFencesTheFirst) {
+  const Job job = NewJob();
+  const Lease old = Claimed();
+  const Time later = now_ + kLeaseTime + seconds(1);
+  const Lease fresh = **queue_.Claim("b", later);
+  EXPECT_EQ(fresh.job_id, job.id);
+  EXPECT_GT(fresh.token, old.token);
+  EXPECT_EQ(*queue_.Renew(old, later), LeaseState::kLost);
+  EXPECT_EQ(*queue_.ReportProgress(old, {"render", 0.9, "late"}), LeaseState::kLost);
+  EXPECT_FALSE(queue_.ReserveRevision(old)->has_value());
+  EXPECT_FALSE(*queue_.Publish(old, Made(1), later));
+  EXPECT_FALSE(*queue_.Fail(old, {ErrorCode::kIo, "x", ""}, true, later));
+  EXPECT_FALSE(*queue_.Dismiss(old, later));
+  EXPECT_FALSE(*queue_.GiveBack(old, later));
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kRunning);
+  EXPECT_EQ(queue_.Get(job.id)->stage, "");
+  EXPECT_TRUE(*queue_.Publish(fresh, Made(1), later));
+}
+
+TEST_F(JobQueueTest, KeepsALeaseThatIsRenewed) {
+  NewJob();
+  const Lease lease = Claimed();
+  for (int i = 1; i <= 5; ++i) {
+    const Time then = now_ + i * (kLeaseTime - seconds(1));
+    EXPECT_FALSE(queue_.Claim("b", then)->has_value());
+    EXPECT_EQ(*queue_.Renew(lease, then), LeaseState::kHeld);
+  }
+}
+
+TEST_F(JobQueueTest, GivesUpAfterThreeAttempts) {
+  const Job job = NewJob();
+  Time then = now_;
+  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
+    ASSERT_EQ((*queue_.Claim("w", then))->attempt, attempt);
+    then += kLeaseTime + seconds(1);
+  }
+  EXPECT_FALSE(queue_.Claim("w", then)->has_value());
+  const Job ended = *queue_.Get(job.id);
+  EXPECT_EQ(ended.state, JobState::kFailed);
+  ASSERT_TRUE(ended.error);
+  EXPECT_EQ(ended.error->code, "internal");
+}
+
+TEST_F(JobQueueTest, RetriesAFailureOfTheMachineLaterButNotOneOfTheInput) {
+  const Job job = NewJob();
+  ASSERT_TRUE(*queue_.Fail(Claimed(), {ErrorCode::kIo, "disk", ""}, true, now_));
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kAccepted);
+  EXPECT_FALSE(queue_.Claim("w", now_)->has_value());
+  const auto again = queue_.Claim("w", now_ + seconds(60));
+  ASSERT_TRUE(again->has_value());
+  ASSERT_TRUE(*queue_.Fail(**again, {ErrorCode::kUnprocessable, "no photos", ""}, false, now_));
+  const Job ended = *queue_.Get(job.id);
+  EXPECT_EQ(ended.state, JobState::kFailed);
+  EXPECT_EQ(ended.error->code, "unprocessable");
+  EXPECT_EQ(ended.error->message, "no photos");
+}
+
+TEST_F(JobQueueTest, ShowsTheWishToCancelToTheWorker) {
+  const Job job = NewJob();
+  const Lease lease = Claimed();
+  EXPECT_EQ(*queue_.Look(lease), LeaseState::kHeld);
+  EXPECT_EQ(queue_.Cancel(job.id, now_)->state, JobState::kRunning);
+  EXPECT_TRUE(queue_.Cancel(job.id, now_));
+  EXPECT_EQ(*queue_.Look(lease), LeaseState::kCancelRequested);
+  EXPECT_TRUE(*queue_.Dismiss(lease, now_));
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
+}
+
+TEST_F(JobQueueTest, DismissesAWaitingJobAtOnce) {
+  const Job job = NewJob();
+  EXPECT_EQ(queue_.Cancel(job.id, now_)->state, JobState::kDismissed);
+  EXPECT_FALSE(queue_.Claim("w", now_)->has_value());
+}
+
+TEST_F(JobQueueTest, DismissesACancelledJobWhoseWorkerDied) {
+  const Job job = NewJob();
+  Claimed();
+  ASSERT_TRUE(queue_.Cancel(job.id, now_));
+  EXPECT_FALSE(queue_.Claim("w", now_ + kLeaseTime + seconds(1))->has_value());
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
+}
+
+TEST_F(JobQueueTest, RefusesToCancelWhatIsFinished) {
+  const Job job = NewJob();
+  ASSERT_TRUE(*queue_.Publish(Claimed(), Made(1), now_));
+  EXPECT_EQ(queue_.Cancel(job.id, now_).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(JobQueueTest, DoesNotCountAnAttemptThatWasGivenBack) {
+  const Job job = NewJob();
+  for (int i = 0; i < 5; ++i) {
+    const Lease lease = Claimed();
+    EXPECT_EQ(lease.attempt, 1);
+    ASSERT_TRUE(*queue_.GiveBack(lease, now_));
+  }
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kAccepted);
+}
+
+TEST_F(JobQueueTest, ReleasesWhatADeadWorkerHeld) {
+  NewJob();
+  ASSERT_TRUE(queue_.Claim("serve-1-2", now_)->has_value());
+  EXPECT_EQ(*queue_.ReleaseWorker("other", now_), 0);
+  EXPECT_EQ(*queue_.ReleaseWorker("serve-*", now_), 1);
+  EXPECT_EQ((*queue_.Claim("w", now_))->attempt, 2);
+}
+
+TEST_F(JobQueueTest, PublishesARevisionAndForgetsAllButTheOneBefore) {
+  const std::string flight = NewFlight();
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_TRUE(queue_.Add(flight, "{}", now_));
+    const Lease lease = Claimed();
+    const auto number = queue_.ReserveRevision(lease);
+    ASSERT_EQ(**number, i);
+    ASSERT_TRUE(*queue_.Publish(lease, Made(i), now_));
+    EXPECT_EQ((*catalogue_.ActiveRevision(flight))->revision, i);
+  }
+  EXPECT_EQ(*catalogue_.Revisions(flight), (std::vector<std::int64_t>{2, 3}));
+  EXPECT_EQ((*catalogue_.ActiveRevision(flight))->photos_aligned, 4);
+}
+
+TEST_F(JobQueueTest, LosesTheLeaseWhenTheFlightIsDeleted) {
+  const Job job = NewJob();
+  const Lease lease = Claimed();
+  ASSERT_TRUE(catalogue_.DeleteFlight(job.flight_id));
+  EXPECT_EQ(*queue_.Renew(lease, now_), LeaseState::kLost);
+  EXPECT_FALSE(*queue_.Publish(lease, Made(1), now_));
+}
+
+TEST(JobQueueConcurrency, GivesEachJobToExactlyOneOfManyConnections) {
+  constexpr int kJobs = 40;
+  constexpr int kWorkers = 4;
+  ScratchDir dir;
+  const auto db = *CatalogueDb::Open(dir.path() / "catalogue.db");
+  Catalogue catalogue(*db);
+  JobQueue queue(*db);
+  for (int i = 0; i < kJobs; ++i) {
+    ASSERT_TRUE(queue.Add(catalogue.AddFlight("f", "{}", Now())->id, "{}", Now()));
+  }
+  std::mutex mutex;
+  std::multiset<std::string> claimed;
+  std::vector<std::thread> workers;
+  for (int w = 0; w < kWorkers; ++w) {
+    workers.emplace_back([&, w] {
+      // Two of the four share a connection, the others have their own, as processes would.
+      const auto own = w < 2 ? nullptr : *CatalogueDb::Open(dir.path() / "catalogue.db");
+      JobQueue mine(own != nullptr ? *own : *db);
+      while (true) {
+        const auto lease = mine.Claim("w" + std::to_string(w), Now());
+        ASSERT_TRUE(lease) << lease.error().detail;
+        if (!lease->has_value()) return;
+        const std::lock_guard lock(mutex);
+        claimed.insert((*lease)->job_id);
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  EXPECT_EQ(claimed.size(), static_cast<std::size_t>(kJobs));
+  EXPECT_EQ(std::set<std::string>(claimed.begin(), claimed.end()).size(), static_cast<std::size_t>(kJobs));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

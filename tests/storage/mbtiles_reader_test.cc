@@ -1,0 +1,101 @@
+#include "storage/mbtiles_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "storage/ids.h"
+#include "storage/sqlite_db.h"
+#include "storage/tileset_cache.h"
+#include "tests/storage/scratch_dir.h"
+#include "tests/storage/small_tileset.h"
+
+namespace skyquilt::storage {
+namespace {
+
+geo::TileId Tile(int z, int x, int y) { return *geo::TileId::Make(z, x, y); }
+
+class EverySchema : public testing::TestWithParam<TilesetSchema> {};
+
+TEST_P(EverySchema, FindsTilesBytesAndGaps) {
+  ScratchDir dir;
+  const auto path = dir.path() / "a.mbtiles";
+  // z 2: rows count from the south in the file, from the north in our ids.
+  WriteSmallTileset(path, GetParam(), {{2, 1, 0, "south"}, {2, 1, 3, "north"}, {2, 2, 3, "north"}});
+  const auto reader = MbtilesReader::Open(path);
+  ASSERT_TRUE(reader) << reader.error().detail;
+  const auto north = (*reader)->Find(Tile(2, 1, 0));
+  ASSERT_TRUE(north && north->has_value());
+  EXPECT_EQ(*(*reader)->Load(**north), "north");
+  const auto south = (*reader)->Find(Tile(2, 1, 3));
+  EXPECT_EQ(*(*reader)->Load(**south), "south");
+  EXPECT_NE((*south)->content_id, (*north)->content_id);
+  EXPECT_EQ((**(*reader)->Find(Tile(2, 2, 0))).content_id, (*north)->content_id);
+  EXPECT_FALSE((*reader)->Find(Tile(2, 0, 0))->has_value());
+  EXPECT_EQ((*reader)->metadata().at("name"), "small");
+}
+
+INSTANTIATE_TEST_SUITE_P(MbtilesReader, EverySchema,
+                         testing::Values(TilesetSchema::kFlat, TilesetSchema::kIntegerKeys,
+                                         TilesetSchema::kTextKeys));
+
+TEST(MbtilesReader, FindsWithoutBytesWhereKeysAreIntegers) {
+  ScratchDir dir;
+  WriteSmallTileset(dir.path() / "a.mbtiles", TilesetSchema::kIntegerKeys, {{1, 0, 0, "x"}});
+  const auto reader = *MbtilesReader::Open(dir.path() / "a.mbtiles");
+  EXPECT_FALSE((*reader->Find(Tile(1, 0, 1)))->bytes.has_value());
+}
+
+TEST(MbtilesReader, RefusesWhatIsNotATileset) {
+  ScratchDir dir;
+  {
+    ASSERT_TRUE(
+        SqliteDb::Open(dir.path() / "a.mbtiles", OpenMode::kReadWriteCreate)->Exec("CREATE TABLE t(a)"));
+  }
+  EXPECT_EQ(MbtilesReader::Open(dir.path() / "a.mbtiles").error().code, ErrorCode::kCorrupt);
+}
+
+TEST(MbtilesReaderConcurrency, ServesManyThreadsTheRightTiles) {
+  ScratchDir dir;
+  std::vector<SmallTile> tiles;
+  for (int x = 0; x < 16; ++x) tiles.push_back({4, x, x, "tile " + std::to_string(x)});
+  WriteSmallTileset(dir.path() / "a.mbtiles", TilesetSchema::kIntegerKeys, tiles);
+  const auto reader = *MbtilesReader::Open(dir.path() / "a.mbtiles");
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 200; ++i) {
+        const int x = (i * 7 + t) % 16;
+        const auto found = reader->Find(Tile(4, x, 15 - x));
+        ASSERT_TRUE(found && found->has_value());
+        ASSERT_EQ(*reader->Load(**found), "tile " + std::to_string(x));
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST(TilesetCache, ShowsTheNewRevisionSoonAndLetsOldReadersFinish) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  const auto db = *CatalogueDb::Open(dir.Catalogue());
+  Catalogue catalogue(*db);
+  TilesetCache cache(dir, catalogue);
+  const std::string flight = catalogue.AddFlight("f", "{}", Now())->id;
+  EXPECT_EQ(cache.Get(flight).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(cache.Get(NewId()).error().code, ErrorCode::kNotFound);
+
+  PublishSmallTileset(dir, *db, flight, {{1, 0, 1, "one"}});
+  const auto first = *cache.Get(flight);
+  EXPECT_EQ(first->revision.revision, 1);
+  PublishSmallTileset(dir, *db, flight, {{1, 0, 1, "two"}});
+  std::filesystem::remove_all(dir.Revision(flight, 1));
+  std::this_thread::sleep_for(TilesetCache::kFreshFor);
+  const auto second = *cache.Get(flight);
+  EXPECT_EQ(second->revision.revision, 2);
+  EXPECT_EQ(*second->reader->Load(**second->reader->Find(Tile(1, 0, 0))), "two");
+  EXPECT_EQ(*first->reader->Load(**first->reader->Find(Tile(1, 0, 0))), "one");
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

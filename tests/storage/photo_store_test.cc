@@ -1,0 +1,136 @@
+#include "storage/photo_store.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "storage/ids.h"
+#include "storage/job_queue.h"
+#include "storage/sweep.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+std::vector<std::uint8_t> Bytes(std::string_view text) { return {text.begin(), text.end()}; }
+
+int CountIn(const std::filesystem::path& folder) {
+  return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(CheckFileName, RefusesEveryPathAndTakesOrdinaryNames) {
+  for (const char* good :
+       {"a.jpg", "DJI_0001 (2).JPG", "høyde æ.jpg", "..jpg", "CON", "a.", "日本.tif", "a;b.jpg"}) {
+    EXPECT_TRUE(CheckFileName(good)) << good;
+  }
+  using namespace std::string_literals;
+  for (const std::string& bad :
+       {""s, "."s, ".."s, "../a"s, "a/b"s, "a\\b"s, "a\nb"s, "a\0b"s, "\x7f"s, std::string(256, 'a'),
+        "\xc0\xaf"s, "\xed\xa0\x80"s, "\xf4\x90\x80\x80"s, "\xff"s, "abc\xc3"s}) {
+    EXPECT_FALSE(CheckFileName(bad)) << bad;
+  }
+}
+
+TEST(PhotoStore, StoresBytesUnderANameOfItsOwn) {
+  ScratchDir scratch;
+  const PhotoStore store(*DataDir::Open(scratch.path()));
+  const std::string flight = NewId();
+  auto upload = store.Begin(flight, 0);
+  ASSERT_TRUE(upload);
+  ASSERT_TRUE(upload->Write(Bytes("hello ")));
+  ASSERT_TRUE(upload->Write(Bytes("world")));
+  const auto stored = upload->Finish();
+  ASSERT_TRUE(stored) << stored.error().detail;
+  std::ifstream file(store.PathOf(flight, *stored));
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "hello world");
+  EXPECT_EQ(CountIn(store.dir().Incoming()), 0);
+  store.Remove(flight, *stored);
+  EXPECT_EQ(CountIn(store.dir().Files(flight)), 0);
+}
+
+TEST(PhotoStore, LeavesNothingOfAnUploadThatBroke) {
+  ScratchDir scratch;
+  const PhotoStore store(*DataDir::Open(scratch.path()));
+  const std::string flight = NewId();
+  {
+    auto upload = store.Begin(flight, 10);
+    ASSERT_TRUE(upload->Write(Bytes("half")));
+  }
+  EXPECT_EQ(CountIn(store.dir().Incoming()), 0);
+  EXPECT_EQ(CountIn(store.dir().Files(flight)), 0);
+}
+
+TEST(PhotoStore, RefusesEmptyAndHugeFiles) {
+  ScratchDir scratch;
+  const PhotoStore store(*DataDir::Open(scratch.path()));
+  EXPECT_EQ(store.Begin(NewId(), 0)->Finish().error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(store.Begin(NewId(), kMaxFileBytes + 1).error().code, ErrorCode::kTooLarge);
+}
+
+TEST(PhotoStore, SaysWhenTheFlightWasDeletedMeanwhile) {
+  ScratchDir scratch;
+  const PhotoStore store(*DataDir::Open(scratch.path()));
+  const std::string flight = NewId();
+  auto upload = store.Begin(flight, 0);
+  ASSERT_TRUE(upload->Write(Bytes("x")));
+  store.RemoveFlight(flight);
+  EXPECT_EQ(upload->Finish().error().code, ErrorCode::kNotFound);
+}
+
+TEST(Sweep, RemovesGarbageAndKeepsWhatIsKnownOrLeased) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  const auto db = *CatalogueDb::Open(dir.Catalogue());
+  Catalogue catalogue(*db);
+  JobQueue queue(*db);
+  const PhotoStore store(dir);
+  const std::string flight = catalogue.AddFlight("f", "{}", Now())->id;
+  auto upload = store.Begin(flight, 0);
+  ASSERT_TRUE(upload->Write(Bytes("x")));
+  const std::string stored = *upload->Finish();
+  ASSERT_TRUE(catalogue.AddFile(flight, {"a.jpg", stored, 1}, Now()));
+  ASSERT_TRUE(queue.Add(flight, "{}", Now()));
+  Lease lease = **queue.Claim("w", Now());
+  const std::int64_t first = **queue.ReserveRevision(lease);
+  Revision revision;
+  revision.revision = first;
+  std::filesystem::create_directories(dir.Revision(flight, first));
+  ASSERT_TRUE(*queue.Publish(lease, revision, Now()));
+
+  std::ofstream(dir.Incoming() / NewId()) << "half";
+  std::filesystem::create_directories(dir.Work() / "old-job-1" / "deep");
+  std::ofstream(dir.Files(flight) / NewId()) << "unknown";
+  std::filesystem::create_directories(dir.Revision(flight, 99));
+  std::filesystem::create_directories(dir.Flight(NewId()));
+  const std::string other = catalogue.AddFlight("running", "{}", Now())->id;
+  ASSERT_TRUE(queue.Add(other, "{}", Now()));
+  lease = **queue.Claim("w", Now());
+  std::filesystem::create_directories(dir.Work() / WorkName(lease));
+  std::filesystem::create_directories(dir.Revision(other, 1));
+
+  const auto report = Sweep(dir, catalogue, queue, Now());
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->uploads, 1);
+  EXPECT_EQ(report->work_folders, 1);
+  EXPECT_EQ(report->files, 1);
+  EXPECT_EQ(report->revisions, 1);
+  EXPECT_EQ(report->flights, 1);
+  EXPECT_TRUE(std::filesystem::exists(store.PathOf(flight, stored)));
+  EXPECT_TRUE(std::filesystem::exists(dir.Revision(flight, first)));
+  EXPECT_TRUE(std::filesystem::exists(dir.Work() / WorkName(lease)));
+  EXPECT_TRUE(std::filesystem::exists(dir.Revision(other, 1)));
+}
+
+TEST(DataDirLock, IsHeldByOneAtATime) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  {
+    const auto first = DataDirLock::Take(dir);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(DataDirLock::Take(dir).error().code, ErrorCode::kConflict);
+  }
+  EXPECT_TRUE(DataDirLock::Take(dir));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

@@ -1,0 +1,30 @@
+// Little tilesets for tests of reading and serving, in every schema that is in use.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "storage/catalogue_db.h"
+#include "storage/data_dir.h"
+
+namespace skyquilt::storage {
+
+enum class TilesetSchema { kFlat, kIntegerKeys, kTextKeys };
+
+// `row` counts from the south, as in the file.
+struct SmallTile {
+  int z;
+  int x;
+  int row;
+  std::string bytes;
+};
+
+void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
+                       const std::vector<SmallTile>& tiles);
+
+// The whole way of a job: queued, claimed, files in place, published. Answers the revision.
+std::int64_t PublishSmallTileset(const DataDir& dir, CatalogueDb& db, const std::string& flight_id,
+                                 const std::vector<SmallTile>& tiles);
+
+}  // namespace skyquilt::storage
