@@ -15,10 +15,11 @@ constexpr int kCurveTerms = 3;
 constexpr int kRounds = 5;
 // A misfit beyond this (in log value: 12 %) is another thing moving, glint or relief, not exposure.
 constexpr double kRobustScale = 0.12;
-// How much a photo's gain may stray without evidence, and a curve term.
-constexpr double kGainSigma = 0.3;
+// How much a photo's gain may stray without evidence, and a curve term. A sample counts little: the misfits of one
+// pair of photos go together (the sun's direction, the lens), and many such pairs in a row would add up to a drift.
+constexpr double kGainSigma = 0.15;
 constexpr double kCurveSigma = 0.25;
-constexpr double kSampleSigma = 0.08;
+constexpr double kSampleSigma = 0.35;
 
 // Unknowns: one log gain a photo (one channel), then the curve of each camera. A spot's own brightness is eliminated:
 // its samples only speak through their difference from their weighted mean.
