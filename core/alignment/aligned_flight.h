@@ -16,11 +16,11 @@ namespace skyquilt::alignment {
 enum class Placement { kAligned, kPoseOnly };
 
 struct AlignedPhoto {
-  flight::Photo photo;                // as read; its intrinsics are the recorded ones
-  camera::Intrinsics intrinsics;      // as refined
+  flight::Photo photo;            // as read; its intrinsics are the recorded ones
+  camera::Intrinsics intrinsics;  // as refined
   geo::Rigid3 cam_from_enu;
   Placement placement = Placement::kPoseOnly;
-  std::string placement_reason;       // why it is not aligned, or what was corrected
+  std::string placement_reason;  // why it is not aligned, or what was corrected
   double error_radius_m = 0.0;
   double height_above_ground_m = 0.0;
 };

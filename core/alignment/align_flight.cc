@@ -1,0 +1,252 @@
+#include "core/alignment/align_flight.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "core/alignment/bundle_setup.h"
+#include "core/alignment/correct_poses.h"
+#include "core/alignment/flight_lines.h"
+#include "core/alignment/ground_graph.h"
+#include "core/alignment/link_photos.h"
+#include "core/alignment/place_photos.h"
+#include "core/base/parallel_for.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kReliefCellGsds = 60.0;
+
+// The first look trusts windows from the recorded poses; the second the corrected poses; the third the
+// adjusted poses on the adjusted relief.
+const LinkPass kFirstLook{};
+const LinkPass kSecondLook{.least_radius_share = 0.05,
+                           .sigmas = 0.0,
+                           .max_turn_rad = 0.45,
+                           .tolerance_share = 0.012,
+                           .min_matches = 8};
+const LinkPass kThirdLook{.least_radius_share = 0.012,
+                          .sigmas = 0.0,
+                          .max_turn_rad = 0.35,
+                          .max_distance_ratio = 0.9,
+                          .min_matches = 8,
+                          .fit_motion = false};
+
+struct Photographed {
+  std::vector<PhotoFeatures> features;
+  std::vector<std::string> unreadable;
+};
+
+Photographed ExtractAll(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
+                        const AlignOptions& options, Progress& progress) {
+  const std::size_t count = posed.photos.size();
+  Photographed photographed{std::vector<PhotoFeatures>(count), std::vector<std::string>(count)};
+  FeatureOptions feature_options;
+  feature_options.detector_pixels = options.detector_pixels;
+  feature_options.max_features = options.max_features;
+  std::atomic<std::size_t> done{0};
+  ParallelFor(count, options.threads, [&](std::size_t i) {
+    if (progress.IsCancelled()) return;
+    Result<PhotoFeatures> features = ExtractFeatures(posed.photos[i].photo, source, feature_options);
+    if (features) {
+      photographed.features[i] = *std::move(features);
+    } else {
+      photographed.unreadable[i] = features.error().message;
+    }
+    progress.Report(0.7 * static_cast<double>(++done) / static_cast<double>(count), "finding features");
+  });
+  return photographed;
+}
+
+void KeepHolding(const GroundGraph& graph, const std::vector<std::string>& names,
+                 std::vector<PairLink>& links, AlignReport& report) {
+  std::vector<PairLink> held;
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    if (graph.link_holds[l]) {
+      held.push_back(std::move(links[l]));
+    } else {
+      ++report.pairs_rejected;
+      report.rejected_pairs.push_back({names[links[l].first], names[links[l].second],
+                                       static_cast<int>(links[l].matches.size()), links[l].rms_m});
+    }
+  }
+  links = std::move(held);
+}
+
+std::vector<Track> TriangulatedTracks(const std::vector<PairLink>& links, const LinkInput& input,
+                                      const AlignOptions& options) {
+  TrackOptions track_options;
+  track_options.observations_per_photo = options.observations_per_photo;
+  std::vector<Track> tracks = BuildTracks(links, input.features, input.views, track_options);
+  std::erase_if(tracks, [&](Track& track) { return !Triangulate(input.views, track); });
+  return tracks;
+}
+
+std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
+  constexpr double kUsefulAngleRad = 0.06;
+  std::vector<Eigen::Vector3d> points;
+  for (const Track& track : tracks) {
+    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
+  }
+  return points;
+}
+
+void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
+  for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
+    const BundleLens& lens = problem.lenses[c];
+    AlignLensReport told;
+    for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+      if (problem.photos[i].lens == static_cast<int>(c)) {
+        told.camera_key = posed.photos[i].photo.camera_key;
+        break;
+      }
+    }
+    told.recorded = lens.recorded;
+    told.adjusted = lens.intrinsics;
+    told.sigma_focal_px = lens.found_sigma_focal_px;
+    const double prior_sigma_px = lens.sigma_focal_share * lens.recorded.focal_x_px;
+    told.focal_is_held = lens.found_sigma_focal_px <= 0.0 || lens.found_sigma_focal_px > 0.5 * prior_sigma_px;
+    report.lenses.push_back(told);
+  }
+}
+
+}  // namespace
+
+Result<void> AlignOptions::Validate() const {
+  if (threads < 0) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("threads is {}; it must be 0 or more", threads),
+                 ""};
+  }
+  if (detector_pixels < 20'000) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("detector_pixels is {}; it must be at least 20000", detector_pixels), ""};
+  }
+  if (max_features < 100 || observations_per_photo < 20) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("max_features is {} and observations_per_photo {}; they must be at least 100 and 20",
+                    max_features, observations_per_photo),
+        ""};
+  }
+  return {};
+}
+
+Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
+                                  const AlignOptions& options, AlignReport& report, Progress& progress) {
+  if (Result<void> valid = options.Validate(); !valid) return valid.error();
+  const Error cancelled{ErrorCode::kCancelled, "the alignment was cancelled", ""};
+  report = {};
+  ScopedTimer total_timer(report.total_s);
+  const std::size_t count = posed.photos.size();
+  report.photos = static_cast<int>(count);
+  std::vector<std::string> names;
+  std::vector<Eigen::Vector2d> places;
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    names.push_back(photo.photo.name);
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+
+  const Photographed photographed = ExtractAll(posed, source, options, progress);
+  if (progress.IsCancelled()) return cancelled;
+  report.photo_reports.resize(count);
+  LinkInput input = MakeLinkInput(posed);
+  for (std::size_t i = 0; i < count; ++i) {
+    const PhotoFeatures& features = photographed.features[i];
+    input.features[i] = photographed.unreadable[i].empty() ? &features : nullptr;
+    report.photo_reports[i].name = names[i];
+    report.photo_reports[i].features = static_cast<int>(features.keypoints.size());
+    report.decode_s += features.decode_s;
+    report.features_s += features.detect_s;
+  }
+
+  // First look, and what it says of records that lie.
+  const std::vector<int> lines = FindLines(places);
+  Relief relief(posed.ground_z_in_enu_m);
+  const PairSelectionOptions pair_options;
+  std::vector<CorrectedPose> corrected(count);
+  std::vector<CandidatePair> pairs;
+  std::vector<PairLink> links;
+  {
+    ScopedTimer timer(report.matching_s);
+    progress.Report(0.7, "comparing photos");
+    pairs = SelectPairs(input.views, input.ground_sigma_m, relief, pair_options);
+    Laid laid = LayAll(input, relief, options.threads);
+    links = LinkPhotos(input, laid, pairs, kFirstLook, options.threads);
+    for (PairLink& link : LinkLostPhotos(input, laid, pairs, links, options.threads))
+      links.push_back(std::move(link));
+    const std::vector<GroundPrior> priors = MakeGroundPriors(posed, input);
+    const double tolerance_m = 0.015 * MedianWidthM(input.views);
+    const GroundGraph graph = SolveGroundGraph(priors, links, laid.views, tolerance_m);
+    for (std::size_t i = 0; i < count; ++i) {
+      corrected[i] = CorrectPose(posed.photos[i], priors[i], graph.corrections[i]);
+      input.views[i].cam_from_enu = corrected[i].start_cam_from_enu;
+    }
+    KeepHolding(graph, names, links, report);
+    if (progress.IsCancelled()) return cancelled;
+
+    // Second look, from where the photos are now.
+    pairs = SelectPairs(input.views, std::vector<double>(count, 0.0), relief, pair_options);
+    laid = LayAll(input, relief, options.threads);
+    links = LinkPhotos(input, laid, pairs, kSecondLook, options.threads);
+    const GroundGraph second = SolveGroundGraph(priors, links, laid.views, tolerance_m);
+    KeepHolding(second, names, links, report);
+  }
+  if (progress.IsCancelled()) return cancelled;
+  report.corrections = DescribeCorrections(corrected, names, lines);
+
+  BundleProblem problem = MakeBundle(posed, corrected, lines);
+  BundleSummary summary;
+  {
+    ScopedTimer timer(report.adjustment_s);
+    progress.Report(0.8, "adjusting");
+    problem.tracks = TriangulatedTracks(links, input, options);
+    BundleOptions first;
+    first.cuts_px = {30.0, 10.0};
+    first.max_iterations = 15;
+    summary = AdjustBundle(problem, first);
+    report.iterations += summary.iterations;
+  }
+  if (progress.IsCancelled()) return cancelled;
+
+  // Third look, on the relief, and the last adjustment.
+  {
+    ScopedTimer timer(report.matching_s);
+    progress.Report(0.88, "comparing photos once more");
+    input.views = ViewsOf(problem);
+    const double cell_m = kReliefCellGsds * MedianWidthM(input.views) / 4000.0;
+    relief = Relief::FromPoints(ReliefPoints(problem.tracks), cell_m, posed.ground_z_in_enu_m);
+    pairs = SelectPairs(input.views, std::vector<double>(count, 0.0), relief, pair_options);
+    pairs = OnlyLinkedPhotos(pairs, links, count);
+    const Laid laid = LayAll(input, relief, options.threads);
+    links = LinkPhotos(input, laid, pairs, kThirdLook, options.threads);
+    report.pairs_tried = static_cast<int>(pairs.size());
+    report.pairs_linked = static_cast<int>(links.size());
+  }
+  {
+    ScopedTimer timer(report.adjustment_s);
+    progress.Report(0.92, "adjusting");
+    ReweighPriors(problem);
+    problem.tracks = TriangulatedTracks(links, input, options);
+    BundleOptions last;
+    last.estimate_lens_sigma = count <= 200;
+    summary = AdjustBundle(problem, last);
+    report.iterations += summary.iterations;
+  }
+  report.tie_points = static_cast<int>(problem.tracks.size());
+  report.observations = summary.observations;
+  report.observations_dropped = summary.dropped;
+  report.residual_rms_px = summary.rms_px;
+  report.solver = summary.solver;
+  ReportLenses(posed, problem, report);
+  AlignedFlight flight = PlacePhotos({&posed, &problem, &corrected, &photographed.unreadable}, report);
+  flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
+  progress.Report(1.0, "aligned");
+  return flight;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,31 @@
+// AlignFlight: refines recorded poses by what the photos show, and keeps every photo on the map: one without
+// links stays at its pose, moved as its neighbours were. One decode a photo; only features and thumbnails are
+// kept, about 0.4 MB a photo. The result does not depend on the number of threads. Cancelled through
+// `progress`. Errors: kCancelled. Photos that cannot be decoded are placed by pose and say so. Method:
+// features laid on the ground by the recorded poses, matched in windows their uncertainty allows; a graph of
+// ground motions finds records that lie; bundle adjustment with the records as priors, twice, the second time
+// with matches searched on the relief of the first.
+#pragma once
+
+#include "core/alignment/align_report.h"
+#include "core/alignment/aligned_flight.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/pipeline/ports.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+struct AlignOptions {
+  int threads = 0;                   // 0 = all cores
+  int detector_pixels = 375'000;     // pixels of the picture given to the feature detector
+  int max_features = 2000;           // kept a photo
+  int observations_per_photo = 220;  // tie points a photo brings into the adjustment
+
+  Result<void> Validate() const;
+};
+
+Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
+                                  const AlignOptions& options, AlignReport& report, Progress& progress);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,78 @@
+#include "core/alignment/align_report.h"
+
+#include <nlohmann/json.hpp>
+
+namespace skyquilt::alignment {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json LensJson(const camera::Intrinsics& lens) {
+  return {{"width_px", lens.width_px},
+          {"height_px", lens.height_px},
+          {"focal_x_px", lens.focal_x_px},
+          {"focal_y_px", lens.focal_y_px},
+          {"center_x_px", lens.center_x_px},
+          {"center_y_px", lens.center_y_px},
+          {"k1", lens.k1},
+          {"k2", lens.k2},
+          {"k3", lens.k3},
+          {"p1", lens.p1},
+          {"p2", lens.p2}};
+}
+
+}  // namespace
+
+std::string AlignReportJson(const AlignReport& report) {
+  Json json = {{"photos", report.photos},
+               {"aligned", report.aligned},
+               {"pieces", report.pieces},
+               {"pairs_tried", report.pairs_tried},
+               {"pairs_linked", report.pairs_linked},
+               {"pairs_rejected", report.pairs_rejected},
+               {"pairs_by_direct", report.pairs_by_direct},
+               {"tie_points", report.tie_points},
+               {"observations", report.observations},
+               {"observations_dropped", report.observations_dropped},
+               {"residual_rms_px", report.residual_rms_px},
+               {"position_residual_m", report.position_residual_m},
+               {"attitude_residual_deg", report.attitude_residual_deg},
+               {"solver", report.solver},
+               {"iterations", report.iterations},
+               {"corrections", report.corrections}};
+  json["timings_s"] = {{"decode", report.decode_s},
+                       {"features", report.features_s},
+                       {"matching_wall", report.matching_s},
+                       {"adjustment_wall", report.adjustment_s},
+                       {"total_wall", report.total_s}};
+  json["cameras"] = Json::array();
+  for (const AlignLensReport& lens : report.lenses) {
+    json["cameras"].push_back({{"camera_key", lens.camera_key},
+                               {"recorded", LensJson(lens.recorded)},
+                               {"adjusted", LensJson(lens.adjusted)},
+                               {"sigma_focal_px", lens.sigma_focal_px},
+                               {"focal_is_held", lens.focal_is_held}});
+  }
+  json["photo_reports"] = Json::array();
+  for (const AlignPhotoReport& photo : report.photo_reports) {
+    json["photo_reports"].push_back({{"name", photo.name},
+                                     {"placement", PlacementName(photo.placement)},
+                                     {"reason", photo.reason},
+                                     {"features", photo.features},
+                                     {"links", photo.links},
+                                     {"observations", photo.observations},
+                                     {"residual_rms_px", photo.residual_rms_px},
+                                     {"moved_m", photo.moved_m},
+                                     {"turned_deg", photo.turned_deg},
+                                     {"error_radius_m", photo.error_radius_m}});
+  }
+  json["rejected_pairs"] = Json::array();
+  for (const AlignPairReport& pair : report.rejected_pairs) {
+    json["rejected_pairs"].push_back(
+        {{"first", pair.first}, {"second", pair.second}, {"matches", pair.matches}, {"rms_m", pair.rms_m}});
+  }
+  // Names are the user's: bytes that are not UTF-8 are replaced, never refused.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,161 @@
+#include "core/alignment/bundle_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kLeastSigmaM = 0.01;
+constexpr double kLeastSigmaRad = 0.003;
+constexpr int kFewPhotos = 30;
+
+double MedianAbs(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double SigmaHorizontalM(const poses::PosedPhoto& photo) {
+  return std::max(kLeastSigmaM, std::sqrt(0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
+}
+
+double SigmaTiltRad(const poses::PosedPhoto& photo) {
+  return std::max(kLeastSigmaRad, std::sqrt(0.5 * (photo.covariance(0, 0) + photo.covariance(1, 1))));
+}
+
+BundleLens MakeLens(const flight::Photo& photo, int photos) {
+  BundleLens lens;
+  lens.recorded = lens.intrinsics = photo.intrinsics;
+  const double width = photo.intrinsics.width_px;
+  const bool few = photos < kFewPhotos;
+  lens.sigma_center_px = (few ? 0.002 : 0.004) * width;
+  lens.sigma_k1 = few ? 0.02 : 0.05;
+  lens.sigma_k2 = few ? 0.02 : 0.05;
+  lens.sigma_p = few ? 0.0003 : 0.0006;
+  switch (photo.focal_source) {
+    case flight::FocalSource::kDewarpData:
+    case flight::FocalSource::kCalibrated:
+      lens.sigma_focal_share = 0.003;
+      lens.sigma_center_px = 0.001 * width;
+      lens.sigma_k1 = lens.sigma_k2 = 0.005;
+      lens.sigma_p = 0.0003;
+      break;
+    case flight::FocalSource::k35mmEquivalent:
+      lens.sigma_focal_share = 0.02;  // whole millimetres of an equivalent
+      break;
+    case flight::FocalSource::kAssumed:
+      lens.sigma_focal_share = 0.1;
+      break;
+    default:
+      lens.sigma_focal_share = 0.01;
+  }
+  return lens;
+}
+
+}  // namespace
+
+LinkInput MakeLinkInput(const poses::PosedFlight& posed) {
+  LinkInput input;
+  input.features.assign(posed.photos.size(), nullptr);
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    const double height = std::max(1.0, photo.height_above_ground_m);
+    input.views.push_back({photo.photo.intrinsics, photo.cam_from_enu, height});
+    input.ground_sigma_m.push_back(std::hypot(SigmaHorizontalM(photo), height * SigmaTiltRad(photo)));
+    input.sigma_turn_rad.push_back(std::max(kLeastSigmaRad, std::sqrt(photo.covariance(2, 2))));
+  }
+  return input;
+}
+
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const LinkInput& input) {
+  std::vector<GroundPrior> priors;
+  const Relief flat(posed.ground_z_in_enu_m);
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    const View& view = input.views[i];
+    Eigen::Vector3d middle = view.CenterInEnu();
+    const Eigen::Vector2d axis(view.intrinsics.center_x_px, view.intrinsics.center_y_px);
+    if (!MeetGround(view, flat, axis, &middle)) middle = view.CenterInEnu();
+    priors.push_back({{middle.x(), middle.y()}, input.ground_sigma_m[i], input.sigma_turn_rad[i]});
+  }
+  return priors;
+}
+
+double MedianWidthM(const std::vector<View>& views) {
+  std::vector<double> widths;
+  for (const View& view : views) widths.push_back(view.WidthM());
+  return widths.empty() ? 1.0 : MedianAbs(widths);
+}
+
+std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
+                                            const std::vector<PairLink>& links, std::size_t photos) {
+  std::vector<char> linked(photos, 0);
+  for (const PairLink& link : links) linked[link.first] = linked[link.second] = 1;
+  std::vector<CandidatePair> kept;
+  for (const CandidatePair& pair : pairs) {
+    if (linked[pair.first] && linked[pair.second]) kept.push_back(pair);
+  }
+  return kept;
+}
+
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+                         const std::vector<int>& lines) {
+  BundleProblem problem;
+  problem.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  std::map<std::string, int> photos_of_key, lens_of_key;
+  for (const poses::PosedPhoto& photo : posed.photos) ++photos_of_key[photo.photo.camera_key];
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    const poses::PosedPhoto& photo = posed.photos[i];
+    const std::string& key = photo.photo.camera_key;
+    const auto [lens, is_new] = lens_of_key.emplace(key, static_cast<int>(problem.lenses.size()));
+    if (is_new) problem.lenses.push_back(MakeLens(photo.photo, photos_of_key[key]));
+    BundlePhoto bundled;
+    bundled.cam_from_enu = corrected[i].start_cam_from_enu;
+    bundled.prior_cam_from_enu = corrected[i].prior_cam_from_enu;
+    bundled.lens = lens->second;
+    bundled.line = lines[i];
+    bundled.height_above_ground_m = std::max(1.0, photo.height_above_ground_m);
+    const double sigma_h = SigmaHorizontalM(photo);
+    const double sigma_v = std::max(kLeastSigmaM, std::sqrt(photo.covariance(5, 5)));
+    bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};
+    if (corrected[i].position_was_wrong) bundled.sigma_position_m.head<2>().setConstant(5.0 * sigma_h + 5.0);
+    // In cam: x and y are tilts, z is the turn about the optical axis (yaw for a camera that looks down).
+    const double tilt = SigmaTiltRad(photo);
+    const double yaw = std::max(kLeastSigmaRad, std::sqrt(photo.covariance(2, 2)));
+    bundled.sigma_attitude_rad = {tilt, tilt, std::max(yaw, tilt)};
+    if (corrected[i].yaw_was_wrong) bundled.sigma_attitude_rad.z() = 0.3;
+    problem.photos.push_back(bundled);
+  }
+  problem.lines = lines.empty() ? 1 : *std::max_element(lines.begin(), lines.end()) + 1;
+  return problem;
+}
+
+void ReweighPriors(BundleProblem& problem) {
+  std::vector<char> seen(problem.photos.size(), 0);
+  for (const Track& track : problem.tracks) {
+    for (const Observation& one : track.observations) seen[one.photo] = 1;
+  }
+  std::vector<double> horizontal, vertical;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    if (!seen[i]) continue;
+    const BundlePhoto& photo = problem.photos[i];
+    const Eigen::Vector3d moved =
+        photo.cam_from_enu.TargetOriginInSource() - photo.prior_cam_from_enu.TargetOriginInSource();
+    horizontal.push_back(std::abs(moved.x()));
+    horizontal.push_back(std::abs(moved.y()));
+    vertical.push_back(std::abs(moved.z()));
+  }
+  if (vertical.size() < 6) return;
+  // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
+  const double sigma_h = 1.8 * MedianAbs(horizontal);
+  const double sigma_v = 1.8 * MedianAbs(vertical);
+  for (BundlePhoto& photo : problem.photos) {
+    Eigen::Vector3d& sigma = photo.sigma_position_m;
+    sigma.x() = std::clamp(sigma_h, std::min(0.1, sigma.x()), sigma.x());
+    sigma.y() = std::clamp(sigma_h, std::min(0.1, sigma.y()), sigma.y());
+    sigma.z() = std::clamp(sigma_v, std::min(0.1, sigma.z()), sigma.z());
+  }
+}
+
+}  // namespace skyquilt::alignment

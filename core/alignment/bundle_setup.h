@@ -1,0 +1,28 @@
+// What the recorded poses and lenses mean to the search and to the adjustment: sigmas, priors, starting
+// points. Pure; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/bundle_adjustment.h"
+#include "core/alignment/correct_poses.h"
+#include "core/alignment/ground_graph.h"
+#include "core/alignment/link_photos.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// Without features, which the caller adds.
+LinkInput MakeLinkInput(const poses::PosedFlight& posed);
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const LinkInput& input);
+double MedianWidthM(const std::vector<View>& views);
+// Pairs of which both photos have at least one link.
+std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
+                                            const std::vector<PairLink>& links, std::size_t photos);
+
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+                         const std::vector<int>& lines);
+// After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
+void ReweighPriors(BundleProblem& problem);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,107 @@
+#include "core/alignment/correct_poses.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kNearQuarterRad = 0.35;
+constexpr double kGrossShiftSigmas = 6.0;
+constexpr double kMostScaleStep = 0.2;
+
+Eigen::Quaterniond AboutUp(double angle_rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
+}
+
+}  // namespace
+
+CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                          const GroundCorrection& correction) {
+  CorrectedPose corrected{posed.cam_from_enu, posed.cam_from_enu, 0, false, false, ""};
+  if (correction.piece < 0) return corrected;
+  const double turn = std::arg(correction.turn_and_scale);
+  const double quarters = std::round(turn / (0.5 * std::numbers::pi));
+  double rest = turn - quarters * 0.5 * std::numbers::pi;
+  const double believable = std::max(0.35, 4.0 * prior.sigma_turn_rad);
+  Eigen::Quaterniond rotation = posed.cam_from_enu.rotation;  // cam_from_enu
+  Eigen::Vector3d center = posed.cam_from_enu.TargetOriginInSource();
+  if (std::abs(turn) > believable) {
+    if (std::abs(rest) < kNearQuarterRad) {
+      // The picture was stored turned, so it turns about its own axis and the tilt stays right.
+      corrected.quarter_turns = (static_cast<int>(quarters) + 4) % 4;
+      rotation = AboutUp(quarters * 0.5 * std::numbers::pi) * rotation;  // about z of cam
+      corrected.note = fmt::format("found turned by {} degrees against its recorded yaw and turned back",
+                                   corrected.quarter_turns == 3 ? -90 : 90 * corrected.quarter_turns);
+    } else {
+      rotation = rotation * AboutUp(-turn);
+      rest = 0.0;
+      corrected.yaw_was_wrong = true;
+      corrected.note =
+          fmt::format("recorded yaw was {:.0f} degrees off and was corrected from its neighbours",
+                      std::abs(geo::RadToDeg(turn)));
+    }
+  }
+  const double shift_m = std::abs(correction.shift);
+  Eigen::Vector3d shift(correction.shift.real(), correction.shift.imag(), 0.0);
+  if (shift_m > kGrossShiftSigmas * prior.sigma_m) {
+    corrected.position_was_wrong = true;
+    center += shift;
+    shift.setZero();
+    if (!corrected.note.empty()) corrected.note += "; ";
+    corrected.note +=
+        fmt::format("recorded position was {:.0f} m off and was corrected from its neighbours", shift_m);
+  }
+  corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(rotation, center);
+
+  // The rest is ordinary error: shared between tilt and position as their sigmas say.
+  const double height = std::max(1.0, posed.height_above_ground_m);
+  const double by_tilt_m = height * std::sqrt(0.5 * (posed.covariance(0, 0) + posed.covariance(1, 1)));
+  const double by_position_m = std::sqrt(0.5 * (posed.covariance(3, 3) + posed.covariance(4, 4)));
+  const double tilt_share =
+      by_tilt_m * by_tilt_m / std::max(1e-9, by_tilt_m * by_tilt_m + by_position_m * by_position_m);
+  const Eigen::Vector3d tilt(tilt_share * shift.y() / height, -tilt_share * shift.x() / height, 0.0);
+  const Eigen::Quaterniond enu_from_cam =
+      geo::RotationFromVector(tilt) * AboutUp(rest) * rotation.conjugate();
+  center += (1.0 - tilt_share) * shift;
+  const double scale =
+      std::clamp(std::abs(correction.turn_and_scale), 1.0 - kMostScaleStep, 1.0 + kMostScaleStep);
+  center.z() += height * (scale - 1.0);
+  corrected.start_cam_from_enu =
+      geo::Rigid3::FromRotationAndTargetOrigin(enu_from_cam.conjugate().normalized(), center);
+  return corrected;
+}
+
+std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
+                                             const std::vector<std::string>& names,
+                                             const std::vector<int>& lines) {
+  std::vector<std::string> sentences;
+  const std::size_t count = corrected.size();
+  for (std::size_t i = 0; i < count;) {
+    std::size_t end = i + 1;
+    const int quarters = corrected[i].quarter_turns;
+    while (quarters != 0 && end < count && corrected[end].quarter_turns == quarters &&
+           lines[end] == lines[i] && !corrected[end].position_was_wrong) {
+      ++end;
+    }
+    if (end - i > 1) {
+      sentences.push_back(
+          fmt::format("photos {} to {} are stored turned by {} degrees against their recorded yaw; they were "
+                      "turned back. A "
+                      "viewer that saves pictures upright does this: use the originals if you can",
+                      names[i], names[end - 1], quarters == 3 ? -90 : 90 * quarters));
+    } else if (!corrected[i].note.empty()) {
+      sentences.push_back(names[i] + ": " + corrected[i].note);
+    }
+    i = end;
+  }
+  return sentences;
+}
+
+}  // namespace skyquilt::alignment

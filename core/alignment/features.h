@@ -1,0 +1,57 @@
+// Features: where a photo can be recognised. Scale-space points (D. Lowe, IJCV 2004) with RootSIFT
+// descriptors (Arandjelovic and Zisserman, CVPR 2012) packed into bytes, spread evenly over the photo, plus a
+// small grey thumbnail for registration without features. One decode a photo; the pixels are dropped
+// afterwards. Pure apart from reading the photo; any number of threads; the same bytes give the same
+// features.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::alignment {
+
+// Frame `image` of the full-size photo.
+struct Keypoint {
+  float x_px = 0.0F;
+  float y_px = 0.0F;
+  float angle_rad = 0.0F;  // from the image's x axis towards its y axis (down)
+  float scale_px = 0.0F;   // diameter of what was looked at
+  float response = 0.0F;
+};
+
+using Descriptor = std::array<std::uint8_t, 128>;
+
+// Grey, rows without padding; covers the whole photo.
+struct Thumbnail {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> grey;
+};
+
+struct PhotoFeatures {
+  // Any first n of these are spread over the photo and among the strongest of their place.
+  std::vector<Keypoint> keypoints;
+  std::vector<Descriptor> descriptors;
+  Thumbnail thumbnail;
+  double sigma_px = 1.0;  // how well a keypoint is located, in full-size pixels
+  double decode_s = 0.0;  // wall seconds
+  double detect_s = 0.0;
+};
+
+struct FeatureOptions {
+  // Pixels of the image given to the detector. It doubles the image before it looks, so the finest features
+  // are those of an image of four times as many pixels.
+  int detector_pixels = 375'000;
+  int max_features = 2000;
+  int thumbnail_px = 256;  // longer side
+};
+
+// Errors: those of PhotoSource::Decode; kCorrupt when the picture is not of the size its header promised.
+Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const pipeline::PhotoSource& source,
+                                      const FeatureOptions& options);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,47 @@
+// LinkPhotos: matches candidate pairs and fits a motion over the ground to each, in parallel over pairs.
+// LinkLostPhotos does it without believing position or yaw, for photos that should have found their
+// neighbours and did not. Same result for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/pair_link.h"
+#include "core/alignment/pair_selection.h"
+
+namespace skyquilt::alignment {
+
+struct LinkPass {
+  double least_radius_share = 0.10;  // of the photo's width on the ground
+  double sigmas = 3.0;               // of the joint uncertainty on the ground; 0 = the least radius alone
+  double max_turn_rad = 0.6;
+  double tolerance_share = 0.015;  // of the width; what a followed motion may miss by
+  double relief_share = 0.2;
+  double max_distance_ratio = 0.85;
+  int min_matches = 10;
+  bool fit_motion = true;  // false: take every match, the window is narrow enough
+};
+
+struct LinkInput {
+  std::vector<const PhotoFeatures*> features;  // null: unreadable
+  std::vector<View> views;
+  std::vector<double> ground_sigma_m;
+  std::vector<double> sigma_turn_rad;
+};
+
+struct Laid {
+  std::vector<std::vector<GroundKeypoint>> keypoints;
+  std::vector<GroundView> views;
+};
+
+// Lays every photo's keypoints on the ground.
+Laid LayAll(const LinkInput& input, const Relief& relief, int threads);
+
+std::vector<PairLink> LinkPhotos(const LinkInput& input, const Laid& laid,
+                                 const std::vector<CandidatePair>& pairs, const LinkPass& pass, int threads);
+
+// `tried` are pairs already looked at in vain, `links` those found.
+std::vector<PairLink> LinkLostPhotos(const LinkInput& input, const Laid& laid,
+                                     const std::vector<CandidatePair>& tried,
+                                     const std::vector<PairLink>& links, int threads);
+
+}  // namespace skyquilt::alignment

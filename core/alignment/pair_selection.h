@@ -1,0 +1,31 @@
+// SelectPairs: which photos are worth comparing: those whose footprints overlap where the poses put them,
+// grown by what the poses are unsure of; the most overlapping ones and the best in each direction, so that
+// neighbouring lines are tied as well as neighbours in a line. Cost grows with photos times neighbours. Pure;
+// any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/view.h"
+
+namespace skyquilt::alignment {
+
+struct CandidatePair {
+  int first = 0;  // < second
+  int second = 0;
+  double overlap = 0.0;  // share of the first's picture that the second sees
+
+  bool operator==(const CandidatePair&) const = default;
+};
+
+struct PairSelectionOptions {
+  double min_overlap = 0.12;
+  int best_per_photo = 6;  // by overlap alone; plus the best of each of eight directions
+};
+
+// Sorted by (first, second). ground_sigma_m: how far off each photo may lie on the ground, one sigma.
+std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
+                                       const std::vector<double>& ground_sigma_m, const Relief& relief,
+                                       const PairSelectionOptions& options);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,227 @@
+#include "core/alignment/place_photos.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr int kMinObservations = 12;
+constexpr double kGoodAngleRad = 0.087;  // 5 degrees: flatter rays leave the height open
+
+struct Support {
+  int observations = 0;
+  double square_px = 0.0;
+  std::set<int> tied_to;
+};
+
+// Photos with enough ties, in pieces; -1 for the others. Weak photos lend no support to others.
+std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>& support) {
+  const std::size_t count = problem.photos.size();
+  const std::vector<View> views = ViewsOf(problem);
+  std::vector<char> strong(count, 1);
+  for (bool changed = true; changed;) {
+    changed = false;
+    support.assign(count, {});
+    for (const Track& track : problem.tracks) {
+      std::vector<const Observation*> seen;
+      for (const Observation& one : track.observations) {
+        if (strong[one.photo]) seen.push_back(&one);
+      }
+      if (seen.size() < 2) continue;
+      for (const Observation* one : seen) {
+        Support& own = support[one->photo];
+        ++own.observations;
+        const double miss = ReprojectionErrorPx(views[one->photo], *one, track.point_in_enu);
+        own.square_px += miss * miss;
+        for (const Observation* other : seen) {
+          if (other != one) own.tied_to.insert(other->photo);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (strong[i] && support[i].observations < kMinObservations) {
+        strong[i] = 0;
+        changed = true;
+      }
+    }
+  }
+  std::vector<int> piece(count, -1);
+  int pieces = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!strong[i] || piece[i] >= 0) continue;
+    std::vector<int> open{static_cast<int>(i)};
+    piece[i] = pieces;
+    while (!open.empty()) {
+      const int at = open.back();
+      open.pop_back();
+      for (const int other : support[at].tied_to) {
+        if (piece[other] >= 0) continue;
+        piece[other] = pieces;
+        open.push_back(other);
+      }
+    }
+    ++pieces;
+  }
+  return piece;
+}
+
+// How the aligned photos of a line moved against their records, in cam (turn) and enu (shift).
+struct Learnt {
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+  double scatter_rad = 0.0;
+  int photos = 0;
+};
+
+Eigen::Vector3d Median(std::vector<Eigen::Vector3d> values) {
+  Eigen::Vector3d median;
+  for (int k = 0; k < 3; ++k) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end(),
+                     [k](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a[k] < b[k]; });
+    median[k] = (*middle)[k];
+  }
+  return median;
+}
+
+Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen::Vector3d>& shifts) {
+  Learnt learnt;
+  learnt.photos = static_cast<int>(turns.size());
+  if (turns.empty()) return learnt;
+  learnt.turn_rad = Median(turns);
+  learnt.shift_m = Median(shifts);
+  std::vector<Eigen::Vector3d> apart;
+  for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - learnt.turn_rad).cwiseAbs());
+  learnt.scatter_rad = 1.5 * Median(apart).head<2>().mean();
+  return learnt;
+}
+
+Eigen::Vector3d TurnAgainst(const geo::Rigid3& now, const geo::Rigid3& before) {
+  return geo::VectorFromRotation((now.rotation * before.rotation.conjugate()).normalized());
+}
+
+Eigen::Vector2d AxisOnGround(const geo::Rigid3& cam_from_enu, double ground_z_m) {
+  const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
+  const Eigen::Vector3d axis = cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  if (axis.z() > -0.2) return center.head<2>();
+  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
+}
+
+}  // namespace
+
+AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
+  const poses::PosedFlight& posed = *input.posed;
+  const BundleProblem& problem = *input.problem;
+  const std::vector<CorrectedPose>& corrected = *input.corrected;
+  AlignedFlight flight;
+  flight.frame = posed.frame;
+  flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  flight.left_out = posed.left_out;
+  flight.warnings = posed.warnings;
+
+  std::vector<Support> support;
+  const std::vector<int> piece = FindAligned(problem, support);
+  std::map<int, int> piece_sizes;
+  std::map<int, std::vector<Eigen::Vector3d>> turns, shifts;
+  std::vector<Eigen::Vector3d> all_turns, all_shifts;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    if (piece[i] < 0) continue;
+    ++piece_sizes[piece[i]];
+    if (corrected[i].position_was_wrong || corrected[i].yaw_was_wrong) continue;
+    const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
+    const geo::Rigid3& now = problem.photos[i].cam_from_enu;
+    all_turns.push_back(TurnAgainst(now, prior));
+    all_shifts.push_back(now.TargetOriginInSource() - prior.TargetOriginInSource());
+    turns[problem.photos[i].line].push_back(all_turns.back());
+    shifts[problem.photos[i].line].push_back(all_shifts.back());
+  }
+  const Learnt of_flight = Learn(all_turns, all_shifts);
+  double square_shift = 0.0, square_turn = 0.0;
+  for (const Eigen::Vector3d& shift : all_shifts) square_shift += shift.head<2>().squaredNorm();
+  for (const Eigen::Vector3d& turn : all_turns) square_turn += turn.squaredNorm() / 3.0;
+  if (!all_shifts.empty()) {
+    report.position_residual_m = std::sqrt(square_shift / static_cast<double>(all_shifts.size()));
+    report.attitude_residual_deg =
+        geo::RadToDeg(std::sqrt(square_turn / static_cast<double>(all_turns.size())));
+  }
+
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    const poses::PosedPhoto& before = posed.photos[i];
+    AlignedPhoto photo{.photo = before.photo,
+                       .intrinsics = problem.lenses[problem.photos[i].lens].intrinsics,
+                       .cam_from_enu = problem.photos[i].cam_from_enu,
+                       .placement = Placement::kPoseOnly,
+                       .placement_reason = "",
+                       .error_radius_m = before.error_radius_m,
+                       .height_above_ground_m = before.height_above_ground_m};
+    const double sigma_position = std::sqrt(0.5 * (before.covariance(3, 3) + before.covariance(4, 4)));
+    if (piece[i] >= 0) {
+      photo.placement = Placement::kAligned;
+      photo.placement_reason = corrected[i].note;
+      // What all photos share no comparison among them can show; the rest averages out over the piece.
+      photo.error_radius_m = sigma_position;
+      photo.height_above_ground_m =
+          std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
+    } else {
+      const auto of_line = turns.find(problem.photos[i].line);
+      const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
+      const Learnt learnt = line_known ? Learn(of_line->second, shifts[problem.photos[i].line]) : of_flight;
+      const bool learnt_enough = line_known || of_flight.photos >= 5;
+      const geo::Rigid3& prior = corrected[i].prior_cam_from_enu;
+      photo.cam_from_enu = prior;
+      if (learnt_enough) {
+        photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+            (geo::RotationFromVector(learnt.turn_rad) * prior.rotation).normalized(),
+            prior.TargetOriginInSource() + learnt.shift_m);
+        photo.error_radius_m = std::min(
+            before.error_radius_m,
+            std::hypot(sigma_position, before.height_above_ground_m * std::max(0.003, learnt.scatter_rad)));
+      }
+      const std::string& unreadable = (*input.unreadable)[i];
+      photo.placement_reason =
+          !unreadable.empty()
+              ? "placed by its recorded pose: " + unreadable
+              : fmt::format("placed by its recorded pose{}: too few points in common with other photos ({})",
+                            learnt_enough ? ", corrected as its neighbours were" : "",
+                            support[i].observations);
+      if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
+    }
+    AlignPhotoReport& told = report.photo_reports[i];
+    told.placement = photo.placement;
+    told.reason = photo.placement_reason;
+    told.links = static_cast<int>(support[i].tied_to.size());
+    told.observations = support[i].observations;
+    told.residual_rms_px =
+        support[i].observations > 0 ? std::sqrt(support[i].square_px / support[i].observations) : 0.0;
+    told.moved_m = (AxisOnGround(photo.cam_from_enu, posed.ground_z_in_enu_m) -
+                    AxisOnGround(before.cam_from_enu, posed.ground_z_in_enu_m))
+                       .norm();
+    told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
+    told.error_radius_m = photo.error_radius_m;
+    report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
+    flight.photos.push_back(std::move(photo));
+  }
+  report.pieces = static_cast<int>(piece_sizes.size());
+  if (report.pieces > 1) {
+    flight.warnings.push_back(fmt::format(
+        "the photos form {} groups without ties between them; each lies where its recorded positions say",
+        report.pieces));
+  }
+  for (const Track& track : problem.tracks) {
+    if (track.angle_rad < kGoodAngleRad) continue;
+    const auto good = std::count_if(track.observations.begin(), track.observations.end(),
+                                    [&](const Observation& one) { return piece[one.photo] >= 0; });
+    if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
+  }
+  return flight;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,51 @@
+// Aligns the photos of a folder and prints what came of it: alignment_folder DIR [threads [detector_pixels]].
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include <cstdlib>
+
+#include "core/alignment/align_flight.h"
+#include "core/flight/photo_decoder.h"
+#include "core/flight/read_flight.h"
+#include "core/poses/estimate_poses.h"
+
+namespace {
+
+double CpuSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_utime.tv_sec + usage.ru_stime.tv_sec +
+         1e-6 * (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace skyquilt;
+  if (argc < 2) {
+    fmt::print(stderr, "usage: {} DIR [threads [detector_pixels]]\n", argv[0]);
+    return 2;
+  }
+  SilentProgress progress;
+  const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles({argv[1]});
+  if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
+  const Result<flight::Flight> read = flight::ReadFlight(*files, {}, progress);
+  if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
+  const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, {}, progress);
+  if (!posed) return fmt::print(stderr, "{}\n", posed.error().message), 1;
+  alignment::AlignOptions options;
+  if (argc > 2) options.threads = std::atoi(argv[2]);
+  if (argc > 3) options.detector_pixels = std::atoi(argv[3]);
+  alignment::AlignReport report;
+  const double cpu_before = CpuSeconds();
+  const Result<alignment::AlignedFlight> aligned =
+      alignment::AlignFlight(*posed, flight::FilePhotoSource(), options, report, progress);
+  const double cpu_s = CpuSeconds() - cpu_before;
+  if (!aligned) return fmt::print(stderr, "{}\n", aligned.error().message), 1;
+  fmt::print("{}\n", alignment::AlignReportJson(report));
+  for (const std::string& warning : aligned->warnings) fmt::print("warning: {}\n", warning);
+  fmt::print("cpu {:.2f} s, {:.3f} s a photo; {} of {} aligned; rms {:.2f} px; {} ground points\n", cpu_s,
+             cpu_s / report.photos, report.aligned, report.photos, report.residual_rms_px,
+             aligned->tie_points_in_enu.size());
+  return 0;
+}
