@@ -1,0 +1,25 @@
+// What the smoother may rely on: every series finite, in rising order, without repeats, and cut to the part
+// of the flight that the photos need. Seconds. Pure; any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/poses/smoother.h"
+
+namespace skyquilt::poses {
+
+struct CleanInput {
+  SmootherInput input;
+  double begin_s =
+      0.0;  // the chain's span: photos, markers and stillness, and half a minute more where data is
+  double end_s = 0.0;
+  std::vector<std::string> warnings;
+};
+
+// Fails with kUnprocessable without photos, with photo times that do not rise or are not finite, and where
+// nothing at all says where the flight was.
+Result<CleanInput> CleanSmootherInput(const SmootherInput& raw);
+
+}  // namespace skyquilt::poses

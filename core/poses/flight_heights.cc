@@ -1,0 +1,114 @@
+#include "core/poses/flight_heights.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geo/geoid.h"
+#include "core/geo/local_frame.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::Photo;
+using flight::RecordedPosition;
+
+std::optional<double> Median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::optional<double> EllipsoidHeight(const RecordedPosition& position) {
+  if (position.height_ellipsoid_m) return position.height_ellipsoid_m;
+  if (!position.height_amsl_m) return std::nullopt;
+  return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
+}
+
+std::optional<double> AboveGround(const RecordedPosition& position) {
+  // A relative height of a few decimetres is a drone on the ground or a field that is never filled.
+  if (position.height_above_takeoff_m && *position.height_above_takeoff_m > 1.0) {
+    return position.height_above_takeoff_m;
+  }
+  if (position.height_above_ground_m && *position.height_above_ground_m > 1.0) return position.height_above_ground_m;
+  return std::nullopt;
+}
+
+// The height at which photos spaced as these are would overlap by the usual three quarters along the line.
+std::optional<double> HeightFromSpacing(const std::vector<Photo>& photos) {
+  std::vector<double> spacings;
+  std::optional<geo::LocalFrame> frame;
+  std::optional<Eigen::Vector3d> before;
+  for (const Photo& photo : photos) {
+    if (!photo.position) continue;
+    const geo::Wgs84 here{photo.position->position.lat_deg, photo.position->position.lon_deg, 0.0};
+    if (!frame) frame.emplace(here);
+    const Eigen::Vector3d at = frame->EnuFromWgs84(here);
+    if (before) {
+      const double step_m = (at - *before).head<2>().norm();
+      if (step_m > 0.5) spacings.push_back(step_m);
+    }
+    before = at;
+  }
+  const std::optional<double> spacing_m = Median(std::move(spacings));
+  if (!spacing_m) return std::nullopt;
+  const camera::Intrinsics& lens = photos.front().intrinsics;
+  constexpr double kUsualForwardStep = 0.25;
+  const double short_side_px = std::min(lens.width_px, lens.height_px);
+  return *spacing_m / kUsualForwardStep * lens.MeanFocalPx() / short_side_px;
+}
+
+}  // namespace
+
+FlightHeights ChooseHeights(const std::vector<Photo>& photos) {
+  FlightHeights heights;
+  heights.above_ground_m.resize(photos.size());
+  std::vector<double> takeoff_heights;
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].position) continue;
+    heights.above_ground_m[i] = AboveGround(*photos[i].position);
+    if (!heights.above_ground_m[i]) continue;
+    ++known;
+    if (const auto ellipsoid_m = EllipsoidHeight(*photos[i].position)) {
+      takeoff_heights.push_back(*ellipsoid_m - *heights.above_ground_m[i]);
+    }
+  }
+  const std::optional<double> takeoff_m = Median(takeoff_heights);
+  if (known > 0) {
+    heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
+    heights.rule = "height above take-off as recorded, flat ground at take-off height";
+    heights.sigma_m = 0.7;
+  } else {
+    const std::optional<double> guess_m = HeightFromSpacing(photos);
+    std::vector<double> ellipsoid_heights;
+    for (const Photo& photo : photos) {
+      if (!photo.position) continue;
+      if (const auto height_m = EllipsoidHeight(*photo.position)) ellipsoid_heights.push_back(*height_m);
+    }
+    const double above_ground_m = std::clamp(guess_m.value_or(60.0), 5.0, 500.0);
+    heights.takeoff_ellipsoid_m = Median(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
+    heights.rule = "height above ground guessed from the spacing of the photos";
+    heights.sigma_m = 0.3 * above_ground_m;
+    heights.warnings.push_back(
+        fmt::format("No photo says how high it was above the ground. {:.0f} m is assumed from the photos' spacing; the "
+                    "map's scale depends on it. Photos with a relative height (DJI RelativeAltitude) do better.",
+                    above_ground_m));
+  }
+  // Photos without a relative height are tied to the others through their absolute one.
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (heights.above_ground_m[i] || !photos[i].position) continue;
+    if (known > 0 && !takeoff_m) continue;
+    if (const auto ellipsoid_m = EllipsoidHeight(*photos[i].position)) {
+      const double above_ground_m = *ellipsoid_m - heights.takeoff_ellipsoid_m;
+      if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
+    } else if (known == 0) {
+      heights.above_ground_m[i] = -heights.takeoff_ellipsoid_m;  // takeoff was set to minus the guessed height
+    }
+  }
+  return heights;
+}
+
+}  // namespace skyquilt::poses
