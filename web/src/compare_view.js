@@ -117,7 +117,7 @@ export function compareChooser(others, on_choose) {
   const element = h(
     'section',
     { class: 'layers-card floating', id: 'compare-chooser', 'aria-label': strings.compare.with },
-    h('div', { class: 'row between' }, h('h3', { class: 'card-title' }, strings.compare.with),
+    h('div', { class: 'row between' }, h('h2', { class: 'card-title' }, strings.compare.with),
       h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.photo.close, on: { click: () => element.remove() } }, icon('close'))),
     others.length === 0 ? h('p', { class: 'muted' }, strings.compare.none) : list,
   );

@@ -15,6 +15,7 @@ export const coordinate_forms = ['decimal', 'dms', 'utm'];
  * @returns {number}
  */
 export function wrapLongitude(lon_deg) {
+  if (lon_deg >= -180 && lon_deg <= 180) return lon_deg;  // exactly: small differences must keep their digits
   return ((((lon_deg + 180) % 360) + 360) % 360) - 180;
 }
 

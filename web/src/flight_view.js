@@ -99,7 +99,7 @@ export class FlightView {
       h(
         'div',
         { class: 'row between top' },
-        h('h2', { class: 'flight-title', id: 'flight-title', tabindex: -1 }, flight.name),
+        h('h1', { class: 'flight-title', id: 'flight-title', tabindex: -1 }, flight.name),
         h(
           'div',
           { class: 'head-actions no-print' },
@@ -114,14 +114,24 @@ export class FlightView {
   }
 
   /** @param {Flight} flight */
+  #drawChip(flight) {
+    this.#head.querySelector('.chip')?.replaceWith(stateChip(flight));
+  }
+
+  /** @param {Flight} flight */
   #drawWork(flight) {
     this.#endWork();
     const upload = uploadOf(flight.id);
     if (upload) {
       const view = uploadView(upload);
       const done = () => void this.refresh();
+      const drawChip = () => this.#drawChip(flight);
       upload.addEventListener('job', done);
-      this.#closers.push(view.close, () => upload.removeEventListener('job', done));
+      upload.addEventListener('change', drawChip);
+      this.#closers.push(view.close, () => {
+        upload.removeEventListener('job', done);
+        upload.removeEventListener('change', drawChip);
+      });
       put(this.#work, view.element);
       return;
     }
@@ -151,8 +161,11 @@ export class FlightView {
     const listener = {
       on_job: (/** @type {Job} */ next) => {
         view.update(next);
-        if (this.flight) this.flight.job = next;
-        if (!isOver(next)) return;
+        if (!isOver(next)) {
+          Object.assign(flight, { job: next, state: next.state === 'accepted' ? 'queued' : 'processing' });
+          this.#drawChip(flight);
+          return;
+        }
         announce(next.state === 'successful' ? strings.job.ready(flight.name) : next.state === 'failed' ? strings.job.failed : strings.job.cancelled);
         void this.refresh();
       },

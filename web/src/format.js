@@ -1,4 +1,5 @@
-// Numbers as people read them. Pure functions; metric units; the browser's own number and date formats.
+// Numbers as people read them. Pure functions; metric units; the browser's own number and date formats; a number
+// is kept on one line with its unit.
 
 const number = (/** @type {number} */ digits) =>
   new Intl.NumberFormat(undefined, { maximumFractionDigits: digits, minimumFractionDigits: digits });
@@ -25,7 +26,7 @@ export function formatBytes(bytes) {
     value /= 1000;
     unit += 1;
   }
-  return `${unit === 0 ? Math.round(value) : threeDigits(value)} ${units[unit]}`;
+  return `${unit === 0 ? Math.round(value) : threeDigits(value)}\u00a0${units[unit]}`;
 }
 
 /**
@@ -36,11 +37,11 @@ export function formatBytes(bytes) {
 export function formatDuration(seconds) {
   const s = Math.max(0, seconds);
   if (s < 1) return 'less than 1 s';
-  if (s < 90) return `${Math.round(s)} s`;
+  if (s < 90) return `${Math.round(s)}\u00a0s`;
   const minutes = Math.round(s / 60);
-  if (minutes < 90) return `${minutes} min`;
+  if (minutes < 90) return `${minutes}\u00a0min`;
   const rest = minutes % 60;
-  return rest ? `${Math.floor(minutes / 60)} h ${rest} min` : `${minutes / 60} h`;
+  return rest ? `${Math.floor(minutes / 60)}\u00a0h ${rest}\u00a0min` : `${minutes / 60}\u00a0h`;
 }
 
 /**
@@ -48,10 +49,10 @@ export function formatDuration(seconds) {
  * @returns {string}
  */
 export function formatLength(metres) {
-  if (metres < 0.1) return `${threeDigits(metres * 1000)} mm`;
-  if (metres < 1) return `${threeDigits(metres * 100)} cm`;
-  if (metres < 1000) return `${number(metres < 100 ? 2 : 1).format(metres)} m`;
-  return `${number(3).format(metres / 1000)} km`;
+  if (metres < 0.01) return `${threeDigits(metres * 1000)}\u00a0mm`;
+  if (metres < 1) return `${threeDigits(metres * 100)}\u00a0cm`;
+  if (metres < 1000) return `${number(metres < 100 ? 2 : 1).format(metres)}\u00a0m`;
+  return `${number(3).format(metres / 1000)}\u00a0km`;
 }
 
 /**
@@ -60,7 +61,7 @@ export function formatLength(metres) {
  * @returns {string}
  */
 export function formatGsd(metres) {
-  return metres < 1 ? `${threeDigits(metres * 100)} cm/px` : `${threeDigits(metres)} m/px`;
+  return metres < 1 ? `${threeDigits(metres * 100)}\u00a0cm/px` : `${threeDigits(metres)}\u00a0m/px`;
 }
 
 /**
@@ -68,9 +69,9 @@ export function formatGsd(metres) {
  * @returns {string}
  */
 export function formatArea(square_metres) {
-  if (square_metres < 10_000) return `${threeDigits(square_metres)} m²`;
-  if (square_metres < 1_000_000) return `${threeDigits(square_metres / 10_000)} ha`;
-  return `${threeDigits(square_metres / 1_000_000)} km²`;
+  if (square_metres < 10_000) return `${threeDigits(square_metres)}\u00a0m²`;
+  if (square_metres < 1_000_000) return `${threeDigits(square_metres / 10_000)}\u00a0ha`;
+  return `${threeDigits(square_metres / 1_000_000)}\u00a0km²`;
 }
 
 /**
@@ -78,15 +79,19 @@ export function formatArea(square_metres) {
  * @returns {string}
  */
 export function formatPercent(fraction) {
-  return `${Math.floor(Math.min(1, Math.max(0, fraction)) * 100)} %`;
+  return `${Math.floor(Math.min(1, Math.max(0, fraction)) * 100)}\u00a0%`;
 }
 
 /**
  * @param {string} iso
+ * @param {{with_time?: boolean}} [options]
  * @returns {string} empty when it is no date
  */
-export function formatDate(iso) {
+export function formatDate(iso, options = {}) {
   const date = new Date(iso);
   if (Number.isNaN(date.getTime())) return '';
-  return new Intl.DateTimeFormat(undefined, { dateStyle: 'medium', timeStyle: 'short' }).format(date);
+  return new Intl.DateTimeFormat(undefined, {
+    dateStyle: 'medium',
+    timeStyle: options.with_time ? 'short' : undefined,
+  }).format(date);
 }

@@ -1,7 +1,7 @@
 // Lengths and areas on the WGS84 ellipsoid. Places are [longitude, latitude] in degrees.
 // Length: Vincenty's inverse formula (Survey Review 23, 1975), sub-millimetre except near antipodes, which no
-// drone flight has. Area: polygon in the authalic (equal-area) cylindrical projection of the ellipsoid; its edges
-// differ from geodesics by less than 0.001 % of the area for polygons up to 50 km away from the poles.
+// drone flight has. Area: spherical excess on the authalic sphere; its great circles differ from geodesics by far
+// less than 0.001 % of the area for polygons up to 50 km.
 import { kFlattening, kSemiMajor_m, wrapLongitude } from './coordinates.js';
 
 /** @typedef {[number, number]} LonLat */
@@ -67,34 +67,39 @@ export function pathLength(places) {
   return total;
 }
 
+const kEccentricity2 = kFlattening * (2 - kFlattening);
+const kEccentricity = Math.sqrt(kEccentricity2);
+
 /**
- * Northing of the equal-area cylindrical projection, so that d(area) = dx * dy (Snyder 1987, equations 3-12, 10-15).
- * @param {number} lat_deg
+ * Snyder's q: what an equal-area projection needs of a latitude (Snyder 1987, equation 3-12).
+ * @param {number} sin_lat
  * @returns {number}
  */
-function equalAreaNorthing(lat_deg) {
-  const e2 = kFlattening * (2 - kFlattening);
-  const e = Math.sqrt(e2);
-  const s = Math.sin(radians(lat_deg));
-  return (kSemiMajor_m / 2) * (1 - e2) * (s / (1 - e2 * s * s) + Math.atanh(e * s) / e);
+function authalicQ(sin_lat) {
+  return (
+    (1 - kEccentricity2) *
+    (sin_lat / (1 - kEccentricity2 * sin_lat ** 2) + Math.atanh(kEccentricity * sin_lat) / kEccentricity)
+  );
 }
 
 /**
- * @param {LonLat[]} ring corners; the last need not repeat the first; either direction
+ * @param {LonLat[]} ring corners; the last need not repeat the first; either direction; no pole inside
  * @returns {number} square metres
  */
 export function polygonArea(ring) {
   if (ring.length < 3) return 0;
-  const points = ring.map(([lon, lat]) => ({
-    x: kSemiMajor_m * radians(wrapLongitude(lon - ring[0][0])),
-    y: equalAreaNorthing(lat) - equalAreaNorthing(ring[0][1]),
-  }));
-  let twice = 0;
-  points.forEach((point, i) => {
-    const next = points[(i + 1) % points.length];
-    twice += point.x * next.y - next.x * point.y;
+  const q_pole = authalicQ(1);
+  // Tangent of half the authalic latitude: on that sphere areas are the ellipsoid's.
+  const half_tangents = ring.map(([, lat]) => Math.tan(Math.asin(authalicQ(Math.sin(radians(lat))) / q_pole) / 2));
+  let excess = 0;
+  ring.forEach(([lon], i) => {
+    const next = (i + 1) % ring.length;
+    // Spherical excess of the quadrangle between this edge and the equator.
+    const step = Math.tan(radians(wrapLongitude(ring[next][0] - lon)) / 2);
+    const sum = half_tangents[i] + half_tangents[next];
+    excess += 2 * Math.atan2(step * sum, 1 + half_tangents[i] * half_tangents[next]);
   });
-  return Math.abs(twice) / 2;
+  return Math.abs(excess) * kSemiMajor_m ** 2 * (q_pole / 2);
 }
 
 /**

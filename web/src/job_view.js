@@ -38,7 +38,7 @@ export function jobView(job_id) {
   const element = h(
     'section',
     { class: 'block card', 'aria-labelledby': 'job-heading', id: 'job' },
-    h('h3', { id: 'job-heading' }, words.heading),
+    h('h2', { id: 'job-heading' }, words.heading),
     h('div', { class: 'progress-row' }, percent, bar),
     stage,
     note,

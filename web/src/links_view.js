@@ -75,7 +75,7 @@ export function linksView(flight, tilejson) {
   return h(
     'section',
     { class: 'block no-print', 'aria-labelledby': 'links-heading' },
-    h('h3', { id: 'links-heading' }, words.heading),
+    h('h2', { id: 'links-heading' }, words.heading),
     h('div', { class: 'downloads' }, download('mbtiles', words.mbtiles, words.mbtiles_hint), download('tif', words.tif, words.tif_hint)),
     addressField(words.xyz, ownHost(tilejson.tiles[0])),
     addressField(words.tilejson, new URL(flight.tilejson ?? '', location.origin).href),

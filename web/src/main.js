@@ -47,9 +47,17 @@ async function rename(flight) {
 
 /** @param {Flight} flight */
 function remove(flight) {
-  if (open_view?.id === flight.id) go({ view: 'home' });
   deleteWithUndo(flight, () => void refreshList());
-  byId('flights-heading').focus();
+  focus_list = true;
+  if (open_view?.id === flight.id) go({ view: 'home' });
+  else focusList();
+}
+
+// What had the keyboard's focus went away with a deleted flight: the list's heading takes it.
+let focus_list = false;
+function focusList() {
+  if (focus_list) document.getElementById('flights-heading')?.focus();
+  focus_list = false;
 }
 
 /** @param {Selection} selection */
@@ -91,6 +99,7 @@ function show(route) {
     stage.hide();
     document.title = 'Skyquilt';
     put(panel_body, list.element);
+    focusList();
     void refreshList();
     return;
   }
@@ -135,13 +144,14 @@ async function refreshList() {
   try {
     const flights = (await listFlights()).filter((flight) => !isDeleted(flight.id));
     list.update(flights);
+    document.body.toggleAttribute('data-has-flights', flights.length > 0);
     if (flights.some(({ state, id }) => state === 'queued' || state === 'processing' || uploadOf(id))) delay_ms = 2000;
   } catch (error) {
     list.update(null, `${strings.errors.list} ${error instanceof Error ? error.message : ''}`);
     delay_ms = 5000;
   }
   clearTimeout(list_timer);
-  if (document.body.dataset.view === 'home') list_timer = setTimeout(() => void refreshList(), delay_ms);
+  if (document.body.dataset.view === 'home') list_timer = window.setTimeout(() => void refreshList(), delay_ms);
 }
 
 document.addEventListener('visibilitychange', () => {

@@ -125,12 +125,13 @@ function coordinateReadout(view) {
   let cursor = null;
   const text = h('span', { class: 'mono', id: 'coordinates' });
   const zoom = h('span', { class: 'muted mono' });
-  const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, text, zoom);
+  const origin = h('span', { class: 'visually-hidden' });
+  const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, origin, text, zoom);
   const draw = () => {
     const place = cursor ?? view.map.getCenter();
     text.textContent = formatCoordinates(place.lng, place.lat, form);
     zoom.textContent = `z ${view.map.getZoom().toFixed(1)}`;
-    element.setAttribute('aria-label', `${cursor ? words.cursor : words.centre} ${text.textContent}. ${words.format}`);
+    origin.textContent = `${cursor ? words.cursor : words.centre} `;
   };
   view.map.on('mousemove', (event) => {
     cursor = event.lngLat;

@@ -24,8 +24,11 @@ export class MapView {
   shows_path = false;
   #selected = '';
 
-  /** @param {HTMLElement} container */
-  constructor(container) {
+  /**
+   * @param {HTMLElement} container
+   * @param {string} [label] what screen readers call the map
+   */
+  constructor(container, label = strings.map.label) {
     this.container = container;
     this.map = new maplibre.Map({
       container,
@@ -36,7 +39,7 @@ export class MapView {
       pitchWithRotate: false,
       renderWorldCopies: false,
       fadeDuration: 120,
-      locale: { 'Map.Title': strings.map.label },
+      locale: { 'Map.Title': label },
     });
     this.map.addControl(new maplibre.ScaleControl({ maxWidth: 130, unit: 'metric' }), 'bottom-left');
     container.dataset.mapState = 'empty';
@@ -69,7 +72,8 @@ export class MapView {
     this.map.addSource('mosaic', {
       type: 'raster',
       tiles: tilejson.tiles.map(ownHost),
-      tileSize: 256,
+      // Half the size on fine screens: one tile pixel then fills one screen pixel there as well.
+      tileSize: devicePixelRatio > 1.5 ? 128 : 256,
       minzoom: tilejson.minzoom ?? 0,
       maxzoom: tilejson.maxzoom ?? 22,
       bounds,

@@ -36,7 +36,7 @@ export function measureTool(view, listener) {
   /** @type {LonLat[]} */
   let places = [];
 
-  const title = h('h3', { class: 'card-title' });
+  const title = h('h2', { class: 'card-title' });
   const result = h('output', { class: 'measure-result', id: 'measure-result' });
   const more = h('p', { class: 'muted' });
   const button = (/** @type {string} */ label, /** @type {() => void} */ run) =>

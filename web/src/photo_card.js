@@ -23,7 +23,7 @@ function facts(record) {
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
   if (record.reason) rows.push([words.reason, record.reason]);
   if (known(record.error_radius_m)) rows.push([words.error, `± ${formatLength(Number(record.error_radius_m))}`]);
-  if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at) || record.captured_at]);
+  if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
   if (known(record.camera_height_above_ground_m)) rows.push([words.height, formatLength(Number(record.camera_height_above_ground_m))]);
   if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(', ')]);
@@ -63,7 +63,7 @@ export function photoCard(listener) {
       h(
         'div',
         { class: 'row between card-head' },
-        h('h3', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
+        h('h2', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
         iconButton('close', words.close, close),
       ),
       h('dl', { class: 'record' }, ...facts(record).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),

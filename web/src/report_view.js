@@ -43,7 +43,7 @@ export function reportView(report, photos) {
     h(
       'div',
       { class: 'row between' },
-      h('h3', { id: 'report-heading' }, words.heading),
+      h('h2', { id: 'report-heading' }, words.heading),
       h('button', { type: 'button', class: 'icon-button no-print', 'aria-label': words.print, title: words.print, on: { click: () => print() } }, icon('print')),
     ),
     h(

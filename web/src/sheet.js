@@ -13,6 +13,7 @@ export function bottomSheet(on_change) {
     handle.setAttribute('aria-expanded', String(open));
     byId('sheet-handle-text').textContent = open ? strings.sheet.close : strings.sheet.open;
     on_change();
+    panel.addEventListener('transitionend', on_change, { once: true });
   };
   let start_y = 0;
   let moved = false;

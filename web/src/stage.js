@@ -100,19 +100,14 @@ export class Stage {
     });
   }
 
-  /** Room that the panel (a sheet on phones) and the tools take from the map. */
+  /** Room that the tools take from the map. */
   #padding() {
-    const stage = this.area.getBoundingClientRect();
-    const panel = byId('panel').getBoundingClientRect();
-    const covered = Math.max(0, stage.bottom - Math.max(panel.top, stage.top));
-    const is_sheet = panel.width >= stage.width - 1;
-    const bottom = is_sheet ? Math.min(covered, stage.height * 0.6) + 16 : 48;
-    return { top: 28, left: 28, right: 64, bottom };
+    return { top: 28, left: 28, right: 64, bottom: 48 };
   }
 
   /** @param {string} text shown in place of a map; '' shows the map */
   say(text) {
-    put(this.note, text);
+    put(this.note, h('div', { class: 'quilt', 'aria-hidden': 'true' }, ...Array.from({ length: 9 }, () => h('span'))), h('p', {}, text));
     this.note.hidden = text === '';
   }
 
@@ -202,12 +197,19 @@ export class Stage {
     const tilejson = await getTileJson(right.tilejson);
     const container = h('div', { class: 'map map-above', id: 'map-above' });
     this.#view.container.after(container);
-    const above = new MapView(container);
+    const above = new MapView(container, `${strings.compare.right}: ${right.name}`);
     const comparison = compareView(this.#view, above, { left, right, on_close: () => go({ view: 'flight', id: left.id }) });
     this.area.append(comparison.element);
     this.area.classList.add('comparing');
     this.#parts?.card.close();
+    // Footprints belong to one of the two flights and would hide what differs.
+    const below = this.#view;
+    const shown = { footprints: below.shows_footprints, path: below.shows_path };
+    below.setFootprints(false);
+    below.setPath(false);
     this.#endCompare = () => {
+      below.setFootprints(shown.footprints);
+      below.setPath(shown.path);
       comparison.close();
       above.map.remove();
       container.remove();

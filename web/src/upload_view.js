@@ -104,7 +104,7 @@ export function uploadView(session) {
   const element = h(
     'section',
     { class: 'block card', 'aria-labelledby': 'upload-heading', id: 'upload' },
-    h('div', { class: 'row between' }, h('h3', { id: 'upload-heading' }, words.heading), counts),
+    h('div', { class: 'row between' }, h('h2', { id: 'upload-heading' }, words.heading), counts),
     h('div', { class: 'progress-row' }, percent, bar),
     pace,
     sending,

@@ -24,7 +24,7 @@ export function welcomeView(actions) {
       'section',
       { class: 'drop-zone', id: 'drop-zone', 'aria-labelledby': 'welcome-title' },
       h('div', { class: 'drop-art', 'aria-hidden': 'true' }, icon('upload')),
-      h('h2', { id: 'welcome-title' }, words.title),
+      h('h1', { id: 'welcome-title' }, words.title),
       h('p', { class: 'lead' }, words.lead),
       h(
         'div',

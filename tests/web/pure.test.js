@@ -1,0 +1,227 @@
+// The page's arithmetic against independent truth: geodesy against GeographicLib, UTM against published values, the
+// upload queue against a sender that fails.
+import assert from 'node:assert/strict';
+import { createRequire } from 'node:module';
+import { test } from 'node:test';
+import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/coordinates.js';
+import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/geodesy.js';
+import { formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/format.js';
+import { parseRoute, routeHash } from '../../web/src/router.js';
+import { looksLikePhoto, selectFiles } from '../../web/src/drop_files.js';
+import { coverageGrid, histogram } from '../../web/src/report_pictures.js';
+import { UploadQueue } from '../../web/src/upload_queue.js';
+import { web_root } from './support/mock_server.js';
+
+/** Repeatable numbers in 0..1. */
+function random(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 4294967296;
+  };
+}
+
+let geodesic = null;
+try {
+  geodesic = createRequire(`${web_root}/package.json`)('geographiclib-geodesic').Geodesic.WGS84;
+} catch {
+  geodesic = null;
+}
+const needs_geographiclib = { skip: geodesic ? false : 'web/node_modules is missing (npm ci in web/)' };
+
+test('lengths agree with GeographicLib to a millimetre from centimetres to 50 km', needs_geographiclib, () => {
+  const next = random(1);
+  for (let i = 0; i < 500; i += 1) {
+    const lat = next() * 160 - 80;
+    const lon = next() * 360 - 180;
+    const span = 10 ** (next() * 6.5 - 7);
+    const to = [lon + (next() - 0.5) * span, Math.max(-89, Math.min(89, lat + (next() - 0.5) * span))];
+    const truth = geodesic.Inverse(lat, lon, to[1], to[0]).s12;
+    assert.ok(Math.abs(geodesicLength([lon, lat], to) - truth) < 1e-3, `${lat} ${lon} ${to}: ${truth}`);
+  }
+});
+
+test('areas agree with GeographicLib to 0.001 % up to 50 km', needs_geographiclib, () => {
+  const next = random(2);
+  for (let i = 0; i < 300; i += 1) {
+    const lat = next() * 140 - 70;
+    const lon = next() * 360 - 180;
+    const radius_deg = 10 ** (next() * 3.3 - 4) * 0.2;
+    const corners = 3 + Math.floor(next() * 8);
+    const ring = Array.from({ length: corners }, (_, k) => {
+      const angle = (2 * Math.PI * (k + next() * 0.7)) / corners;
+      return [wrapLongitude(lon + (radius_deg * Math.cos(angle)) / Math.cos((lat * Math.PI) / 180)), lat + radius_deg * Math.sin(angle)];
+    });
+    const polygon = geodesic.Polygon(false);
+    for (const [x, y] of ring) polygon.AddPoint(y, x);
+    const truth = Math.abs(polygon.Compute(false, true).area);
+    assert.ok(Math.abs(polygonArea(ring) / truth - 1) < 1e-5, `at ${lat}, ${radius_deg} deg: ${polygonArea(ring)} against ${truth}`);
+  }
+});
+
+test('a path across the date line is short', () => {
+  assert.ok(Math.abs(pathLength([[179.9999, 0], [-179.9999, 0]]) - 22.264) < 0.01);
+});
+
+test('UTM follows the ellipsoid and the zone exceptions', () => {
+  // Equator, 3 degrees east of the central meridian: k0 * a * (projected longitude), the well-known zone edge.
+  const edge = utm(0, 0);
+  assert.equal(edge.zone, 31);
+  assert.ok(Math.abs(edge.easting_m - 166021.443) < 0.001);
+  assert.ok(Math.abs(edge.northing_m) < 1e-6);
+  const south = utm(-70.6693, -33.4489);
+  assert.equal(south.zone, 19);
+  assert.equal(south.north, false);
+  assert.ok(south.northing_m > 6_290_000 && south.northing_m < 6_300_000);
+  assert.equal(utmZone(5, 60), 32);
+  assert.equal(utmZone(10, 78), 33);
+  assert.equal(utm(0, 85), null);
+});
+
+test('UTM distances are the geodesic ones times the scale near the central meridian', () => {
+  const a = utm(9.0001, 46.5);
+  const b = utm(9.0014, 46.5007);
+  const grid_m = Math.hypot(b.easting_m - a.easting_m, b.northing_m - a.northing_m);
+  assert.ok(Math.abs(grid_m / geodesicLength([9.0001, 46.5], [9.0014, 46.5007]) - 0.9996) < 2e-7);
+});
+
+test('coordinates never show sixty seconds and carry their hemisphere', () => {
+  assert.equal(formatCoordinates(-0.9999999999, 45.9999999999, 'dms'), '46° 00′ 00.00″ N  1° 00′ 00.00″ W');
+  assert.equal(formatCoordinates(7.5, -46.25, 'decimal'), '-46.2500000, 7.5000000');
+  assert.match(formatCoordinates(7.5, 46.25, 'utm'), /^32N {2}384\d{3}\.\d\d E {2}51\d{5}\.\d\d N$/);
+});
+
+test('numbers are said as people say them', () => {
+  assert.equal(formatBytes(999), '999\u00a0B');
+  assert.equal(formatBytes(1_234_567), '1.23\u00a0MB');
+  assert.equal(formatDuration(75), '75\u00a0s');
+  assert.equal(formatDuration(4800), '80\u00a0min');
+  assert.equal(formatDuration(5400), '1\u00a0h 30\u00a0min');
+  assert.equal(formatGsd(0.0173), '1.73\u00a0cm/px');
+  assert.equal(formatLength(0.052), '5.20\u00a0cm');
+  assert.equal(formatArea(24_310), '2.43\u00a0ha');
+});
+
+test('addresses survive a round trip, broken ones lead home', () => {
+  for (const route of [{ view: 'home' }, { view: 'flight', id: 'a/b c' }, { view: 'compare', id: 'x', other: 'y%' }]) {
+    assert.deepEqual(parseRoute(routeHash(route)), route);
+  }
+  assert.deepEqual(parseRoute('#/flights/%E0%A4%A'), { view: 'home' });
+});
+
+test('a place is inside its ring, with holes of the even-odd rule', () => {
+  const square = [[0, 0], [2, 0], [2, 2], [0, 2], [0, 0]];
+  assert.ok(isInside([1, 1], square));
+  assert.ok(!isInside([3, 1], square));
+});
+
+test('coverage counts overlapping footprints', () => {
+  const ring = (w, e) => [[w, 0], [e, 0], [e, 1], [w, 1], [w, 0]];
+  const photo = (w, e) => ({ type: 'Feature', properties: {}, geometry: { type: 'Polygon', coordinates: [ring(w, e)] } });
+  const grid = coverageGrid({ type: 'FeatureCollection', features: [photo(0, 2), photo(1, 3)] }, 30);
+  assert.equal(grid.width, 30);
+  assert.deepEqual([grid.counts[5], grid.counts[15], grid.counts[25]], [1, 2, 1]);
+  assert.equal(grid.most, 2);
+  assert.deepEqual(histogram([0, 1, 2, 10], 2).map(({ count }) => count), [3, 1]);
+});
+
+const file = (name, bytes, path = name) => ({ path, file: new File([Uint8Array.from(bytes)], name) });
+const jpeg = [0xff, 0xd8, 0xff, 0xe0, 1];
+
+test('photos and logs are chosen, the rest is named with its reason', async () => {
+  const { chosen, ignored, folder } = await selectFiles([
+    file('b.JPG', jpeg, 'card/b.JPG'),
+    file('log.csv', [1], 'card/log.csv'),
+    file('broken.jpg', [1, 2, 3], 'card/broken.jpg'),
+    file('empty.jpg', [], 'card/empty.jpg'),
+    file('film.MP4', [1], 'card/film.MP4'),
+    file('letter.docx', [1], 'card/letter.docx'),
+    file('.DS_Store', [1], 'card/.DS_Store'),
+  ]);
+  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'log.csv']);
+  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.MP4', 'card/letter.docx']);
+  assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 4);
+  assert.equal(folder, 'card');
+});
+
+test('photos of the same name in several card folders are all sent', async () => {
+  const { chosen } = await selectFiles(['100MEDIA', '101MEDIA', '102MEDIA'].map((f) => file('DJI_0001.JPG', jpeg, `DCIM/${f}/DJI_0001.JPG`)));
+  assert.deepEqual(chosen.map(({ name }) => name), ['DJI_0001.JPG', '101MEDIA_DJI_0001.JPG', '102MEDIA_DJI_0001.JPG']);
+});
+
+test('a photo is known by its first bytes', () => {
+  assert.ok(looksLikePhoto(Uint8Array.from([0x4d, 0x4d, 0, 0x2a])));
+  assert.ok(!looksLikePhoto(Uint8Array.from([0x50, 0x4b, 3, 4])));
+  assert.ok(!looksLikePhoto(new Uint8Array(0)));
+});
+
+const blobs = (n) => Array.from({ length: n }, (_, i) => ({ name: `p${i}.jpg`, file: new Blob([new Uint8Array(1000)]) }));
+const finished = (queue) =>
+  new Promise((resolve) => queue.addEventListener('change', () => queue.picture.state === 'finished' && resolve(undefined)));
+
+test('an upload keeps at most four files in flight and ends with all sent', async () => {
+  let now = 0;
+  let most = 0;
+  const queue = new UploadQueue(blobs(20), async (item, on_progress) => {
+    now += 1;
+    most = Math.max(most, now);
+    on_progress(500);
+    await new Promise((resolve) => setTimeout(resolve, 2));
+    now -= 1;
+  });
+  const end = finished(queue);
+  queue.start();
+  await end;
+  assert.equal(most, 4);
+  assert.equal(queue.picture.done, 20);
+  assert.equal(queue.picture.sent_bytes, 20_000);
+});
+
+test('a passing failure is tried again, a lasting one is reported with its reason', async () => {
+  const tries = new Map();
+  const queue = new UploadQueue(blobs(3), async ({ name }) => {
+    tries.set(name, (tries.get(name) ?? 0) + 1);
+    if (name === 'p0.jpg' && tries.get(name) < 3) throw Object.assign(new Error('busy'), { is_passing: true });
+    if (name === 'p1.jpg') throw Object.assign(new Error('not a photo'), { is_passing: false });
+  }, { retry_delay_ms: 1 });
+  const end = finished(queue);
+  queue.start();
+  await end;
+  assert.equal(tries.get('p0.jpg'), 3);
+  assert.equal(tries.get('p1.jpg'), 1);
+  assert.deepEqual(queue.items.map(({ state }) => state), ['done', 'failed', 'done']);
+  assert.equal(queue.items[1].reason, 'not a photo');
+});
+
+test('pausing stops what is in flight and going on sends it again', async () => {
+  let started = 0;
+  const queue = new UploadQueue(blobs(6), (_item, _progress, signal) => new Promise((resolve, reject) => {
+    started += 1;
+    const timer = setTimeout(resolve, 20);
+    signal.addEventListener('abort', () => {
+      clearTimeout(timer);
+      reject(new Error('aborted'));
+    });
+  }));
+  queue.start();
+  await new Promise((resolve) => setTimeout(resolve, 5));
+  queue.pause();
+  await new Promise((resolve) => setTimeout(resolve, 60));
+  assert.equal(started, 4);
+  assert.equal(queue.picture.done, 0);
+  const end = finished(queue);
+  queue.start();
+  await end;
+  assert.equal(queue.picture.done, 6);
+  assert.equal(queue.picture.failed, 0);
+});
+
+test('files the server has whole are not sent again', async () => {
+  const sent = [];
+  const queue = new UploadQueue(blobs(3), async ({ name }) => void sent.push(name));
+  queue.skipStored(new Map([['p0.jpg', 1000], ['p1.jpg', 999]]));
+  const end = finished(queue);
+  queue.start();
+  await end;
+  assert.deepEqual(sent, ['p1.jpg', 'p2.jpg']);
+});

@@ -1,0 +1,38 @@
+// The page's sources: types, markup, and no address of another host.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { test } from 'node:test';
+import { web_root } from './support/mock_server.js';
+
+const options = { skip: existsSync(join(web_root, 'node_modules')) ? false : 'web/node_modules is missing (npm ci in web/)', timeout: 120_000 };
+const run = (/** @type {string} */ script, /** @type {string[]} */ ...args) =>
+  spawnSync(process.execPath, [join(web_root, 'node_modules', script), ...args], { cwd: web_root, encoding: 'utf8' });
+
+test('the types agree', options, () => {
+  const result = run('typescript/bin/tsc', '--noEmit', '-p', 'jsconfig.json');
+  assert.equal(result.status, 0, result.stdout);
+});
+
+test('the markup is valid', options, () => {
+  const result = run('html-validate/bin/html-validate.mjs', 'index.html');
+  assert.equal(result.status, 0, result.stdout + result.stderr);
+});
+
+test('nothing in the page names another host', () => {
+  const files = ['index.html', 'style.css', ...['src', 'styles'].flatMap((f) => readdirSync(join(web_root, f)).map((n) => join(f, n)))];
+  for (const file of files) {
+    const text = readFileSync(join(web_root, file), 'utf8').replaceAll('http://www.w3.org/2000/svg', '');
+    assert.doesNotMatch(text, /https?:\/\/[a-z]/i, file);
+  }
+});
+
+test('no script or style is inline, so that a strict content policy holds', () => {
+  const html = readFileSync(join(web_root, 'index.html'), 'utf8');
+  assert.doesNotMatch(html, /<style|style=|\son[a-z]+=|<script(?![^>]*src=)/i);
+});
+
+test('the lockfile names no registry', () => {
+  assert.doesNotMatch(readFileSync(join(web_root, 'package-lock.json'), 'utf8'), /"resolved"|https?:\/\/[^"]*registry/);
+});

@@ -1,0 +1,78 @@
+// Chromium for tests and screenshots, through playwright-core; watches that a page stays on its host and is silent.
+import { existsSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { web_root } from './mock_server.js';
+
+export const chromium_path = process.env.SKYQUILT_CHROMIUM ?? '/usr/bin/chromium';
+const require = createRequire(`${web_root}/package.json`);
+
+/** @returns {string} why browser tests cannot run here; '' when they can */
+export function missingForBrowser() {
+  if (!existsSync(chromium_path)) return `no Chromium at ${chromium_path} (apt install chromium)`;
+  if (!existsSync(`${web_root}/vendor/maplibre-gl.mjs`)) return 'web/vendor is empty (npm ci && npm run vendor in web/)';
+  try {
+    require.resolve('playwright-core');
+  } catch {
+    return 'web/node_modules is missing (npm ci in web/)';
+  }
+  return '';
+}
+
+/** @returns {string} where a package of web/node_modules has a file */
+export const packageFile = (/** @type {string} */ name) => require.resolve(name);
+
+export async function launchBrowser() {
+  const { chromium } = require('playwright-core');
+  return chromium.launch({
+    executablePath: chromium_path,
+    headless: true,
+    args: [
+      '--no-sandbox',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+      '--use-angle=swiftshader',
+      '--enable-unsafe-swiftshader',
+    ],
+  });
+}
+
+/**
+ * Opens a page and collects what a good page never does.
+ * @param {any} browser
+ * @param {string} url
+ * @param {object} [options] of the browser context
+ */
+export async function openPage(browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1366, height: 768 }, ...options });
+  const page = await context.newPage();
+  const host = new URL(url).host;
+  /** @type {string[]} */
+  const foreign_requests = [];
+  /** @type {string[]} */
+  const console_errors = [];
+  let bytes = 0;
+  page.on('request', (request) => {
+    const target = new URL(request.url());
+    if (/^https?:$/.test(target.protocol) && target.host !== host) foreign_requests.push(request.url());
+  });
+  page.on('response', async (response) => {
+    bytes += Number(response.headers()['content-length'] ?? 0);
+  });
+  page.on('console', (message) => {
+    if (message.type() === 'error' || message.type() === 'warning') {
+      // Chromium's own word about drawing without a graphics card, not the page's.
+      if (!/GPU stall|WebGL-0x|Automatic fallback to software WebGL|GroupMarkerNotSet/.test(message.text())) console_errors.push(`${message.text()} ${message.location().url}`);
+    }
+  });
+  page.on('pageerror', (error) => console_errors.push(error.message));
+  await page.goto(url);
+  return { page, context, foreign_requests, console_errors, transferred: () => bytes };
+}
+
+/** @param {any} page @param {string} [selector] waits until everything of the map is drawn */
+export async function mapIdle(page, selector = '#map') {
+  await page.waitForSelector(`${selector}[data-map-state="idle"]`, { timeout: 60_000 });
+}

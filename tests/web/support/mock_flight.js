@@ -1,0 +1,81 @@
+// A made-up flight's answers: bounds, report, photo footprints. Lawnmower strips over the countryside of tile_picture.
+
+/** @typedef {{lon: number, lat: number, half_m: number, season: number}} Place */
+
+const degrees_per_m = 1 / 111_320;
+
+/** @param {Place} place @param {number} east_m @param {number} north_m */
+export function at(place, east_m, north_m) {
+  return [
+    place.lon + (east_m * degrees_per_m) / Math.cos((place.lat * Math.PI) / 180),
+    place.lat + north_m * degrees_per_m,
+  ];
+}
+
+/** @param {Place} place @returns {[number, number, number, number]} */
+export function boundsOf(place) {
+  const [west, south] = at(place, -place.half_m, -place.half_m * 0.8);
+  const [east, north] = at(place, place.half_m, place.half_m * 0.8);
+  return [west, south, east, north];
+}
+
+/** @param {Place} place @param {string[]} names */
+export function photosGeoJson(place, names) {
+  const per_strip = 6;
+  const strips = Math.ceil(names.length / per_strip);
+  const features = names.map((name, i) => {
+    const strip = Math.floor(i / per_strip);
+    const step = i % per_strip;
+    const along = (strip % 2 ? per_strip - 1 - step : step) / (per_strip - 1);
+    const east_m = (along - 0.5) * place.half_m * 1.35;
+    const north_m = strips > 1 ? (strip / (strips - 1) - 0.5) * place.half_m * 0.85 : 0;
+    const yaw_deg = strip % 2 ? 270 : 90;
+    const pose_only = i % 9 === 7;
+    const corners = [[-26, -19], [26, -19], [26, 19], [-26, 19], [-26, -19]].map(([e, n]) =>
+      at(place, east_m + e + n * 0.08, north_m + n - e * 0.05),
+    );
+    const [camera_lon, camera_lat] = at(place, east_m, north_m);
+    return {
+      type: 'Feature',
+      properties: {
+        name,
+        placement: pose_only ? 'pose_only' : 'aligned',
+        reason: pose_only ? 'too few points in common with its neighbours' : null,
+        error_radius_m: pose_only ? 2.4 : 0.18 + 0.05 * (i % 5),
+        camera_lon,
+        camera_lat,
+        camera_height_above_ground_m: 41.3 + 0.1 * (i % 7),
+        yaw_deg,
+        pitch_deg: -0.4,
+        roll_deg: 0.7,
+        captured_at: new Date(Date.UTC(2026, 4, 12, 9, 31, 2 * i)).toISOString(),
+      },
+      geometry: { type: 'Polygon', coordinates: [corners] },
+    };
+  });
+  return { type: 'FeatureCollection', features };
+}
+
+/** @param {Place} place @param {string[]} names @param {number} max_zoom */
+export function reportOf(place, names, max_zoom) {
+  const total = names.length;
+  const pose_only = names.filter((_, i) => i % 9 === 7).length;
+  return {
+    photos: { total: total + 1, aligned: total - pose_only, pose_only, left_out: 1 },
+    left_out_photos: [{ name: 'DJI_0999.JPG', reason: 'It has no GPS position and no log covers its time.' }],
+    gsd_m: 0.0173,
+    area_m2: (place.half_m * 2) ** 2 * 0.55,
+    bounds: boundsOf(place),
+    min_zoom: 14,
+    max_zoom,
+    timings: [
+      { stage: 'read_flight', wall_s: 1.9 },
+      { stage: 'estimate_poses', wall_s: 0.4 },
+      { stage: 'align_flight', wall_s: 14.2 },
+      { stage: 'render_tiles', wall_s: 21.7 },
+      { stage: 'build_overviews', wall_s: 3.1 },
+    ],
+    peak_memory_bytes: 611_000_000,
+    warnings: ['Two strips at the west edge overlap by less than 30 %: the seam there may show a step.'],
+  };
+}

@@ -1,0 +1,216 @@
+// A stand-in for the server with the same HTTP API, for developing and testing the page alone. Development only.
+// Run it by hand: node tests/web/support/mock_server.js [PORT]
+//
+// Names steer it: a file called *flaky* is refused once with 503, *refused* always with 422; a flight called
+// *doomed* fails in its job. Jobs take options.job_ms.
+import { createReadStream, existsSync, statSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { dirname, extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { boundsOf, photosGeoJson, reportOf } from './mock_flight.js';
+import { countrysideTile } from './tile_picture.js';
+
+export const web_root = join(dirname(fileURLToPath(import.meta.url)), '../../../web');
+const max_zoom = 21;
+const types = {
+  '.html': 'text/html; charset=utf-8',
+  '.css': 'text/css',
+  '.js': 'text/javascript',
+  '.mjs': 'text/javascript',
+  '.svg': 'image/svg+xml',
+};
+export const security_headers = {
+  'Content-Security-Policy':
+    "default-src 'self'; img-src 'self' data: blob:; worker-src 'self' blob:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'",
+  'X-Content-Type-Options': 'nosniff',
+  'Referrer-Policy': 'no-referrer',
+};
+const stages = ['read_flight', 'estimate_poses', 'align_flight', 'model_ground', 'render_tiles', 'build_overviews'];
+
+/**
+ * @param {{port?: number, job_ms?: number, upload_ms?: number}} [options] upload_ms: time each file takes at least
+ */
+export async function startMockServer(options = {}) {
+  const job_ms = options.job_ms ?? 2500;
+  const flights = new Map();
+  const jobs = new Map();
+  const refused_once = new Set();
+  let counter = 0;
+  const newId = () => `f${(counter += 1).toString(36).padStart(8, '0')}`;
+
+  function addFlight(name) {
+    const flight = {
+      id: newId(), name, created_at: new Date(Date.UTC(2026, 4, 12, 9, 30 + counter)).toISOString(), files: new Map(),
+      job: null, ready: false, revision: null, error: null,
+      place: { lon: 7.4391, lat: 46.9512, half_m: 105, season: counter },
+    };
+    flights.set(flight.id, flight);
+    return flight;
+  }
+
+  /** A flight whose map is there already. */
+  function seedReady(name, photos = 18) {
+    const flight = addFlight(name);
+    for (let i = 0; i < photos; i += 1) flight.files.set(`DJI_${String(i + 1).padStart(4, '0')}.JPG`, 6_800_000 + i * 4211);
+    flight.ready = true;
+    flight.revision = 1;
+    return flight;
+  }
+
+  function jobJson(job) {
+    if (!job) return null;
+    const flight = flights.get(job.flight_id);
+    if (job.state === 'accepted' || job.state === 'running') {
+      const age = Date.now() - job.at;
+      const progress = Math.min(1, Math.max(0, (age - 300) / job_ms));
+      const doomed = flight?.name.includes('doomed') && progress > 0.4;
+      Object.assign(job, {
+        state: doomed ? 'failed' : progress >= 1 ? 'successful' : age > 300 ? 'running' : 'accepted',
+        stage: stages[Math.min(stages.length - 1, Math.floor(progress * stages.length))],
+        progress,
+        eta_s: progress > 0 ? ((1 - progress) * job_ms) / 1000 : null,
+        message: '',
+        error: doomed ? { code: 'unprocessable', message: 'No photo has a GPS position. Add the flight log or photos with GPS.' } : null,
+      });
+      if (job.state === 'successful' && flight) {
+        flight.ready = true;
+        flight.revision = (flight.revision ?? 0) + 1;
+      }
+      if (doomed && flight) flight.error = job.error;
+    }
+    const { at, ...rest } = job;
+    return rest;
+  }
+
+  function flightJson(flight) {
+    const job = jobJson(flight.job);
+    const names = [...flight.files.keys()];
+    const busy = job && (job.state === 'accepted' || job.state === 'running');
+    let state = flight.ready ? 'ready' : names.length > 0 ? 'uploaded' : 'empty';
+    if (job?.state === 'failed') state = 'failed';
+    if (busy) state = job.state === 'accepted' ? 'queued' : 'processing';
+    const report = flight.ready ? reportOf(flight.place, names, max_zoom) : null;
+    return {
+      id: flight.id, name: flight.name, state, created_at: flight.created_at, file_count: names.length,
+      bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
+      bounds: report?.bounds ?? null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
+      photos: report?.photos ?? null, gsd_m: report?.gsd_m ?? null,
+      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, error: flight.error,
+    };
+  }
+
+  const server = createServer(async (request, response) => {
+    const url = new URL(request.url ?? '/', 'http://mock');
+    const path = decodeURI(url.pathname);
+    const send = (status, body, type = 'application/json', headers = {}) => {
+      const bytes = Buffer.isBuffer(body) ? body : body === null ? Buffer.alloc(0) : Buffer.from(JSON.stringify(body));
+      response.writeHead(status, { 'Content-Type': type, 'Content-Length': bytes.length, ...security_headers, ...headers });
+      response.end(bytes);
+    };
+    const problem = (status, title, detail) => send(status, { type: 'about:blank', title, status, detail }, 'application/problem+json');
+    const readBody = async () => {
+      const parts = [];
+      for await (const part of request) parts.push(part);
+      return Buffer.concat(parts);
+    };
+
+    let match;
+    if (path === '/api/v1/flights' && request.method === 'POST') {
+      const { name } = JSON.parse((await readBody()).toString());
+      return send(201, flightJson(addFlight(name)));
+    }
+    if (path === '/api/v1/flights') {
+      const all = [...flights.values()].reverse();
+      const start = Number(url.searchParams.get('cursor') ?? 0);
+      const limit = Math.min(3, Number(url.searchParams.get('limit') ?? 50));  // small pages, so that paging is used
+      const next = start + limit < all.length ? String(start + limit) : null;
+      return send(200, { flights: all.slice(start, start + limit).map(flightJson), next_cursor: next });
+    }
+    if ((match = path.match(/^\/api\/v1\/jobs\/([^/]+)$/))) {
+      const job = jobs.get(match[1]);
+      if (!job) return problem(404, 'No such job', 'This job does not exist.');
+      if (request.method === 'DELETE' && (job.state === 'accepted' || job.state === 'running')) job.state = 'dismissed';
+      return send(200, jobJson(job));
+    }
+    if ((match = path.match(/^\/api\/v1\/flights\/([^/]+)(\/.*)?$/))) {
+      const flight = flights.get(match[1]);
+      const rest = match[2] ?? '';
+      if (!flight) {
+        await readBody();
+        return problem(404, 'No such flight', 'This flight does not exist.');
+      }
+      if (rest === '' && request.method === 'PATCH') {
+        flight.name = JSON.parse((await readBody()).toString()).name;
+        return send(200, flightJson(flight));
+      }
+      if (rest === '' && request.method === 'DELETE') {
+        flights.delete(flight.id);
+        return send(204, null);
+      }
+      if (rest === '') return send(200, flightJson(flight));
+      if (rest === '/files') return send(200, { files: [...flight.files].map(([name, bytes]) => ({ name, bytes })) });
+      if (rest.startsWith('/files/') && request.method === 'PUT') {
+        const name = rest.slice('/files/'.length);
+        const body = await readBody();
+        if (options.upload_ms) await new Promise((resolve) => setTimeout(resolve, options.upload_ms));
+        if (name.includes('refused')) return problem(422, 'Not a photo', 'The photo is cut off after 12 kB; copy it from the card again.');
+        if (name.includes('flaky') && !refused_once.has(name)) {
+          refused_once.add(name);
+          return problem(503, 'Busy', 'Try again in a moment.');
+        }
+        flight.files.set(name, body.length);
+        return send(201, { name, bytes: body.length });
+      }
+      if (rest === '/jobs' && request.method === 'POST') {
+        await readBody();
+        const job = { id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, attempts: 1,
+          created_at: new Date().toISOString(), started_at: null, finished_at: null, error: null, at: Date.now() };
+        flight.error = null;
+        flight.job = job;
+        jobs.set(job.id, job);
+        return send(202, jobJson(job));
+      }
+      const names = [...flight.files.keys()];
+      if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
+      if (rest === '/report') return send(200, reportOf(flight.place, names, max_zoom));
+      if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
+      if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');
+    }
+    if ((match = path.match(/^\/tiles\/([^/]+)\.json$/)) && flights.get(match[1])?.ready) {
+      const flight = flights.get(match[1]);
+      return send(200, {
+        tilejson: '3.0.0', tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}.png`],
+        minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name,
+      });
+    }
+    if ((match = path.match(/^\/tiles\/([^/]+)\/(\d+)\/(\d+)\/(\d+)\.png$/)) && flights.get(match[1])?.ready) {
+      const [z, x, y] = match.slice(2).map(Number);
+      return send(200, countrysideTile(flights.get(match[1]).place, z, x, y), 'image/png', { 'Cache-Control': 'no-cache' });
+    }
+    if (path.startsWith('/api/') || path.startsWith('/tiles/')) return problem(404, 'Not found', `There is nothing at ${path}.`);
+    const file = join(web_root, normalize(path === '/' ? '/index.html' : path));
+    if (!file.startsWith(web_root) || !existsSync(file) || !statSync(file).isFile()) return problem(404, 'Not found', path);
+    response.writeHead(200, { 'Content-Type': types[extname(file)] ?? 'application/octet-stream', 'Content-Length': statSync(file).size, ...security_headers });
+    createReadStream(file).pipe(response);
+    return undefined;
+  });
+  await new Promise((resolve) => server.listen(options.port ?? 0, '127.0.0.1', () => resolve(undefined)));
+  const { port } = /** @type {any} */ (server.address());
+  return {
+    url: `http://127.0.0.1:${port}/`,
+    flights,
+    seedReady,
+    addFlight,
+    close: () => {
+      server.closeAllConnections();
+      return new Promise((resolve) => server.close(resolve));
+    },
+  };
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  const mock = await startMockServer({ port: Number(process.argv[2] ?? 0), job_ms: 12_000, upload_ms: 600 });
+  mock.seedReady('Brook meadow');
+  mock.seedReady('Brook meadow, two weeks later', 24);
+  console.log(mock.url);
+}
