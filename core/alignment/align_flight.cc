@@ -87,6 +87,22 @@ std::vector<Track> TriangulatedTracks(const std::vector<PairLink>& links, const 
   return tracks;
 }
 
+// Every match that agrees with the adjusted poses, not only those the adjustment needed: the ground is
+// modelled from these.
+std::vector<Track> GroundTracks(const std::vector<PairLink>& links, const LinkInput& input,
+                                const AlignOptions& options) {
+  TrackOptions track_options;
+  track_options.observations_per_photo = options.max_features;
+  std::vector<Track> tracks = BuildTracks(links, input.features, input.views, track_options);
+  std::erase_if(tracks, [&](Track& track) {
+    if (!Triangulate(input.views, track)) return true;
+    return std::any_of(track.observations.begin(), track.observations.end(), [&](const Observation& one) {
+      return ReprojectionErrorPx(input.views[one.photo], one, track.point_in_enu) > 3.0 * one.sigma_px;
+    });
+  });
+  return tracks;
+}
+
 std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
   constexpr double kUsefulAngleRad = 0.06;
   std::vector<Eigen::Vector3d> points;
@@ -243,7 +259,10 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   report.residual_rms_px = summary.rms_px;
   report.solver = summary.solver;
   ReportLenses(posed, problem, report);
-  AlignedFlight flight = PlacePhotos({&posed, &problem, &corrected, &photographed.unreadable}, report);
+  input.views = ViewsOf(problem);
+  const std::vector<Track> ground_tracks = GroundTracks(links, input, options);
+  AlignedFlight flight =
+      PlacePhotos({&posed, &problem, &ground_tracks, &corrected, &photographed.unreadable}, report);
   flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
   progress.Report(1.0, "aligned");
   return flight;

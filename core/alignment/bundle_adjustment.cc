@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/alignment/residuals.h"
@@ -11,14 +10,15 @@
 namespace skyquilt::alignment {
 namespace {
 
-using PoseBlock = std::array<double, kPoseSize>;
-using LensBlock = std::array<double, kLensSize>;
+constexpr std::size_t kBiasSize = 3;
+constexpr std::size_t kPointSize = 3;
 
 constexpr double kLossSigmas = 2.5;
 constexpr double kReferenceWidthPx = 4000.0;
 constexpr int kDenseUpToPhotos = 25;
+constexpr double kReliefShare = 0.03;  // of the flying height: how near the ground a soft tie lies
 
-camera::Intrinsics Applied(const camera::Intrinsics& start, const LensBlock& lens) {
+camera::Intrinsics Applied(const camera::Intrinsics& start, const double* lens) {
   camera::Intrinsics applied = start;
   applied.focal_x_px *= std::exp(lens[0]);
   applied.focal_y_px *= std::exp(lens[0]);
@@ -31,7 +31,7 @@ camera::Intrinsics Applied(const camera::Intrinsics& start, const LensBlock& len
   return applied;
 }
 
-geo::Rigid3 Applied(const geo::Rigid3& start, const PoseBlock& pose) {
+geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
   const Eigen::Vector3d turn(pose[0], pose[1], pose[2]);
   const Eigen::Quaterniond rotation = (geo::RotationFromVector(turn) * start.rotation).normalized();
   return geo::Rigid3::FromRotationAndTargetOrigin(
@@ -62,15 +62,14 @@ class Round {
       : bundle_(problem),
         recorded_(recorded),
         options_(options),
-        poses_(problem.photos.size(), PoseBlock{}),
-        lenses_(problem.lenses.size()),
-        biases_(problem.lines, std::array<double, 3>{}) {}
+        first_lens_(kPoseSize * problem.photos.size()),
+        first_bias_(first_lens_ + kLensSize * problem.lenses.size()),
+        first_point_(first_bias_ + kBiasSize * problem.lines),
+        state_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size()), 0.0) {}
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
-    for (std::size_t l = 0; l < biases_.size(); ++l) {
-      for (int k = 0; k < 3; ++k) biases_[l][k] = line_bias[l][k];
-    }
-    std::vector<char> in_use(poses_.size(), 0);
+    for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
+    std::vector<char> in_use(bundle_.photos.size(), 0);
     for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
       for (const Track& track : *list) {
         for (const Observation& seen : track.observations) in_use[seen.photo] = 1;
@@ -78,15 +77,15 @@ class Round {
     }
     AddLenses();
     AddObservations();
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
+    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
       if (in_use[i]) AddPriors(i);
     }
-    for (auto& bias : biases_) {
-      if (!ceres_.HasParameterBlock(bias.data())) continue;
+    for (int l = 0; l < bundle_.lines; ++l) {
+      if (!ceres_.HasParameterBlock(Bias(l))) continue;
       PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)};
       ceres_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)), nullptr,
-          bias.data());
+          Bias(l));
     }
     ceres::Solver::Options options;
     const int active = static_cast<int>(std::count(in_use.begin(), in_use.end(), 1));
@@ -97,16 +96,14 @@ class Round {
     options.logging_type = ceres::SILENT;
     options.linear_solver_ordering.reset(ordering_);
     ordering_ = nullptr;
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (in_use[i]) options.linear_solver_ordering->AddElementToGroup(poses_[i].data(), 1);
+    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
+      if (in_use[i]) options.linear_solver_ordering->AddElementToGroup(Pose(i), 1);
     }
-    for (auto& lens : lenses_) {
-      if (ceres_.HasParameterBlock(lens.data()))
-        options.linear_solver_ordering->AddElementToGroup(lens.data(), 1);
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (ceres_.HasParameterBlock(Lens(c))) options.linear_solver_ordering->AddElementToGroup(Lens(c), 1);
     }
-    for (auto& bias : biases_) {
-      if (ceres_.HasParameterBlock(bias.data()))
-        options.linear_solver_ordering->AddElementToGroup(bias.data(), 1);
+    for (int l = 0; l < bundle_.lines; ++l) {
+      if (ceres_.HasParameterBlock(Bias(l))) options.linear_solver_ordering->AddElementToGroup(Bias(l), 1);
     }
     ceres::Solver::Summary solved;
     ceres::Solve(options, &ceres_, &solved);
@@ -118,37 +115,38 @@ class Round {
 
  private:
   void AddLenses() {
-    for (std::size_t c = 0; c < lenses_.size(); ++c) {
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
       const camera::Intrinsics& now = bundle_.lenses[c].intrinsics;
       const camera::Intrinsics& was = recorded_[c];
-      lenses_[c] = {std::log(now.focal_x_px / was.focal_x_px),
-                    now.center_x_px - was.center_x_px,
-                    now.center_y_px - was.center_y_px,
-                    now.k1,
-                    now.k2,
-                    now.p1,
-                    now.p2};
+      Eigen::Map<Eigen::Matrix<double, kLensSize, 1>> lens(Lens(c));
+      lens << std::log(now.focal_x_px / was.focal_x_px), now.center_x_px - was.center_x_px,
+          now.center_y_px - was.center_y_px, now.k1, now.k2, now.p1, now.p2;
     }
   }
 
   void AddObservations() {
     ordering_ = new ceres::ParameterBlockOrdering;
-    for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
-      for (Track& track : *list) {
-        for (const Observation& seen : track.observations) AddObservation(track, seen);
-        ordering_->AddElementToGroup(track.point_in_enu.data(), 0);
+    std::size_t number = 0;
+    for (const auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
+      for (const Track& track : *list) {
+        double* point = Point(number++);
+        Eigen::Map<Eigen::Vector3d> at(point);
+        at = track.point_in_enu;
+        for (const Observation& seen : track.observations) AddObservation(point, seen);
+        ordering_->AddElementToGroup(point, 0);
       }
     }
-    for (Track& track : bundle_.soft_tracks) {
-      const double height = bundle_.photos[track.observations.front().photo].height_above_ground_m;
+    for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
+      const double height =
+          bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
       ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PointHeightResidual, 1, 3>(
-                                  new PointHeightResidual{bundle_.ground_z_in_enu_m, 0.03 * height}),
-                              nullptr, track.point_in_enu.data());
+                                  new PointHeightResidual{bundle_.ground_z_in_enu_m, kReliefShare * height}),
+                              nullptr, Point(bundle_.tracks.size() + t));
     }
-    for (std::size_t c = 0; c < lenses_.size(); ++c) {
-      if (!ceres_.HasParameterBlock(lenses_[c].data())) continue;
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (!ceres_.HasParameterBlock(Lens(c))) continue;
       if (!options_.adjust_lens) {
-        ceres_.SetParameterBlockConstant(lenses_[c].data());
+        ceres_.SetParameterBlockConstant(Lens(c));
         continue;
       }
       const BundleLens& lens = bundle_.lenses[c];
@@ -158,11 +156,11 @@ class Round {
           lens.sigma_k2, lens.sigma_p, lens.sigma_p;
       ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorResidual<kLensSize>, kLensSize, kLensSize>(
                                   new PriorResidual<kLensSize>(prior)),
-                              nullptr, lenses_[c].data());
+                              nullptr, Lens(c));
     }
   }
 
-  void AddObservation(Track& track, const Observation& seen) {
+  void AddObservation(double* point, const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
     const camera::Intrinsics& lens = recorded_[photo.lens];
     auto* residual = new ReprojectionResidual{photo.cam_from_enu.rotation.toRotationMatrix(),
@@ -173,8 +171,7 @@ class Round {
                                               seen.sigma_px};
     ceres_.AddResidualBlock(
         new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, kPoseSize, 3, kLensSize>(residual),
-        new ceres::CauchyLoss(kLossSigmas), poses_[seen.photo].data(), track.point_in_enu.data(),
-        lenses_[photo.lens].data());
+        new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens));
   }
 
   void AddPriors(std::size_t i) {
@@ -185,17 +182,17 @@ class Round {
         photo.cam_from_enu.TargetOriginInSource() - photo.prior_cam_from_enu.TargetOriginInSource();
     ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<AttitudeResidual, 3, kPoseSize, 3>(
                                 new AttitudeResidual{turned, photo.sigma_attitude_rad}),
-                            new ceres::HuberLoss(3.0), poses_[i].data(), biases_[photo.line].data());
+                            new ceres::HuberLoss(3.0), Pose(i), Bias(photo.line));
     ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize>(
                                 new PositionResidual{moved, photo.sigma_position_m}),
-                            new ceres::HuberLoss(3.0), poses_[i].data());
+                            new ceres::HuberLoss(3.0), Pose(i));
   }
 
   void EstimateLensSigma() {
     std::vector<std::pair<const double*, const double*>> blocks;
-    for (auto& lens : lenses_) {
-      if (ceres_.HasParameterBlock(lens.data()) && !ceres_.IsParameterBlockConstant(lens.data())) {
-        blocks.emplace_back(lens.data(), lens.data());
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (ceres_.HasParameterBlock(Lens(c)) && !ceres_.IsParameterBlockConstant(Lens(c))) {
+        blocks.emplace_back(Lens(c), Lens(c));
       }
     }
     if (blocks.empty()) return;
@@ -203,10 +200,10 @@ class Round {
     options.num_threads = 1;
     ceres::Covariance covariance(options);
     if (!covariance.Compute(blocks, &ceres_)) return;
-    for (std::size_t c = 0; c < lenses_.size(); ++c) {
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
       Eigen::Matrix<double, kLensSize, kLensSize, Eigen::RowMajor> block;
-      if (!ceres_.HasParameterBlock(lenses_[c].data()) ||
-          !covariance.GetCovarianceBlock(lenses_[c].data(), lenses_[c].data(), block.data())) {
+      if (!ceres_.HasParameterBlock(Lens(c)) ||
+          !covariance.GetCovarianceBlock(Lens(c), Lens(c), block.data())) {
         continue;
       }
       bundle_.lenses[c].found_sigma_focal_px =
@@ -215,23 +212,31 @@ class Round {
   }
 
   void TakeOver(std::vector<Eigen::Vector3d>& line_bias) {
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      bundle_.photos[i].cam_from_enu = Applied(bundle_.photos[i].cam_from_enu, poses_[i]);
+    for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
+      bundle_.photos[i].cam_from_enu = Applied(bundle_.photos[i].cam_from_enu, Pose(i));
     }
-    for (std::size_t c = 0; c < lenses_.size(); ++c) {
-      bundle_.lenses[c].intrinsics = Applied(recorded_[c], lenses_[c]);
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      bundle_.lenses[c].intrinsics = Applied(recorded_[c], Lens(c));
     }
-    for (std::size_t l = 0; l < biases_.size(); ++l) {
-      line_bias[l] = Eigen::Vector3d(biases_[l][0], biases_[l][1], biases_[l][2]);
+    for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
+    std::size_t number = 0;
+    for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
+      for (Track& track : *list) track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
     }
   }
+
+  double* Pose(std::size_t i) { return state_.data() + kPoseSize * i; }
+  double* Lens(std::size_t c) { return state_.data() + first_lens_ + kLensSize * c; }
+  double* Bias(std::size_t l) { return state_.data() + first_bias_ + kBiasSize * l; }
+  double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
 
   BundleProblem& bundle_;
   const std::vector<camera::Intrinsics>& recorded_;
   const BundleOptions& options_;
-  std::vector<PoseBlock> poses_;
-  std::vector<LensBlock> lenses_;
-  std::vector<std::array<double, 3>> biases_;
+  // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
+  // allocator put things would change the last digits from run to run.
+  std::size_t first_lens_, first_bias_, first_point_;
+  std::vector<double> state_;
   ceres::Problem ceres_;
   ceres::ParameterBlockOrdering* ordering_ = nullptr;
 };

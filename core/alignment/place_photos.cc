@@ -215,7 +215,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
         "the photos form {} groups without ties between them; each lies where its recorded positions say",
         report.pieces));
   }
-  for (const Track& track : problem.tracks) {
+  for (const Track& track : *input.ground_tracks) {
     if (track.angle_rad < kGoodAngleRad) continue;
     const auto good = std::count_if(track.observations.begin(), track.observations.end(),
                                     [&](const Observation& one) { return piece[one.photo] >= 0; });

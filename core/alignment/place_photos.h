@@ -16,6 +16,7 @@ namespace skyquilt::alignment {
 struct PlaceInput {
   const poses::PosedFlight* posed = nullptr;
   const BundleProblem* problem = nullptr;
+  const std::vector<Track>* ground_tracks = nullptr;  // with points that agree with the adjusted poses
   const std::vector<CorrectedPose>* corrected = nullptr;
   const std::vector<std::string>* unreadable = nullptr;  // a reason a photo; empty: it was read
 };

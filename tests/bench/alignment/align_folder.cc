@@ -7,6 +7,7 @@
 #include "core/alignment/align_flight.h"
 #include "core/flight/photo_decoder.h"
 #include "core/flight/read_flight.h"
+#include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 
 namespace {
@@ -43,6 +44,9 @@ int main(int argc, char** argv) {
   const double cpu_s = CpuSeconds() - cpu_before;
   if (!aligned) return fmt::print(stderr, "{}\n", aligned.error().message), 1;
   fmt::print("{}\n", alignment::AlignReportJson(report));
+  ground::ModelGroundReport ground_report;
+  ground::ModelGround(*aligned, ground_report);
+  fmt::print("{}\n", ground::ModelGroundReportJson(ground_report));
   for (const std::string& warning : aligned->warnings) fmt::print("warning: {}\n", warning);
   fmt::print("cpu {:.2f} s, {:.3f} s a photo; {} of {} aligned; rms {:.2f} px; {} ground points\n", cpu_s,
              cpu_s / report.photos, report.aligned, report.photos, report.residual_rms_px,

@@ -1,0 +1,137 @@
+#include "core/ground/membrane_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geo/bounds.h"
+
+namespace skyquilt::ground {
+namespace {
+
+constexpr int kMarginCells = 12;
+constexpr int kMostCells = 4'000'000;
+constexpr int kSweeps = 40;
+constexpr double kOverRelaxation = 1.6;
+constexpr double kMostPointsPerCell = 4.0;  // more do not make a cell stiffer: neighbours must agree as well
+constexpr double kStiffness = 1.0;
+// Away from points the surface returns to the mean within about 20 cells (1 / sqrt of this).
+constexpr double kPullToMean = 0.0025;
+constexpr int kSmallestSide = 8;
+
+struct Level {
+  int columns = 0, rows = 0;
+  std::vector<float> target;  // height over the mean
+  std::vector<float> weight;
+  std::vector<float> height;
+};
+
+Level Coarser(const Level& fine) {
+  Level coarse;
+  coarse.columns = (fine.columns + 1) / 2;
+  coarse.rows = (fine.rows + 1) / 2;
+  const std::size_t cells = static_cast<std::size_t>(coarse.columns) * coarse.rows;
+  coarse.target.assign(cells, 0.0F);
+  coarse.weight.assign(cells, 0.0F);
+  coarse.height.assign(cells, 0.0F);
+  for (int row = 0; row < fine.rows; ++row) {
+    for (int column = 0; column < fine.columns; ++column) {
+      const std::size_t from = static_cast<std::size_t>(row) * fine.columns + column;
+      const std::size_t to = static_cast<std::size_t>(row / 2) * coarse.columns + column / 2;
+      coarse.target[to] += fine.weight[from] * fine.target[from];
+      coarse.weight[to] += fine.weight[from];
+    }
+  }
+  for (std::size_t i = 0; i < cells; ++i) {
+    if (coarse.weight[i] > 0.0F) coarse.target[i] /= coarse.weight[i];
+    coarse.weight[i] = std::min<float>(coarse.weight[i], kMostPointsPerCell);
+  }
+  return coarse;
+}
+
+void Relax(Level& level, double pull) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (int row = 0; row < level.rows; ++row) {
+      for (int column = 0; column < level.columns; ++column) {
+        const std::size_t at = static_cast<std::size_t>(row) * level.columns + column;
+        double sum = level.weight[at] * level.target[at];
+        double weight = level.weight[at] + pull;
+        const auto add = [&](bool inside, std::size_t neighbour) {
+          if (!inside) return;
+          sum += kStiffness * level.height[neighbour];
+          weight += kStiffness;
+        };
+        add(column > 0, at - 1);
+        add(column + 1 < level.columns, at + 1);
+        add(row > 0, at - level.columns);
+        add(row + 1 < level.rows, at + level.columns);
+        const double settled = sum / weight;
+        level.height[at] += static_cast<float>(kOverRelaxation * (settled - level.height[at]));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m, double mean_z_m) {
+  geo::Bounds2 bounds;
+  for (const Eigen::Vector3d& point : points_in_enu) bounds.Include(Eigen::Vector2d(point.head<2>()));
+  if (bounds.IsEmpty()) bounds.Include(Eigen::Vector2d(0.0, 0.0));
+  const double area =
+      (bounds.Width() + 2 * kMarginCells * cell_m) * (bounds.Height() + 2 * kMarginCells * cell_m);
+  cell_m = std::max(cell_m, std::sqrt(area / kMostCells));
+  MembraneGrid grid;
+  grid.cell_m = cell_m;
+  grid.south_west_in_enu = bounds.min - Eigen::Vector2d::Constant(kMarginCells * cell_m);
+  grid.columns = static_cast<int>(std::ceil(bounds.Width() / cell_m)) + 2 * kMarginCells + 1;
+  grid.rows = static_cast<int>(std::ceil(bounds.Height() / cell_m)) + 2 * kMarginCells + 1;
+
+  // Medians per node; points sorted by node, so that no cell needs its own list.
+  std::vector<std::pair<std::size_t, float>> by_node;
+  by_node.reserve(points_in_enu.size());
+  for (const Eigen::Vector3d& point : points_in_enu) {
+    const Eigen::Vector2d at = (point.head<2>() - grid.south_west_in_enu) / cell_m;
+    const std::size_t column =
+        static_cast<std::size_t>(std::clamp<long>(std::lround(at.x()), 0, grid.columns - 1));
+    const std::size_t row = static_cast<std::size_t>(std::clamp<long>(std::lround(at.y()), 0, grid.rows - 1));
+    by_node.emplace_back(row * grid.columns + column, static_cast<float>(point.z() - mean_z_m));
+  }
+  std::sort(by_node.begin(), by_node.end());
+  std::vector<Level> levels(1);
+  Level& finest = levels.front();
+  finest.columns = grid.columns;
+  finest.rows = grid.rows;
+  const std::size_t nodes = static_cast<std::size_t>(grid.columns) * grid.rows;
+  finest.target.assign(nodes, 0.0F);
+  finest.weight.assign(nodes, 0.0F);
+  finest.height.assign(nodes, 0.0F);
+  for (std::size_t i = 0; i < by_node.size();) {
+    std::size_t end = i;
+    while (end < by_node.size() && by_node[end].first == by_node[i].first) ++end;
+    finest.target[by_node[i].first] = by_node[(i + end) / 2].second;
+    finest.weight[by_node[i].first] = static_cast<float>(std::min<double>(kMostPointsPerCell, end - i));
+    i = end;
+  }
+  while (std::min(levels.back().columns, levels.back().rows) > kSmallestSide) {
+    levels.push_back(Coarser(levels.back()));
+  }
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    Level& level = levels[l];
+    if (l + 1 < levels.size()) {
+      const Level& coarse = levels[l + 1];
+      for (int row = 0; row < level.rows; ++row) {
+        for (int column = 0; column < level.columns; ++column) {
+          level.height[static_cast<std::size_t>(row) * level.columns + column] =
+              coarse.height[static_cast<std::size_t>(row / 2) * coarse.columns + column / 2];
+        }
+      }
+    }
+    // A coarse cell stands for four fine ones: the pull counts as much over the same ground.
+    Relax(level, kPullToMean * std::pow(4.0, static_cast<double>(l)));
+  }
+  grid.heights_m = std::move(levels.front().height);
+  for (float& height : grid.heights_m) height += static_cast<float>(mean_z_m);
+  return grid;
+}
+
+}  // namespace skyquilt::ground
