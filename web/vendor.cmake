@@ -1,5 +1,5 @@
 # Fills web/vendor from npm when package-lock.json changed. Called at build time:
-#   cmake -DWEB=<folder> -DNPM=<npm> -DDEV=ON|OFF -DSTAMP=<file> -P vendor.cmake
+#   cmake -DWEB=<folder> -DNPM=<npm> -DDEV=ON|OFF -P vendor.cmake
 # Several build folders may share this source tree, so one lock guards it. Without network, a page library that
 # is already there is kept: the build must not fail in the field.
 file(LOCK "${WEB}/.vendor.lock" GUARD PROCESS TIMEOUT 900)
@@ -24,7 +24,7 @@ if(NOT current)
     if(NOT DEV)
       set(omit "--omit=dev")
     endif()
-    execute_process(COMMAND "${NPM}" ci --no-audit --no-fund --ignore-scripts ${omit}
+    execute_process(COMMAND "${NPM}" ci --loglevel=error --no-audit --no-fund --ignore-scripts ${omit}
                     WORKING_DIRECTORY "${WEB}" RESULT_VARIABLE result OUTPUT_QUIET)
     if(result EQUAL 0)
       execute_process(COMMAND "${NPM}" run --silent vendor WORKING_DIRECTORY "${WEB}" RESULT_VARIABLE result)
@@ -39,4 +39,3 @@ if(NOT current)
     endif()
   endif()
 endif()
-file(TOUCH "${STAMP}")

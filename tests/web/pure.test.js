@@ -1,6 +1,7 @@
 // The page's arithmetic against independent truth: geodesy against GeographicLib, UTM against published values, the
 // upload queue against a sender that fails.
 import assert from 'node:assert/strict';
+import { File } from 'node:buffer';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/coordinates.js';

@@ -25,7 +25,7 @@ export const security_headers = {
   'X-Content-Type-Options': 'nosniff',
   'Referrer-Policy': 'no-referrer',
 };
-const stages = ['read_flight', 'estimate_poses', 'align_flight', 'model_ground', 'render_tiles', 'build_overviews'];
+const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
  * @param {{port?: number, job_ms?: number, upload_ms?: number}} [options] upload_ms: time each file takes at least
