@@ -1,0 +1,23 @@
+// The units that headers of CSV logs name, and their factors to ours. Pure functions; any thread.
+#pragma once
+
+#include <string_view>
+#include <utility>
+
+namespace skyquilt::flight {
+
+enum class Dimension { kNone, kTime, kLength, kSpeed, kAngle, kRate, kAcceleration, kPressure };
+
+struct CsvUnit {
+  std::string_view name;  // lower case
+  Dimension dimension;
+  double factor;  // times this gives s, m, m/s, rad, rad/s, m/s2 or Pa
+};
+
+// Null for a word that is no unit of this dimension.
+const CsvUnit* FindUnit(std::string_view name, Dimension dimension);
+
+// Factor and name for columns that do not name their unit.
+std::pair<double, std::string_view> DefaultUnit(Dimension dimension);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,25 @@
+// geo.txt of OpenDroneMap: a reference system in the first line, then "image x y [z [yaw pitch roll [sh
+// sv]]]" per photo, x before y, degrees, pitch 0 = straight down, NaN for an angle that is not known. Read
+// and written. Angles counted from nadir are those of an airframe whose camera looks down, and are kept as
+// such. Rows become camera events without a time; z is taken as a height above the ellipsoid. Any thread.
+// Fails with kCorrupt when no row could be read, kUnsupportedFormat for an unknown reference system.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/base/result.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/logs/log_bytes.h"
+
+namespace skyquilt::flight {
+
+bool LooksLikeGeoTxt(LogBytes head);
+
+Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
+
+// In EPSG:4326 with all digits. Only events with a name and a position are written; kInvalidArgument for a
+// name with blanks, which the format cannot hold.
+Result<std::string> WriteGeoTxt(std::span<const CameraEvent> events);
+
+}  // namespace skyquilt::flight

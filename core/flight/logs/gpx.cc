@@ -1,0 +1,87 @@
+#include "core/flight/logs/gpx.h"
+
+#include <fmt/format.h>
+
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::size_t kLongestPoint = 65536;
+
+std::optional<double> Attribute(std::string_view tag, std::string_view attribute) {
+  for (std::size_t at = tag.find(attribute); at != std::string_view::npos; at = tag.find(attribute, at + 1)) {
+    std::string_view rest = Trim(tag.substr(at + attribute.size()));
+    if (rest.empty() || rest.front() != '=') continue;
+    rest = Trim(rest.substr(1));
+    if (rest.empty() || (rest.front() != '"' && rest.front() != '\'')) continue;
+    const std::size_t end = rest.find(rest.front(), 1);
+    if (end == std::string_view::npos) return std::nullopt;
+    return ParseNumber(rest.substr(1, end - 1));
+  }
+  return std::nullopt;
+}
+
+std::string_view Element(std::string_view point, std::string_view open) {
+  const std::size_t at = point.find(open);
+  if (at == std::string_view::npos) return {};
+  const std::string_view rest = point.substr(at + open.size());
+  return rest.substr(0, rest.find('<'));
+}
+
+}  // namespace
+
+bool LooksLikeGpx(LogBytes head) {
+  return LooksLikeText(TextOf(head)) && TextOf(head).substr(0, 2048).find("<gpx") != std::string_view::npos;
+}
+
+Result<FlightLog> ParseGpx(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  LogBuilder builder("gpx", name);
+  const std::string_view text = TextOf(bytes);
+  const bool has_track = text.find("<trkpt") != std::string_view::npos;
+  const std::string_view open = has_track ? "<trkpt" : "<wpt";
+  const std::string_view close = has_track ? "</trkpt" : "</wpt";
+  std::optional<UtcTime> first;
+  std::uint64_t points = 0;
+  std::uint64_t bad = 0;
+  std::size_t next_report = kConsumedStep;
+  for (std::size_t at = text.find(open); at != std::string_view::npos;) {
+    if (consumed && at >= next_report) {
+      consumed(at);
+      next_report = at + kConsumedStep;
+    }
+    const std::size_t next = text.find(open, at + open.size());
+    std::string_view point =
+        text.substr(at, std::min(kLongestPoint, (next == std::string_view::npos ? text.size() : next) - at));
+    point = point.substr(0, point.find(close));
+    at = next;
+    ++points;
+    const std::string_view tag = point.substr(0, point.find('>'));
+    const auto lat = Attribute(tag, "lat");
+    const auto lon = Attribute(tag, "lon");
+    const auto time = ParseWrittenTime(Element(point, "<time>"));
+    if (!lat || !lon || !time) {
+      ++bad;
+      continue;
+    }
+    if (!first) first = time->time;
+    GnssSample sample;
+    sample.t_s = std::chrono::duration<double>(time->time - *first).count();
+    sample.position = {*lat, *lon};
+    sample.height_amsl_m = ParseNumber(Element(point, "<ele>"));
+    builder.Add(sample);
+  }
+  if (builder.gnss_count() == 0) {
+    return Error{ErrorCode::kCorrupt, fmt::format("{} holds no track point with a position and a time", name),
+                 fmt::format("{} points, {} unusable", points, bad)};
+  }
+  builder.Count("point", points);
+  builder.log().utc_at_zero = first;
+  builder.log().utc_sigma_s = 0.5;  // most recorders write whole seconds
+  if (bad > 0) builder.Warn(fmt::format("{} points without a position or a time were skipped", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,16 @@
+// NMEA 0183 recordings: GGA (position, fix, height and geoid separation), RMC (date, speed and course), ZDA
+// (date), GST (sigma), from any talker. Sentences with a wrong checksum are skipped and counted. t_s = 0 is
+// the first fix; UTC is known when a date was. Fails with kCorrupt when no fix could be read. Any thread.
+#pragma once
+
+#include "core/base/result.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/logs/log_bytes.h"
+
+namespace skyquilt::flight {
+
+bool LooksLikeNmea(LogBytes head);
+
+Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,123 @@
+#include "core/flight/logs/read_log.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "core/flight/logs/canonical_csv.h"
+#include "core/flight/logs/dataflash.h"
+#include "core/flight/logs/dji_mrk.h"
+#include "core/flight/logs/dji_srt.h"
+#include "core/flight/logs/gcp_list.h"
+#include "core/flight/logs/geo_txt.h"
+#include "core/flight/logs/gpx.h"
+#include "core/flight/logs/mapped_file.h"
+#include "core/flight/logs/mavlink_tlog.h"
+#include "core/flight/logs/nmea.h"
+#include "core/flight/logs/pix4d_csv.h"
+#include "core/flight/logs/rtklib_pos.h"
+#include "core/flight/logs/sensefly_geoinfo.h"
+#include "core/flight/logs/text_fields.h"
+#include "core/flight/logs/tolerant_csv.h"
+#include "core/flight/logs/ulog.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using Looks = bool (*)(LogBytes head);
+using Parse = Result<FlightLog> (*)(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed);
+
+struct Format {
+  LogFormat format;
+  std::string_view name;
+  Looks looks;
+  Parse parse;  // null: not a flight log
+};
+
+// In the order of certainty: the first that fits is meant. The tolerant CSV fits most and comes last.
+constexpr std::array kFormats = {
+    Format{LogFormat::kUlog, "ulog", LooksLikeUlog, ParseUlog},
+    Format{LogFormat::kDataflash, "dataflash", LooksLikeDataflash, ParseDataflash},
+    Format{LogFormat::kMavlinkTlog, "mavlink_tlog", LooksLikeMavlinkTlog, ParseMavlinkTlog},
+    Format{LogFormat::kGpx, "gpx", LooksLikeGpx, ParseGpx},
+    Format{LogFormat::kSenseflyGeoinfo, "sensefly_geoinfo", LooksLikeSenseflyGeoinfo, ParseSenseflyGeoinfo},
+    Format{LogFormat::kDjiMrk, "dji_mrk", LooksLikeDjiMrk, ParseDjiMrk},
+    Format{LogFormat::kDjiSrt, "dji_srt", LooksLikeDjiSrt, ParseDjiSrt},
+    Format{LogFormat::kRtklibPos, "rtklib_pos", LooksLikeRtklibPos, ParseRtklibPos},
+    Format{LogFormat::kNmea, "nmea", LooksLikeNmea, ParseNmea},
+    Format{LogFormat::kGeoTxt, "geo_txt", LooksLikeGeoTxt, ParseGeoTxt},
+    Format{LogFormat::kGcpList, "gcp_list", LooksLikeGcpList, nullptr},
+    Format{LogFormat::kFlightCsv, "flight_csv", LooksLikeFlightCsv, ParseFlightCsv},
+    Format{LogFormat::kImagesCsv, "images_csv", LooksLikeImagesCsv, ParseImagesCsv},
+    Format{LogFormat::kPix4dCsv, "pix4d_csv", LooksLikePix4dCsv, ParsePix4dCsv},
+    Format{LogFormat::kTolerantCsv, "tolerant_csv", LooksLikeTolerantCsv, ParseTolerantCsv},
+};
+
+const Format* Recognise(LogBytes head) {
+  for (const Format& format : kFormats) {
+    if (format.looks(head)) return &format;
+  }
+  return nullptr;
+}
+
+// DJI's own flight records hold no text and no header we could check, but their names are fixed.
+bool IsDjiFlightRecord(LogBytes head, std::string_view name) {
+  const std::string lower = LowerCase(name);
+  const std::size_t slash = lower.find_last_of('/');
+  const std::string_view base = std::string_view(lower).substr(slash == std::string::npos ? 0 : slash + 1);
+  const bool named = (base.starts_with("djiflightrecord") && base.ends_with(".txt")) ||
+                     (base.starts_with("fly") && base.ends_with(".dat"));
+  return named && !LooksLikeText(TextOf(head));
+}
+
+Result<const Format*> RecogniseOrExplain(LogBytes head, std::string_view name) {
+  if (IsDjiFlightRecord(head, name)) {
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        fmt::format("{} is a DJI flight record, which is encrypted; export it as CSV (AirData) and add that",
+                    name),
+        ""};
+  }
+  return Recognise(head);
+}
+
+}  // namespace
+
+std::string_view LogFormatName(LogFormat format) {
+  for (const Format& each : kFormats) {
+    if (each.format == format) return each.name;
+  }
+  return "unknown";
+}
+
+Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name) {
+  const auto format = RecogniseOrExplain(head, name);
+  if (!format) return format.error();
+  if (*format == nullptr) return std::optional<LogFormat>();
+  return std::optional<LogFormat>((*format)->format);
+}
+
+Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  if (bytes.empty()) {
+    return Error{ErrorCode::kCorrupt, fmt::format("{} is empty; copy it from the aircraft again", name), ""};
+  }
+  const auto format = RecogniseOrExplain(bytes.first(std::min(bytes.size(), kRecogniseBytes)), name);
+  if (!format) return format.error();
+  if (*format == nullptr) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 fmt::format("{} is no flight log of a kind that is read", name), ""};
+  }
+  if ((*format)->parse == nullptr) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 fmt::format("{} is a list of ground control points, not a flight log", name), ""};
+  }
+  return (*format)->parse(name, bytes, consumed);
+}
+
+Result<FlightLog> ReadLog(const InputFile& file) {
+  const auto mapped = MappedFile::Open(file.path);
+  if (!mapped) return mapped.error();
+  return ParseLog(file.name, mapped->bytes(), [&](std::size_t offset) { mapped->ReleaseBefore(offset); });
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,50 @@
+// ReadLog: a file in, a FlightLog out, whatever its format. The format is recognised by the first bytes; the
+// name's extension only decides between formats that both fit. Files are mapped and their pages given back
+// while they are read, so that memory is bounded whatever the size. Errors: kUnsupportedFormat (no format we
+// read, or encrypted), kCorrupt, kUnprocessable, kNoPosition, kIo. Any thread.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/logs/log_bytes.h"
+#include "core/flight/read_flight.h"
+
+namespace skyquilt::flight {
+
+enum class LogFormat {
+  kDataflash,
+  kUlog,
+  kMavlinkTlog,
+  kFlightCsv,
+  kImagesCsv,
+  kTolerantCsv,
+  kDjiMrk,
+  kDjiSrt,
+  kRtklibPos,
+  kGeoTxt,
+  kPix4dCsv,
+  kSenseflyGeoinfo,
+  kGpx,
+  kNmea,
+  kGcpList,  // known, but not a flight log: ReadGcpList (gcp_list.h) reads it
+};
+
+// A stable lower-case word, the same as FlightLog::format.
+std::string_view LogFormatName(LogFormat format);
+
+// How many first bytes RecogniseLog wants to see (a shorter file: all of it).
+inline constexpr std::size_t kRecogniseBytes = std::size_t{64} << 10;
+
+// Nothing for what is no log. Error: kUnsupportedFormat for a log that we know but cannot read, with advice.
+Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name);
+
+Result<FlightLog> ReadLog(const InputFile& file);
+
+// The same from memory.
+Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,17 @@
+// geoinfo files of senseFly: "#Rev: sensefly/geoinfo", a header, then tab-separated rows with file name,
+// latitude, longitude, altitude_amsl, altitude_wgs84, heading, pitch, roll of the airframe in degrees. Rows
+// become camera events without a time. Fails with kCorrupt when no row could be read. Any thread.
+#pragma once
+
+#include "core/base/result.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/logs/log_bytes.h"
+
+namespace skyquilt::flight {
+
+bool LooksLikeSenseflyGeoinfo(LogBytes head);
+
+Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes,
+                                       const ConsumedUpTo& consumed = {});
+
+}  // namespace skyquilt::flight

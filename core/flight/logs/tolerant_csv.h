@@ -1,0 +1,20 @@
+// CSV logs of other makers (AirData, phone recorders, research rigs): columns are recognised by synonyms,
+// units by what the headers say, and both are checked against physics: gravity for accelerations, the
+// attitude column for angular rates, the step of the clock for times. The outcome is echoed in
+// FlightLog::mapping; a unit that a header states and the numbers contradict is an error that names the
+// column. Also the headerless replay rows "time_us,imu|gps|baro,values" of the PX4 estimator library. Fails
+// with kCorrupt (no usable row), kUnprocessable (contradiction), kUnsupportedFormat (no column we know). Any
+// thread.
+#pragma once
+
+#include "core/base/result.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/logs/log_bytes.h"
+
+namespace skyquilt::flight {
+
+bool LooksLikeTolerantCsv(LogBytes head);
+
+Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed = {});
+
+}  // namespace skyquilt::flight

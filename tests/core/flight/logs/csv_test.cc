@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/flight/logs/canonical_csv.h"
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/read_log.h"
+#include "core/flight/logs/tolerant_csv.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using geo::DegToRad;
+
+TEST(ParseFlightCsv, ReadsSparseRowsOfAnySubset) {
+  const std::string text =
+      "t,wx,wy,wz,ax,ay,az,lat,lon,alt_ell,vn,ve,vd,sh,sv,fix,roll,pitch,yaw,baro_alt,range,event\n"
+      "0.000,0.01,0.02,0.03,0.1,0.2,-9.8,,,,,,,,,,,,,,,\n"
+      "0.005,0.01,0.02,0.03,0.1,0.2,-9.8,47.5,8.5,500.5,1,2,-3,0.01,0.02,6,,,,,,\n"
+      "0.010,,,,,,,,,,,,,,,,10,-5,90,100.5,20.25,DJI_0001.JPG\n"
+      "bad,1,2,3,4,5,6,,,,,,,,,,,,,,,\n"
+      "0.020,,,,,,,,,,,,,,,,,,,103.5,,17\n";
+  ASSERT_TRUE(LooksLikeFlightCsv(BytesOf(text)));
+  EXPECT_FALSE(LooksLikeImagesCsv(BytesOf(text)));
+  const auto log = ParseFlightCsv("flight.csv", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->imu.size(), 2u);
+  EXPECT_DOUBLE_EQ(log->imu[1].specific_force_mps2.z(), -9.8);
+  ASSERT_EQ(log->gnss.size(), 1u);
+  EXPECT_DOUBLE_EQ(log->gnss[0].velocity_in_ned_mps->z(), -3.0);
+  EXPECT_TRUE(log->gnss[0].is_rtk_fixed);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].height_ellipsoid_m, 500.5);
+  ASSERT_EQ(log->attitude.size(), 1u);
+  EXPECT_LT(log->attitude[0].ned_from_body.angularDistance(
+                NedFromYawPitchRoll(DegToRad(90.0), DegToRad(-5.0), DegToRad(10.0))),
+            1e-9);
+  ASSERT_EQ(log->baro.size(), 2u);
+  EXPECT_DOUBLE_EQ(log->baro[1].height_above_takeoff_m - log->baro[0].height_above_takeoff_m, 3.0);
+  EXPECT_DOUBLE_EQ(log->range[0].distance_m, 20.25);
+  ASSERT_EQ(log->events.size(), 2u);
+  EXPECT_EQ(*log->events[0].image_name, "DJI_0001.JPG");
+  EXPECT_EQ(*log->events[1].sequence, 17);
+  EXPECT_EQ(log->warnings.size(), 1u);
+}
+
+TEST(ParseFlightCsv, TakesUtcInsteadOfSeconds) {
+  const std::string text =
+      "utc,qw,qx,qy,qz,press\n2024-01-01T10:00:00.250Z,1,0,0,0,101325\n2024-01-01T10:00:00.500Z,0.5,0.5,0.5,"
+      "0.5,101313\n";
+  const auto log = ParseFlightCsv("flight.csv", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2024, 1, 1, 10, 0, 0.25));
+  EXPECT_DOUBLE_EQ(log->attitude[1].t_s, 0.25);
+  EXPECT_NEAR(log->baro[1].height_above_takeoff_m - log->baro[0].height_above_takeoff_m, 1.0, 0.05)
+      << "12 Pa a metre";
+}
+
+TEST(ParseImagesCsv, ReadsPosesOfPhotos) {
+  const std::string text =
+      "image,utc,lat,lon,alt_ell,yaw,pitch,roll,sh,sv,s_rp,s_yaw\n"
+      "a.jpg,2024-01-01T10:00:00Z,47.5,8.5,500,10,-90,0,0.02,0.03,0.5,2\n"
+      "b.jpg,2024-01-01T10:00:02.5Z,47.6,8.5,500,,,,,,,\n";
+  const auto format = RecogniseLog(BytesOf(text), "whatever.dat");
+  ASSERT_TRUE(format.ok());
+  EXPECT_EQ(**format, LogFormat::kImagesCsv);
+  const auto log = ParseImagesCsv("images.csv", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->events.size(), 2u);
+  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[1], DegToRad(-90.0), 1e-12);
+  EXPECT_EQ(log->events[0].attitude_kind, AttitudeKind::kGimbal);
+  EXPECT_NEAR(*log->events[0].sigma_yaw_rad, DegToRad(2.0), 1e-12);
+  EXPECT_DOUBLE_EQ(log->events[1].t_s, 2.5);
+}
+
+TEST(ParseTolerantCsv, ReadsAirDataInFeetAndMilesPerHour) {
+  std::string text =
+      "time(millisecond),datetime(utc),latitude,longitude,height_above_takeoff(feet),altitude_above_seaLevel("
+      "feet),"
+      "height_sonar(feet),speed(mph), xSpeed(mph), ySpeed(mph), zSpeed(mph), compass_heading(degrees), "
+      "pitch(degrees), "
+      "roll(degrees),isPhoto,gimbal_heading(degrees),gimbal_pitch(degrees),gimbal_roll(degrees),message\n";
+  for (int i = 0; i < 100; ++i) {
+    const int ms = 700 + i * 100;  // the clock of the date ticked 0.3 s after the log began
+    text += std::to_string(i * 100) + ",2021-06-01 10:00:0" + std::to_string(ms / 1000 % 10) + ",47." +
+            std::to_string(500000 + i) + ",8.5,100,1500," + (i == 5 ? "10" : "0") + ",5,10,0,-1,90,1,2," +
+            (i % 20 == 7 || i % 20 == 8 ? "1" : "0") + ",91,-90,0,\"Obstacle, avoided\"\n";
+  }
+  ASSERT_TRUE(LooksLikeTolerantCsv(BytesOf(text)));
+  const auto log = ParseTolerantCsv("airdata.csv", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->gnss.size(), 100u);
+  EXPECT_DOUBLE_EQ(log->gnss[3].t_s, 0.3);
+  EXPECT_NEAR(*log->gnss[0].height_amsl_m, 457.2, 1e-9);
+  EXPECT_NEAR(log->gnss[0].velocity_in_ned_mps->x(), 4.4704, 1e-9);
+  EXPECT_NEAR(log->baro[0].height_above_takeoff_m, 30.48, 1e-9);
+  ASSERT_EQ(log->range.size(), 1u) << "0 feet is no reading";
+  EXPECT_NEAR(log->range[0].distance_m, 3.048, 1e-9);
+  EXPECT_EQ(log->gimbal.size(), 100u);
+  ASSERT_EQ(log->events.size(), 5u) << "two rows of one photo are one event";
+  EXPECT_DOUBLE_EQ(log->events[0].t_s, 0.7);
+  // Whole seconds were written; the finest reading of them is 0.3 s after the truth at most.
+  const double zero_s =
+      std::chrono::duration<double>(*log->utc_at_zero - *UtcFromCivil(2021, 6, 1, 10, 0, 0.0)).count();
+  EXPECT_NEAR(zero_s, 0.7, 0.15);
+  bool echoed = false;
+  for (const auto& line : log->mapping) echoed = echoed || line == "xSpeed(mph) -> velocity north, mph";
+  EXPECT_TRUE(echoed);
+}
+
+// One minute of a hover that turns, with accelerations in `accel_unit` of m/s2 and rates in `rate_unit` of
+// rad/s.
+std::string PhoneLog(const std::string& header, double time_unit, double accel_unit, double rate_unit,
+                     bool z_up) {
+  std::string text = header + "\n";
+  for (int i = 0; i < 3000; ++i) {
+    const double t = i * 0.02;
+    const double yaw_rate = 0.5 * std::sin(0.5 * t);
+    const double yaw = 1.0 - std::cos(0.5 * t);
+    const double z = (z_up ? 9.81 : -9.81) + 0.3 * std::sin(9.0 * t);
+    text += std::to_string(t / time_unit) + "," + std::to_string(0.1 / accel_unit) + "," +
+            std::to_string(-0.2 / accel_unit) + "," + std::to_string(z / accel_unit) + ",0,0," +
+            std::to_string((z_up ? -yaw_rate : yaw_rate) / rate_unit) + ",0,0," +
+            std::to_string(yaw * 180.0 / M_PI) + "\n";
+  }
+  return text;
+}
+
+TEST(ParseTolerantCsv, FindsUnitsAndAxesByPhysics) {
+  struct Case {
+    double time_unit, accel_unit, rate_unit;
+    bool z_up;
+  };
+  for (const Case& c : {Case{1.0, 1.0, 1.0, false}, Case{1e-3, 9.80665, M_PI / 180.0, true},
+                        Case{1e-6, 9.80665e-3, 1.0, false}, Case{1e-9, 1.0, M_PI / 180.0, true}}) {
+    const auto log = ParseTolerantCsv(
+        "phone.csv", BytesOf(PhoneLog("timestamp,acc_x,acc_y,acc_z,gyro_x,gyro_y,gyro_z,roll,pitch,yaw",
+                                      c.time_unit, c.accel_unit, c.rate_unit, c.z_up)));
+    ASSERT_TRUE(log.ok()) << log.error().message;
+    ASSERT_EQ(log->imu.size(), 3000u);
+    EXPECT_NEAR(log->imu[100].t_s, 2.0, 1e-6) << c.time_unit;
+    EXPECT_NEAR(log->imu[100].specific_force_mps2.z(), -9.81, 0.4) << c.accel_unit;
+    EXPECT_NEAR(log->imu[100].specific_force_mps2.x(), 0.1, 0.01);
+    EXPECT_NEAR(log->imu[100].specific_force_mps2.y(), c.z_up ? 0.2 : -0.2, 0.01);
+    EXPECT_NEAR(log->imu[100].angular_rate_radps.z(), 0.5 * std::sin(1.0), 1e-3) << c.rate_unit;
+  }
+}
+
+TEST(ParseTolerantCsv, NamesTheColumnThatContradictsPhysics) {
+  const auto wrong_accel = ParseTolerantCsv(
+      "a.csv", BytesOf(PhoneLog("time(s),ax(g),ay(g),az(g),gx,gy,gz,roll,pitch,yaw", 1.0, 1.0, 1.0, false)));
+  ASSERT_FALSE(wrong_accel.ok());
+  EXPECT_EQ(wrong_accel.error().code, ErrorCode::kUnprocessable);
+  EXPECT_NE(wrong_accel.error().message.find("ax(g)"), std::string::npos);
+  const auto wrong_rate = ParseTolerantCsv(
+      "b.csv",
+      BytesOf(PhoneLog("time(s),ax,ay,az,gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],roll,pitch,yaw", 1.0,
+                       1.0, M_PI / 180.0, false)));
+  ASSERT_FALSE(wrong_rate.ok());
+  EXPECT_NE(wrong_rate.error().message.find("gyro_x [rad/s]"), std::string::npos);
+}
+
+TEST(ParseTolerantCsv, SpreadsRowsOfACoarseClock) {
+  std::string text = "utc;lat;lon\n";
+  for (int i = 0; i < 50; ++i) {
+    text += "2021-06-01 10:00:0" + std::to_string(i / 10) + ";47." + std::to_string(500000 + i) + ";8.5\n";
+  }
+  const auto log = ParseTolerantCsv("coarse.csv", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->gnss.size(), 50u) << "none is thrown away as a duplicate";
+  EXPECT_NEAR(log->gnss[25].t_s, 2.5, 0.01);
+}
+
+TEST(RecogniseLog, GoesByContent) {
+  EXPECT_FALSE(RecogniseLog(BytesOf("just a text file\nwith lines\n"), "flight.BIN")->has_value());
+  EXPECT_FALSE(RecogniseLog(BytesOf("Dear all,\nplease find, time, attached\n"), "a.csv")->has_value());
+  const std::string jpeg = "\xFF\xD8\xFF\xE1 not a log";
+  EXPECT_FALSE(RecogniseLog(BytesOf(jpeg), "a.tlog")->has_value());
+  const std::string binary = std::string("\x00\x01\x02\x03\x9A\xFF", 6);
+  const auto encrypted = RecogniseLog(BytesOf(binary), "DJIFlightRecord_2021-06-01_[10-00-00].txt");
+  ASSERT_FALSE(encrypted.ok());
+  EXPECT_EQ(encrypted.error().code, ErrorCode::kUnsupportedFormat);
+  EXPECT_NE(encrypted.error().message.find("AirData"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

@@ -1,0 +1,182 @@
+#include "core/flight/logs/dataflash.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "tests/core/flight/logs/log_writers.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using geo::DegToRad;
+using testing::Bytes;
+using testing::DataflashWriter;
+
+// A minute of the modern layout: two IMUs of which the first clips, RTK GPS with accuracies, CAM rows.
+Bytes ModernLog() {
+  DataflashWriter w;
+  w.Define(1, "IMU", "QBffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ");
+  w.Define(2, "VIBE", "QBfffI", "TimeUS,IMU,VibeX,VibeY,VibeZ,Clip");
+  w.Define(3, "GPS", "QBBIHBcLLeffff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs,VZ,Yaw");
+  w.Define(4, "GPA", "QBCCCC", "TimeUS,I,VDop,HAcc,VAcc,SAcc");
+  w.Define(5, "ATT", "Qccccccee", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw,ErrRP,ErrYaw");
+  w.Define(6, "BARO", "QBfff", "TimeUS,I,Alt,Press,Temp");
+  w.Define(7, "RFND", "QBCBB", "TimeUS,Instance,Dist,Stat,Orient");
+  w.Define(8, "CAM", "QBHIHLLeeefff", "TimeUS,I,Img,GPSTime,GPSWeek,Lat,Lng,Alt,RelAlt,GPSAlt,R,P,Y");
+  w.Define(9, "TRIG", "QBHIHLLeeefff", "TimeUS,I,Img,GPSTime,GPSWeek,Lat,Lng,Alt,RelAlt,GPSAlt,R,P,Y");
+  for (int i = 0; i < 600; ++i) {
+    const double us = 5e6 + i * 1e5;
+    w.Write(1, {us, 0, 9, 9, 9, 9, 9, 9});
+    w.Write(1, {us, 1, 0.01, -0.02, 0.03, 0.1, -0.2, -9.8});
+    if (i % 10 == 0) {
+      w.Write(2, {us, 0, 1, 1, 1, static_cast<double>(i)});
+      w.Write(2, {us, 1, 1, 1, 1, 0});
+      w.Write(3, {us, 0, 6, 345'600'000.0 + i * 100, 2300, 18, 0.7, -27.5, 153.25 + i * 1e-6, 120.5, 5, 90,
+                  -0.5, 0});
+      w.Write(4, {us, 0, 1, 0.02, 0.04, 0.1});
+      w.Write(5, {us, 0, -12.5, 0, 3.25, 0, 271.0});
+      w.Write(6, {us, 0, 0.1 * i, 101000, 20});
+      w.Write(7, {us, 0, 20.5, 4, 25});
+      w.Write(7, {us, 0, 99.0, 1, 25});  // no data
+    }
+    if (i % 50 == 25) {
+      w.Write(9, {us - 5e4, 0, i / 50.0, 0, 0, -27.5, 153.25, 150, 30, 150, 1, 2, 3});
+      w.Write(8, {us, 0, i / 50.0, 0, 0, -27.5, 153.25, 150.25, 30.5, 150, -1.5, 2.5, 180});
+    }
+  }
+  return w.bytes();
+}
+
+TEST(ParseDataflash, ReadsTheModernLayoutInSiUnits) {
+  const Bytes bytes = ModernLog();
+  ASSERT_TRUE(LooksLikeDataflash(bytes));
+  const auto log = ParseDataflash("flight.BIN", bytes);
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->imu.size(), 600u);
+  EXPECT_NEAR(log->imu[10].specific_force_mps2.z(), -9.8, 1e-6) << "the IMU without clips";
+  EXPECT_NEAR(log->imu[10].angular_rate_radps.y(), -0.02, 1e-8);
+  EXPECT_DOUBLE_EQ(log->imu[10].t_s, 6.0);
+  ASSERT_EQ(log->gnss.size(), 60u);
+  const GnssSample& fix = log->gnss[1];
+  EXPECT_NEAR(fix.position.lat_deg, -27.5, 1e-9);
+  EXPECT_NEAR(fix.position.lon_deg, 153.25001, 1e-9);
+  EXPECT_DOUBLE_EQ(*fix.height_amsl_m, 120.5);
+  EXPECT_NEAR(fix.velocity_in_ned_mps->y(), 5.0, 1e-6);
+  EXPECT_NEAR(fix.velocity_in_ned_mps->z(), -0.5, 1e-6);
+  EXPECT_DOUBLE_EQ(*fix.sigma_horizontal_m, 0.02);
+  EXPECT_DOUBLE_EQ(*fix.sigma_vertical_m, 0.04);
+  EXPECT_TRUE(fix.is_rtk_fixed);
+  ASSERT_EQ(log->attitude.size(), 60u);
+  const auto expected = NedFromYawPitchRoll(DegToRad(271.0), DegToRad(3.25), DegToRad(-12.5));
+  EXPECT_LT(expected.angularDistance(log->attitude[0].ned_from_body), 1e-9);
+  EXPECT_NEAR(log->baro[1].height_above_takeoff_m, 1.0, 1e-6);
+  ASSERT_EQ(log->range.size(), 60u);
+  EXPECT_DOUBLE_EQ(log->range[0].distance_m, 20.5);
+  EXPECT_EQ(log->message_counts.at("IMU"), 1200u);
+  EXPECT_EQ(log->message_counts.at("FMT"), 10u);
+}
+
+TEST(ParseDataflash, TakesShutterRowsBeforeCommands) {
+  const auto log = ParseDataflash("flight.BIN", ModernLog());
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->events.size(), 12u);
+  const CameraEvent& event = log->events[1];
+  EXPECT_TRUE(event.is_feedback);
+  EXPECT_DOUBLE_EQ(event.t_s, 12.5);
+  EXPECT_DOUBLE_EQ(*event.height_amsl_m, 150.25);
+  EXPECT_DOUBLE_EQ(*event.height_above_takeoff_m, 30.5);
+  EXPECT_NEAR((*event.yaw_pitch_roll_rad)[0], DegToRad(180.0), 1e-6);
+  EXPECT_NEAR((*event.yaw_pitch_roll_rad)[2], DegToRad(-1.5), 1e-6);
+}
+
+TEST(ParseDataflash, KnowsUtcFromTheGpsWeekWithLeapSeconds) {
+  const auto log = ParseDataflash("flight.BIN", ModernLog());
+  ASSERT_TRUE(log.ok());
+  ASSERT_TRUE(log->utc_at_zero.has_value());
+  // Week 2300 began on 2024-02-04; four days in, minus 18 leap seconds, minus the 5 s since boot.
+  const auto expected = UtcFromCivil(2024, 2, 7, 23, 59, 37.0);
+  EXPECT_EQ(*log->utc_at_zero, *expected);
+  EXPECT_GE(log->utc_sigma_s, 0.1);
+}
+
+TEST(ParseDataflash, ReadsTheOldLayout) {
+  DataflashWriter w;
+  w.Define(1, "IMU", "Iffffff", "TimeMS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ");
+  w.Define(2, "IMU2", "Iffffff", "TimeMS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ");
+  w.Define(3, "GPS", "BIHBcLLeeEefI", "Status,TimeMS,Week,NSats,HDop,Lat,Lng,RelAlt,Alt,Spd,GCrs,VZ,T");
+  w.Define(4, "CAM", "IHLLeeccC", "GPSTime,GPSWeek,Lat,Lng,Alt,RelAlt,Roll,Pitch,Yaw");
+  w.Define(5, "EKF1", "IccCffffffccc", "TimeMS,Roll,Pitch,Yaw,VN,VE,VD,PN,PE,PD,GX,GY,GZ");
+  for (int i = 0; i < 100; ++i) {
+    const double ms = 20'000 + i * 20;
+    w.Write(1, {ms, 0.1, 0.2, 0.3, 0, 0, -9.8});
+    w.Write(2, {ms, 0, 0, 0, 0, 0, -9.7});
+    if (i % 10 == 0)
+      w.Write(3, {3, 100'000 + ms, 1900, 9, 1.2, 10.0, 20.0, 15.5, 100.25, 4.0, 45.0, 0.25, ms});
+    if (i == 50) w.Write(4, {100'000 + ms, 1900, 10.0, 20.0, 130, 30, 1, 2, 359});
+    w.Write(5, {ms, 1.0, 2.0, 359.0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  }
+  const auto log = ParseDataflash("old.bin", w.bytes());
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->imu.size(), 100u);
+  EXPECT_NEAR(log->imu[0].angular_rate_radps.x(), 0.1, 1e-7);
+  EXPECT_DOUBLE_EQ(log->imu[0].t_s, 20.0);
+  ASSERT_EQ(log->gnss.size(), 10u);
+  EXPECT_DOUBLE_EQ(log->gnss[0].t_s, 20.0);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 100.25);
+  EXPECT_NEAR(log->gnss[0].velocity_in_ned_mps->x(), 4.0 * std::cos(DegToRad(45.0)), 1e-6);
+  ASSERT_EQ(log->events.size(), 1u);
+  EXPECT_NEAR(log->events[0].t_s, 21.0, 1e-6) << "placed through GPS time: the row has no time since boot";
+  EXPECT_FALSE(log->events[0].is_feedback);
+  ASSERT_EQ(log->attitude.size(), 100u) << "the filter's attitude where ATT is absent";
+}
+
+TEST(ParseDataflash, KeepsTheLongestPartWhenTheClockRestarts) {
+  DataflashWriter w;
+  w.Define(6, "BARO", "Qf", "TimeUS,Alt");
+  for (int i = 0; i < 30; ++i) w.Write(6, {100e6 + i * 1e5, 1.0 * i});
+  for (int i = 0; i < 200; ++i) w.Write(6, {2e6 + i * 1e5, 2.0 * i});
+  const auto log = ParseDataflash("restart.bin", w.bytes());
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->baro.size(), 200u);
+  EXPECT_NEAR(log->baro[0].t_s, 2.0, 1e-6);
+  EXPECT_NEAR(log->baro[199].height_above_takeoff_m, 398.0, 1e-6);
+  ASSERT_FALSE(log->warnings.empty());
+}
+
+TEST(ParseDataflash, DropsAStrayTimeStampAndContradictingDuplicates) {
+  DataflashWriter w;
+  w.Define(6, "BARO", "Qf", "TimeUS,Alt");
+  for (int i = 0; i < 20; ++i) {
+    w.Write(6, {1e6 + i * 1e5, 1.0 * i});
+    if (i == 10) w.Write(6, {9e12, 5.0});
+    if (i == 12) w.Write(6, {1e6 + i * 1e5, 1.0 * i});  // the same again: one is kept
+    if (i == 15) w.Write(6, {1e6 + i * 1e5, 777.0});    // another value at the same time: neither is
+  }
+  const auto log = ParseDataflash("stray.bin", w.bytes());
+  ASSERT_TRUE(log.ok());
+  EXPECT_EQ(log->baro.size(), 19u);
+  for (const BaroSample& sample : log->baro) EXPECT_LT(sample.t_s, 10.0);
+}
+
+TEST(ParseDataflash, GoesOnAfterDamage) {
+  Bytes bytes = ModernLog();
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 500; ++i) bytes[i] = 0x5A;
+  const auto log = ParseDataflash("damaged.bin", bytes);
+  ASSERT_TRUE(log.ok());
+  EXPECT_GT(log->imu.size(), 580u);
+  EXPECT_LT(log->imu.size(), 600u);
+  EXPECT_NE(log->warnings[0].find("damaged bytes"), std::string::npos);
+}
+
+TEST(ParseDataflash, RefusesALogWithoutMessages) {
+  DataflashWriter w;
+  const auto log = ParseDataflash("empty.bin", w.bytes());
+  ASSERT_FALSE(log.ok());
+  EXPECT_EQ(log.error().code, ErrorCode::kCorrupt);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

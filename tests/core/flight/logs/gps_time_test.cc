@@ -1,0 +1,67 @@
+#include "core/flight/logs/gps_time.h"
+
+#include <gtest/gtest.h>
+
+namespace skyquilt::flight {
+namespace {
+
+TEST(UtcFromGpsWeek, AppliesTheLeapSecondsOfItsDay) {
+  // The GPS epoch's first weeks had none; 2005 had 13, 2016 had 17, today has 18.
+  EXPECT_EQ(*UtcFromGpsWeek(1, 0), *UtcFromCivil(1980, 1, 13, 0, 0, 0.0));
+  EXPECT_EQ(*UtcFromGpsWeek(1316, 518'400'000'000), *UtcFromCivil(2005, 4, 1, 23, 59, 47.0));
+  EXPECT_EQ(*UtcFromGpsWeek(1905, 0), *UtcFromCivil(2016, 7, 9, 23, 59, 43.0));
+  EXPECT_EQ(*UtcFromGpsWeek(2211, 296'288'242'869), *UtcFromCivil(2022, 5, 25, 10, 17, 50.242869));
+}
+
+TEST(UtcFromGpsWeek, StepsAtTheLeapSecondItself) {
+  // 2017-01-01 00:00:00 UTC is 18 s into that GPS day, which began in week 1930.
+  const auto before = UtcFromGpsWeek(1930, 16'500'000);
+  const auto after = UtcFromGpsWeek(1930, 18'000'000);
+  EXPECT_EQ(*after, *UtcFromCivil(2017, 1, 1, 0, 0, 0.0));
+  EXPECT_EQ(*before, *UtcFromCivil(2016, 12, 31, 23, 59, 59.5));
+}
+
+TEST(UtcFromGpsWeek, RefusesWhatIsNoWeek) {
+  EXPECT_FALSE(UtcFromGpsWeek(0, 0).has_value());
+  EXPECT_FALSE(UtcFromGpsWeek(2211, 604'800'000'001).has_value());
+  EXPECT_FALSE(UtcFromGpsWeek(2211, -1).has_value());
+}
+
+TEST(ParseWrittenTime, ReadsEveryWayLogsWriteIt) {
+  const UtcTime expected = *UtcFromCivil(2022, 5, 1, 15, 1, 58.0);
+  for (const char* text :
+       {"2022-05-01T15:01:58Z", "2022-05-01 15:01:58", "2022.5.1 15:01:58", "2022:05:01 15:01:58",
+        "2022/05/01 15:01:58.000", "2022-05-01T17:01:58+02:00", "2022-05-01T17:01:58+0200"}) {
+    const auto time = ParseWrittenTime(text);
+    ASSERT_TRUE(time.has_value()) << text;
+    EXPECT_EQ(time->time, expected) << text;
+  }
+  EXPECT_EQ(ParseWrittenTime("2022-05-01 15:01:58,531,716")->time,
+            *UtcFromCivil(2022, 5, 1, 15, 1, 58.531716));
+  EXPECT_NEAR(ParseWrittenTime("2022-05-01 15:01:58.25")->resolution_s, 0.01, 1e-9);
+  EXPECT_TRUE(ParseWrittenTime("2022-05-01T15:01:58Z")->names_zone);
+  EXPECT_FALSE(ParseWrittenTime("2022-05-01T15:01:58")->names_zone);
+}
+
+TEST(ParseWrittenTime, RefusesWhatIsNoDate) {
+  for (const char* text : {"", "2022", "2022-13-01 00:00:00", "2022-02-30 00:00:00", "2022-05-01 25:00:00",
+                           "99999999999-01-01 00:00:00", "2022-05-01 15:01", "0000:00:00 00:00:00"}) {
+    EXPECT_FALSE(ParseWrittenTime(text).has_value()) << text;
+  }
+}
+
+TEST(ClockPairs, IsNotMovedByAFewWrongPairs) {
+  ClockPairs pairs;
+  const UtcTime zero = *UtcFromCivil(2020, 1, 1, 0, 0, 0.0);
+  for (int i = 0; i < 20'000; ++i) {
+    const auto wrong = i % 10 == 0 ? std::chrono::hours(5) : std::chrono::hours(0);
+    pairs.Add(i * 0.2, zero + std::chrono::milliseconds(i * 200) + wrong);
+  }
+  const auto fit = pairs.Solve();
+  ASSERT_TRUE(fit.has_value());
+  EXPECT_EQ(fit->utc_at_zero, zero);
+  EXPECT_LT(fit->scatter_s, 1e-6);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

@@ -1,0 +1,112 @@
+#include "core/flight/logs/mavlink_tlog.h"
+
+#include <gtest/gtest.h>
+
+#include "core/flight/logs/log_builder.h"
+#include "tests/core/flight/logs/log_writers.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using testing::Append;
+using testing::Bytes;
+using testing::TlogWriter;
+
+template <typename... Values>
+Bytes Pack(Values... values) {
+  Bytes bytes;
+  (Append(bytes, values), ...);
+  return bytes;
+}
+
+constexpr std::uint64_t kGroundUs = 1'650'000'000'000'000;
+constexpr std::uint64_t kVehicleUs =
+    kGroundUs - 3'600'000'000;  // the ground station's clock is an hour ahead
+
+Bytes Telemetry(bool second, bool vehicle_knows_utc) {
+  TlogWriter w;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const std::uint32_t boot_ms = 60'000 + i * 250;
+    // The link delays packets by up to 200 ms.
+    const std::uint64_t ground = kGroundUs + std::uint64_t{boot_ms} * 1000 + (i % 5) * 50'000;
+    if (vehicle_knows_utc)
+      w.Packet(ground, 2, 137, Pack(kVehicleUs + std::uint64_t{boot_ms} * 1000, boot_ms), second);
+    w.Packet(ground, 30, 39, Pack(boot_ms, 0.1f, -0.2f, 1.5f, 0.0f, 0.0f, 0.0f), second);
+    w.Packet(ground, 24, 24,
+             Pack(std::uint64_t{boot_ms} * 1000, std::int32_t{-353'632'610}, std::int32_t{1'491'652'300},
+                  std::int32_t{584'000}, std::uint16_t{70}, std::uint16_t{110}, std::uint16_t{500},
+                  std::uint16_t{9000}, std::uint8_t{3}, std::uint8_t{12}),
+             second);
+    w.Packet(ground, 33, 104,
+             Pack(boot_ms, std::int32_t{-353'632'610}, std::int32_t{1'491'652'300}, std::int32_t{584'000},
+                  std::int32_t{20'500}, std::int16_t{100}, std::int16_t{-200}, std::int16_t{0},
+                  std::uint16_t{9000}),
+             second);
+    if (i % 20 == 10) {
+      w.Packet(ground, 180, 52,
+               Pack(kVehicleUs + std::uint64_t{boot_ms} * 1000, std::int32_t{-353'632'610},
+                    std::int32_t{1'491'652'300}, 610.5f, 26.5f, 1.0f, 2.0f, 90.0f, 0.0f, std::uint16_t{7},
+                    std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{3}),
+               second);
+    }
+    w.Packet(ground, 30, 39, Pack(boot_ms, 3.0f, 3.0f, 3.0f, 0.0f, 0.0f, 0.0f), second,
+             200 + (i % 3 == 0 ? 1 : 2));
+  }
+  return w.bytes();
+}
+
+TEST(ParseMavlinkTlog, ReadsBothProtocolsAlike) {
+  for (const bool second : {false, true}) {
+    const Bytes bytes = Telemetry(second, true);
+    ASSERT_TRUE(LooksLikeMavlinkTlog(bytes));
+    const auto log = ParseMavlinkTlog("t.tlog", bytes);
+    ASSERT_TRUE(log.ok());
+    ASSERT_EQ(log->attitude.size(), 100u) << "one vehicle only";
+    const auto expected = NedFromYawPitchRoll(1.5, -0.2, 0.1);
+    EXPECT_LT(expected.angularDistance(log->attitude[3].ned_from_body), 1e-6);
+    EXPECT_DOUBLE_EQ(log->attitude[3].t_s, 60.75) << "the vehicle's clock, without the delay of the link";
+    ASSERT_EQ(log->gnss.size(), 100u);
+    EXPECT_NEAR(log->gnss[0].position.lat_deg, -35.363261, 1e-9);
+    EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 584.0);
+    EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 20.5);
+    EXPECT_EQ(log->message_counts.at("ATTITUDE"), 200u);
+  }
+}
+
+TEST(ParseMavlinkTlog, PrefersTheVehiclesUtcToTheGroundStations) {
+  const auto log = ParseMavlinkTlog("t.tlog", Telemetry(true, true));
+  ASSERT_TRUE(log.ok());
+  EXPECT_EQ(log->utc_at_zero->time_since_epoch().count(), static_cast<std::int64_t>(kVehicleUs));
+  EXPECT_LT(log->utc_sigma_s, 1.0);
+  ASSERT_EQ(log->events.size(), 5u);
+  EXPECT_NEAR(log->events[0].t_s, 62.5, 1e-6);
+  EXPECT_TRUE(log->events[0].is_feedback);
+  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[0], geo::DegToRad(90.0), 1e-6);
+}
+
+TEST(ParseMavlinkTlog, SaysHowLittleItTrustsTheGroundStation) {
+  const auto log = ParseMavlinkTlog("t.tlog", Telemetry(false, false));
+  ASSERT_TRUE(log.ok());
+  ASSERT_TRUE(log->utc_at_zero.has_value());
+  EXPECT_NEAR(static_cast<double>(log->utc_at_zero->time_since_epoch().count() -
+                                  static_cast<std::int64_t>(kGroundUs)),
+              1e5, 1e5);
+  EXPECT_GE(log->utc_sigma_s, 5.0);
+}
+
+TEST(ParseMavlinkTlog, SkipsPacketsWithAWrongChecksum) {
+  Bytes bytes = Telemetry(true, true);
+  bytes[bytes.size() / 2] ^= 0xFF;
+  const auto log = ParseMavlinkTlog("t.tlog", bytes);
+  ASSERT_TRUE(log.ok());
+  std::uint64_t messages = 0;
+  for (const auto& [name, count] : log->message_counts) messages += count;
+  EXPECT_GE(messages, 503u);
+  EXPECT_LE(messages, 504u);
+  bool said = false;
+  for (const auto& warning : log->warnings) said = said || warning.find("damaged") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
+}  // namespace
+}  // namespace skyquilt::flight

@@ -1,0 +1,300 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/flight/logs/dji_mrk.h"
+#include "core/flight/logs/dji_srt.h"
+#include "core/flight/logs/gcp_list.h"
+#include "core/flight/logs/geo_txt.h"
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/gpx.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/nmea.h"
+#include "core/flight/logs/pix4d_csv.h"
+#include "core/flight/logs/rtklib_pos.h"
+#include "core/flight/logs/sensefly_geoinfo.h"
+#include "core/flight/logs/srs.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using geo::DegToRad;
+
+TEST(ParseDjiMrk, ReadsExposuresWithTheirSequence) {
+  const std::string text =
+      "7\t296288.242869\t[2211]\t     3,N\t     0,E\t    "
+      "75,V\t47.6436873208,Lat\t16.4759271684,Lon\t512.998,Ellh\t"
+      "0.014391, 0.013698, 0.029694\t50,Q\r\n"
+      "9\t296289.777625\t[2211]\t     5,N\t     1,E\t    75,V\t0.0,Lat\t0.0,Lon\t0.0,Ellh\t1, 1, 1\t0,Q\r\n"
+      "broken row\r\n";
+  ASSERT_TRUE(LooksLikeDjiMrk(BytesOf(text)));
+  const auto log = ParseDjiMrk("a.MRK", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->events.size(), 2u);
+  EXPECT_EQ(*log->events[0].sequence, 7);
+  EXPECT_DOUBLE_EQ(log->events[0].t_s, 0.0);
+  EXPECT_NEAR(log->events[1].t_s, 1.534756, 1e-6);
+  EXPECT_DOUBLE_EQ(log->events[0].position->lat_deg, 47.6436873208);
+  EXPECT_DOUBLE_EQ(*log->events[0].height_ellipsoid_m, 512.998);
+  EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[2], 0.029694);
+  EXPECT_TRUE(log->events[0].is_rtk_fixed);
+  EXPECT_FALSE(log->events[1].position.has_value()) << "no fix";
+  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2022, 5, 25, 10, 17, 50.242869));
+  EXPECT_EQ(log->warnings.size(), 1u);
+}
+
+std::string Srt(const std::string& body) {
+  return "1\n00:00:01,500 --> 00:00:02,000\n" + body + "\n\n2\n00:00:02,500 --> 00:00:03,000\n" + body + "\n";
+}
+
+TEST(ParseDjiSrt, KnowsThatTheOrderOfCoordinatesDependsOnTheDialect) {
+  const auto old_order = ParseDjiSrt("a.srt", BytesOf(Srt("GPS(149.0251,-20.2533,16) BAROMETER:1.9")));
+  ASSERT_TRUE(old_order.ok());
+  EXPECT_DOUBLE_EQ(old_order->gnss[0].position.lat_deg, -20.2533);
+  EXPECT_DOUBLE_EQ(old_order->gnss[0].position.lon_deg, 149.0251);
+  EXPECT_DOUBLE_EQ(old_order->baro[0].height_above_takeoff_m, 1.9);
+  EXPECT_DOUBLE_EQ(old_order->gnss[0].t_s, 1.5);
+  EXPECT_GT(*old_order->gnss[0].sigma_horizontal_m, 3.0) << "four decimals are steps of 11 m";
+  const auto matrice = ParseDjiSrt("b.srt", BytesOf(Srt("GPS(36.6146,-6.1120,0.0M) BAROMETER:0.3M")));
+  ASSERT_TRUE(matrice.ok());
+  EXPECT_DOUBLE_EQ(matrice->gnss[0].position.lat_deg, 36.6146);
+  EXPECT_DOUBLE_EQ(matrice->gnss[0].position.lon_deg, -6.1120);
+}
+
+TEST(ParseDjiSrt, ReadsBracketedValuesAndBothHeights) {
+  const std::string text =
+      "\xEF\xBB\xBF" + Srt("<font size=\"28\">FrameCnt: 1, DiffTime: 33ms\n2023-01-02 03:04:05.678\n"
+                           "[latitude : 41.424724] [longtitude : 2.234156] [rel_alt: 12.500 abs_alt: "
+                           "117.250] [gb_yaw: 45.0 gb_pitch: -90.0 gb_roll: 0.0]</font>");
+  const auto log = ParseDjiSrt("c.srt", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  EXPECT_DOUBLE_EQ(log->gnss[0].position.lon_deg, 2.234156);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 117.25);
+  EXPECT_LT(*log->gnss[0].sigma_horizontal_m, 2.1);
+  EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 12.5);
+  ASSERT_EQ(log->gimbal.size(), 2u);
+  EXPECT_NEAR(log->gimbal[0].ned_from_body.toRotationMatrix()(2, 0), 1.0, 1e-9)
+      << "the optical axis points down";
+  EXPECT_FALSE(log->utc_at_zero.has_value()) << "a local clock is not UTC";
+  ASSERT_TRUE(log->local_at_zero.has_value());
+  // Both subtitles carry one stamp here, at 1.5 s and at 2.5 s.
+  EXPECT_LE(*log->local_at_zero, *UtcFromCivil(2023, 1, 2, 3, 4, 4.178));
+  EXPECT_GE(*log->local_at_zero, *UtcFromCivil(2023, 1, 2, 3, 4, 3.178));
+}
+
+TEST(ParseDjiSrt, ReadsAirframeAndGimbalAngles) {
+  const auto log = ParseDjiSrt(
+      "d.srt",
+      BytesOf(Srt("F/5.6, GPS (-58.851745, -34.237922, 15), H 85.80m, H.S 0.00m/s, F.PRY (2.7\xC2\xB0, "
+                  "-7.0\xC2\xB0, 110.1\xC2\xB0), G.PRY (-24.4\xC2\xB0, 0.0\xC2\xB0, 110.4\xC2\xB0)")));
+  ASSERT_TRUE(log.ok());
+  const Eigen::Vector3d airframe = YawPitchRollFromNed(log->attitude[0].ned_from_body);
+  EXPECT_NEAR(airframe[0], DegToRad(110.1), 1e-9);
+  EXPECT_NEAR(airframe[1], DegToRad(2.7), 1e-9);
+  EXPECT_NEAR(airframe[2], DegToRad(-7.0), 1e-9);
+  EXPECT_NEAR(YawPitchRollFromNed(log->gimbal[0].ned_from_body)[1], DegToRad(-24.4), 1e-9);
+  EXPECT_DOUBLE_EQ(log->baro[0].height_above_takeoff_m, 85.8);
+}
+
+TEST(ParseDjiSrt, SaysWhenThereIsNoPosition) {
+  const auto log = ParseDjiSrt("e.srt", BytesOf(Srt("ISO:100 Shutter:60")));
+  ASSERT_FALSE(log.ok());
+  EXPECT_EQ(log.error().code, ErrorCode::kNoPosition);
+  EXPECT_FALSE(ParseDjiSrt("f.srt", {}).ok());
+}
+
+TEST(ParseRtklibPos, ReadsItsCoordinateAndTimeForms) {
+  const std::string dms =
+      "% program   : RTKLIB ver.2.4.2\n%  GPST                          latitude(d'\")   longitude(d'\")  "
+      "height(m)   Q  ns\n"
+      "2005/04/02 00:00:00.000   -35 09 39.11744  139 36 49.83479    31.9009   1   7   0.0058   0.0044   "
+      "0.0136 0 0 0 0 0\n";
+  const auto log = ParseRtklibPos("a.pos", BytesOf(dms));
+  ASSERT_TRUE(log.ok());
+  EXPECT_NEAR(log->gnss[0].position.lat_deg, -(35.0 + 9.0 / 60.0 + 39.11744 / 3600.0), 1e-12);
+  EXPECT_TRUE(log->gnss[0].is_rtk_fixed);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].sigma_horizontal_m, 0.0058);
+  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2005, 4, 1, 23, 59, 47.0)) << "GPS time was 13 s ahead";
+  const std::string weeks =
+      "%  GPST          latitude(deg) longitude(deg)  height(m)   Q  ns\n1316 518400.000   35.160865956  "
+      "139.613842997  31.9  2  7 1 2 3\n";
+  const auto by_week = ParseRtklibPos("b.pos", BytesOf(weeks));
+  ASSERT_TRUE(by_week.ok());
+  EXPECT_EQ(*by_week->utc_at_zero, *log->utc_at_zero);
+  EXPECT_FALSE(by_week->gnss[0].is_rtk_fixed);
+  const geo::Wgs84 place{35.16, 139.61, 31.9};
+  const Eigen::Vector3d ecef = geo::EcefFromWgs84(place);
+  const std::string text =
+      "%  UTC   x-ecef(m)      y-ecef(m)      z-ecef(m)   Q  ns\n2005/04/02 00:00:00.000 " +
+      std::to_string(ecef.x()) + " " + std::to_string(ecef.y()) + " " + std::to_string(ecef.z()) +
+      " 5 7 1 1 1\n";
+  const auto by_ecef = ParseRtklibPos("c.pos", BytesOf(text));
+  ASSERT_TRUE(by_ecef.ok());
+  EXPECT_NEAR(by_ecef->gnss[0].position.lat_deg, 35.16, 1e-9);
+  EXPECT_EQ(*by_ecef->utc_at_zero, *UtcFromCivil(2005, 4, 2, 0, 0, 0.0));
+}
+
+TEST(ParseGeoTxt, ReadsProjectedAndGeographicSystems) {
+  const std::string utm =
+      "WGS84 UTM 16N\r\nDJI_0001.JPG 609925.8180680283 4950688.771811823 171.66 92.5 1.5 NaN\n";
+  const auto log = ParseGeoTxt("geo.txt", BytesOf(utm));
+  ASSERT_TRUE(log.ok());
+  EXPECT_NEAR(log->events[0].position->lat_deg, 44.701146315, 1e-8) << "by Krueger's series";
+  EXPECT_NEAR(log->events[0].position->lon_deg, -85.612468690, 1e-8);
+  EXPECT_FALSE(log->events[0].yaw_pitch_roll_rad.has_value()) << "an angle is missing";
+  EXPECT_FALSE(log->events[0].has_time);
+  const std::string geographic = "EPSG:4326\nb.jpg 16.5 47.5 400 10 0 -5 0.02 0.03\n";
+  const auto degrees = ParseGeoTxt("geo.txt", BytesOf(geographic));
+  ASSERT_TRUE(degrees.ok());
+  EXPECT_DOUBLE_EQ(degrees->events[0].position->lat_deg, 47.5) << "longitude comes first";
+  EXPECT_NEAR((*degrees->events[0].yaw_pitch_roll_rad)[2], DegToRad(-5.0), 1e-12);
+  EXPECT_EQ(degrees->events[0].attitude_kind, AttitudeKind::kAirframe);
+  EXPECT_DOUBLE_EQ((*degrees->events[0].sigma_in_ned_m)[2], 0.03);
+}
+
+TEST(WriteGeoTxt, IsReadBackAsWritten) {
+  std::vector<CameraEvent> events(2);
+  events[0].image_name = "a.jpg";
+  events[0].position = geo::LatLon{-33.123456789, 151.987654321};
+  events[0].height_ellipsoid_m = 123.4567;
+  events[0].yaw_pitch_roll_rad = Eigen::Vector3d(DegToRad(30.0), DegToRad(-88.0), DegToRad(1.0));
+  events[0].attitude_kind = AttitudeKind::kGimbal;
+  events[0].sigma_in_ned_m = Eigen::Vector3d(0.02, 0.01, 0.05);
+  events[1].image_name = "b.jpg";
+  events[1].position = geo::LatLon{-33.2, 151.9};
+  const auto text = WriteGeoTxt(events);
+  ASSERT_TRUE(text.ok());
+  ASSERT_TRUE(LooksLikeGeoTxt(BytesOf(*text)));
+  const auto log = ParseGeoTxt("geo.txt", BytesOf(*text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->events.size(), 2u);
+  EXPECT_NEAR(log->events[0].position->lat_deg, -33.123456789, 1e-10);
+  EXPECT_NEAR(*log->events[0].height_ellipsoid_m, 123.4567, 1e-4);
+  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[1], DegToRad(2.0), 1e-9) << "counted from nadir now";
+  EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[0], 0.02);
+  EXPECT_FALSE(log->events[1].height_ellipsoid_m.has_value());
+  events[0].image_name = "a b.jpg";
+  EXPECT_FALSE(WriteGeoTxt(events).ok());
+}
+
+TEST(ReferenceSystem, RefusesStringsThatOpenFiles) {
+  for (const char* line : {"", "hello", "EPSG:", "EPSG:999999999", "+proj=longlat +nadgrids=/etc/passwd",
+                           "+proj=pipeline", "WGS84 UTM 61N", "WGS84 UTM", "+proj=nonsense"}) {
+    EXPECT_FALSE(ReferenceSystem::Parse(line).ok()) << line;
+  }
+  for (const char* line : {"EPSG:32616", "epsg:2180", "WGS84", "WGS84 UTM 33S", "WGS 84 / UTM zone 33N",
+                           "+proj=utm +zone=11 +ellps=WGS84 +datum=WGS84 +units=m +no_defs"}) {
+    EXPECT_TRUE(ReferenceSystem::Parse(line).ok()) << line;
+  }
+}
+
+TEST(ParseGcpList, JoinsSightingsOfOnePoint) {
+  const std::string text =
+      "EPSG:4326\n16.47592207\t47.64350399\t463.662\t2501.09\t2452.00\tMAX_0029.JPG\tA\n"
+      "16.47592207\t47.64350399\t463.662\t3185.96\t2514.86\tMAX_0142.JPG\tA\n"
+      "16.47619479 47.64346579 461.732 2664.61 2773.97 MAX_0146.JPG B\nnonsense row\n";
+  ASSERT_TRUE(LooksLikeGcpList(BytesOf(text)));
+  EXPECT_FALSE(LooksLikeGeoTxt(BytesOf(text)));
+  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
+  ASSERT_TRUE(list.ok());
+  ASSERT_EQ(list->points.size(), 2u);
+  ASSERT_EQ(list->sightings.size(), 3u);
+  EXPECT_EQ(list->points[1].name, "B");
+  EXPECT_EQ(list->sightings[2].point, 1u);
+  EXPECT_DOUBLE_EQ(list->points[0].position.lat_deg, 47.64350399);
+  EXPECT_EQ(list->warnings.size(), 1u);
+}
+
+TEST(ParseGcpList, ConvertsHeightsWithTheUnitOfTheSystem) {
+  const std::string text =
+      "EPSG:2251\n26607594.75468351 -26813.882366498266 563.1987598425 1331 350 DJI_0002.JPG\n";
+  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
+  ASSERT_TRUE(list.ok());
+  EXPECT_NEAR(*list->points[0].height_m, 171.663, 0.001) << "international feet";
+  EXPECT_NEAR(list->points[0].position.lat_deg, 44.7, 0.1);
+}
+
+TEST(ParsePix4dCsv, UsesAnglesOnlyWhereTheHeaderNamesThem) {
+  const std::string named =
+      "#imagename,latitude [decimal degrees],longitude [decimal degrees],altitude [meter],yaw "
+      "[degrees],pitch "
+      "[degrees],roll [degrees],accuracy horizontal [meter],accuracy vertical "
+      "[meter]\na.jpg,47.5,8.5,500,90,1,2,0.5,1.5\n";
+  ASSERT_TRUE(LooksLikePix4dCsv(BytesOf(named)));
+  const auto log = ParsePix4dCsv("p.csv", BytesOf(named));
+  ASSERT_TRUE(log.ok());
+  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[0], DegToRad(90.0), 1e-12);
+  EXPECT_DOUBLE_EQ((*log->events[0].sigma_in_ned_m)[2], 1.5);
+  const auto bare = ParsePix4dCsv("p.csv", BytesOf("a.jpg,47.5,8.5,500,90,1,2\n"));
+  ASSERT_TRUE(bare.ok());
+  EXPECT_FALSE(bare->events[0].yaw_pitch_roll_rad.has_value());
+  EXPECT_EQ(bare->warnings.size(), 1u);
+}
+
+TEST(ParsePix4dCsv, TurnsOmegaPhiKappaIntoAnglesOfTheAirframe) {
+  // Looking straight down with the image's top to the north is (0, 0, 0) in both; kappa counts the other way
+  // round.
+  const auto log = ParsePix4dCsv("p.csv", BytesOf("image,latitude,longitude,altitude,omega,phi,kappa\na.jpg,"
+                                                  "47.5,8.5,500,0,0,0\nb.jpg,47.5,8.5,500,0,0,-92.5\n"
+                                                  "c.jpg,47.5,8.5,500,10,0,0\n"));
+  ASSERT_TRUE(log.ok());
+  EXPECT_LT(log->events[0].yaw_pitch_roll_rad->norm(), 1e-12);
+  EXPECT_NEAR((*log->events[1].yaw_pitch_roll_rad)[0], DegToRad(92.5), 1e-12);
+  // Omega turns the camera about the east axis: its view, (0, 0, -1), leans north; the nose of the airframe
+  // rises.
+  EXPECT_NEAR((*log->events[2].yaw_pitch_roll_rad)[1], DegToRad(10.0), 1e-12);
+}
+
+TEST(ParseSenseflyGeoinfo, ReadsBothHeights) {
+  const std::string text =
+      "#Rev: "
+      "sensefly/geoinfo/"
+      "2\nfileName\tlatitude\tlongitude\taltitude_amsl\taltitude_wgs84\theading\tpitch\troll\n"
+      "IMG_2166.JPG\t37.5448893\t139.0398406\t216.59\t255.84\t149.5\t5.25\t-3.75\n";
+  ASSERT_TRUE(LooksLikeSenseflyGeoinfo(BytesOf(text)));
+  const auto log = ParseSenseflyGeoinfo("geoinfo.txt", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  EXPECT_DOUBLE_EQ(*log->events[0].height_amsl_m, 216.59);
+  EXPECT_DOUBLE_EQ(*log->events[0].height_ellipsoid_m, 255.84);
+  EXPECT_NEAR((*log->events[0].yaw_pitch_roll_rad)[2], DegToRad(-3.75), 1e-12);
+}
+
+TEST(ParseGpx, ReadsTimedPointsOnly) {
+  const std::string text =
+      "<?xml version=\"1.0\"?><gpx><trk><trkseg><trkpt lat=\"47.5\" "
+      "lon='8.5'><ele>400.5</ele><time>2021-06-01T10:00:00Z</time>"
+      "</trkpt>\n<trkpt lat=\"47.6\" lon=\"8.6\"/><trkpt lon=\"8.7\" "
+      "lat=\"47.7\"><time>2021-06-01T10:00:02.5Z</time></trkpt>"
+      "</trkseg></trk></gpx>";
+  ASSERT_TRUE(LooksLikeGpx(BytesOf(text)));
+  const auto log = ParseGpx("a.gpx", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->gnss.size(), 2u);
+  EXPECT_DOUBLE_EQ(log->gnss[1].t_s, 2.5);
+  EXPECT_DOUBLE_EQ(log->gnss[1].position.lat_deg, 47.7);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].height_amsl_m, 400.5);
+  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2021, 6, 1, 10, 0, 0.0));
+  EXPECT_EQ(log->warnings.size(), 1u);
+}
+
+TEST(ParseNmea, JoinsSentencesAcrossMidnightAndChecksThem) {
+  const std::string text =
+      "$GPRMC,235959.00,A,4730.0000,N,00830.0000,W,0.1,90.0,310521,,,A*7A\r\n"
+      "$GPGGA,235959.00,4730.0000,N,00830.0000,W,4,12,0.7,400.5,M,48.25,M,1.0,0*50\r\n"
+      "$GPGST,235959.00,,,,,0.02,0.03,0.05*62\r\n"
+      "$GPGGA,000000.00,4730.0006,N,00830.0000,W,1,12,0.7,401.5,M,48.25,M,,\r\n"
+      "$GPGGA,000001.00,4730.0006,N,00830.0000,W,1,12,0.7,401.5,M,48.25,M,,*00\r\n";
+  const auto log = ParseNmea("a.nmea", BytesOf(text));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->gnss.size(), 2u) << "the last checksum is wrong";
+  EXPECT_DOUBLE_EQ(log->gnss[0].position.lat_deg, 47.5);
+  EXPECT_DOUBLE_EQ(log->gnss[0].position.lon_deg, -8.5);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].height_ellipsoid_m, 448.75);
+  EXPECT_DOUBLE_EQ(*log->gnss[0].sigma_horizontal_m, 0.03);
+  EXPECT_TRUE(log->gnss[0].is_rtk_fixed);
+  EXPECT_DOUBLE_EQ(log->gnss[1].t_s, 1.0);
+  EXPECT_EQ(*log->utc_at_zero, *UtcFromCivil(2021, 5, 31, 23, 59, 59.0));
+}
+
+}  // namespace
+}  // namespace skyquilt::flight
