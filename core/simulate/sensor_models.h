@@ -65,6 +65,7 @@ struct RangeModel {
   double rate_hz = 10.0;
   double white_m = 0.1;
   double relative = 0.02;
+  double nearest_m = 0.2;    // blind below
   double farthest_m = 25.0;  // no echo beyond
 };
 

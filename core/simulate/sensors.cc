@@ -168,7 +168,7 @@ void SenseRange(const FlightPath& path, const RangeModel& model, std::uint32_t s
     const double distance_m = state.point_in_enu.z() / -beam.z();
     if (distance_m > model.farthest_m) continue;
     const double measured_m = distance_m + std::hypot(model.white_m, model.relative * distance_m) * white;
-    if (measured_m > 0.0) log.range.push_back({t_s, measured_m});
+    if (measured_m >= model.nearest_m) log.range.push_back({t_s, measured_m});
   }
 }
 

@@ -16,7 +16,10 @@
 #include "core/simulate/random.h"
 #include "core/simulate/truth_json.h"
 #include "core/simulate/world_raster.h"
+#include "core/simulate/write_csv.h"
+#include "core/simulate/write_dataflash.h"
 #include "core/simulate/write_photo.h"
+#include "core/simulate/write_ulog.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -65,6 +68,29 @@ pipeline::DecodedImage Shrunk(const pipeline::DecodedImage& image, int denominat
   return small;
 }
 
+Result<void> WriteLogs(const SimulatedFlight& flight, const std::filesystem::path& folder) {
+  if (!flight.log || flight.options.log_formats.empty()) return {};
+  if (const auto made = MakeFolder(folder); !made) return made.error();
+  for (const LogFormat format : flight.options.log_formats) {
+    Result<void> written;
+    switch (format) {
+      case LogFormat::kDataflash:
+        written = WriteBytes(folder / "flight.BIN", DataflashBytes(*flight.log));
+        break;
+      case LogFormat::kUlog:
+        written = WriteBytes(folder / "flight.ulg", UlogBytes(*flight.log));
+        break;
+      case LogFormat::kCsv: {
+        const std::string text = FlightCsv(*flight.log);
+        written = WriteBytes(folder / "flight.csv", {text.begin(), text.end()});
+        break;
+      }
+    }
+    if (!written) return written.error();
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> SimulateOptions::Validate() const {
@@ -101,6 +127,8 @@ Result<void> SimulateOptions::Validate() const {
         fmt::format("Hills of {} m reach too near to a flight at {} m; take at most 0.4 of the height.",
                     world.relief_m, trajectory.height_m));
   }
+  if (!log_formats.empty() && !survey)
+    return Bad("A log can be written only of a flight that is flown (survey).");
   if (world.has_boxes && trajectory.height_m < 15.0)
     return Bad("A flight over buildings must be at least 15 m high.");
   return trajectory.Validate();
@@ -131,7 +159,15 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
   flight.frame =
       geo::LocalFrame({options.origin.lat_deg, options.origin.lon_deg, options.takeoff_height_ellipsoid_m});
   flight.world = World(options.world);
-  const auto poses = PlanLawnmower(flight.options.trajectory, options.intrinsics);
+  Result<std::vector<TruePose>> poses = [&]() -> Result<std::vector<TruePose>> {
+    if (!options.survey) return PlanLawnmower(flight.options.trajectory, options.intrinsics);
+    SurveyOptions survey = *options.survey;
+    survey.plan = flight.options.trajectory;
+    auto flown = FlySurvey(survey, options.intrinsics, flight.frame, options.start);
+    if (!flown) return flown.error();
+    flight.log = std::move(flown->log);
+    return std::move(flown->poses);
+  }();
   if (!poses) return poses.error();
   const std::vector<RecordedPose> recorded = RecordPoses(
       *poses, flight.frame, options.intrinsics, options.start, options.noise, options.clock, options.seed);
@@ -191,6 +227,7 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
       !written) {
     return written.error();
   }
+  if (const auto written = WriteLogs(flight, out_dir / "logs"); !written) return written.error();
   if (options.write_world) {
     progress.BeginStage("truth");
     const auto written = WriteWorldGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,15 @@
 #include "core/geo/local_frame.h"
 #include "core/geo/raster_frame.h"
 #include "core/pipeline/ports.h"
+#include "core/simulate/logged_survey.h"
 #include "core/simulate/recorded_pose.h"
 #include "core/simulate/render_photo.h"
 #include "core/simulate/trajectory.h"
 #include "core/simulate/world.h"
 
 namespace skyquilt::simulate {
+
+enum class LogFormat { kDataflash, kUlog, kCsv };
 
 struct SimulateOptions {
   geo::LatLon origin{46.8, 7.1};  // take-off, the middle of the block
@@ -35,11 +39,15 @@ struct SimulateOptions {
   NoiseClass noise = NoiseClass::kExact;
   CameraClock clock;
   flight::UtcTime start{std::chrono::seconds(1717236000)};  // 2024-06-01 10:00:00 UTC
-  double vignetting = 0.0;                                  // share of light lost in the corners
-  double exposure_jitter = 0.0;                             // 1-sigma of each photo's brightness, relative
-  double noise_counts = 1.0;                                // sensor noise, 8-bit counts
-  double shutter_s = 0.0;                                   // 0 = no motion blur
-  int supersample = 0;                                      // 0 = as needed
+  // Flown by a simulated aircraft with its recorder running: photos are taken where it really was. Its plan
+  // is `trajectory`; the log's clock begins at `start`.
+  std::optional<SurveyOptions> survey;
+  std::vector<LogFormat> log_formats;  // written into out_dir/logs: flight.BIN, flight.ulg, flight.csv
+  double vignetting = 0.0;             // share of light lost in the corners
+  double exposure_jitter = 0.0;        // 1-sigma of each photo's brightness, relative
+  double noise_counts = 1.0;           // sensor noise, 8-bit counts
+  double shutter_s = 0.0;              // 0 = no motion blur
+  int supersample = 0;                 // 0 = as needed
   int jpeg_quality = 92;
   bool write_world = true;
   double largest_world_megapixels = 400.0;  // above it the truth map takes a coarser zoom
@@ -60,6 +68,7 @@ struct SimulatedFlight {
   geo::LocalFrame frame{geo::Wgs84{}};
   World world{WorldOptions{}};
   std::vector<SimulatedPhoto> photos;
+  std::optional<flight::FlightLog> log;  // of a flight with a survey
 
   double GsdM() const { return options.trajectory.height_m / options.intrinsics.MeanFocalPx(); }
   // Whole Web Mercator tiles that cover all footprints, at the zoom that fits the photos.
@@ -70,8 +79,8 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options);
 pipeline::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index,
                                             int threads = 1);
 
-// Writes out_dir/photos/*.JPG, out_dir/truth/poses.json and out_dir/truth/world.tif.
-// Errors: kInvalidArgument, kIo, kCancelled.
+// Writes out_dir/photos/*.JPG, out_dir/truth/poses.json, out_dir/truth/world.tif and, if asked for,
+// out_dir/logs/*. Errors: kInvalidArgument, kIo, kCancelled.
 Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
                                        Progress& progress);
 

@@ -16,9 +16,13 @@
 namespace skyquilt::server {
 namespace {
 
+using simulate::CameraMount;
+using simulate::LogFormat;
 using simulate::NoiseClass;
 using simulate::TextureLevel;
 using simulate::YawRule;
+
+enum class ImuKind { kNone, kIcm, kMpu, kRough };
 
 struct SimulateArguments {
   std::filesystem::path out_dir;
@@ -31,6 +35,10 @@ struct SimulateArguments {
   double yaw_wander_deg = 0.0;
   double shutter_ms = 0.0;
   bool no_world = false;
+  simulate::SurveyOptions survey;
+  ImuKind imu = ImuKind::kIcm;
+  bool rtk_log = false;
+  bool no_gnss_log = false;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -59,8 +67,21 @@ camera::Intrinsics LensOf(const SimulateArguments& arguments) {
   return lens;
 }
 
+// The aircraft and its recorder, when a log is asked for.
+simulate::SurveyOptions SurveyOf(const SimulateArguments& arguments) {
+  simulate::SurveyOptions survey = arguments.survey;
+  survey.sensors.has_imu = arguments.imu != ImuKind::kNone;
+  if (arguments.imu == ImuKind::kMpu) survey.sensors.imu = simulate::MpuClassImu();
+  if (arguments.imu == ImuKind::kRough)
+    survey.sensors.imu = simulate::WithDefects(simulate::IcmClassImu(), 1.0);
+  if (arguments.rtk_log) survey.sensors.gnss = simulate::RtkGnss();
+  survey.sensors.has_gnss = !arguments.no_gnss_log;
+  return survey;
+}
+
 void Run(SimulateArguments& arguments) {
   simulate::SimulateOptions& options = arguments.options;
+  if (!options.log_formats.empty()) options.survey = SurveyOf(arguments);
   options.intrinsics = LensOf(arguments);
   options.trajectory.heading_rad = geo::DegToRad(arguments.heading_deg);
   options.trajectory.max_tilt_rad = geo::DegToRad(arguments.tilt_deg);

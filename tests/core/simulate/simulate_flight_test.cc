@@ -228,6 +228,36 @@ TEST_F(SimulateFlightTest, SourceGivesThePicturesOfTheFiles) {
   EXPECT_EQ(source.Decode(stranger, 1).error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(SimulateFlightTest, FlownWithARecorderItWritesLogsAndPhotosOfOneClock) {
+  SimulateOptions options = Small();
+  options.noise = NoiseClass::kNoGps;
+  options.clock = {3607.3, true};
+  options.survey.emplace();
+  options.log_formats = {LogFormat::kDataflash, LogFormat::kUlog, LogFormat::kCsv};
+  options.write_world = false;
+  SilentProgress progress;
+  const auto flight = SimulateFlight(options, folder_, progress);
+  ASSERT_TRUE(flight.ok()) << flight.error().message;
+  for (const char* name : {"flight.BIN", "flight.ulg", "flight.csv"}) {
+    EXPECT_GT(std::filesystem::file_size(folder_ / "logs" / name), 100000u) << name;
+  }
+  ASSERT_TRUE(flight->log.has_value());
+  ASSERT_EQ(flight->log->events.size(), flight->photos.size());
+  for (std::size_t i = 0; i < flight->photos.size(); ++i) {
+    const SimulatedPhoto& truth = flight->photos[i];
+    EXPECT_NEAR(flight->log->events[i].t_s, truth.pose.t_s, 0.003);
+    const auto photo = flight::ReadPhoto({truth.photo.name, truth.photo.path});
+    ASSERT_TRUE(photo.ok());
+    EXPECT_FALSE(photo->position.has_value());
+    EXPECT_TRUE(photo->captured_at_is_local);
+    ASSERT_TRUE(photo->captured_at.has_value());
+    const double behind_s =
+        std::chrono::duration<double>(options.start - *photo->captured_at).count() + 3607.3 + truth.pose.t_s;
+    EXPECT_GE(behind_s, -1e-6);
+    EXPECT_LT(behind_s, 1.0) << "truncated to whole seconds";
+  }
+}
+
 TEST_F(SimulateFlightTest, SaysWhatIsWrongWithImpossibleOptions) {
   SilentProgress progress;
   SimulateOptions options = Small();
