@@ -40,7 +40,7 @@ async function assertQuiet(opened, expected_errors = []) {
 
 async function assertAccessible(page, where) {
   if (!(await page.evaluate(() => 'axe' in window))) await page.evaluate(readFileSync(packageFile('axe-core/axe.min.js'), 'utf8'));
-  const { violations } = await page.evaluate(() => /** @type {any} */ (window).axe.run(document, { resultTypes: ['violations'] }));
+  const { violations } = await page.evaluate(() => /** @type {any} */ (window).axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } }));
   const found = violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).join(', ')} (${v.nodes[0].failureSummary})`);
   assert.deepEqual(found, [], `axe finds faults in the ${where}`);
 }
@@ -230,6 +230,36 @@ test('measuring by keyboard gives the true distance', options, async () => {
   assert.match(await page.textContent('#measure-result'), /^76\.13\s/);
   await page.click('#tool-area');
   assert.equal(await page.getAttribute('#tool-area', 'aria-pressed'), 'true');
+  await assertQuiet(opened);
+});
+
+test('settings for other programs are saved and the download sizes are told', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow & "brook"');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('.download small')?.textContent ?? ''));
+  const download = page.waitForEvent('download');
+  await page.click('text=Settings for QGIS');
+  const file = await download;
+  assert.equal(file.suggestedFilename(), 'Meadow_brook_.qgis.xml');
+  assert.match(readFileSync(await file.path(), 'utf8'), new RegExp(`name="Meadow &amp; &quot;brook&quot;" url="${mock.url}tiles/${flight.id}/`));
+  await assertQuiet(opened);
+});
+
+test('a new revision of a map takes the place of the old one', options, async () => {
+  const opened = await setUp({ job_ms: 800 });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.setInputFiles('#files-input', photoFiles(20));
+  await page.click('text=Add to this flight');
+  await page.waitForSelector('#job');
+  await page.waitForSelector('#job', { state: 'detached' });
+  await mapIdle(page);
+  await page.waitForFunction(() => Object.keys(/** @type {any} */ (window).skyquilt.map.getStyle().sources).filter((id) => id.startsWith('mosaic')).join() === 'mosaic-2');
+  assert.match(await page.textContent('#report'), /20 \/ 21/);
   await assertQuiet(opened);
 });
 

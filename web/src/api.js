@@ -129,6 +129,17 @@ export const getTileJson = (path, signal) => request('GET', path, undefined, sig
 export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;
 
 /**
+ * @param {string} id
+ * @param {'mbtiles'|'tif'} kind
+ * @returns {Promise<number|null>} null when the server does not say
+ */
+export async function downloadSize(id, kind) {
+  const response = await fetch(downloadPath(id, kind), { method: 'HEAD' });
+  const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
+  return Number.isFinite(length) ? length : null;
+}
+
+/**
  * Sends one file. XMLHttpRequest, since fetch cannot tell how much has been sent.
  * @param {string} flight_id
  * @param {string} name

@@ -1,8 +1,10 @@
 // Downloads, and the addresses by which other programs read the map.
 /** @import { Flight, TileJson } from './types.js' */
 import { announce, showError } from './announce.js';
-import { downloadPath } from './api.js';
+import { downloadPath, downloadSize } from './api.js';
+import { connectFiles, josmAddress, saveText } from './connect_files.js';
 import { h } from './dom.js';
+import { formatBytes } from './format.js';
 import { icon } from './icons.js';
 import { strings } from './strings.js';
 import { ownHost } from './thumbnail.js';
@@ -65,19 +67,25 @@ function addressField(label, address) {
  */
 export function linksView(flight, tilejson) {
   const words = strings.links;
-  const download = (/** @type {'mbtiles'|'tif'} */ kind, /** @type {string} */ name, /** @type {string} */ hint) =>
-    h(
-      'a',
-      { class: 'button download', href: downloadPath(flight.id, kind), download: '' },
-      icon('download'),
-      h('span', {}, name, ' ', h('small', {}, hint)),
-    );
+  const download = (/** @type {'mbtiles'|'tif'} */ kind, /** @type {string} */ name, /** @type {string} */ hint) => {
+    const small = h('small', {}, hint);
+    downloadSize(flight.id, kind).then((bytes) => {
+      if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
+    }, showError);
+    return h('a', { class: 'button download', href: downloadPath(flight.id, kind), download: '' }, icon('download'), h('span', {}, name, ' ', small));
+  };
+  const template = ownHost(tilejson.tiles[0]);
+  const settings = connectFiles(flight, tilejson).map(({ label, file, text }) =>
+    h('button', { type: 'button', class: 'button small', on: { click: () => saveText(file, text) } }, words.connect(label)),
+  );
   return h(
     'section',
     { class: 'block no-print', 'aria-labelledby': 'links-heading' },
     h('h2', { id: 'links-heading' }, words.heading),
     h('div', { class: 'downloads' }, download('mbtiles', words.mbtiles, words.mbtiles_hint), download('tif', words.tif, words.tif_hint)),
-    addressField(words.xyz, ownHost(tilejson.tiles[0])),
+    h('div', { class: 'row settings' }, ...settings),
+    addressField(words.xyz, template),
+    addressField(words.josm, josmAddress(template, tilejson)),
     addressField(words.tilejson, new URL(flight.tilejson ?? '', location.origin).href),
   );
 }

@@ -23,6 +23,8 @@ export class MapView {
   shows_footprints = true;
   shows_path = false;
   #selected = '';
+  #mosaic = '';
+  #mosaics = 0;
 
   /**
    * @param {HTMLElement} container
@@ -67,9 +69,11 @@ export class MapView {
    */
   async showMosaic(tilejson, bounds) {
     await this.ready;
-    this.#remove('mosaic', ['mosaic']);
+    // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
+    const old = this.#mosaic;
+    this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
     this.bounds = bounds;
-    this.map.addSource('mosaic', {
+    this.map.addSource(this.#mosaic, {
       type: 'raster',
       tiles: tilejson.tiles.map(ownHost),
       // Half the size on fine screens: one tile pixel then fills one screen pixel there as well.
@@ -78,12 +82,18 @@ export class MapView {
       maxzoom: tilejson.maxzoom ?? 22,
       bounds,
     });
-    const above = this.map.getStyle().layers.find((layer) => layer.id !== 'ground')?.id;
+    const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old)?.id;
     this.map.addLayer(
-      { id: 'mosaic', type: 'raster', source: 'mosaic', paint: { 'raster-opacity': this.opacity, 'raster-fade-duration': 120 } },
+      {
+        id: this.#mosaic,
+        type: 'raster',
+        source: this.#mosaic,
+        paint: { 'raster-opacity': this.opacity, 'raster-fade-duration': 120 },
+      },
       above,
     );
     this.#setState('loading');
+    if (old) this.map.once('idle', () => this.#remove(old, [old]));
   }
 
   /** @param {PhotoCollection} photos */
@@ -105,7 +115,8 @@ export class MapView {
   /** Removes everything of the flight. */
   async clear() {
     await this.ready;
-    this.#remove('mosaic', ['mosaic']);
+    this.#remove(this.#mosaic, [this.#mosaic]);
+    this.#mosaic = '';
     this.#remove('photos', ['photos-fill', 'photos-line']);
     this.#remove('cameras', ['cameras']);
     this.#remove('flight-path', path_layers);
@@ -140,7 +151,7 @@ export class MapView {
   /** @param {number} opacity 0..1 */
   setOpacity(opacity) {
     this.opacity = opacity;
-    if (this.map.getLayer('mosaic')) this.map.setPaintProperty('mosaic', 'raster-opacity', opacity);
+    if (this.#mosaic) this.map.setPaintProperty(this.#mosaic, 'raster-opacity', opacity);
   }
 
   /** @param {boolean} visible */

@@ -6,6 +6,7 @@ import { h, put } from './dom.js';
 import { formatBytes, formatDuration, formatPercent } from './format.js';
 import { icon } from './icons.js';
 import { strings } from './strings.js';
+import { verdictView } from './verdict_view.js';
 
 /**
  * @param {UploadSession} session
@@ -19,6 +20,7 @@ export function uploadView(session) {
   const counts = h('span', { class: 'muted', id: 'upload-counts' });
   const pace = h('p', { class: 'muted pace' });
   const sending = h('ul', { class: 'sending' });
+  const verdict = h('div');
   const failures = h('div', { id: 'upload-failures' });
   const pause = h('button', { type: 'button', class: 'button small', id: 'upload-pause' });
   const stop = h('button', { type: 'button', class: 'button small quiet', on: { click: () => session.stop() } }, words.stop);
@@ -47,6 +49,7 @@ export function uploadView(session) {
     }
   };
 
+  let shown_verdict = /** @type {typeof session.verdict} */ (null);
   let shown_failures = '';
   const drawFailures = () => {
     const failed = queue.items.filter((item) => item.state === 'failed');
@@ -94,6 +97,8 @@ export function uploadView(session) {
     const label = picture.state === 'paused' ? words.resume : words.pause;
     if (pause.textContent !== label) put(pause, icon(picture.state === 'paused' ? 'play' : 'pause'), label);
     pause.hidden = picture.state === 'finished' || picture.state === 'stopped';
+    if (session.verdict !== shown_verdict && session.verdict) put(verdict, verdictView(session.verdict));
+    shown_verdict = session.verdict;
     drawSending();
     drawFailures();
     announce(`${words.heading} ${percent.textContent}`, { is_progress: true });
@@ -107,6 +112,7 @@ export function uploadView(session) {
     h('div', { class: 'row between' }, h('h2', { id: 'upload-heading' }, words.heading), counts),
     h('div', { class: 'progress-row' }, percent, bar),
     pace,
+    verdict,
     sending,
     failures,
     h('div', { class: 'row' }, pause, stop),

@@ -1,11 +1,13 @@
 // The uploads of this page, one per flight. They live on while the user looks at other flights; when every file of
 // a flight has arrived, its job is queued.
 /** @import { Job } from './types.js' */
-/** @import { IgnoredFile, Selection } from './drop_files.js' */
+/** @import { ChosenFile, IgnoredFile, Selection } from './drop_files.js' */
+/** @import { Verdict } from './verdict.js' */
 import * as api from './api.js';
 import { announce, showError } from './announce.js';
 import { strings } from './strings.js';
 import { UploadQueue } from './upload_queue.js';
+import { judge } from './verdict.js';
 
 /** One flight's upload. Emits 'change', and 'job' when the map's job is queued. */
 export class UploadSession extends EventTarget {
@@ -13,6 +15,10 @@ export class UploadSession extends EventTarget {
   job = null;
   /** @type {IgnoredFile[]} */
   ignored = [];
+  /** @type {Verdict|null} what the photos' own records say, soon after the start */
+  verdict = null;
+  /** @type {ChosenFile[]} */
+  #files = [];
   #starting = false;
 
   /** @param {string} flight_id */
@@ -32,6 +38,11 @@ export class UploadSession extends EventTarget {
   /** @param {Selection} selection */
   async add(selection) {
     this.ignored.push(...selection.ignored);
+    this.#files.push(...selection.chosen);
+    judge(this.#files).then((verdict) => {
+      this.verdict = verdict;
+      this.dispatchEvent(new Event('change'));
+    }, showError);
     this.queue.add(selection.chosen);
     const stored = new Map((await api.listFiles(this.flight_id)).map((file) => [file.name, file.bytes]));
     this.queue.skipStored(stored);

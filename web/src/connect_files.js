@@ -1,0 +1,87 @@
+// Ready settings for other programs, written here from the map's address: nothing needs to be typed there.
+/** @import { Flight, TileJson } from './types.js' */
+import { ownHost } from './thumbnail.js';
+
+/** @param {string} text @returns {string} safe inside XML text and attributes */
+export function xmlText(text) {
+  return text.replace(/[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]/g, '').replace(
+    /[&<>"']/g,
+    (c) => ({ '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;', "'": '&apos;' })[c] ?? c,
+  );
+}
+
+const kEdge_m = 20037508.342789244;
+
+/**
+ * GDAL's own description of an XYZ service: gdalinfo, gdal_translate and QGIS open it as a raster.
+ * @param {string} template with {z}, {x}, {y}
+ * @param {TileJson} tilejson
+ */
+export function gdalXml(template, tilejson) {
+  const address = template.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
+  return `<GDAL_WMS>
+  <Service name="TMS"><ServerUrl>${xmlText(address)}</ServerUrl></Service>
+  <DataWindow>
+    <UpperLeftX>-${kEdge_m}</UpperLeftX><UpperLeftY>${kEdge_m}</UpperLeftY>
+    <LowerRightX>${kEdge_m}</LowerRightX><LowerRightY>-${kEdge_m}</LowerRightY>
+    <TileLevel>${tilejson.maxzoom ?? 22}</TileLevel><TileCountX>1</TileCountX><TileCountY>1</TileCountY>
+    <YOrigin>top</YOrigin>
+  </DataWindow>
+  <Projection>EPSG:3857</Projection>
+  <BlockSizeX>256</BlockSizeX><BlockSizeY>256</BlockSizeY>
+  <BandsCount>4</BandsCount>
+  <ZeroBlockHttpCodes>204,404</ZeroBlockHttpCodes>
+</GDAL_WMS>
+`;
+}
+
+/**
+ * For QGIS: Browser, XYZ Tiles, Load Connections.
+ * @param {string} name
+ * @param {string} template
+ * @param {TileJson} tilejson
+ */
+export function qgisXml(name, template, tilejson) {
+  return `<!DOCTYPE connections>
+<qgsXYZTilesConnections version="1.0">
+  <xyztiles name="${xmlText(name)}" url="${xmlText(template)}" zmin="${tilejson.minzoom ?? 0}" zmax="${tilejson.maxzoom ?? 22}" username="" password="" authcfg="" referer="" tilePixelRatio="0"/>
+</qgsXYZTilesConnections>
+`;
+}
+
+/**
+ * What JOSM's imagery preferences take.
+ * @param {string} template
+ * @param {TileJson} tilejson
+ */
+export function josmAddress(template, tilejson) {
+  return `tms[${tilejson.minzoom ?? 0},${tilejson.maxzoom ?? 22}]:${template.replace('{z}', '{zoom}')}`;
+}
+
+/**
+ * @param {Flight} flight
+ * @param {TileJson} tilejson
+ * @returns {{label: string, file: string, text: string}[]}
+ */
+export function connectFiles(flight, tilejson) {
+  const template = ownHost(tilejson.tiles[0]);
+  const base = flight.name.replace(/[^\p{L}\p{N}._-]+/gu, '_').slice(0, 60) || 'map';
+  return [
+    { label: 'QGIS', file: `${base}.qgis.xml`, text: qgisXml(flight.name, template, tilejson) },
+    { label: 'GDAL', file: `${base}.gdal.xml`, text: gdalXml(template, tilejson) },
+  ];
+}
+
+/**
+ * Saves a text as a file.
+ * @param {string} file
+ * @param {string} text
+ */
+export function saveText(file, text) {
+  const address = URL.createObjectURL(new Blob([text], { type: 'application/xml' }));
+  const link = document.createElement('a');
+  link.href = address;
+  link.download = file;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}
