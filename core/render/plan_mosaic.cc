@@ -20,13 +20,22 @@ using alignment::AlignedPhoto;
 // GDAL (and with it QGIS) refuses MBTiles with a zoom above 22.
 constexpr int kFinestZoom = 22;
 constexpr int kBlockSizePx = 1024;
+constexpr std::int64_t kMostBlocksAPhoto = 20'000;
 constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
+
+// Across the date line the map goes on beyond the edge of the merc square, so that a flight stays in one piece.
+Eigen::Vector2d UnwrappedMerc(const geo::LatLon& position, const AlignedFlight& flight) {
+  Eigen::Vector2d point = geo::MercFromLatLon(position);
+  const double origin_x = geo::MercFromLatLon({0.0, flight.frame.origin().lon_deg}).x();
+  point.x() = origin_x + std::remainder(point.x() - origin_x, 2.0 * geo::kMercHalfWidthM);
+  return point;
+}
 
 std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight, double plane_z_m) {
   std::vector<Eigen::Vector2d> polygon = camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m);
   for (Eigen::Vector2d& point : polygon) {
     const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), plane_z_m});
-    point = geo::MercFromLatLon({wgs84.lat_deg, wgs84.lon_deg});
+    point = UnwrappedMerc({wgs84.lat_deg, wgs84.lon_deg}, flight);
   }
   return polygon;
 }
@@ -101,19 +110,25 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   std::map<std::uint64_t, RenderBlock> by_hilbert;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen[i].IsEmpty()) continue;
-    const geo::TileId first =
-        geo::TileId::AtMerc(block_zoom, {seen[i].min.x() - margin_m, seen[i].max.y() + margin_m});
-    const geo::TileId last = geo::TileId::AtMerc(block_zoom, {seen[i].max.x() + margin_m, seen[i].min.y() - margin_m});
-    const std::int64_t across = std::int64_t{last.x()} - first.x() + 1;
-    const std::int64_t down = std::int64_t{last.y()} - first.y() + 1;
-    if (across * down > 1'000'000) {
+    const double size_m = geo::TileSizeInMercM(block_zoom);
+    const auto column_at = [&](double x_m) { return static_cast<std::int64_t>(std::floor((x_m + geo::kMercHalfWidthM) / size_m)); };
+    const auto row_at = [&](double y_m) { return geo::TileId::AtMerc(block_zoom, {0.0, y_m}).y(); };
+    const std::int64_t first_column = column_at(seen[i].min.x() - margin_m);
+    const std::int64_t last_column = column_at(seen[i].max.x() + margin_m);
+    const std::uint32_t first_row = row_at(seen[i].max.y() + margin_m);
+    const std::uint32_t last_row = row_at(seen[i].min.y() - margin_m);
+    const std::int64_t across = last_column - first_column + 1;
+    const std::int64_t down = std::int64_t{last_row} - first_row + 1;
+    if (across * down > kMostBlocksAPhoto) {
       return Error{ErrorCode::kTooLarge,
                    fmt::format("{} would cover {} x {} blocks of the map at this resolution. Choose a coarser --gsd.",
                                flight.photos[i].photo.name, across, down),
                    ""};
     }
-    for (std::uint32_t y = first.y(); y <= last.y(); ++y) {
-      for (std::uint32_t x = first.x(); x <= last.x(); ++x) {
+    const std::int64_t side = std::int64_t{1} << block_zoom;
+    for (std::uint32_t y = first_row; y <= last_row; ++y) {
+      for (std::int64_t column = first_column; column <= last_column; ++column) {
+        const auto x = static_cast<std::uint32_t>(((column % side) + side) % side);
         RenderBlock& block = by_hilbert[HilbertIndex(block_zoom, x, y)];
         if (block.photos.empty()) block.tile = *geo::TileId::Make(block_zoom, x, y);
         block.photos.push_back(static_cast<std::uint32_t>(i));

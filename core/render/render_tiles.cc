@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <atomic>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "core/base/parallel_for.h"
+#include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
 
 namespace skyquilt::render {
@@ -26,7 +28,9 @@ struct FinishedBlock {
   geo::Bounds2 covered_in_merc;
 };
 
-void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, int size_px, FinishedBlock& finished) {
+void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, const MosaicPlan& plan,
+                     FinishedBlock& finished) {
+  const int size_px = plan.BlockSizePx();
   int x0 = size_px, y0 = size_px, x1 = -1, y1 = -1;
   for (int y = 0; y < size_px; ++y) {
     for (int x = 0; x < size_px; ++x) {
@@ -37,7 +41,13 @@ void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, 
     }
   }
   if (x1 < 0) return;
-  const geo::Bounds2 bounds = block.tile.BoundsInMerc();
+  geo::Bounds2 bounds = block.tile.BoundsInMerc();
+  // The other side of the date line is next door.
+  const double middle_x = 0.5 * (plan.bounds_in_merc.min.x() + plan.bounds_in_merc.max.x());
+  const double world_m = 2.0 * geo::kMercHalfWidthM;
+  const double turn_m = world_m * std::round((middle_x - bounds.min.x()) / world_m);
+  bounds.min.x() += turn_m;
+  bounds.max.x() += turn_m;
   const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px);
   finished.covered_in_merc.Include(Eigen::Vector2d(bounds.min.x() + x0 * pixel_m, bounds.max.y() - y0 * pixel_m));
   finished.covered_in_merc.Include(
@@ -52,7 +62,7 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
     return finished;
   }
   pyramid::RgbaImage image = *std::move(rendered);
-  MeasureCoverage(image, block, context.plan.BlockSizePx(), finished);
+  MeasureCoverage(image, block, context.plan, finished);
   if (finished.covered_pixels == 0) return finished;
   const int tile_px = context.plan.tile_size_px;
   for (int level = context.plan.block_levels; level >= 0; --level) {

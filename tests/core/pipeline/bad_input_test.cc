@@ -1,0 +1,129 @@
+// What users really drop on it: the good photos make the map, each bad file is named with its reason.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "core/flight/photo_decoder.h"
+#include "core/flight/read_flight.h"
+#include "core/pipeline/build_mosaic.h"
+#include "core/simulate/simulate_flight.h"
+#include "tests/support/memory_sink.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using std::filesystem::path;
+
+class BadInput : public testing::Test {
+ protected:
+  void SetUp() override {
+    simulate::SimulateOptions simulated;
+    simulated.trajectory.photos = 4;
+    simulated.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
+    simulated.write_world = false;
+    SilentProgress progress;
+    ASSERT_TRUE(simulate::SimulateFlight(simulated, folder_.path(), progress).ok());
+    photos_ = folder_ / "photos";
+  }
+
+  static std::string Read(const path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void Write(const std::string& name, const std::string& bytes) { std::ofstream(photos_ / name, std::ios::binary) << bytes; }
+
+  Result<BuiltMosaic> Build() {
+    SilentProgress progress;
+    MosaicOptions options;
+    options.method = AlignMethod::kImu;
+    const auto files = flight::ListInputFiles({photos_});
+    if (!files) return files.error();
+    return BuildMosaic(*files, options, flight::FilePhotoSource(), map_, progress);
+  }
+
+  void ExpectLeftOut(const std::string& name) {
+    const auto built = Build();
+    ASSERT_TRUE(built.ok()) << built.error().message;
+    EXPECT_EQ(built->report.photos_pose_only, 4);
+    ASSERT_EQ(built->report.photos_left_out, 1);
+    EXPECT_EQ(built->report.left_out_photos[0].name, name);
+    EXPECT_GT(built->report.left_out_photos[0].reason.size(), 15u);
+  }
+
+  test::TemporaryFolder folder_;
+  path photos_;
+  test::MemorySink map_;
+};
+
+TEST_F(BadInput, ATextFileNamedJpgIsLeftOut) {
+  Write("notes.jpg", "remember the batteries\n");
+  ExpectLeftOut("notes.jpg");
+}
+
+TEST_F(BadInput, AnEmptyFileIsLeftOut) {
+  Write("empty.jpg", "");
+  ExpectLeftOut("empty.jpg");
+}
+
+TEST_F(BadInput, ATruncatedJpegIsLeftOut) {
+  const std::string whole = Read(photos_ / "SIM_0001.JPG");
+  Write("cut.jpg", whole.substr(0, whole.size() * 2 / 3));
+  ExpectLeftOut("cut.jpg");
+}
+
+TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
+  std::string bytes = Read(photos_ / "SIM_0001.JPG");
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i) bytes[i] = '\xff';
+  Write("damaged.jpg", bytes);
+  const auto built = Build();
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  EXPECT_GE(built->report.photos_pose_only, 4);
+}
+
+TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
+  simulate::SimulateOptions blind;
+  blind.trajectory.photos = 1;
+  blind.seed = 99;
+  blind.noise = simulate::NoiseClass::kNoGps;
+  blind.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
+  blind.write_world = false;
+  SilentProgress progress;
+  ASSERT_TRUE(simulate::SimulateFlight(blind, folder_ / "blind", progress).ok());
+  std::filesystem::rename(folder_ / "blind/photos/SIM_0001.JPG", photos_ / "blind.JPG");
+  ExpectLeftOut("blind.JPG");
+}
+
+TEST_F(BadInput, OnePhotoMakesAMap) {
+  for (const char* name : {"SIM_0002.JPG", "SIM_0003.JPG", "SIM_0004.JPG"}) std::filesystem::remove(photos_ / name);
+  const auto built = Build();
+  ASSERT_TRUE(built.ok()) << built.error().message;
+  EXPECT_EQ(built->report.photos_pose_only, 1);
+  EXPECT_FALSE(map_.tiles.empty());
+}
+
+TEST_F(BadInput, NothingUsableIsAClearError) {
+  for (const auto& entry : std::filesystem::directory_iterator(photos_)) {
+    std::ofstream(entry.path(), std::ios::trunc) << "not a photo";
+  }
+  const auto built = Build();
+  ASSERT_FALSE(built.ok());
+  EXPECT_EQ(built.error().code, ErrorCode::kUnprocessable);
+  EXPECT_NE(built.error().message.find("photo"), std::string::npos);
+}
+
+TEST_F(BadInput, PhotosOfTwoFarPlacesDoNotMakeAWorldWideMap) {
+  simulate::SimulateOptions elsewhere;
+  elsewhere.origin = {-33.0, 151.0};
+  elsewhere.trajectory.photos = 1;
+  elsewhere.intrinsics = camera::Intrinsics::Centered(400, 300, 320.0);
+  elsewhere.write_world = false;
+  SilentProgress progress;
+  ASSERT_TRUE(simulate::SimulateFlight(elsewhere, folder_ / "far", progress).ok());
+  std::filesystem::rename(folder_ / "far/photos/SIM_0001.JPG", photos_ / "far.JPG");
+  ExpectLeftOut("far.JPG");
+}
+
+}  // namespace
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,28 @@
+// MemorySink: tiles kept in memory, for tests that look at pixels.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::test {
+
+struct StoredTile {
+  pipeline::TileFormat format;
+  std::vector<std::uint8_t> bytes;
+  bool operator==(const StoredTile&) const = default;
+};
+
+class MemorySink final : public pipeline::TileSink {
+ public:
+  Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format, std::span<const std::uint8_t> bytes) override {
+    tiles[tile] = {format, {bytes.begin(), bytes.end()}};
+    order.push_back(tile);
+    return {};
+  }
+  std::map<geo::TileId, StoredTile> tiles;
+  std::vector<geo::TileId> order;
+};
+
+}  // namespace skyquilt::test
