@@ -33,6 +33,11 @@ void Scale(const Eigen::Matrix<double, M, 1>& inverse_sigma, Linear<M>& out) {
   out.by_border = inverse_sigma.asDiagonal() * out.by_border;
 }
 
+double Widened(double sigma, double variance) { return std::sqrt(sigma * sigma + variance); }
+Vector3d Widened(const Vector3d& sigma, double variance) {
+  return (sigma.array().square() + variance).sqrt().matrix();
+}
+
 // Heading, clockwise from north, of a direction in enu, and its derivative by the direction.
 double Heading(const Vector3d& direction, Eigen::RowVector3d& by_direction) {
   const double square = std::max(1e-12, direction.head<2>().squaredNorm());
@@ -56,7 +61,7 @@ Linear<3> PositionFactor(const StateBetween& s, const BorderState& border, const
   ByBias<3, 3>(kAtGnssBias, Matrix3d::Identity(), s, out);
   out.by_border.col(kAtTauGnss) = s.state.velocity_in_enu_mps + tau * s.acceleration_mps2;
   out.by_border.middleCols<3>(kAtLeverGnss) = r;
-  Scale<3>(sigma.cwiseInverse(), out);
+  Scale<3>(Widened(sigma, s.position_variance).cwiseInverse(), out);
   return out;
 }
 
@@ -71,7 +76,7 @@ Linear<3> VelocityFactor(const StateBetween& s, const BorderState& border, const
   Chain<3>(local, s, out);
   out.by_border.col(kAtTauGnss) = s.acceleration_mps2;
   out.by_border.middleCols<3>(kAtLeverGnss) = r * Skew(s.rate_radps);
-  Scale<3>(sigma.cwiseInverse(), out);
+  Scale<3>(Widened(sigma, s.velocity_variance).cwiseInverse(), out);
   return out;
 }
 
@@ -81,7 +86,8 @@ Linear<3> AttitudeFactor(const StateBetween& s, const Eigen::Quaterniond& measur
   const Matrix3d bias_back = ExpSo3(-bias);
   const Vector3d up_in_body = measured.conjugate() * Vector3d::UnitZ();
   const Matrix3d along = up_in_body * up_in_body.transpose();
-  const Matrix3d whiten = (Matrix3d::Identity() - along) / sigma_tilt + along / sigma_yaw;
+  const Matrix3d whiten = (Matrix3d::Identity() - along) / Widened(sigma_tilt, s.rotation_variance) +
+                          along / Widened(sigma_yaw, s.rotation_variance);
   Linear<3> out;
   const Vector3d r = LogSo3(Eigen::Quaterniond(bias_back) * s.state.enu_from_body.conjugate() * measured);
   const Matrix3d inverse = LeftJacobianInverse(r);
@@ -139,7 +145,7 @@ Linear<1> HeightFactor(const StateBetween& s, double measured_z, double sigma) {
   Chain<1>(local, s, out);
   out.by_first(kAtBaroBias) += 1.0 - s.weight;
   out.by_second(kAtBaroBias) += s.weight;
-  Scale<1>(Eigen::Matrix<double, 1, 1>::Constant(1.0 / sigma), out);
+  Scale<1>(Eigen::Matrix<double, 1, 1>::Constant(1.0 / Widened(sigma, s.position_variance)), out);
   return out;
 }
 
@@ -154,7 +160,7 @@ Linear<1> RangeFactor(const StateBetween& s, double measured_distance, double gr
   local.leftCols<3>() = -height / (cosine * cosine) * cosine_by_rotation;
   local(8) = 1.0 / cosine;
   Chain<1>(local, s, out);
-  Scale<1>(Eigen::Matrix<double, 1, 1>::Constant(1.0 / sigma), out);
+  Scale<1>(Eigen::Matrix<double, 1, 1>::Constant(1.0 / Widened(sigma, s.position_variance)), out);
   return out;
 }
 
@@ -180,7 +186,7 @@ Linear<3> MarkerFactor(const StateBetween& s, const Vector3d& measured, double s
   Eigen::Matrix<double, 3, 9> local = Eigen::Matrix<double, 3, 9>::Zero();
   local.rightCols<3>() = Matrix3d::Identity();
   Chain<3>(local, s, out);
-  Scale<3>(Vector3d::Constant(1.0 / sigma), out);
+  Scale<3>(Vector3d::Constant(1.0 / Widened(sigma, s.position_variance)), out);
   return out;
 }
 
@@ -192,7 +198,7 @@ Linear<1> YawFactor(const StateBetween& s, double yaw_rad, double sigma) {
   Eigen::Matrix<double, 1, 9> local = Eigen::Matrix<double, 1, 9>::Zero();
   local.leftCols<3>() = -by_nose * r * Skew(Vector3d::UnitX());
   Chain<1>(local, s, out);
-  Scale<1>(Eigen::Matrix<double, 1, 1>::Constant(1.0 / sigma), out);
+  Scale<1>(Eigen::Matrix<double, 1, 1>::Constant(1.0 / Widened(sigma, s.rotation_variance)), out);
   return out;
 }
 

@@ -26,6 +26,11 @@ struct StateBetween {
   Eigen::Vector3d rate_radps = Eigen::Vector3d::Zero();         // in body
   Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();  // in enu
   double weight = 0.0;                                          // of the second knot
+  // How far the truth may leave the interpolation, for each axis; zero at knots and where inertial samples
+  // carry.
+  double rotation_variance = 0.0;
+  double velocity_variance = 0.0;
+  double position_variance = 0.0;
   Matrix9x22 by_first = Matrix9x22::Zero();
   Matrix9x22 by_second = Matrix9x22::Zero();
 };
@@ -35,7 +40,7 @@ StateBetween StateByImu(const KnotState& first, const KnotState& second, double 
                         const ImuDelta& to_time, double gravity_mps2);
 // Without inertial data: the mean of the white-acceleration prior (cubic Hermite) and constant rotation rate.
 StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second, double weight,
-                                double duration_s);
+                                double duration_s, double acceleration_density, double rotation_walk);
 
 // Relative motion from inertial samples; whiten = inverse of the covariance's Cholesky factor.
 Linear<9> ImuFactor(const KnotState& first, const KnotState& second, const ImuDelta& delta,

@@ -52,9 +52,16 @@ StateBetween StateByImu(const KnotState& first, const KnotState& second, double 
   return s;
 }
 
-StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second, double w, double T) {
+StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second, double w, double T,
+                                double density, double walk) {
   StateBetween s;
   s.weight = w;
+  // Variances of the bridges between the knots: Brownian for the rotation, integrated Brownian for the
+  // position.
+  const double u = w * (1.0 - w);
+  s.rotation_variance = walk * walk * T * u;
+  s.velocity_variance = density * T * u * (1.0 - 3.0 * u);
+  s.position_variance = density * T * T * T * u * u * u / 3.0;
   MixBiases(first, second, w, s.state);
   const Vector3d turn = LogSo3(first.enu_from_body.conjugate() * second.enu_from_body);
   const Matrix3d part = ExpSo3(w * turn);

@@ -143,7 +143,8 @@ StateBetween ChainProblem::At(const std::vector<KnotState>& knots, const Placed&
     return StateByImu(a, b, placed.place.weight, Imu(k).at_cuts[At0(placed.cut)],
                       input_.options.gravity_mps2);
   }
-  return StateByMotionPrior(a, b, placed.place.weight, timeline_.Duration(k));
+  return StateByMotionPrior(a, b, placed.place.weight, timeline_.Duration(k),
+                            input_.options.acceleration_density, input_.options.rotation_walk);
 }
 
 template <typename Sink>

@@ -136,4 +136,34 @@ Result<CleanInput> CleanSmootherInput(const SmootherInput& raw) {
   return clean;
 }
 
+std::vector<AttitudeFix> AttitudesAtKnots(const std::vector<AttitudeFix>& fixes,
+                                          const std::vector<double>& knot_times_s) {
+  constexpr double kCloseS = 1.2;
+  constexpr double kSameTimeS = 1.0e-4;
+  constexpr double kAngularAcceleration = 0.5;  // rad/s2, of a usual multirotor manoeuvre
+  std::vector<AttitudeFix> at_knots;
+  std::size_t knot = 0;
+  for (std::size_t k = 0; k < fixes.size(); ++k) {
+    const AttitudeFix& a = fixes[k];
+    while (knot < knot_times_s.size() && knot_times_s[knot] < a.t_s - kSameTimeS) ++knot;
+    const bool on_knot = knot < knot_times_s.size() && knot_times_s[knot] <= a.t_s + kSameTimeS;
+    const double before = k > 0 ? a.t_s - fixes[k - 1].t_s : kCloseS;
+    const double after = k + 1 < fixes.size() ? fixes[k + 1].t_s - a.t_s : kCloseS;
+    if (on_knot || std::min(before, after) >= kCloseS) at_knots.push_back(a);
+    if (k + 1 == fixes.size() || after >= kCloseS) continue;
+    for (std::size_t i = knot; i < knot_times_s.size() && knot_times_s[i] < fixes[k + 1].t_s - kSameTimeS;
+         ++i) {
+      if (knot_times_s[i] <= a.t_s + kSameTimeS) continue;
+      const double w = (knot_times_s[i] - a.t_s) / after;
+      AttitudeFix between = a;
+      between.t_s = knot_times_s[i];
+      between.enu_from_body = a.enu_from_body.slerp(w, fixes[k + 1].enu_from_body).normalized();
+      between.sigma_rad = std::hypot(a.sigma_rad, 0.5 * kAngularAcceleration * after * after * w * (1.0 - w));
+      between.has_yaw = a.has_yaw && fixes[k + 1].has_yaw;
+      at_knots.push_back(between);
+    }
+  }
+  return at_knots;
+}
+
 }  // namespace skyquilt::poses

@@ -182,7 +182,7 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   SmootherOutput output;
   Result<CleanInput> clean = CleanSmootherInput(raw);
   if (!clean.ok()) return clean.error();
-  const SmootherInput& input = clean->input;
+  SmootherInput& input = clean->input;
   output.report.warnings = clean->warnings;
   const double spacing =
       input.imu.empty() ? std::max(1.0, input.options.knot_spacing_s) : input.options.knot_spacing_s;
@@ -193,7 +193,9 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
         "The photos and markers of this flight lie more than a day apart; stitch each flight on its own.",
         ""};
   }
-  ChainProblem problem(input, ChainTimeline(clean->begin_s, clean->end_s, input.photo_times_s, spacing));
+  ChainTimeline timeline(clean->begin_s, clean->end_s, input.photo_times_s, spacing);
+  if (input.imu.empty()) input.attitudes = AttitudesAtKnots(input.attitudes, timeline.times());
+  ChainProblem problem(input, std::move(timeline));
   ChainGuess guess = GuessChain(problem);
   if (Result<void> done = Iterate(problem, guess, output.report); !done.ok()) return done.error();
 
