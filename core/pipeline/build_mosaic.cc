@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_flight.h"
 #include "core/base/scoped_timer.h"
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
+#include "core/ground/model_ground.h"
 #include "core/pipeline/check_photos.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/estimate_exposure.h"
@@ -92,18 +94,28 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin}, progress); });
   if (!posed) return posed.error();
 
-  alignment::AlignedFlight aligned = stages.Run("align", [&] { return alignment::AlignByPoseOnly(*posed); });
-  const ground::GroundSurface ground = ground::GroundSurface::Plane(aligned.ground_z_in_enu_m);
+  alignment::AlignReport align_report;
+  auto aligned = stages.Run("align", [&]() -> Result<alignment::AlignedFlight> {
+    if (options.method == AlignMethod::kImu) return alignment::AlignByPoseOnly(*posed);
+    alignment::AlignOptions align_options;
+    align_options.threads = options.threads;
+    return alignment::AlignFlight(*posed, photo_source, align_options, align_report, progress);
+  });
+  if (!aligned) return aligned.error();
 
-  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, {options.gsd_m, options.feather_m}); });
+  ground::ModelGroundReport ground_report;
+  const ground::GroundSurface ground =
+      stages.Run("ground", [&] { return ground::ModelGround(*aligned, ground_report); });
+
+  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(*aligned, ground, {options.gsd_m, options.feather_m}); });
   if (!plan) return plan.error();
 
   const render::ExposureModel exposure = stages.Run("expose", [&] {
-    return render::EstimateExposure(aligned, ground, ThumbnailsOf(aligned, checked->thumbnails));
+    return render::EstimateExposure(*aligned, ground, ThumbnailsOf(*aligned, checked->thumbnails));
   });
   auto rendered = stages.Run("render", [&] {
     render::PhotoCache cache(photo_source, options.max_memory_bytes / 2);
-    const render::RenderContext context{aligned, ground, exposure, *plan, cache};
+    const render::RenderContext context{*aligned, ground, exposure, *plan, cache};
     const render::RenderOptions render_options{
         options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
     return render::RenderTiles(context, render_options, sink, progress);
@@ -113,11 +125,13 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     return Error{ErrorCode::kUnprocessable, "the photos were placed, but none of them shows any ground", ""};
   }
 
-  DescribePhotos(aligned, report);
-  report.warnings = aligned.warnings;
+  DescribePhotos(*aligned, report);
+  report.warnings = aligned->warnings;
+  if (options.method != AlignMethod::kImu) report.alignment_json = alignment::AlignReportJson(align_report);
+  report.ground_json = ground::ModelGroundReportJson(ground_report);
   report.height_rule = posed->height_rule;
   report.gsd_m = plan->gsd_m;
-  const double lat_deg = aligned.frame.origin().lat_deg;
+  const double lat_deg = aligned->frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
   report.bounds = DegreeBounds(rendered->covered_in_merc);
@@ -126,7 +140,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.tile_size_px = plan->tile_size_px;
   report.tile_count = rendered->tiles;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{std::move(aligned), std::move(report)};
+  return BuiltMosaic{*std::move(aligned), std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

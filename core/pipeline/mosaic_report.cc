@@ -75,6 +75,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["peak_memory_bytes"] = report.peak_memory_bytes;
   json["warnings"] = report.warnings;
   json["poses"] = ParsedOrNull(report.poses_json);
+  json["ground"] = ParsedOrNull(report.ground_json);
   json["alignment"] = ParsedOrNull(report.alignment_json);
   return Printed(json);
 }

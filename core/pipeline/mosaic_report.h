@@ -37,6 +37,7 @@ struct MosaicReport {
   std::int64_t peak_memory_bytes = 0;
   std::vector<std::string> warnings;
   std::string alignment_json;  // a JSON object of the alignment's own figures; empty without alignment
+  std::string ground_json;     // a JSON object of the ground model
   std::string poses_json;      // a JSON object of pose estimation's own figures; empty when none
 };
 
