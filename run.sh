@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+# Skyquilt in one command: installs what is missing, builds, starts the server, makes a map, prints its address.
+#   ./run.sh               the demo flight (simulated), served until Ctrl-C
+#   ./run.sh PATH...       your own photos and logs (files or folders), served until Ctrl-C
+#   ./run.sh --once [PATH...]   ends after the map has answered
+# Settings: SKYQUILT_LISTEN (default 127.0.0.1:8080, or a free port if that is taken), SKYQUILT_DATA_DIR (default ./data)
+set -euo pipefail
+case "${1:-}" in -h | --help) sed -n '2,6p' "$0" | cut -c3-; exit 0 ;; esac
+once=false
+if [ "${1:-}" = --once ]; then once=true; shift; fi
+inputs=()
+for path in "$@"; do inputs+=("$(realpath -e -- "$path")"); done
+cd "$(dirname "$(realpath "$0")")"
+
+source cmake/install_packages.sh
+need_packages build
+cmake --preset release -DSKYQUILT_TESTS=OFF >/dev/null
+cmake --build --preset release --target skyquilt skyquilt_web
+program=build/release/bin/skyquilt
+
+data=${SKYQUILT_DATA_DIR:-$PWD/data}
+mkdir -p "$data"
+title="My flight"
+if [ ${#inputs[@]} -eq 0 ]; then
+  demo=build/demo_flight
+  if [ ! -e "$demo/truth/poses.json" ]; then
+    echo "Simulating the demo flight"
+    "$program" simulate -o "$demo" --photos 24 --size 1600x1200 --height 60 --relief-m 3 --boxes --noise xmp \
+      --exposure-jitter 0.06 --vignetting 0.15 --no-world --seed 7
+  fi
+  inputs=("$PWD/$demo/photos")
+  title="Demo flight"
+fi
+
+listen=${SKYQUILT_LISTEN:-127.0.0.1:8080}
+if (exec 3<>"/dev/tcp/${listen%:*}/${listen##*:}") 2>/dev/null; then listen=${listen%:*}:0; fi
+log=$(mktemp)
+"$program" serve --data "$data" --listen "$listen" > >(tee "$log") &
+server=$!
+finish() { kill -TERM "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; rm -f "$log"; }
+trap finish EXIT
+trap 'exit 130' INT TERM
+url=
+for _ in $(seq 100); do
+  url=$(grep -oE 'http://[^ ]+' "$log" | head -1 || true)
+  if [ -n "$url" ] && curl -fsS "${url%/}/healthz" >/dev/null 2>&1; then break; fi
+  kill -0 "$server" || { echo "The server did not start." >&2; exit 1; }
+  sleep 0.1
+done
+url=${url%/}
+
+field() { python3 -c 'import json,sys
+value = json.load(sys.stdin)
+for key in sys.argv[1].split("."): value = (value or {}).get(key)
+print("" if value is None else value)' "$1"; }
+encode() { python3 -c 'import sys, urllib.parse; print(urllib.parse.quote(sys.argv[1], safe=""))' "$1"; }
+
+flight=$(curl -fsS -H 'Content-Type: application/json' -d "{\"name\": \"$title\"}" "$url/api/v1/flights" | field id)
+echo "Uploading"
+while IFS= read -r -d '' file; do
+  name=$(basename "$file")
+  curl -fsS -T "$file" "$url/api/v1/flights/$flight/files/$(encode "$name")" >/dev/null
+done < <(find "${inputs[@]}" -type f -not -name '.*' -print0 | sort -z)
+job=$(curl -fsS -H 'Content-Type: application/json' -d '{}' "$url/api/v1/flights/$flight/jobs" | field id)
+before=
+while true; do
+  state=$(curl -fsS "$url/api/v1/jobs/$job")
+  case "$(field state <<<"$state")" in
+    successful) break ;;
+    failed | dismissed) echo "The job failed: $(field error.message <<<"$state")" >&2; exit 1 ;;
+  esac
+  now=$(field stage <<<"$state")
+  if [ "$now" != "$before" ]; then echo "  $now"; before=$now; fi
+  sleep 0.5
+done
+curl -fsS "$url/tiles/$flight.json" >/dev/null
+echo
+echo "The map: $url/#/flights/$flight"
+if $once; then exit 0; fi
+echo "Ctrl-C ends the server."
+wait "$server"
