@@ -56,9 +56,11 @@ const states = {
     await page.waitForTimeout(200);
   },
   async uploading(page) {
-    await page.setInputFiles('#files-input', [...photoFiles(24, 90_000), { name: 'refused_0007.JPG', mimeType: 'image/jpeg', buffer: photoFiles(1)[0].buffer }, { name: 'notes.docx', mimeType: '', buffer: Buffer.from('x') }]);
+    const photos = photoFiles(36, 1_200_000);
+    await page.setInputFiles('#files-input', [{ ...photos[0], name: 'DJI_0000_refused.JPG' }, ...photos.slice(1), { name: 'notes.docx', mimeType: '', buffer: Buffer.from('x') }]);
+    await page.waitForSelector('#verdict', { timeout: 20_000 });
     await page.waitForSelector('#upload .callout', { timeout: 20_000 });
-    await page.waitForTimeout(1500);
+    await page.waitForTimeout(400);
   },
   async processing(page) {
     await page.setInputFiles('#files-input', photoFiles(3));
@@ -86,15 +88,18 @@ try {
   for (const [screen, options] of Object.entries(screens)) {
     for (const colorScheme of ['light', 'dark']) {
       for (const [state, reach] of Object.entries(states)) {
-        if (screen === '4k' && (colorScheme === 'dark' || !['home', 'map'].includes(state))) continue;
+        // The dark scheme and the large screen are told by a few.
+        const few = ['home', 'map', 'report', 'error'];
+        if (colorScheme === 'dark' && (screen === '4k' || !few.includes(state))) continue;
+        if (screen === '4k' && !['home', 'map'].includes(state)) continue;
         const name = `${state}-${screen}-${colorScheme}`;
         if (!name.includes(only)) continue;
-        const mock = await startMockServer({ job_ms: state === 'error' ? 2000 : 9000, upload_ms: state === 'uploading' ? 900 : 20 });
+        const mock = await startMockServer({ job_ms: state === 'error' ? 2000 : 9000, upload_ms: state === 'uploading' ? 2500 : 20 });
         const flight = mock.seedReady('Brook meadow');
         const other = mock.seedReady('Brook meadow, two weeks later', 24);
         const { page, context } = await openPage(browser, mock.url, { ...options, colorScheme });
         await reach(page, flight, other, mock);
-        await page.screenshot({ path: join(out, `${name}.jpg`), quality: 72, type: 'jpeg' });
+        await page.screenshot({ path: join(out, `${name}.jpg`), quality: 65, type: 'jpeg' });
         await context.close();
         await mock.close();
       }
@@ -104,7 +109,7 @@ try {
     const mock = await startMockServer();
     const { page, context } = await openPage(browser, mock.url, screens.laptop);
     await page.waitForSelector('#flights-message:not([hidden])');
-    await page.screenshot({ path: join(out, 'empty-laptop-light.jpg'), quality: 72, type: 'jpeg' });
+    await page.screenshot({ path: join(out, 'empty-laptop-light.jpg'), quality: 65, type: 'jpeg' });
     await context.close();
     await mock.close();
   }

@@ -64,6 +64,8 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   await page.waitForSelector('#flights-message:not([hidden])');
   await dropFiles(page, photoFiles(18));
   await page.waitForSelector('#upload-progress');
+  await page.waitForSelector('#verdict');
+  assert.match(await page.textContent('#verdict'), /18 photos · FC300S · 132\.\d\sm across · flown in 51\ss.*Every photo has a position/);
   await page.waitForSelector('#job-progress');
   assert.match(await page.evaluate(() => location.hash), /^#\/flights\/f\d+/);
   await mapIdle(page);

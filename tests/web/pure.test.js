@@ -6,7 +6,7 @@ import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/coordinates.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/geodesy.js';
-import { formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/format.js';
+import { clipName, formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/format.js';
 import { parseRoute, routeHash } from '../../web/src/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/report_pictures.js';
@@ -101,6 +101,13 @@ test('numbers are said as people say them', () => {
   assert.equal(formatGsd(0.0173), '1.73\u00a0cm/px');
   assert.equal(formatLength(0.052), '5.20\u00a0cm');
   assert.equal(formatArea(24_310), '2.43\u00a0ha');
+});
+
+test('a long name is cut between letters, not inside one', () => {
+  assert.equal(clipName('short'), 'short');
+  const cut = clipName('ä😀'.repeat(60));
+  assert.equal(new TextEncoder().encode(cut).length, 200);
+  assert.ok('ä😀'.repeat(60).startsWith(cut) && cut.isWellFormed?.() !== false);
 });
 
 test('addresses survive a round trip, broken ones lead home', () => {

@@ -18,7 +18,10 @@ const kEdge_m = 20037508.342789244;
  * @param {TileJson} tilejson
  */
 export function gdalXml(template, tilejson) {
-  const address = template.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
+  // PNG for every tile, so that all have the same four bands.
+  const png = /\{y\}\.\w+/.test(template) ? template : template.replace('{y}', '{y}.png');
+  const address = png.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
+  const side = tilejson.tileSize ?? 256;
   return `<GDAL_WMS>
   <Service name="TMS"><ServerUrl>${xmlText(address)}</ServerUrl></Service>
   <DataWindow>
@@ -28,7 +31,7 @@ export function gdalXml(template, tilejson) {
     <YOrigin>top</YOrigin>
   </DataWindow>
   <Projection>EPSG:3857</Projection>
-  <BlockSizeX>256</BlockSizeX><BlockSizeY>256</BlockSizeY>
+  <BlockSizeX>${side}</BlockSizeX><BlockSizeY>${side}</BlockSizeY>
   <BandsCount>4</BandsCount>
   <ZeroBlockHttpCodes>204,404</ZeroBlockHttpCodes>
 </GDAL_WMS>
@@ -44,7 +47,7 @@ export function gdalXml(template, tilejson) {
 export function qgisXml(name, template, tilejson) {
   return `<!DOCTYPE connections>
 <qgsXYZTilesConnections version="1.0">
-  <xyztiles name="${xmlText(name)}" url="${xmlText(template)}" zmin="${tilejson.minzoom ?? 0}" zmax="${tilejson.maxzoom ?? 22}" username="" password="" authcfg="" referer="" tilePixelRatio="0"/>
+  <xyztiles name="${xmlText(name)}" url="${xmlText(template)}" zmin="${tilejson.minzoom ?? 0}" zmax="${tilejson.maxzoom ?? 22}" username="" password="" authcfg="" referer="" tilePixelRatio="${(tilejson.tileSize ?? 256) >= 512 ? 2 : 1}"/>
 </qgsXYZTilesConnections>
 `;
 }

@@ -140,7 +140,8 @@ export class FlightView {
       this.#followJob(flight, job);
       return;
     }
-    if (flight.state === 'failed') {
+    // An older map stays when a later job fails: the state is 'ready' then, with an error.
+    if (flight.state === 'failed' || flight.error) {
       this.#drawFailure(flight);
       return;
     }
@@ -239,7 +240,7 @@ export class FlightView {
     this.#shown_revision = revision;
     try {
       const report = await getReport(flight.id, this.#abort.signal);
-      put(this.#result, reportView(report, shown.photos), linksView(flight, shown.tilejson));
+      put(this.#result, reportView(flight, report, shown.photos), linksView(flight, shown.tilejson));
     } catch (error) {
       if (this.#abort.signal.aborted) return;
       showError(error);

@@ -95,3 +95,14 @@ export function formatDate(iso, options = {}) {
     timeStyle: options.with_time ? 'short' : undefined,
   }).format(date);
 }
+
+/**
+ * A name no longer than the server takes.
+ * @param {string} name
+ * @returns {string} at most 200 bytes of UTF-8, never cut inside a character
+ */
+export function clipName(name) {
+  const letters = [...name];
+  while (new TextEncoder().encode(letters.join('')).length > 200) letters.pop();
+  return letters.join('');
+}

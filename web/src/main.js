@@ -10,6 +10,7 @@ import { byId, put } from './dom.js';
 import { dropZone } from './drop_zone.js';
 import { flightList } from './flight_list.js';
 import { FlightView } from './flight_view.js';
+import { clipName } from './format.js';
 import { icon } from './icons.js';
 import { go, watchRoute } from './router.js';
 import { bottomSheet } from './sheet.js';
@@ -34,7 +35,7 @@ async function rename(flight) {
   const name = await askName(flight.name);
   if (!name) return;
   try {
-    const renamed = await renameFlight(flight.id, name);
+    const renamed = await renameFlight(flight.id, clipName(name));
     if (open_view?.id === flight.id && open_view.flight) {
       open_view.flight.name = renamed.name;
       open_view.drawHead(open_view.flight);
@@ -70,7 +71,7 @@ async function takeFiles(selection) {
       if (answer === '') return;
       if (answer === 'new') id = '';
     }
-    if (!id) id = (await createFlight(selection.folder || defaultName(selection))).id;
+    if (!id) id = (await createFlight(clipName(selection.folder || defaultName(selection)))).id;
     const session = startUpload(id, selection);
     session.addEventListener('job', () => void refreshList());
     if (open_view?.id === id) await open_view.refresh();

@@ -77,7 +77,7 @@ export class MapView {
       type: 'raster',
       tiles: tilejson.tiles.map(ownHost),
       // Half the size on fine screens: one tile pixel then fills one screen pixel there as well.
-      tileSize: devicePixelRatio > 1.5 ? 128 : 256,
+      tileSize: (tilejson.tileSize ?? 256) / (devicePixelRatio > 1.5 ? 2 : 1),
       minzoom: tilejson.minzoom ?? 0,
       maxzoom: tilejson.maxzoom ?? 22,
       bounds,

@@ -1,10 +1,11 @@
 // What was made and how good it is, in plain words first, then in pictures.
-/** @import { PhotoCollection, PhotoCounts, Report } from './types.js' */
+/** @import { Flight, PhotoCollection, PhotoCounts, Report } from './types.js' */
 import { h } from './dom.js';
 import { formatArea, formatBytes, formatGsd } from './format.js';
 import { icon } from './icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { strings } from './strings.js';
+import { drawThumbnail } from './thumbnail.js';
 import { reasonList } from './upload_view.js';
 
 /**
@@ -28,11 +29,23 @@ function placementBar(photos) {
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
 
 /**
+ * The map itself for the printed report, since the live map is not printed.
+ * @param {Flight} flight
+ * @returns {HTMLElement}
+ */
+function mapPicture(flight) {
+  const canvas = h('canvas', { class: 'map-picture', width: 420, height: 420, 'aria-hidden': 'true' });
+  drawThumbnail(flight, canvas).catch((error) => console.debug('no picture of the map', error));
+  return h('div', { class: 'picture print-only' }, canvas);
+}
+
+/**
+ * @param {Flight} flight
  * @param {Report} report
  * @param {PhotoCollection|null} photos
  * @returns {HTMLElement}
  */
-export function reportView(report, photos) {
+export function reportView(flight, report, photos) {
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
   const warnings = report.warnings ?? [];
@@ -65,9 +78,14 @@ export function reportView(report, photos) {
     left_out.length > 0
       ? h('details', { class: 'left-out', open: left_out.length <= 5 }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out))
       : h('p', { class: 'good' }, icon('check'), words.all_placed),
-    photos && coveragePicture(photos),
-    photos && errorPicture(photos),
-    timingPicture(report),
+    h(
+      'div',
+      { class: 'pictures' },
+      mapPicture(flight),
+      photos && coveragePicture(photos),
+      photos && errorPicture(photos),
+      timingPicture(report),
+    ),
     report.peak_memory_bytes > 0 && h('p', { class: 'muted fine' }, `${words.memory} ${formatBytes(report.peak_memory_bytes)}`),
   );
 }

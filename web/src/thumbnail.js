@@ -2,8 +2,6 @@
 /** @import { Flight } from './types.js' */
 import { getTileJson } from './api.js';
 
-const kTile_px = 256;
-
 /**
  * Web Mercator position in tiles of a zoom level.
  * @param {number} lon_deg
@@ -37,22 +35,23 @@ export async function drawThumbnail(flight, canvas) {
   if (!flight.bounds || !flight.tilejson) return;
   const [west, south, east, north] = flight.bounds;
   const size = Math.max(canvas.width, canvas.height);
+  const tilejson = await getTileJson(flight.tilejson);
+  const tile_px = tilejson.tileSize ?? 256;
   const at0 = { from: tilePosition(west, north, 0), to: tilePosition(east, south, 0) };
-  const span = Math.max(at0.to.x - at0.from.x, at0.to.y - at0.from.y, 1e-9) * kTile_px;
+  const span = Math.max(at0.to.x - at0.from.x, at0.to.y - at0.from.y, 1e-9) * tile_px;
   const wanted = Math.ceil(Math.log2(size / span));
   const zoom = Math.max(flight.min_zoom ?? 0, Math.min(flight.max_zoom ?? 22, wanted));
   const from = tilePosition(west, north, zoom);
   const to = tilePosition(east, south, zoom);
-  const scale = size / (Math.max(to.x - from.x, to.y - from.y) * kTile_px);
+  const scale = size / (Math.max(to.x - from.x, to.y - from.y) * tile_px);
   const columns = Math.floor(to.x) - Math.floor(from.x) + 1;
   const rows = Math.floor(to.y) - Math.floor(from.y) + 1;
   if (columns * rows > 16) return;  // a strange pyramid; the list can do without its picture
-  const tilejson = await getTileJson(flight.tilejson);
   const template = ownHost(tilejson.tiles[0]);
   const context = canvas.getContext('2d');
   if (!context) return;
-  const left = (canvas.width - (to.x - from.x) * kTile_px * scale) / 2;
-  const top = (canvas.height - (to.y - from.y) * kTile_px * scale) / 2;
+  const left = (canvas.width - (to.x - from.x) * tile_px * scale) / 2;
+  const top = (canvas.height - (to.y - from.y) * tile_px * scale) / 2;
   const jobs = [];
   for (let x = Math.floor(from.x); x <= Math.floor(to.x); x += 1) {
     for (let y = Math.floor(from.y); y <= Math.floor(to.y); y += 1) {
@@ -60,7 +59,7 @@ export async function drawThumbnail(flight, canvas) {
       jobs.push(
         loadImage(address).then((image) => {
           if (!image) return;
-          const side = kTile_px * scale;
+          const side = tile_px * scale;
           context.drawImage(image, left + (x - from.x) * side, top + (y - from.y) * side, side, side);
         }),
       );

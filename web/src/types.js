@@ -63,6 +63,7 @@
  * @property {number} [minzoom]
  * @property {number} [maxzoom]
  * @property {number[]} [bounds]
+ * @property {number} [tileSize] side of a tile's picture in pixels; 256 when not said
  */
 
 /**

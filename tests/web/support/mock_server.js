@@ -179,11 +179,11 @@ export async function startMockServer(options = {}) {
     if ((match = path.match(/^\/tiles\/([^/]+)\.json$/)) && flights.get(match[1])?.ready) {
       const flight = flights.get(match[1]);
       return send(200, {
-        tilejson: '3.0.0', tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}.png`],
+        tilejson: '3.0.0', tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}?rev=${flight.revision}`], tileSize: 256,
         minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name,
       });
     }
-    if ((match = path.match(/^\/tiles\/([^/]+)\/(\d+)\/(\d+)\/(\d+)\.png$/)) && flights.get(match[1])?.ready) {
+    if ((match = path.match(/^\/tiles\/([^/]+)\/(\d+)\/(\d+)\/(\d+)(?:\.png)?$/)) && flights.get(match[1])?.ready) {
       const [z, x, y] = match.slice(2).map(Number);
       return send(200, countrysideTile(flights.get(match[1]).place, z, x, y), 'image/png', { 'Cache-Control': 'no-cache' });
     }
