@@ -1,5 +1,6 @@
 #include "server/commands/commands.h"
 
+#include "server/commands/inspect.h"
 #include "server/commands/simulate.h"
 #include "server/commands/stitch.h"
 
@@ -7,6 +8,7 @@ namespace skyquilt::server {
 
 void AddCommands(CLI::App& app) {
   AddStitchCommand(app);
+  AddInspectCommand(app);
   AddSimulateCommand(app);
 }
 

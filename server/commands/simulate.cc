@@ -99,6 +99,39 @@ void Run(SimulateArguments& arguments) {
   fmt::print("{}\n{}\n", (arguments.out_dir / "photos").string(), (arguments.out_dir / "truth").string());
 }
 
+// What the recorder of the aircraft writes; without --log nothing is recorded.
+void AddRecorderOptions(CLI::App& command, SimulateArguments& arguments) {
+  simulate::SimulateOptions& options = arguments.options;
+  command
+      .add_option("--log", options.log_formats,
+                  "Fly it with a recorder and write logs/: dataflash (ArduPilot), ulog (PX4), csv; several "
+                  "may be named. "
+                  "The photos are then taken where the aircraft really was, leaning as it leans")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, LogFormat>{
+          {"dataflash", LogFormat::kDataflash}, {"ulog", LogFormat::kUlog}, {"csv", LogFormat::kCsv}}));
+  command
+      .add_option("--mount", arguments.survey.mount,
+                  "With --log: fixed: the camera leans with the body; gimbal: it does not")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, CameraMount>{
+          {"fixed", CameraMount::kFixedToBody}, {"gimbal", CameraMount::kGimbal}}));
+  command
+      .add_option("--imu", arguments.imu,
+                  "With --log: icm or mpu class; rough: with vibration, lost samples, scale errors; none")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ImuKind>{{"none", ImuKind::kNone},
+                                                                         {"icm", ImuKind::kIcm},
+                                                                         {"mpu", ImuKind::kMpu},
+                                                                         {"rough", ImuKind::kRough}}));
+  command.add_flag("--log-rtk", arguments.rtk_log, "With --log: the recorder's GNSS is RTK");
+  command.add_flag("--log-without-gnss", arguments.no_gnss_log, "With --log: the recorder has no GNSS");
+  command.add_flag("--log-range", arguments.survey.sensors.has_range,
+                   "With --log: a range finder that reaches 25 m");
+  command
+      .add_option("--clock-offset-s", options.clock.offset_s, "How far the camera's clock is ahead of UTC")
+      ->capture_default_str();
+  command.add_flag("--clock-seconds", options.clock.is_local_seconds,
+                   "The camera's clock shows whole seconds of an unknown zone, as most do");
+}
+
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
@@ -186,6 +219,7 @@ void AddSimulateCommand(CLI::App& app) {
                                                                     {"no-attitude", NoiseClass::kNoAttitude},
                                                                     {"no-gps", NoiseClass::kNoGps},
                                                                     {"no-pose", NoiseClass::kNoPose}}));
+  AddRecorderOptions(*command, *arguments);
   command
       ->add_option("--exposure-jitter", options.exposure_jitter,
                    "Brightness differs from photo to photo, 1-sigma (0.1 is 10%)")

@@ -1,0 +1,160 @@
+#include "core/pipeline/inspect_flight.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/alignment/align_by_pose.h"
+#include "core/base/parallel_for.h"
+#include "core/camera/footprint.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+#include "core/ground/ground_surface.h"
+#include "core/poses/estimate_poses.h"
+#include "core/render/plan_mosaic.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+// CPU seconds, measured with tests/bench on two cores of 2020s laptop class: an order of magnitude, not a promise.
+constexpr double kAlignSecondsPerPhoto = 0.45;
+constexpr double kDecodeSecondsPerMegapixel = 0.012;
+constexpr double kRenderSecondsPerMegapixel = 0.16;
+
+std::string IsoTime(const flight::UtcTime& time) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
+}
+
+// Many makers repeat themselves in the model's name.
+std::string CameraName(const flight::Photo& photo) {
+  if (photo.model.rfind(photo.make, 0) == 0) return photo.model;
+  return photo.make + " " + photo.model;
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Share of a's footprint that b sees too, by a grid of points.
+double SharedGround(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
+  const geo::Bounds2 bounds = camera::BoundsOf(a);
+  int in_a = 0;
+  int in_both = 0;
+  constexpr int kSteps = 24;
+  for (int row = 0; row < kSteps; ++row) {
+    for (int column = 0; column < kSteps; ++column) {
+      const Eigen::Vector2d point{bounds.min.x() + (column + 0.5) / kSteps * bounds.Width(),
+                                  bounds.min.y() + (row + 0.5) / kSteps * bounds.Height()};
+      if (!camera::PolygonContains(a, point)) continue;
+      ++in_a;
+      in_both += camera::PolygonContains(b, point) ? 1 : 0;
+    }
+  }
+  return in_a == 0 ? 0.0 : static_cast<double>(in_both) / in_a;
+}
+
+void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& verdict) {
+  std::vector<std::vector<Eigen::Vector2d>> footprints;
+  double sum_m2 = 0.0;
+  for (const auto& photo : flight.photos) {
+    footprints.push_back(camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, flight.ground_z_in_enu_m));
+    if (!footprints.back().empty()) sum_m2 += camera::AreaM2(footprints.back());
+  }
+  std::vector<double> overlaps;
+  for (std::size_t i = 0; i + 1 < footprints.size(); ++i) {
+    if (!footprints[i].empty() && !footprints[i + 1].empty()) overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
+  }
+  verdict.forward_overlap = Median(overlaps);
+  // Cells of a fiftieth of a photo: the union of the footprints.
+  const double cell_m = std::max(0.5, std::sqrt(sum_m2 / std::max<std::size_t>(1, footprints.size())) / 50.0);
+  std::set<std::pair<long, long>> cells;
+  for (const auto& polygon : footprints) {
+    if (polygon.empty()) continue;
+    const geo::Bounds2 bounds = camera::BoundsOf(polygon);
+    for (long row = std::lround(bounds.min.y() / cell_m); row * cell_m <= bounds.max.y(); ++row) {
+      for (long column = std::lround(bounds.min.x() / cell_m); column * cell_m <= bounds.max.x(); ++column) {
+        if (camera::PolygonContains(polygon, {(column + 0.5) * cell_m, (row + 0.5) * cell_m})) cells.emplace(row, column);
+      }
+    }
+  }
+  verdict.area_m2 = static_cast<double>(cells.size()) * cell_m * cell_m;
+  verdict.mean_photos_per_point = verdict.area_m2 > 0.0 ? sum_m2 / verdict.area_m2 : 0.0;
+}
+
+void AddAdvice(FlightVerdict& verdict) {
+  if (verdict.photos_placeable >= 3 && verdict.forward_overlap < 0.4) {
+    verdict.warnings.push_back(fmt::format(
+        "Neighbouring photos share only {:.0f} % of their ground: expect gaps and few places where photos can be matched. "
+        "75 % is usual.", 100.0 * verdict.forward_overlap));
+  }
+}
+
+}  // namespace
+
+Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
+                                    Progress& progress) {
+  auto flight = flight::ReadFlight(files, {options.threads}, progress);
+  if (!flight) return flight.error();
+  FlightVerdict verdict;
+  verdict.photos_readable = static_cast<int>(flight->photos.size());
+  double input_megapixels = 0.0;
+  for (const flight::Photo& photo : flight->photos) {
+    const auto& lens = photo.intrinsics;
+    ++verdict.cameras[fmt::format("{}, {} x {} px, focal {:.0f} px ({})", CameraName(photo), lens.width_px,
+                                  lens.height_px, lens.MeanFocalPx(), flight::FocalSourceName(photo.focal_source))];
+    ++verdict.position_sources[photo.position ? photo.position->source : "none"];
+    ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
+    input_megapixels += 1e-6 * lens.width_px * lens.height_px;
+    if (!photo.captured_at) continue;
+    const std::string time = IsoTime(*photo.captured_at);
+    if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
+    verdict.last_capture = std::max(verdict.last_capture, time);
+  }
+  auto posed = poses::EstimatePoses(*flight, {options.origin}, progress);
+  if (!posed) {
+    verdict.left_out = flight->left_out;
+    verdict.warnings.push_back(posed.error().message);
+    return verdict;
+  }
+  const alignment::AlignedFlight placed = alignment::AlignByPoseOnly(*posed);
+  verdict.photos_placeable = static_cast<int>(placed.photos.size());
+  verdict.left_out = placed.left_out;
+  verdict.warnings = placed.warnings;
+  verdict.height_rule = posed->height_rule;
+  std::vector<double> errors_m;
+  verdict.lowest_m = placed.photos.front().height_above_ground_m;
+  for (const auto& photo : placed.photos) {
+    verdict.lowest_m = std::min(verdict.lowest_m, photo.height_above_ground_m);
+    verdict.highest_m = std::max(verdict.highest_m, photo.height_above_ground_m);
+    errors_m.push_back(photo.error_radius_m);
+  }
+  verdict.expected_error_m = Median(errors_m);
+  DescribeCoverage(placed, verdict);
+  const auto plan = render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m), {options.gsd_m, 0.0});
+  if (!plan) {
+    verdict.warnings.push_back(plan.error().message);
+    return verdict;
+  }
+  verdict.gsd_m = plan->gsd_m;
+  verdict.max_zoom = plan->base_zoom;
+  verdict.tile_size_px = plan->tile_size_px;
+  const double pixel_m = geo::PixelSizeInMercM(plan->base_zoom, plan->tile_size_px) *
+                         geo::GroundMetresPerMercMetre(placed.frame.origin().lat_deg);
+  verdict.output_megapixels = 1e-6 * verdict.area_m2 / (pixel_m * pixel_m);
+  const int cores = ThreadCount(options.threads);
+  verdict.expected_seconds = (kAlignSecondsPerPhoto * verdict.photos_placeable + kDecodeSecondsPerMegapixel * input_megapixels +
+                              kRenderSecondsPerMegapixel * verdict.output_megapixels) / std::min(cores, 8);
+  verdict.expected_memory_mib = 150.0 + std::min(0.5 * static_cast<double>(options.max_memory_bytes) / (1 << 20),
+                                                 3.0 * input_megapixels) + 60.0 * cores;
+  AddAdvice(verdict);
+  return verdict;
+}
+
+}  // namespace skyquilt::pipeline

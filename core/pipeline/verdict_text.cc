@@ -1,0 +1,71 @@
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error_code.h"
+#include "core/pipeline/inspect_flight.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+std::string Counts(const std::map<std::string, int>& counts) {
+  std::string text;
+  for (const auto& [what, count] : counts) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", what, count);
+  return text;
+}
+
+}  // namespace
+
+std::string VerdictText(const FlightVerdict& v) {
+  std::string text = fmt::format("Photos      {} readable, {} can be placed, {} files left out\n", v.photos_readable,
+                                 v.photos_placeable, v.left_out.size());
+  for (const auto& [camera, count] : v.cameras) text += fmt::format("Camera      {} ({})\n", camera, count);
+  if (!v.first_capture.empty()) text += fmt::format("Taken       {} to {}\n", v.first_capture, v.last_capture);
+  if (!v.position_sources.empty()) text += "Positions   " + Counts(v.position_sources) + "\n";
+  if (!v.attitude_sources.empty()) text += "Angles      " + Counts(v.attitude_sources) + "\n";
+  if (v.photos_placeable > 0) {
+    text += fmt::format("Height      {:.0f} to {:.0f} m above ground: {}\n", v.lowest_m, v.highest_m, v.height_rule);
+    text += fmt::format("Ground      {:.2f} ha at {:.1f} cm a pixel, {:.0f} % forward overlap, {:.1f} photos a point\n",
+                        v.area_m2 / 1e4, 100.0 * v.gsd_m, 100.0 * v.forward_overlap, v.mean_photos_per_point);
+    text += fmt::format("Error       about {:.1f} m (1 sigma) by the recorded poses alone, before alignment\n", v.expected_error_m);
+    text += fmt::format("Map         {:.0f} megapixels, finest zoom {} with tiles of {} px\n", v.output_megapixels, v.max_zoom,
+                        v.tile_size_px);
+    text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n", v.expected_seconds,
+                        v.expected_memory_mib);
+  }
+  for (const auto& photo : v.left_out) text += fmt::format("Left out    {}: {}\n", photo.name, photo.reason);
+  for (const std::string& warning : v.warnings) text += fmt::format("Note        {}\n", warning);
+  return text;
+}
+
+std::string VerdictJson(const FlightVerdict& v) {
+  nlohmann::ordered_json left_out = nlohmann::ordered_json::array();
+  for (const auto& photo : v.left_out) {
+    left_out.push_back({{"name", photo.name}, {"code", ErrorCodeName(photo.code)}, {"reason", photo.reason}});
+  }
+  const nlohmann::ordered_json json{{"photos_readable", v.photos_readable},
+                                    {"photos_placeable", v.photos_placeable},
+                                    {"cameras", v.cameras},
+                                    {"position_sources", v.position_sources},
+                                    {"attitude_sources", v.attitude_sources},
+                                    {"first_capture", v.first_capture},
+                                    {"last_capture", v.last_capture},
+                                    {"height_rule", v.height_rule},
+                                    {"lowest_m", v.lowest_m},
+                                    {"highest_m", v.highest_m},
+                                    {"gsd_m", v.gsd_m},
+                                    {"area_m2", v.area_m2},
+                                    {"forward_overlap", v.forward_overlap},
+                                    {"mean_photos_per_point", v.mean_photos_per_point},
+                                    {"expected_error_m", v.expected_error_m},
+                                    {"max_zoom", v.max_zoom},
+                                    {"tile_size_px", v.tile_size_px},
+                                    {"output_megapixels", v.output_megapixels},
+                                    {"expected_seconds", v.expected_seconds},
+                                    {"expected_memory_mib", v.expected_memory_mib},
+                                    {"left_out", left_out},
+                                    {"warnings", v.warnings}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace skyquilt::pipeline
