@@ -1,0 +1,84 @@
+#include "api/downloads/downloads.h"
+
+#include <fmt/format.h>
+
+#include "api/downloads/send_file.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+struct Product {
+  const char* file;  // in the revision's folder
+  const char* content_type;
+  const char* extension;  // of the name offered for saving; none: shown in the browser
+};
+
+// The name for saving, in the form that every browser takes (RFC 6266 with RFC 8187).
+std::string Disposition(const std::string& flight_name, const char* extension) {
+  std::string encoded;
+  for (const unsigned char c : flight_name) {
+    const bool is_plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
+  }
+  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension, encoded);
+}
+
+Result<Response> Send(Service& service, const Request& request, const Product& product) {
+  const std::string& id = request.Parameter("flight");
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return checked.error();
+  // A revision retired between the look-up and the opening is looked up again.
+  constexpr int kTries = 3;
+  for (int attempt = 1;; ++attempt) {
+    const Result<storage::Flight> flight = service.catalogue.GetFlight(id);
+    if (!flight) return flight.error();
+    if (!flight->active_revision) {
+      return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
+    }
+    const auto path = service.store.dir().Revision(id, *flight->active_revision) / product.file;
+    Result<Response> sent =
+        SendFile(request, path, product.content_type,
+                 fmt::format("\"{}-r{}-{}\"", id, *flight->active_revision, product.file));
+    if (!sent) {
+      if (sent.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
+      return sent.error();
+    }
+    if (product.extension != nullptr && sent->status != 304) {
+      sent->headers.Add("Content-Disposition", Disposition(flight->name, product.extension));
+    }
+    sent->headers.Add("Cache-Control", "no-cache");
+    return sent;
+  }
+}
+
+Response Answer(Service& service, const Request& request, const Product& product) {
+  Result<Response> sent = Send(service, request, product);
+  if (sent) return *std::move(sent);
+  if (sent.error().code == ErrorCode::kRangeNotSatisfiable) {
+    // The error carries what Content-Range must say.
+    Response response =
+        Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file.", ""}, request);
+    response.headers.Add("Content-Range", sent.error().message);
+    return response;
+  }
+  return Problem(sent.error(), request);
+}
+
+}  // namespace
+
+void AddDownloadRoutes(Router& router, Service& service) {
+  const auto add = [&](const char* pattern, Product product) {
+    router.Add(Method::kGet, pattern,
+               [&service, product](const Request& request) { return Answer(service, request, product); });
+  };
+  add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/download.tif",
+      {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
+  add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});
+  add("/api/v1/flights/{flight}/photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,11 @@
+// Downloads of a finished map: MBTiles, GeoTIFF, report, photo footprints.
+#pragma once
+
+#include "api/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+void AddDownloadRoutes(Router& router, Service& service);
+
+}  // namespace skyquilt::api

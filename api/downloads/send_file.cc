@@ -1,0 +1,103 @@
+#include "api/downloads/send_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "api/etag.h"
+#include "api/range.h"
+
+namespace skyquilt::api {
+namespace {
+
+class OpenFile {
+ public:
+  explicit OpenFile(int fd) : fd_(fd) {}
+  ~OpenFile() {
+    if (fd_ >= 0) close(fd_);
+  }
+  OpenFile(OpenFile&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  OpenFile& operator=(OpenFile&&) = delete;
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+class FileSource final : public BodySource {
+ public:
+  FileSource(OpenFile file, std::uint64_t offset, std::uint64_t length)
+      : file_(std::move(file)), offset_(offset), length_(length), left_(length) {}
+  std::uint64_t length() const override { return length_; }
+
+  Result<std::size_t> Read(std::span<std::uint8_t> into) override {
+    const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), left_));
+    if (wanted == 0) return std::size_t{0};
+    ssize_t got = 0;
+    do {
+      got = pread(file_.fd(), into.data(), wanted, static_cast<off_t>(offset_));
+    } while (got < 0 && errno == EINTR);
+    if (got <= 0)
+      return Error{ErrorCode::kIo, "The file could not be read.", got < 0 ? std::strerror(errno) : "short"};
+    offset_ += static_cast<std::uint64_t>(got);
+    left_ -= static_cast<std::uint64_t>(got);
+    return static_cast<std::size_t>(got);
+  }
+
+ private:
+  OpenFile file_;
+  std::uint64_t offset_;
+  std::uint64_t length_;
+  std::uint64_t left_;
+};
+
+}  // namespace
+
+Result<Response> SendFile(const Request& request, const std::filesystem::path& path,
+                          const std::string& content_type, const std::string& etag) {
+  OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  struct stat status {};
+  if (file.fd() < 0 || fstat(file.fd(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    if (file.fd() >= 0 || errno == ENOENT || errno == ENOTDIR || errno == ELOOP) {
+      return Error{ErrorCode::kNotFound, "There is no such file.", path.string()};
+    }
+    return Error{ErrorCode::kIo, "The file could not be opened.",
+                 path.string() + ": " + std::strerror(errno)};
+  }
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  Response response;
+  response.headers.Add("ETag", etag);
+  response.headers.Add("Accept-Ranges", "bytes");
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    return response;
+  }
+  response.headers.Add("Content-Type", content_type);
+  ByteRange range;
+  if (request.headers.Has("Range") &&
+      (!request.headers.Has("If-Range") || IfRangeMatches(request.headers.Find("If-Range"), etag))) {
+    range = ParseRange(request.headers.Find("Range"), size);
+  }
+  if (range.kind == RangeKind::kUnsatisfiable) {
+    return Error{ErrorCode::kRangeNotSatisfiable, fmt::format("bytes */{}", size), ""};
+  }
+  if (range.kind == RangeKind::kPart) {
+    response.status = 206;
+    response.headers.Add("Content-Range",
+                         fmt::format("bytes {}-{}/{}", range.first, range.first + range.length - 1, size));
+  }
+  const std::uint64_t offset = range.kind == RangeKind::kPart ? range.first : 0;
+  const std::uint64_t length = range.kind == RangeKind::kPart ? range.length : size;
+  response.source = std::make_unique<FileSource>(std::move(file), offset, length);
+  return response;
+}
+
+}  // namespace skyquilt::api

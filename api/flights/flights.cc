@@ -1,0 +1,129 @@
+#include "api/flights/flights.h"
+
+#include <charconv>
+
+#include "api/problem.h"
+#include "api/responses.h"
+#include "storage/ids.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr int kDefaultPage = 50;
+constexpr int kLargestPage = 200;
+
+Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
+  FlightView view;
+  Result<std::optional<storage::Job>> job = service.queue.LatestOf(flight.id);
+  if (!job) return job.error();
+  view.job = *std::move(job);
+  Result<std::optional<storage::Revision>> revision = service.catalogue.ActiveRevision(flight.id);
+  if (!revision) return revision.error();
+  view.revision = *std::move(revision);
+  view.flight = std::move(flight);
+  return view;
+}
+
+Result<int> PageSize(const Request& request) {
+  const auto text = request.Query("limit");
+  if (!text) return kDefaultPage;
+  int limit = 0;
+  const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
+  if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 ||
+      limit > kLargestPage) {
+    return Error{ErrorCode::kInvalidArgument, "The parameter \"limit\" must be a whole number from 1 to 200.",
+                 ""};
+  }
+  return limit;
+}
+
+Response List(Service& service, const Request& request) {
+  const Result<int> limit = PageSize(request);
+  if (!limit) return Problem(limit.error(), request);
+  std::optional<std::string> cursor;
+  if (const auto given = request.Query("cursor")) {
+    if (!storage::IsId(*given)) {
+      return Problem(
+          {ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
+          request);
+    }
+    cursor = *given;
+  }
+  Result<storage::FlightPage> page = service.catalogue.ListFlights(*limit, cursor);
+  if (!page) return Problem(page.error(), request);
+  std::vector<std::string> items;
+  const storage::Time now = storage::Now();
+  for (storage::Flight& flight : page->flights) {
+    const Result<FlightView> view = WithJobAndMap(service, std::move(flight));
+    if (!view) return Problem(view.error(), request);
+    items.push_back(FlightJson(*view, now));
+  }
+  Response response = Json(200, JsonObject({{"flights", JsonArray(items)},
+                                            {"next_cursor", page->next_cursor ? JsonString(*page->next_cursor)
+                                                                              : std::string("null")}}));
+  if (page->next_cursor) {
+    response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(*limit) +
+                                     "&cursor=" + *page->next_cursor + ">; rel=\"next\"");
+  }
+  return response;
+}
+
+Response Get(Service& service, const Request& request) {
+  const Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
+  if (!view) return Problem(view.error(), request);
+  return Json(200, FlightJson(*view, storage::Now()));
+}
+
+Response Patch(Service& service, const Request& request, const std::string& body) {
+  const std::string& id = request.Parameter("flight");
+  const Result<FlightFields> fields = ParseFlightFields(body);
+  if (!fields) return Problem(fields.error(), request);
+  if (fields->name) {
+    const Result<void> renamed = service.catalogue.RenameFlight(id, *fields->name);
+    if (!renamed) return Problem(renamed.error(), request);
+  }
+  if (fields->options) {
+    const Result<void> set = service.catalogue.SetFlightOptions(id, *fields->options);
+    if (!set) return Problem(set.error(), request);
+  }
+  return Get(service, request);
+}
+
+Response Delete(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  // The catalogue first: what is then left on the disk is garbage that any start-up removes.
+  const Result<void> deleted = service.catalogue.DeleteFlight(id);
+  if (!deleted) return Problem(deleted.error(), request);
+  service.tilesets.Forget(id);
+  service.store.RemoveFlight(id);
+  return NoContent();
+}
+
+}  // namespace
+
+Result<FlightView> ViewFlight(Service& service, const std::string& id) {
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return checked.error();
+  Result<storage::Flight> flight = service.catalogue.GetFlight(id);
+  if (!flight) return flight.error();
+  return WithJobAndMap(service, *std::move(flight));
+}
+
+void AddFlightRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}", [&](const Request& r) { return Get(service, r); });
+  router.Add(Method::kDelete, "/api/v1/flights/{flight}",
+             [&](const Request& r) { return Delete(service, r); });
+  router.AddUpload(
+      Method::kPatch, "/api/v1/flights/{flight}",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsJson(request)) {
+          return Problem({ErrorCode::kUnsupportedFormat, "Send the change as application/json.", ""},
+                         request);
+        }
+        return CollectBody(
+            [&service, request](const std::string& body) { return Patch(service, request, body); });
+      });
+}
+
+}  // namespace skyquilt::api

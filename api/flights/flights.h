@@ -1,0 +1,15 @@
+// Flights: make, list, look at, rename, delete. Making one may bring its files along (api/uploads).
+#pragma once
+
+#include "api/json_codec.h"
+#include "api/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+void AddFlightRoutes(Router& router, Service& service);
+
+// The flight with its latest job and the map it shows. Errors: kNotFound and the catalogue's.
+Result<FlightView> ViewFlight(Service& service, const std::string& id);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,89 @@
+#include "api/job_options.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "api/json_text.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+Error Refuse(std::string_view field, std::string_view rule) {
+  return {ErrorCode::kUnprocessable, fmt::format("The option \"{}\" {}.", field, rule), ""};
+}
+
+Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_number()) return Refuse("gsd_m", "must be a number of metres");
+  const auto gsd_m = value.get<double>();
+  if (!(gsd_m >= 0.001 && gsd_m <= 100.0)) return Refuse("gsd_m", "must lie between 0.001 and 100 metres");
+  options->gsd_m = gsd_m;
+  return {};
+}
+
+Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
+  if (value == "auto") {
+    options->encoding = pipeline::TileEncoding::kJpegPng;
+  } else if (value == "webp") {
+    options->encoding = pipeline::TileEncoding::kWebp;
+  } else {
+    return Refuse("format", "must be \"auto\" or \"webp\"");
+  }
+  return {};
+}
+
+Result<void> SetQuality(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_number_integer()) return Refuse("quality", "must be a whole number");
+  const auto quality = value.get<std::int64_t>();
+  if (quality < 1 || quality > 100) return Refuse("quality", "must lie between 1 and 100");
+  options->jpeg_quality = static_cast<int>(quality);
+  return {};
+}
+
+Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
+  constexpr std::pair<const char*, pipeline::AlignMethod> kMethods[] = {
+      {"auto", pipeline::AlignMethod::kAuto},
+      {"imu", pipeline::AlignMethod::kImu},
+      {"features", pipeline::AlignMethod::kFeatures},
+      {"direct", pipeline::AlignMethod::kDirect}};
+  for (const auto& [name, method] : kMethods) {
+    if (value == name) {
+      options->method = method;
+      return {};
+    }
+  }
+  return Refuse("method", "must be \"auto\", \"imu\", \"features\" or \"direct\"");
+}
+
+}  // namespace
+
+Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
+  const Result<void> fit = CheckJsonText(text);
+  if (!fit) return fit.error();
+  const json parsed = json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON.", ""};
+  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};
+  pipeline::MosaicOptions options;
+  for (const auto& [field, value] : parsed.items()) {
+    Result<void> set;
+    if (field == "gsd_m") {
+      set = SetGsd(value, &options);
+    } else if (field == "format") {
+      set = SetFormat(value, &options);
+    } else if (field == "quality") {
+      set = SetQuality(value, &options);
+    } else if (field == "method") {
+      set = SetMethod(value, &options);
+    } else {
+      set = Refuse(field, "is not known; known are gsd_m, format, quality and method");
+    }
+    if (!set) return set.error();
+  }
+  return options;
+}
+
+}  // namespace skyquilt::api

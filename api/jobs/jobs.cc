@@ -1,0 +1,75 @@
+#include "api/jobs/jobs.h"
+
+#include "api/json_codec.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr int kMostListed = 200;
+
+Response Queue(Service& service, const Request& request, const std::string& body) {
+  const std::string& flight_id = request.Parameter("flight");
+  const Result<std::optional<std::string>> options = ParseJobRequest(body);
+  if (!options) return Problem(options.error(), request);
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(flight_id);
+  if (!flight) return Problem(flight.error(), request);
+  if (flight->file_count == 0) {
+    return Problem({ErrorCode::kConflict, "This flight has no files yet. Upload photos first.", ""}, request);
+  }
+  const storage::Time now = storage::Now();
+  const Result<storage::Job> job = service.queue.Add(flight_id, options->value_or(flight->options), now);
+  if (!job) return Problem(job.error(), request);
+  Response response = Json(202, JobJson(*job, now));
+  response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+  return response;
+}
+
+Response Get(Service& service, const Request& request) {
+  const Result<void> checked = CheckId(request.Parameter("job"), "job");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
+  if (!job) return Problem(job.error(), request);
+  return Json(200, JobJson(*job, storage::Now()));
+}
+
+Response List(Service& service, const Request& request) {
+  std::optional<std::string> flight;
+  if (const auto given = request.Query("flight")) flight = *given;
+  const Result<std::vector<storage::Job>> jobs = service.queue.List(flight, kMostListed);
+  if (!jobs) return Problem(jobs.error(), request);
+  std::vector<std::string> items;
+  for (const storage::Job& job : *jobs) items.push_back(JobJson(job, storage::Now()));
+  return Json(200, JsonObject({{"jobs", JsonArray(items)}}));
+}
+
+Response Cancel(Service& service, const Request& request) {
+  const Result<void> checked = CheckId(request.Parameter("job"), "job");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<storage::Job> job = service.queue.Cancel(request.Parameter("job"), storage::Now());
+  if (!job) return Problem(job.error(), request);
+  return Json(200, JobJson(*job, storage::Now()));
+}
+
+}  // namespace
+
+void AddJobRoutes(Router& router, Service& service) {
+  router.AddUpload(
+      Method::kPost, "/api/v1/flights/{flight}/jobs",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
+        if (!checked) return Problem(checked.error(), request);
+        if (!IsJson(request)) {
+          return Problem({ErrorCode::kUnsupportedFormat, "Send the options as application/json.", ""},
+                         request);
+        }
+        return CollectBody(
+            [&service, request](const std::string& body) { return Queue(service, request, body); });
+      });
+  router.Add(Method::kGet, "/api/v1/jobs", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kGet, "/api/v1/jobs/{job}", [&](const Request& r) { return Get(service, r); });
+  router.Add(Method::kDelete, "/api/v1/jobs/{job}", [&](const Request& r) { return Cancel(service, r); });
+}
+
+}  // namespace skyquilt::api

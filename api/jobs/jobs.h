@@ -1,0 +1,11 @@
+// Jobs: queue the stitching of a flight, watch it, cancel it. States are those of OGC API Processes.
+#pragma once
+
+#include "api/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+void AddJobRoutes(Router& router, Service& service);
+
+}  // namespace skyquilt::api

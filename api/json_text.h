@@ -1,0 +1,16 @@
+// CheckJsonText: cheap limits before a JSON text is parsed: at most 64 KiB and 32 levels, so that no client
+// can make the parser recurse or the document grow. Pure; any thread.
+#pragma once
+
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+inline constexpr std::size_t kMaxJsonBytes = 64 * 1024;
+inline constexpr int kMaxJsonDepth = 32;
+
+Result<void> CheckJsonText(std::string_view text);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,62 @@
+// Router: from a method and a path to the handler that answers. Patterns are segments, "{name}" stands for
+// any one segment; a literal segment wins over a parameter. Built once at the start, then only read: any
+// thread.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/http_message.h"
+
+namespace skyquilt::api {
+
+using Handler = std::function<Response(const Request&)>;
+// Begins an upload: either takes the body, or refuses it with a Response before it is read.
+using UploadHandler = std::function<std::variant<std::unique_ptr<BodySink>, Response>(const Request&)>;
+
+struct Route {
+  std::string pattern;  // for metrics and the test that walks the contract
+  Handler handler;      // exactly one of the two is set
+  UploadHandler upload;
+  bool is_quick =
+      false;  // never waits for the disk longer than a page read: may run where sockets are served
+};
+
+class Router {
+ public:
+  Router();
+  ~Router();
+  Router(Router&&) noexcept;
+  Router& operator=(Router&&) noexcept;
+
+  void Add(Method method, std::string_view pattern, Handler handler);
+  void AddQuick(Method method, std::string_view pattern, Handler handler);
+  void AddUpload(Method method, std::string_view pattern, UploadHandler handler);
+  // Answers GET of paths that no pattern has (the web page).
+  void SetFallback(Handler handler);
+
+  struct Match {
+    const Route* route = nullptr;  // none: no such path (both empty), or the path lacks this method
+    std::vector<std::pair<std::string, std::string>> parameters;
+    std::string allow;  // the path's methods for the Allow header, e.g. "GET, HEAD, OPTIONS"
+  };
+  Match Find(Method method, const std::vector<std::string>& segments) const;
+  // What the path allows at all; empty when there is no such path.
+  std::string Allowed(const std::vector<std::string>& segments) const;
+  std::vector<std::pair<Method, std::string>> Routes() const;
+
+ private:
+  struct Node;
+  Route& Insert(Method method, std::string_view pattern);
+  const Node* Walk(const std::vector<std::string>& segments, std::vector<std::string>* values) const;
+  std::unique_ptr<Node> root_;
+  std::optional<Route> fallback_;
+};
+
+}  // namespace skyquilt::api

@@ -1,0 +1,26 @@
+// ParseTarget: the request target of HTTP, strictly (RFC 3986 path and query of origin form). Every path
+// segment comes out decoded; what could ever be taken for a path inside a segment is refused: "..", ".", an
+// empty segment, and slash, backslash, NUL or a control character however encoded; so is invalid UTF-8. Pure;
+// any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+inline constexpr std::size_t kMaxTargetBytes = 8192;
+
+struct Target {
+  std::vector<std::string> segments;  // "/" has none
+  std::vector<std::pair<std::string, std::string>> query;
+};
+
+// Errors: kInvalidArgument, with what is wrong.
+Result<Target> ParseTarget(std::string_view target);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,50 @@
+#include "api/tiles/tile_path.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::size_t kMostDigits = 10;  // 2^30 has ten
+
+std::optional<std::int64_t> ParseNumber(std::string_view text) {
+  if (text.empty() || text.size() > kMostDigits) return std::nullopt;
+  std::int64_t number = 0;
+  for (const char c : text) {
+    if (c < '0' || c > '9') return std::nullopt;
+    number = number * 10 + (c - '0');
+  }
+  return number;
+}
+
+std::optional<pipeline::TileFormat> ParseExtension(std::string_view extension) {
+  if (extension == "jpg" || extension == "jpeg") return pipeline::TileFormat::kJpeg;
+  if (extension == "png") return pipeline::TileFormat::kPng;
+  if (extension == "webp") return pipeline::TileFormat::kWebp;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::string_view y_and_extension) {
+  TilePath path;
+  const std::size_t dot = y_and_extension.find('.');
+  if (dot != std::string_view::npos) {
+    path.format = ParseExtension(y_and_extension.substr(dot + 1));
+    if (!path.format) {
+      return Error{ErrorCode::kInvalidArgument,
+                   "A tile is asked for as .jpg, .png, .webp or without extension.", ""};
+    }
+  }
+  const std::optional<std::int64_t> zoom = ParseNumber(z);
+  const std::optional<std::int64_t> column = ParseNumber(x);
+  const std::optional<std::int64_t> row = ParseNumber(y_and_extension.substr(0, dot));
+  if (!zoom || !column || !row) {
+    return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row.",
+                 ""};
+  }
+  const Result<geo::TileId> tile = geo::TileId::Make(*zoom, *column, *row);
+  if (!tile) return tile.error();
+  path.tile = *tile;
+  return path;
+}
+
+}  // namespace skyquilt::api

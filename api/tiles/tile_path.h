@@ -1,0 +1,22 @@
+// ParseTilePath: z, x and "y.ext" of a tile's address, strictly: plain decimal digits, nothing before or
+// behind. Pure; any thread. Errors: kInvalidArgument (not a number, outside the zoom's square, an extension
+// that is not a tile's).
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/geo/tile_id.h"
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::api {
+
+struct TilePath {
+  geo::TileId tile;
+  std::optional<pipeline::TileFormat> format;  // absent: as stored
+};
+
+Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::string_view y_and_extension);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,143 @@
+#include "api/tiles/tiles.h"
+
+#include <charconv>
+#include <map>
+#include <utility>
+
+#include "api/etag.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "api/tiles/tile_path.h"
+#include "api/tiles/transcode_tile.h"
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::api {
+namespace {
+
+enum class EmptyTile { kBlank, kNoContent, kNotFound };
+
+constexpr const char* kRevalidated = "public, max-age=60, must-revalidate";
+constexpr const char* kImmutable = "public, max-age=31536000, immutable";
+
+Result<EmptyTile> EmptyTileWish(const Request& request) {
+  const auto wish = request.Query("empty");
+  if (!wish || *wish == "blank") return EmptyTile::kBlank;
+  if (*wish == "204") return EmptyTile::kNoContent;
+  if (*wish == "404") return EmptyTile::kNotFound;
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404.", ""};
+}
+
+bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
+  const auto& [west, south, east, north] = revision.bounds;
+  geo::Bounds2 bounds_in_merc;
+  bounds_in_merc.Include(geo::MercFromLatLon({.lat_deg = south, .lon_deg = west}));
+  bounds_in_merc.Include(geo::MercFromLatLon({.lat_deg = north, .lon_deg = east}));
+  return tile.BoundsInMerc().Intersects(bounds_in_merc);
+}
+
+// Made once for each size that occurs (256 and 512 as a rule).
+const std::string& BlankTile(int side_px) {
+  static std::mutex mutex;
+  static std::map<int, std::string> made;
+  const std::lock_guard lock(mutex);
+  std::string& png = made[side_px];
+  if (png.empty()) png = TransparentPng(side_px);
+  return png;
+}
+
+// An address that names the revision it shows never changes its bytes.
+const char* CacheControl(const Request& request, const storage::Tileset& tileset) {
+  const auto revision = request.Query("rev");
+  return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
+}
+
+Result<Response> Blank(const Request& request, const storage::Tileset& tileset) {
+  const Result<EmptyTile> wish = EmptyTileWish(request);
+  if (!wish) return wish.error();
+  if (*wish == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
+  Response response;
+  response.headers.Add("Cache-Control", CacheControl(request, tileset));
+  if (*wish == EmptyTile::kNoContent) {
+    response.status = 204;
+    return response;
+  }
+  const int side_px = TileSizePx(tileset);
+  const std::string etag = "\"blank-" + std::to_string(side_px) + "\"";
+  response.headers.Add("ETag", etag);
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    return response;
+  }
+  response.headers.Add("Content-Type", "image/png");
+  response.body = BlankTile(side_px);
+  return response;
+}
+
+Result<Response> Tile(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return checked.error();
+  const Result<TilePath> path =
+      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
+  if (!path) return path.error();
+  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(id);
+  if (!tileset) return tileset.error();
+  const storage::Revision& revision = (*tileset)->revision;
+  if (path->tile.z() < revision.min_zoom || path->tile.z() > revision.max_zoom) {
+    return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
+  }
+  storage::MbtilesReader& reader = *(*tileset)->reader;
+  Result<std::optional<storage::FoundTile>> found = reader.Find(path->tile);
+  if (!found) return found.error();
+  if (!*found) {
+    if (!Touches(path->tile, revision))
+      return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
+    return Blank(request, **tileset);
+  }
+  Response response;
+  response.headers.Add("Cache-Control", CacheControl(request, **tileset));
+  // The format asked for is part of the tag: the same content has other bytes in another format.
+  std::string etag = StrongEtag((*found)->content_id, path->format ? ExtensionOf(*path->format) : "");
+  const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
+  response.headers.Add("ETag", std::move(etag));
+  if (is_known) {
+    response.status = 304;
+    return response;
+  }
+  Result<std::string> bytes = reader.Load(**std::move(found));
+  if (!bytes) return bytes.error();
+  const std::optional<pipeline::TileFormat> stored = TileFormatOf(*bytes);
+  if (path->format && stored && *path->format != *stored) {
+    Result<std::string> converted = TranscodeTile(*bytes, *path->format);
+    if (!converted) return converted.error();
+    response.headers.Add("Content-Type", ContentTypeOf(*path->format));
+    response.body = *std::move(converted);
+    return response;
+  }
+  response.headers.Add("Content-Type", stored ? ContentTypeOf(*stored) : "application/octet-stream");
+  response.body = *std::move(bytes);
+  return response;
+}
+
+}  // namespace
+
+int TileSizePx(const storage::Tileset& tileset) {
+  const auto& metadata = tileset.reader->metadata();
+  const auto found = metadata.find("tile_size");
+  int side_px = 0;
+  if (found != metadata.end()) {
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), side_px);
+  }
+  return side_px >= 64 && side_px <= 4096 ? side_px : 256;
+}
+
+void AddTileRoutes(Router& router, Service& service) {
+  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}", [&](const Request& request) {
+    Result<Response> answer = Tile(service, request);
+    Response response = answer ? *std::move(answer) : Problem(answer.error(), request);
+    response.headers.Add("Access-Control-Allow-Origin", "*");
+    return response;
+  });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,173 @@
+#include <memory>
+#include <utility>
+
+#include "api/flights/flights.h"
+#include "api/job_options.h"
+#include "api/json_codec.h"
+#include "api/multipart.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "api/uploads/files.h"
+#include "api/uploads/form_receiver.h"
+
+namespace skyquilt::api {
+namespace {
+
+Error NothingUsable(const std::vector<FileOutcome>& files) {
+  if (files.empty())
+    return {ErrorCode::kUnprocessable, "The form has no files. Add photos and send it again.", ""};
+  return {ErrorCode::kUnprocessable,
+          "None of the files could be taken. The first, \"" + files.front().name +
+              "\": " + files.front().error->message,
+          ""};
+}
+
+// Files into a flight that is there.
+class AddFiles final : public BodySink {
+ public:
+  AddFiles(Service& service, Request request, const std::string& boundary)
+      : request_(std::move(request)),
+        receiver_(service, request_.Parameter("flight")),
+        parser_(boundary, receiver_) {}
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override { return parser_.Push(bytes); }
+
+  Response Finish() override {
+    // What came whole stays even when the form was cut: sending the rest is then all that is left to do.
+    const Result<void> whole = parser_.Finish();
+    if (!whole) return Problem(whole.error(), request_);
+    if (receiver_.stored_count() == 0) return Problem(NothingUsable(receiver_.files()), request_);
+    return Json(201, JsonObject({{"files", FileOutcomesJson(receiver_.files())}}));
+  }
+
+ private:
+  Request request_;
+  FormReceiver receiver_;
+  MultipartParser parser_;
+};
+
+// A new flight with its files, queued at once. A form that breaks leaves no flight behind.
+class NewFlight final : public BodySink {
+ public:
+  NewFlight(Service& service, Request request, const std::string& boundary, std::string flight_id)
+      : service_(service),
+        request_(std::move(request)),
+        flight_id_(std::move(flight_id)),
+        receiver_(service, flight_id_),
+        parser_(boundary, receiver_) {}
+
+  ~NewFlight() override {
+    if (is_kept_) return;
+    // A flight that cannot be deleted now shows as one with files and no job; its owner can delete it.
+    if (service_.catalogue.DeleteFlight(flight_id_)) service_.store.RemoveFlight(flight_id_);
+  }
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override { return parser_.Push(bytes); }
+
+  Response Finish() override {
+    const Result<void> whole = parser_.Finish();
+    if (!whole) return Problem(whole.error(), request_);
+    if (receiver_.stored_count() == 0) return Problem(NothingUsable(receiver_.files()), request_);
+    const Result<storage::Job> job = Start();
+    if (!job) return Problem(job.error(), request_);
+    is_kept_ = true;
+    const Result<FlightView> view = ViewFlight(service_, flight_id_);
+    if (!view) return Problem(view.error(), request_);
+    const storage::Time now = storage::Now();
+    Response response = Json(202, JsonObject({{"flight", FlightJson(*view, now)},
+                                              {"job", JobJson(*job, now)},
+                                              {"files", FileOutcomesJson(receiver_.files())}}));
+    response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+    return response;
+  }
+
+ private:
+  Result<storage::Job> Start() {
+    std::vector<std::pair<std::string_view, std::string>> members;
+    const bool has_name =
+        receiver_.name() && !receiver_.name()->empty();  // an empty box of a form means no name
+    if (receiver_.options()) {
+      const Result<pipeline::MosaicOptions> options = ParseJobOptions(*receiver_.options());
+      if (!options) return options.error();
+    }
+    if (has_name) members.emplace_back("name", JsonString(*receiver_.name()));
+    if (receiver_.options()) members.emplace_back("options", *receiver_.options());
+    const Result<FlightFields> fields = ParseFlightFields(JsonObject(members));
+    if (!fields) return fields.error();
+    if (fields->name) {
+      const Result<void> renamed = service_.catalogue.RenameFlight(flight_id_, *fields->name);
+      if (!renamed) return renamed.error();
+    }
+    if (fields->options) {
+      const Result<void> set = service_.catalogue.SetFlightOptions(flight_id_, *fields->options);
+      if (!set) return set.error();
+    }
+    return service_.queue.Add(flight_id_, fields->options.value_or("{}"), storage::Now());
+  }
+
+  Service& service_;
+  Request request_;
+  std::string flight_id_;
+  FormReceiver receiver_;
+  MultipartParser parser_;
+  bool is_kept_ = false;
+};
+
+// "Flight of 2026-11-21 04:55" for whoever gave no name.
+std::string DefaultName(storage::Time now) {
+  std::string time = FormatTime(now).substr(0, 16);
+  time[10] = ' ';
+  return "Flight of " + time;
+}
+
+Response MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
+  const Result<FlightFields> fields = ParseFlightFields(body);
+  if (!fields) return Problem(fields.error(), request);
+  const storage::Time now = storage::Now();
+  Result<storage::Flight> flight = service.catalogue.AddFlight(fields->name.value_or(DefaultName(now)),
+                                                               fields->options.value_or("{}"), now);
+  if (!flight) return Problem(flight.error(), request);
+  FlightView view;
+  view.flight = *std::move(flight);
+  Response response = Json(201, FlightJson(view, now));
+  response.headers.Add("Location", "/api/v1/flights/" + view.flight.id);
+  return response;
+}
+
+using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
+
+Begun BeginFlight(Service& service, const Request& request) {
+  if (IsJson(request)) {
+    return CollectBody(
+        [&service, request](const std::string& body) { return MakeEmptyFlight(service, request, body); });
+  }
+  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
+  if (!boundary) return Problem(boundary.error(), request);
+  const storage::Time now = storage::Now();
+  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultName(now), "{}", now);
+  if (!flight) return Problem(flight.error(), request);
+  return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
+}
+
+Begun BeginFiles(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const Result<void> checked = CheckId(flight_id, "flight");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
+  if (!boundary) return Problem(boundary.error(), request);
+  const Result<bool> known = service.catalogue.HasFlight(flight_id);
+  if (!known) return Problem(known.error(), request);
+  if (!*known) return Problem({ErrorCode::kNotFound, "There is no such flight.", ""}, request);
+  return std::make_unique<AddFiles>(service, request, *boundary);
+}
+
+}  // namespace
+
+void AddMultipartRoutes(Router& router, Service& service) {
+  router.AddUpload(Method::kPost, "/api/v1/flights",
+                   [&](const Request& r) { return BeginFlight(service, r); });
+  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/files",
+                   [&](const Request& r) { return BeginFiles(service, r); });
+}
+
+}  // namespace skyquilt::api

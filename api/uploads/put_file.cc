@@ -1,0 +1,90 @@
+#include <memory>
+#include <utility>
+
+#include "api/json_codec.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "api/uploads/files.h"
+
+namespace skyquilt::api {
+namespace {
+
+// One raw body into one file of a flight.
+class PutFile final : public BodySink {
+ public:
+  PutFile(Service& service, Request request, storage::Upload upload)
+      : service_(service), request_(std::move(request)), upload_(std::move(upload)) {}
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override { return upload_.Write(bytes); }
+
+  Response Finish() override {
+    const std::string& flight_id = request_.Parameter("flight");
+    const std::int64_t bytes = upload_.bytes();
+    Result<std::string> stored = upload_.Finish();
+    if (!stored) return Problem(stored.error(), request_);
+    const storage::StoredFile file{request_.Parameter("name"), *stored, bytes};
+    const Result<storage::AddedFile> added = service_.catalogue.AddFile(flight_id, file, storage::Now());
+    if (!added) {
+      service_.store.Remove(flight_id, *stored);
+      return Problem(added.error(), request_);
+    }
+    if (added->replaced) service_.store.Remove(flight_id, added->replaced_stored_name);
+    return Json(added->replaced ? 200 : 201, FileJson(file));
+  }
+
+ private:
+  Service& service_;
+  Request request_;
+  storage::Upload upload_;
+};
+
+std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const Result<void> checked = CheckId(flight_id, "flight");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<void> named = storage::CheckFileName(request.Parameter("name"));
+  if (!named) return Problem(named.error(), request);
+  const Result<bool> known = service.catalogue.HasFlight(flight_id);
+  if (!known) return Problem(known.error(), request);
+  if (!*known) return Problem({ErrorCode::kNotFound, "There is no such flight.", ""}, request);
+  Result<storage::Upload> upload =
+      service.store.Begin(flight_id, static_cast<std::int64_t>(std::min<std::uint64_t>(
+                                         request.content_length.value_or(0), storage::kMaxFileBytes + 1)));
+  if (!upload) return Problem(upload.error(), request);
+  return std::make_unique<PutFile>(service, request, *std::move(upload));
+}
+
+Response List(Service& service, const Request& request) {
+  const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<std::vector<storage::StoredFile>> files =
+      service.catalogue.ListFiles(request.Parameter("flight"));
+  if (!files) return Problem(files.error(), request);
+  std::vector<std::string> items;
+  for (const storage::StoredFile& file : *files) items.push_back(FileJson(file));
+  return Json(200, JsonObject({{"files", JsonArray(items)}}));
+}
+
+Response Delete(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const Result<void> checked = CheckId(flight_id, "flight");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<storage::StoredFile> removed =
+      service.catalogue.RemoveFile(flight_id, request.Parameter("name"));
+  if (!removed) return Problem(removed.error(), request);
+  service.store.Remove(flight_id, removed->stored_name);
+  return NoContent();
+}
+
+}  // namespace
+
+void AddFileRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/files",
+             [&](const Request& r) { return List(service, r); });
+  router.AddUpload(Method::kPut, "/api/v1/flights/{flight}/files/{name}",
+                   [&](const Request& r) { return BeginPut(service, r); });
+  router.Add(Method::kDelete, "/api/v1/flights/{flight}/files/{name}",
+             [&](const Request& r) { return Delete(service, r); });
+}
+
+}  // namespace skyquilt::api
