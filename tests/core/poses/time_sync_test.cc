@@ -1,0 +1,332 @@
+#include "core/poses/time_sync.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "core/geo/local_frame.h"
+#include "core/poses/clock_search.h"
+#include "core/poses/event_alignment.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::CameraEvent;
+using flight::FlightLog;
+using flight::Photo;
+using flight::UtcTime;
+
+constexpr double kZeroUnixS = 1.7e9;  // UTC at the log's zero
+
+// A survey of back-and-forth legs that slows down into its turns.
+struct Survey {
+  std::vector<TrackPoint> track;  // 20 Hz from t = 100 s
+  std::vector<double> exposures_s;
+};
+
+Survey Fly(unsigned seed, bool by_distance, double interval) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  Survey survey;
+  Eigen::Vector2d position(0.0, 0.0);
+  double speed = 0.0, wanted = 8.0, gust = 0.0;
+  double since_trigger = 0.0, travelled = 0.0;
+  int leg = 0;
+  for (int k = 0; k < 20 * 300; ++k) {
+    const double t = 100.0 + k * 0.05;
+    const bool turning = travelled > 250.0;
+    wanted = turning ? 2.0 : 8.0;
+    gust += 0.05 * (-gust / 2.0) + 0.1 * std::sqrt(0.05) * noise(random);
+    speed += 0.05 * (wanted - speed) / 0.8;
+    Eigen::Vector2d direction(0.0, leg % 4 == 0 ? 1.0 : -1.0);
+    if (leg % 2 == 1) direction = {1.0, 0.0};
+    const double step = std::max(0.0, speed + gust) * 0.05;
+    position += direction * step;
+    travelled += step;
+    since_trigger += by_distance ? step : 0.05;
+    if ((leg % 2 == 0 && travelled > 252.0) || (leg % 2 == 1 && travelled > 30.0)) {
+      ++leg;
+      travelled = 0.0;
+    }
+    survey.track.push_back({t, position});
+    const bool fires = since_trigger >= interval && t > 103.0 && t < 395.0;
+    if (fires) {
+      survey.exposures_s.push_back(t);
+      since_trigger = by_distance ? 0.0 : since_trigger - interval;
+    }
+  }
+  return survey;
+}
+
+geo::LatLon At(const Eigen::Vector2d& position) {
+  const geo::LocalFrame frame(geo::Wgs84{47.0, 8.0, 0.0});
+  const auto wgs84 = frame.Wgs84FromEnu({position.x(), position.y(), 0.0});
+  return {wgs84.lat_deg, wgs84.lon_deg};
+}
+
+// Photos whose stamps are cut to `resolution_s` on a clock that is `ahead_s` ahead of UTC.
+std::vector<Photo> PhotosOf(const std::vector<double>& times_s, double ahead_s, double resolution_s) {
+  std::vector<Photo> photos;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    Photo photo;
+    photo.name = "IMG_" + std::to_string(1000 + i) + ".JPG";
+    const double stamp = std::floor((kZeroUnixS + times_s[i] + ahead_s) / resolution_s + 1e-6) * resolution_s;
+    photo.captured_at = UtcTime(std::chrono::microseconds(std::llround(stamp * 1e6)));
+    photos.push_back(std::move(photo));
+  }
+  return photos;
+}
+
+FlightLog LogOf(const Survey& survey, const std::vector<double>& events_s, double gnss_noise_m,
+                unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, gnss_noise_m);
+  FlightLog log;
+  log.format = "test";
+  log.file_name = "flight.BIN";
+  log.utc_at_zero = UtcTime(std::chrono::microseconds(static_cast<std::int64_t>(kZeroUnixS * 1e6)));
+  log.utc_sigma_s = 0.1;
+  for (std::size_t i = 0; i < survey.track.size(); i += 4) {
+    flight::GnssSample sample;
+    sample.t_s = survey.track[i].t_s;
+    sample.position = At(survey.track[i].position_m + Eigen::Vector2d(noise(random), noise(random)));
+    log.gnss.push_back(sample);
+  }
+  for (const double t : events_s) {
+    CameraEvent event;
+    event.t_s = t;
+    log.events.push_back(event);
+  }
+  return log;
+}
+
+// Exposures 50 +- 15 ms after their triggers vary by 15 ms about the feedback.
+std::vector<double> Jittered(std::vector<double> times_s, unsigned seed, double sigma_s) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, sigma_s);
+  for (double& t : times_s) t += noise(random);
+  return times_s;
+}
+
+TEST(MatchPhotosToLog, FindsAClockAnHourOffFromEventsOfTheSameCount) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Survey survey = Fly(seed, true, 16.0);
+    ASSERT_GT(survey.exposures_s.size(), 60u);
+    const auto photos = PhotosOf(Jittered(survey.exposures_s, seed, 0.015), 3607.3, 1.0);
+    const auto sync = MatchPhotosToLog(photos, LogOf(survey, survey.exposures_s, 1.0, seed));
+    ASSERT_TRUE(sync.ok());
+    EXPECT_EQ(sync->method, TimeSyncMethod::kEventCount);
+    EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 3607.3, 0.05);
+    EXPECT_LT(sync->sigma_s, 0.05);
+    for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync->photos[i]->event, i);
+  }
+}
+
+TEST(MatchPhotosToLog, SurvivesLostAndDoubledEvents) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Survey survey = Fly(seed, true, 16.0);
+    std::mt19937 random(seed + 100);
+    std::vector<double> events;
+    std::vector<std::optional<std::size_t>> truth;
+    for (const double t : survey.exposures_s) {
+      const auto dice = random() % 20;
+      if (dice == 0) {  // lost
+        truth.push_back(std::nullopt);
+        continue;
+      }
+      truth.push_back(events.size());
+      events.push_back(t);
+      if (dice == 1) events.push_back(t + 0.35);  // doubled
+    }
+    events.push_back(survey.exposures_s.back() + 7.0);  // a photo that was deleted
+    const auto photos = PhotosOf(Jittered(survey.exposures_s, seed, 0.015), 3607.3, 1.0);
+    const auto sync = MatchPhotosToLog(photos, LogOf(survey, events, 1.0, seed));
+    ASSERT_TRUE(sync.ok());
+    EXPECT_EQ(sync->method, TimeSyncMethod::kEventPattern);
+    EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 3607.3, 0.05) << seed;
+    std::size_t right = 0;
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+      ASSERT_TRUE(sync->photos[i].has_value());
+      EXPECT_NEAR(sync->photos[i]->t_s, survey.exposures_s[i], 0.8) << "seed " << seed << " photo " << i;
+      right += sync->photos[i]->event == truth[i] ? 1 : 0;
+    }
+    EXPECT_GE(right * 100, photos.size() * 97) << seed;
+  }
+}
+
+TEST(MatchPhotosToLog, SaysWhenAConstantIntervalLeavesTheShiftOpen) {
+  const Survey survey = Fly(3, false, 2.0);
+  // The first event and the last photo are missing: any shift of one interval fits as well.
+  std::vector<double> events(survey.exposures_s.begin() + 1, survey.exposures_s.end());
+  const auto photos = PhotosOf({survey.exposures_s.begin(), survey.exposures_s.end() - 1}, 50.0, 1.0);
+  const auto sync = MatchPhotosToLog(photos, LogOf(survey, events, 1.0, 3));
+  ASSERT_TRUE(sync.ok());
+  const double error_s = std::abs(*sync->camera_ahead_of_utc_s - 50.0);
+  EXPECT_LT(error_s, 3.0 * sync->sigma_s + 0.1) << "the sigma admits it";
+}
+
+TEST(MatchPhotosToLog, UsesNamesThatEventsCarry) {
+  const Survey survey = Fly(4, true, 16.0);
+  auto photos = PhotosOf(survey.exposures_s, 0.0, 1.0);
+  FlightLog log = LogOf(survey, survey.exposures_s, 1.0, 4);
+  for (std::size_t i = 0; i < photos.size(); ++i)
+    log.events[i].image_name = "100MEDIA/img_" + std::to_string(1000 + i) + ".jpg";
+  std::reverse(photos.begin(), photos.end());
+  const auto sync = MatchPhotosToLog(photos, log);
+  ASSERT_TRUE(sync.ok());
+  EXPECT_EQ(sync->method, TimeSyncMethod::kEventNames);
+  for (std::size_t i = 0; i < photos.size(); ++i) EXPECT_EQ(sync->photos[i]->event, photos.size() - 1 - i);
+}
+
+TEST(MatchPhotosToLog, LaysPhotoPositionsOnTheTrackWithoutEvents) {
+  double square = 0.0, worst_sigma = 0.0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Survey survey = Fly(seed, false, 2.07);
+    auto photos = PhotosOf(survey.exposures_s, -7200.0 + 4.25, 1.0);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 0.4);
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+      flight::RecordedPosition position;
+      position.position =
+          At(*TrackAt(survey.track, survey.exposures_s[i]) + Eigen::Vector2d(noise(random), noise(random)));
+      photos[i].position = position;
+    }
+    const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, seed));
+    ASSERT_TRUE(sync.ok());
+    EXPECT_EQ(sync->method, TimeSyncMethod::kPositions);
+    const double error = *sync->camera_ahead_of_utc_s - (-7195.75);
+    EXPECT_LT(std::abs(error), 0.13) << "seed " << seed;
+    EXPECT_LT(std::abs(error), 4.0 * sync->sigma_s + 0.02);
+    square += error * error;
+    worst_sigma = std::max(worst_sigma, sync->sigma_s);
+    for (std::size_t i = 0; i < photos.size(); ++i)
+      EXPECT_NEAR(sync->photos[i]->t_s, survey.exposures_s[i], 0.2);
+  }
+  EXPECT_LT(std::sqrt(square / 10.0), 0.05);
+  EXPECT_LT(worst_sigma, 0.2);
+}
+
+TEST(MatchPhotosToLog, AdmitsThatWholeSecondIntervalsHideTheFraction) {
+  const Survey survey = Fly(2, false, 2.0);
+  auto photos = PhotosOf(survey.exposures_s, 4.25, 1.0);
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    flight::RecordedPosition position;
+    position.position = At(*TrackAt(survey.track, survey.exposures_s[i]));
+    photos[i].position = position;
+  }
+  const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.3, 2));
+  ASSERT_TRUE(sync.ok());
+  EXPECT_GT(sync->sigma_s, 0.2);
+  EXPECT_LT(std::abs(*sync->camera_ahead_of_utc_s - 4.25), 0.6);
+}
+
+TEST(MatchPhotosToLog, UsesDistancesWherePhotosHaveNoPosition) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Survey survey = Fly(seed, false, 2.07);
+    const auto photos = PhotosOf(survey.exposures_s, 3607.3, 1.0);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 0.1);
+    TimeSyncOptions options;
+    for (std::size_t i = 0; i + 1 < photos.size(); ++i) {
+      const double metres =
+          (*TrackAt(survey.track, survey.exposures_s[i + 1]) - *TrackAt(survey.track, survey.exposures_s[i]))
+              .norm();
+      options.distance_to_next.push_back(0.013 * (metres + noise(random)));  // in units of the height, say
+    }
+    const auto sync = MatchPhotosToLog(photos, LogOf(survey, {}, 0.1, seed), options);
+    ASSERT_TRUE(sync.ok());
+    EXPECT_EQ(sync->method, TimeSyncMethod::kDistances);
+    EXPECT_NEAR(*sync->camera_ahead_of_utc_s, 3607.3, 0.1) << seed;
+    EXPECT_LT(std::abs(*sync->camera_ahead_of_utc_s - 3607.3), 4.0 * sync->sigma_s + 0.02);
+  }
+}
+
+TEST(MatchPhotosToLog, FallsBackToTheClocksAndSaysSo) {
+  const Survey survey = Fly(6, true, 16.0);
+  auto photos = PhotosOf(survey.exposures_s, 0.4, 1.0);
+  const auto utc = MatchPhotosToLog(photos, LogOf(survey, {}, 1.0, 6));
+  ASSERT_TRUE(utc.ok());
+  EXPECT_EQ(utc->method, TimeSyncMethod::kClocks);
+  EXPECT_GE(utc->sigma_s, 1.0);
+  photos = PhotosOf(survey.exposures_s, 2.0 * 3600.0 + 0.4, 1.0);
+  for (Photo& photo : photos) photo.captured_at_is_local = true;
+  const auto local = MatchPhotosToLog(photos, LogOf(survey, {}, 1.0, 6));
+  ASSERT_TRUE(local.ok());
+  EXPECT_NEAR(*local->camera_ahead_of_utc_s, 7200.0, 1.0) << "only one zone puts the photos into the log";
+  EXPECT_FALSE(local->notes.empty());
+}
+
+TEST(MatchPhotosToLog, ExplainsWhenNothingTiesThem) {
+  const Survey survey = Fly(7, true, 16.0);
+  std::vector<Photo> photos(5);
+  const auto without_stamps = MatchPhotosToLog(photos, LogOf(survey, survey.exposures_s, 1.0, 7));
+  ASSERT_FALSE(without_stamps.ok());
+  EXPECT_EQ(without_stamps.error().code, ErrorCode::kUnprocessable);
+  const auto other_day =
+      MatchPhotosToLog(PhotosOf(survey.exposures_s, 864'000.0, 1.0), LogOf(survey, {}, 1.0, 7));
+  EXPECT_FALSE(other_day.ok());
+  EXPECT_FALSE(MatchPhotosToLog({}, LogOf(survey, {}, 1.0, 7)).ok());
+}
+
+TEST(RefineByTriggerInterval, TurnsWholeSecondsIntoHundredths) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> start(0.0, 1.0), interval(1.5, 3.5);
+  std::normal_distribution<double> jitter(0.0, 0.008);
+  double square = 0.0;
+  std::size_t count = 0;
+  for (int round = 0; round < 50; ++round) {
+    const double first = start(random);
+    const double step = interval(random);
+    std::vector<double> truth, stamps;
+    for (int i = 0; i < 96; ++i) {
+      truth.push_back(first + i * step + jitter(random));
+      stamps.push_back(std::floor(truth.back()));
+    }
+    const RefinedStamps refined = RefineByTriggerInterval(stamps, 1.0);
+    if (refined.refined < 96) continue;  // an interval of almost whole seconds tells nothing
+    double mean = 0.0;
+    for (int i = 0; i < 96; ++i)
+      mean += (refined.times_s[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i)]) / 96.0;
+    square += mean * mean;
+    ++count;
+  }
+  ASSERT_GE(count, 40u);
+  EXPECT_LT(std::sqrt(square / static_cast<double>(count)), 0.03) << "0.29 without";
+}
+
+TEST(FitOffset, IsConsistentWithItsSigma) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0.0, 300.0);
+  std::normal_distribution<double> jitter(0.0, 0.02);
+  double nees = 0.0;
+  for (int round = 0; round < 100; ++round) {
+    std::vector<double> differences;
+    for (int i = 0; i < 80; ++i) {
+      const double t = uniform(random);
+      differences.push_back(std::floor(t + 12.34 + jitter(random)) - t);
+    }
+    const OffsetFit fit = FitOffset(differences, {1.0, 0.02});
+    EXPECT_NEAR(fit.offset_s, 12.34, 0.05);
+    nees += std::pow((fit.offset_s - 12.34) / fit.sigma_s, 2) / 100.0;
+  }
+  EXPECT_GT(nees, 0.5);
+  EXPECT_LT(nees, 2.0);
+}
+
+TEST(AlignEvents, IsNotFooledByUnrelatedEvents) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(0.0, 1000.0);
+  std::vector<double> stamps, events;
+  for (int i = 0; i < 50; ++i) {
+    stamps.push_back(std::floor(uniform(random)));
+    events.push_back(uniform(random));
+  }
+  std::sort(stamps.begin(), stamps.end());
+  std::sort(events.begin(), events.end());
+  EXPECT_FALSE(AlignEvents(stamps, events, {1e-3, 0.02}).has_value());
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
