@@ -36,7 +36,7 @@ const states = {
     await page.click('#tool-layers');
     await page.check('#show-path');
     await page.selectOption('#colour-by', 'error');
-    await mapIdle(page);
+    await page.waitForTimeout(500);
   },
   async measure(page, flight) {
     await openFlight(page, flight);
@@ -52,7 +52,7 @@ const states = {
   },
   async report(page, flight) {
     await openFlight(page, flight);
-    await page.evaluate(() => document.querySelector('.picture')?.scrollIntoView());
+    await page.evaluate(() => document.querySelector('.coverage')?.closest('figure')?.scrollIntoView());
     await page.waitForTimeout(200);
   },
   async uploading(page) {

@@ -198,6 +198,24 @@ test('names are shown as text, never as markup', options, async () => {
   await assertQuiet(opened);
 });
 
+test('a long list is searched and sorted', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  for (const [i, name] of ['Field 10', 'Field 2', 'Brook', 'Quarry', 'Roof', 'Dam'].entries()) mock.seedReady(name, 3 + i);
+  await page.reload();
+  const names = () => page.locator('.flight-name').allTextContents();
+  await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 6);
+  assert.deepEqual(await names(), ['Dam', 'Roof', 'Quarry', 'Brook', 'Field 2', 'Field 10']);
+  await page.selectOption('#flight-order', 'name');
+  assert.deepEqual(await names(), ['Brook', 'Dam', 'Field 2', 'Field 10', 'Quarry', 'Roof']);
+  await page.fill('#flight-search', 'fie');
+  assert.deepEqual(await names(), ['Field 2', 'Field 10']);
+  await page.fill('#flight-search', 'nothing');
+  assert.match(await page.textContent('#flights-message'), /No flight/);
+  await assertAccessible(page, 'searched list');
+  await assertQuiet(opened);
+});
+
 test('a flight is renamed by keyboard', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;

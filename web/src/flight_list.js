@@ -35,6 +35,13 @@ export function flightFacts(flight) {
     .join(' · ');
 }
 
+/** @type {Record<'newest'|'name'|'largest', (a: Flight, b: Flight) => number>} */
+const orders = {
+  newest: (a, b) => (a.created_at < b.created_at ? 1 : a.created_at > b.created_at ? -1 : 0),
+  name: (a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }),
+  largest: (a, b) => b.bytes - a.bytes,
+};
+
 /**
  * @param {{rename: (flight: Flight) => void, remove: (flight: Flight) => void}} actions
  * @returns {{element: HTMLElement, update: (flights: Flight[]|null, error?: string) => void}}
@@ -52,11 +59,17 @@ export function flightList(actions) {
     'aria-label': strings.flights.search,
     on: { input: () => redraw() },
   });
+  const order = h(
+    'select',
+    { class: 'field', id: 'flight-order', 'aria-label': strings.flights.order, on: { change: () => redraw() } },
+    ...Object.entries(strings.flights.orders).map(([value, label]) => h('option', { value }, label)),
+  );
+  const filters = h('div', { class: 'filters' }, search, order);
   const element = h(
     'section',
     { class: 'flight-list', 'aria-labelledby': 'flights-heading' },
     h('h2', { class: 'list-heading', id: 'flights-heading', tabindex: -1 }, strings.flights.heading),
-    search,
+    filters,
     list,
     message,
   );
@@ -66,8 +79,10 @@ export function flightList(actions) {
 
   const redraw = () => {
     const query = search.value.trim().toLowerCase();
-    const shown = (flights ?? []).filter((flight) => flight.name.toLowerCase().includes(query));
-    search.hidden = (flights?.length ?? 0) < 6;
+    const shown = (flights ?? [])
+      .filter((flight) => flight.name.toLowerCase().includes(query))
+      .sort(orders[/** @type {keyof typeof orders} */ (order.value)]);
+    filters.hidden = (flights?.length ?? 0) < 6;
     for (const [id, { row }] of rows) {
       if (!shown.some((flight) => flight.id === id)) {
         row.remove();

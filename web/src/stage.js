@@ -11,6 +11,7 @@ import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
 import { photoCard } from './photo_card.js';
 import { strings } from './strings.js';
+import { uploadOf } from './uploads.js';
 
 /**
  * @typedef {object} Shown
@@ -105,9 +106,12 @@ export class Stage {
     return { top: 28, left: 28, right: 64, bottom: 48 };
   }
 
-  /** @param {string} text shown in place of a map; '' shows the map */
-  say(text) {
-    put(this.note, h('div', { class: 'quilt', 'aria-hidden': 'true' }, ...Array.from({ length: 9 }, () => h('span'))), h('p', {}, text));
+  /**
+   * @param {string} text shown in place of a map; '' shows the map
+   * @param {boolean} [is_coming] a map is on its way
+   */
+  say(text, is_coming = false) {
+    put(this.note, h('div', { class: is_coming ? 'quilt quilt-coming' : 'quilt', 'aria-hidden': 'true' }, ...Array.from({ length: 9 }, () => h('span'))), h('p', {}, text));
     this.note.hidden = text === '';
   }
 
@@ -121,7 +125,8 @@ export class Stage {
     this.#flight = flight;
     this.area.hidden = false;
     if (!flight.tilejson || !flight.bounds) {
-      this.say(strings.stage[flight.state === 'failed' ? 'failed' : 'coming']);
+      if (flight.state === 'failed') this.say(strings.stage.failed);
+      else this.say(strings.stage.coming, flight.state !== 'empty' || uploadOf(flight.id) !== undefined);
       await this.clear();
       return null;
     }

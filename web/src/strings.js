@@ -19,6 +19,8 @@ export const strings = {
     heading: 'Flights',
     none: 'No flights yet.',
     search: 'Search flights',
+    order: 'Order of the list',
+    orders: { newest: 'Newest', name: 'Name', largest: 'Largest' },
     no_match: 'No flight has this name.',
     open: (/** @type {string} */ name) => `Open ${name}`,
     photos: (/** @type {number} */ n) => count(n, 'photo', 'photos'),
