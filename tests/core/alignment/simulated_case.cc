@@ -1,0 +1,116 @@
+#include "tests/core/alignment/simulated_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+
+#include "core/base/check.h"
+#include "core/poses/estimate_poses.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kPixelsAcross = 5;
+
+struct Seen {
+  Complex now, truth;
+  std::size_t photo = 0;
+};
+
+std::vector<Seen> Look(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                       const ground::GroundSurface& surface) {
+  std::map<std::string, const simulate::SimulatedPhoto*> by_name;
+  for (const simulate::SimulatedPhoto& photo : truth.photos) by_name[photo.photo.name] = &photo;
+  // The aligned flight has its own local frame; both tell WGS84.
+  const geo::Rigid3 truth_from_flight = truth.frame.ecef_from_enu().Inverse() * flight.frame.ecef_from_enu();
+  std::vector<Seen> seen;
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    const AlignedPhoto& photo = flight.photos[i];
+    const simulate::SimulatedPhoto& real = *by_name.at(photo.photo.name);
+    const camera::Intrinsics& lens = truth.options.intrinsics;
+    for (int y = 0; y < kPixelsAcross; ++y) {
+      for (int x = 0; x < kPixelsAcross; ++x) {
+        const Eigen::Vector2d pixel((x + 0.5) / kPixelsAcross * lens.width_px - 0.5,
+                                    (y + 0.5) / kPixelsAcross * lens.height_px - 0.5);
+        const Eigen::Vector3d start = photo.cam_from_enu.TargetOriginInSource();
+        const Eigen::Vector3d ray =
+            photo.cam_from_enu.rotation.conjugate() * photo.intrinsics.Unproject(pixel);
+        if (ray.z() > -0.1) continue;
+        Eigen::Vector3d point = start;
+        double z = surface.MeanHeight();
+        for (int k = 0; k < 8; ++k) {
+          point = start + (z - start.z()) / ray.z() * ray;
+          z = surface.HeightAt(point.head<2>());
+        }
+        const Eigen::Vector3d in_truth = truth_from_flight * point;
+        const auto hit = truth.world.CastRay(
+            real.pose.cam_from_enu.TargetOriginInSource(),
+            (real.pose.cam_from_enu.rotation.conjugate() * lens.Unproject(pixel)).normalized(), 2000.0);
+        if (!hit) continue;
+        seen.push_back({{in_truth.x(), in_truth.y()}, {hit->point_in_enu.x(), hit->point_in_enu.y()}, i});
+      }
+    }
+  }
+  return seen;
+}
+
+double Percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                                 const ground::GroundSurface& surface) {
+  std::vector<std::vector<double>> misses(flight.photos.size());
+  for (const Seen& one : Look(truth, flight, surface))
+    misses[one.photo].push_back(std::abs(one.now - one.truth));
+  std::vector<double> errors;
+  for (const std::vector<double>& of_photo : misses) errors.push_back(Percentile(of_photo, 0.5));
+  return errors;
+}
+
+GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                               const ground::GroundSurface& surface) {
+  const std::vector<Seen> seen = Look(truth, flight, surface);
+  Complex mean_now, mean_truth;
+  for (const Seen& one : seen) {
+    mean_now += one.now / static_cast<double>(seen.size());
+    mean_truth += one.truth / static_cast<double>(seen.size());
+  }
+  Complex cross;
+  double square = 0.0;
+  for (const Seen& one : seen) {
+    cross += std::conj(one.now - mean_now) * (one.truth - mean_truth);
+    square += std::norm(one.now - mean_now);
+  }
+  const Complex turn = cross / square;
+  std::vector<double> absolute, relative;
+  for (const Seen& one : seen) {
+    absolute.push_back(std::abs(one.now - one.truth));
+    relative.push_back(std::abs(turn * (one.now - mean_now) + mean_truth - one.truth));
+  }
+  GroundError error;
+  error.absolute_ce90_m = Percentile(absolute, 0.9);
+  error.relative_ce90_m = Percentile(relative, 0.9);
+  const std::vector<double> photos = PhotoErrorsM(truth, flight, surface);
+  error.worst_photo_m = photos.empty() ? 0.0 : *std::max_element(photos.begin(), photos.end());
+  return error;
+}
+
+poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth) {
+  flight::Flight flight;
+  for (const simulate::SimulatedPhoto& photo : truth.photos) flight.photos.push_back(photo.photo);
+  SilentProgress progress;
+  Result<poses::PosedFlight> posed = poses::EstimatePoses(flight, {}, progress);
+  SKYQUILT_CHECK(posed.ok(), "simulated flights have poses");
+  return *std::move(posed);
+}
+
+}  // namespace skyquilt::alignment

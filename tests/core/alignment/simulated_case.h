@@ -1,0 +1,31 @@
+// A simulated flight, what alignment made of it, and how far that is from the truth. For tests and
+// benchmarks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/alignment/align_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/poses/posed_flight.h"
+#include "core/simulate/simulate_flight.h"
+
+namespace skyquilt::alignment {
+
+struct GroundError {
+  double relative_ce90_m = 0.0;  // after the best similarity of the plane
+  double absolute_ce90_m = 0.0;
+  double worst_photo_m = 0.0;  // largest median error of one photo, absolute
+};
+
+// Where every photo's pixels (a grid of them) fall on `surface` against where they truly lie.
+GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                               const ground::GroundSurface& surface);
+// Median absolute ground error of each photo.
+std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                                 const ground::GroundSurface& surface);
+
+// Reads what the simulated photos record, as the product would.
+poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth);
+
+}  // namespace skyquilt::alignment
