@@ -73,7 +73,7 @@ export class FlightView {
       await this.#drawResult(flight);
     } catch (error) {
       if (this.#abort.signal.aborted) return;
-      const gone = error instanceof ApiError && error.status === 404;
+      const gone = error instanceof ApiError && (error.status === 404 || error.status === 400);
       this.#say(gone ? strings.flights.gone : error instanceof Error ? error.message : String(error), () => this.refresh(), !gone);
     }
   }

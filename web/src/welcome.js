@@ -10,13 +10,7 @@ import { strings } from './strings.js';
  */
 export function welcomeView(actions) {
   const words = strings.welcome;
-  const api = `${location.origin}/api/v1/flights`;
-  const commands = [
-    `ID=$(curl -s --json '{"name":"My flight"}' ${api} | grep -oP '"id":\\s*"\\K[^"]+')`,
-    `for f in *.JPG; do curl -sT "$f" ${api}/$ID/files/; done`,
-    `curl -s --json '{}' ${api}/$ID/jobs`,
-    `echo ${location.origin}/#/flights/$ID`,
-  ].join('\n');
+  const command = `curl -F name="My flight" $(printf -- '-F files=@%s ' *.JPG) ${location.origin}/api/v1/flights`;
   return h(
     'div',
     { class: 'welcome-inner' },
@@ -53,8 +47,8 @@ export function welcomeView(actions) {
       'details',
       { class: 'curl' },
       h('summary', {}, words.curl),
-      h('div', { class: 'code-box' }, h('pre', { tabindex: 0, 'aria-label': words.curl }, h('code', {}, commands)),
-        copyButton(words.curl, commands)),
+      h('div', { class: 'code-box' }, h('pre', { tabindex: 0, 'aria-label': words.curl }, h('code', {}, command)),
+        copyButton(words.curl, command)),
     ),
   );
 }
