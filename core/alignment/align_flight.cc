@@ -10,6 +10,7 @@
 
 #include "core/alignment/bundle_setup.h"
 #include "core/alignment/correct_poses.h"
+#include "core/alignment/direct_registration.h"
 #include "core/alignment/flight_lines.h"
 #include "core/alignment/ground_graph.h"
 #include "core/alignment/link_photos.h"
@@ -187,6 +188,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   std::vector<CorrectedPose> corrected(count);
   std::vector<CandidatePair> pairs;
   std::vector<PairLink> links;
+  std::vector<Track> direct_tracks;
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.7, "comparing photos");
@@ -211,11 +213,14 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     links = LinkPhotos(input, laid, pairs, kSecondLook, options.threads);
     const GroundGraph second = SolveGroundGraph(priors, links, laid.views, tolerance_m);
     KeepHolding(second, names, links, report);
+    direct_tracks = DirectTracks(input, pairs, links, relief, options.threads);
+    report.pairs_by_direct = static_cast<int>(direct_tracks.size());
   }
   if (progress.IsCancelled()) return cancelled;
   report.corrections = DescribeCorrections(corrected, names, lines);
 
   BundleProblem problem = MakeBundle(posed, corrected, lines);
+  problem.soft_tracks = std::move(direct_tracks);
   BundleSummary summary;
   {
     ScopedTimer timer(report.adjustment_s);

@@ -81,6 +81,21 @@ struct Learnt {
   int photos = 0;
 };
 
+// How many whole-picture comparisons agree with where each photo now lies.
+std::vector<int> CountDirectTies(const BundleProblem& problem) {
+  std::vector<int> ties(problem.photos.size(), 0);
+  const std::vector<View> views = ViewsOf(problem);
+  for (const Track& track : problem.soft_tracks) {
+    const bool agrees =
+        std::all_of(track.observations.begin(), track.observations.end(), [&](const Observation& one) {
+          return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) < 2.0 * one.sigma_px;
+        });
+    if (!agrees) continue;
+    for (const Observation& one : track.observations) ++ties[one.photo];
+  }
+  return ties;
+}
+
 Eigen::Vector3d Median(std::vector<Eigen::Vector3d> values) {
   Eigen::Vector3d median;
   for (int k = 0; k < 3; ++k) {
@@ -129,6 +144,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
 
   std::vector<Support> support;
   const std::vector<int> piece = FindAligned(problem, support);
+  const std::vector<int> direct_ties = CountDirectTies(problem);
   std::map<int, int> piece_sizes;
   std::map<int, std::vector<Eigen::Vector3d>> turns, shifts;
   std::vector<Eigen::Vector3d> all_turns, all_shifts;
@@ -170,6 +186,13 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
       photo.error_radius_m = sigma_position;
       photo.height_above_ground_m =
           std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
+    } else if (direct_ties[i] > 0) {
+      photo.placement_reason = fmt::format(
+          "placed by its recorded pose, moved to where the whole picture fits {} other photo{}: too few "
+          "points in "
+          "common ({})",
+          direct_ties[i], direct_ties[i] == 1 ? "" : "s", support[i].observations);
+      if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
     } else {
       const auto of_line = turns.find(problem.photos[i].line);
       const bool line_known = of_line != turns.end() && of_line->second.size() >= 2;
