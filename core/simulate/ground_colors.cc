@@ -25,7 +25,7 @@ float Stripes(double across_m, double period_m, float footprint_m) {
   const float weight = BandWeight(static_cast<float>(period_m), footprint_m);
   if (weight == 0.0f) return 0.5f;
   const double turns = across_m / period_m;
-  const auto phase = static_cast<float>(turns - std::floor(turns));
+  const auto phase = static_cast<float>(turns - FloorToInt(turns));
   return 0.5f + 0.5f * weight * std::cos(kTwoPi * phase);
 }
 
@@ -36,10 +36,9 @@ float Strewn(const GroundPoint& p, double cell_m, std::uint32_t salt) {
   if (weight == 0.0f) return 0.0f;
   const double x = p.east / cell_m;
   const double y = p.north / cell_m;
-  const double floor_x = std::floor(x);
-  const double floor_y = std::floor(y);
-  const std::uint32_t hash =
-      HashCell(static_cast<std::int32_t>(floor_x), static_cast<std::int32_t>(floor_y), p.seed ^ salt);
+  const std::int32_t floor_x = FloorToInt(x);
+  const std::int32_t floor_y = FloorToInt(y);
+  const std::uint32_t hash = HashCell(floor_x, floor_y, p.seed ^ salt);
   if ((hash & 3u) == 0u) return 0.0f;
   const float r = 0.12f + 0.18f * Uniform(hash, 0);
   const float dx = static_cast<float>(x - floor_x) - (0.3f + 0.4f * Uniform(hash, 1));
@@ -158,7 +157,7 @@ Color WithBorders(const GroundPoint& p, const Parcel& parcel, const Color& color
                   Color(18.0f, 18.0f, 18.0f) * Strewn(p, 0.9, 0x57u);
   const Color paint(232.0f, 232.0f, 226.0f);
   const double along = parcel.v / 6.0;
-  const double in_dash_m = 6.0 * (along - std::floor(along)) - 0.6;  // 3 m of paint every 6 m
+  const double in_dash_m = 6.0 * (along - FloorToInt(along)) - 0.6;  // 3 m of paint every 6 m
   const float dash = Cover(std::min(in_dash_m, 3.0 - in_dash_m), p.footprint_m);
   asphalt = Mix(asphalt, paint, 0.92f * dash * Cover(0.07 - parcel.to_column_border_m, p.footprint_m));
   const double from_edge = std::abs(parcel.to_column_border_m - (kRoadHalfM - 0.25));
@@ -169,10 +168,9 @@ Color WithBorders(const GroundPoint& p, const Parcel& parcel, const Color& color
 Color WithTrees(const GroundPoint& p, const Parcel& parcel, const Color& color) {
   const double x = parcel.u / kTreeCellM;
   const double y = parcel.v / kTreeCellM;
-  const double floor_x = std::floor(x);
-  const double floor_y = std::floor(y);
-  const std::uint32_t hash =
-      HashCell(static_cast<std::int32_t>(floor_x), static_cast<std::int32_t>(floor_y), p.seed ^ kTreeSalt);
+  const std::int32_t floor_x = FloorToInt(x);
+  const std::int32_t floor_y = FloorToInt(y);
+  const std::uint32_t hash = HashCell(floor_x, floor_y, p.seed ^ kTreeSalt);
   if (Uniform(hash, 0) > 0.14f) return color;
   const double radius_m = 1.2 + 1.3 * Uniform(hash, 1);
   const double play_m = 0.5 * kTreeCellM - radius_m - 1.2;
@@ -211,7 +209,7 @@ Color WallColor(double along_m, double up_m, const Building& building, float foo
       Mix(Color(206.0f, 198.0f, 182.0f), Color(158.0f, 120.0f, 96.0f), Uniform(building.hash, 9));
   const float bricks = BandNoise(along_m, up_m, 0.25f, 1, footprint_m, building.hash);
   const double window = along_m / 2.2;
-  const double in_window_m = std::abs(2.2 * (window - std::floor(window)) - 1.1);
+  const double in_window_m = std::abs(2.2 * (window - FloorToInt(window)) - 1.1);
   const float glass = Cover(0.45 - in_window_m, footprint_m) * Cover(0.6 - std::abs(up_m - 1.6), footprint_m);
   return Mix(0.8f * base + Color(14.0f, 13.0f, 12.0f) * bricks, Color(60.0f, 70.0f, 80.0f), glass);
 }

@@ -37,14 +37,18 @@ inline float SmoothStep(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+// The next integer below, without a call into the mathematics library (places lie within +-2^31 cells).
+inline std::int32_t FloorToInt(double x) {
+  const auto cut = static_cast<std::int32_t>(x);
+  return cut - (x < static_cast<double>(cut) ? 1 : 0);
+}
+
 // Smooth noise of about one hill per unit cell, in [-1, 1].
 inline float ValueNoise(double x, double y, std::uint32_t seed) {
-  const double floor_x = std::floor(x);
-  const double floor_y = std::floor(y);
-  const auto ix = static_cast<std::int32_t>(floor_x);
-  const auto iy = static_cast<std::int32_t>(floor_y);
-  const auto fx = static_cast<float>(x - floor_x);
-  const auto fy = static_cast<float>(y - floor_y);
+  const std::int32_t ix = FloorToInt(x);
+  const std::int32_t iy = FloorToInt(y);
+  const auto fx = static_cast<float>(x - ix);
+  const auto fy = static_cast<float>(y - iy);
   const float wx = fx * fx * fx * (fx * (fx * 6.0f - 15.0f) + 10.0f);
   const float wy = fy * fy * fy * (fy * (fy * 6.0f - 15.0f) + 10.0f);
   const auto corner = [seed](std::int32_t cx, std::int32_t cy) {

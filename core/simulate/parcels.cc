@@ -52,7 +52,7 @@ Parcel Parcels::At(double east, double north) const {
   const Eigen::Vector2d turned = ToTurned(east, north);
   parcel.u = turned.x();
   parcel.v = turned.y();
-  auto column = static_cast<std::int32_t>(std::floor(parcel.u / kColumnM));
+  auto column = FloorToInt(parcel.u / kColumnM);
   double left = ColumnBorder(column);
   double right = ColumnBorder(column + 1);
   if (parcel.u < left) {
@@ -66,7 +66,7 @@ Parcel Parcels::At(double east, double north) const {
   parcel.to_column_border_m = nearer_left ? parcel.u - left : right - parcel.u;
   parcel.column_border_is_road = ((nearer_left ? column : column + 1) & 1) == 0;
 
-  auto row = static_cast<std::int32_t>(std::floor(parcel.v / kRowM));
+  auto row = FloorToInt(parcel.v / kRowM);
   double low = RowBorder(column, row);
   while (parcel.v < low) low = RowBorder(column, --row);
   double high = RowBorder(column, row + 1);

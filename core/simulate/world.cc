@@ -64,9 +64,8 @@ double World::BaseOf(const Building& building) const {
 
 std::optional<Building> World::BuildingAt(double east, double north) const {
   const Eigen::Vector2d turned = parcels_.ToTurned(east, north);
-  std::optional<Building> building =
-      parcels_.BuildingOfCell(static_cast<std::int32_t>(std::floor(turned.x() / kBuildingCellM)),
-                              static_cast<std::int32_t>(std::floor(turned.y() / kBuildingCellM)));
+  std::optional<Building> building = parcels_.BuildingOfCell(FloorToInt(turned.x() / kBuildingCellM),
+                                                             FloorToInt(turned.y() / kBuildingCellM));
   if (!building) return std::nullopt;
   const Eigen::Vector2d at = building->ToAxes({east, north});
   if (std::abs(at.x()) > building->half_size_m.x() || std::abs(at.y()) > building->half_size_m.y())
@@ -99,7 +98,7 @@ Eigen::Vector3f World::ColorAt(double east, double north, float footprint_m) con
 }
 
 std::optional<RayHit> World::CastRayToTerrain(const Eigen::Vector3d& start, const Eigen::Vector3d& direction,
-                                              double max_distance_m) const {
+                                              double max_distance_m, double hint_m) const {
   if (direction.z() > -kFlattestRay) return std::nullopt;
   RayHit hit;
   if (options_.relief_m == 0.0) {
@@ -115,7 +114,8 @@ std::optional<RayHit> World::CastRayToTerrain(const Eigen::Vector3d& start, cons
   // down by steps that the slope's bound proves free of ground.
   const bool is_steep = -direction.z() > 1.2 * steepest_ * level;
   const double sink = -direction.z() + steepest_ * level;
-  double t = is_steep ? start.z() / -direction.z() : above_hills;
+  const double newton_start = hint_m > 0.0 ? hint_m : start.z() / -direction.z();
+  double t = is_steep ? newton_start : above_hills;
   for (int i = 0; i < 400 && t <= max_distance_m; ++i) {
     const Eigen::Vector3d at = start + t * direction;
     const Eigen::Vector3d terrain = TerrainAt(at.x(), at.y());
@@ -178,15 +178,17 @@ std::optional<RayHit> World::CastRayToBuildings(const Eigen::Vector3d& start,
       }
       if (enter > leave || entered_by < 0 || enter > max_distance_m) continue;
       if (nearest && nearest->distance_m <= enter) continue;
-      nearest = RayHit{start + enter * direction, enter, entered_by != 2};
+      nearest = RayHit{start + enter * direction, enter,
+                       entered_by == 2 ? SurfaceKind::kRoof : SurfaceKind::kWall, building->hash | 1u};
     }
   }
   return nearest;
 }
 
 std::optional<RayHit> World::CastRay(const Eigen::Vector3d& start_in_enu,
-                                     const Eigen::Vector3d& direction_in_enu, double max_distance_m) const {
-  std::optional<RayHit> hit = CastRayToTerrain(start_in_enu, direction_in_enu, max_distance_m);
+                                     const Eigen::Vector3d& direction_in_enu, double max_distance_m,
+                                     double hint_m) const {
+  std::optional<RayHit> hit = CastRayToTerrain(start_in_enu, direction_in_enu, max_distance_m, hint_m);
   if (!options_.has_boxes) return hit;
   const double limit_m = hit ? hit->distance_m : max_distance_m;
   if (std::optional<RayHit> box = CastRayToBuildings(start_in_enu, direction_in_enu, limit_m)) return box;
@@ -194,11 +196,11 @@ std::optional<RayHit> World::CastRay(const Eigen::Vector3d& start_in_enu,
 }
 
 Eigen::Vector3f World::ColorOfHit(const RayHit& hit, float footprint_m) const {
-  if (!hit.is_wall) return ColorAt(hit.point_in_enu.x(), hit.point_in_enu.y(), footprint_m);
+  if (hit.surface != SurfaceKind::kWall)
+    return ColorAt(hit.point_in_enu.x(), hit.point_in_enu.y(), footprint_m);
   const Eigen::Vector2d turned = parcels_.ToTurned(hit.point_in_enu.x(), hit.point_in_enu.y());
-  const std::optional<Building> building =
-      parcels_.BuildingOfCell(static_cast<std::int32_t>(std::floor(turned.x() / kBuildingCellM)),
-                              static_cast<std::int32_t>(std::floor(turned.y() / kBuildingCellM)));
+  const std::optional<Building> building = parcels_.BuildingOfCell(FloorToInt(turned.x() / kBuildingCellM),
+                                                                   FloorToInt(turned.y() / kBuildingCellM));
   if (!building) return Eigen::Vector3f::Constant(120.0f);  // a wall's last millimetre beyond its cell
   const Eigen::Vector2d at = building->ToAxes(hit.point_in_enu.head<2>());
   const bool is_long_side =

@@ -24,10 +24,13 @@ struct WorldOptions {
   double mark_radius_m = 0.25;  // of the white disc; the black one is twice as wide
 };
 
+enum class SurfaceKind : std::uint8_t { kGround, kRoof, kWall };
+
 struct RayHit {
   Eigen::Vector3d point_in_enu = Eigen::Vector3d::Zero();
   double distance_m = 0.0;
-  bool is_wall = false;
+  SurfaceKind surface = SurfaceKind::kGround;
+  std::uint32_t building = 0;  // tells one building from the next; 0 = none
 };
 
 class World {
@@ -43,10 +46,10 @@ class World {
   Eigen::Vector3f ColorAt(double east, double north, float footprint_m) const;
 
   // The first surface that a ray meets; nothing for rays that stay above the horizon or run beyond
-  // max_distance_m. `direction_in_enu` has unit length. Exact on flat ground; within 0.2 mm of height on
-  // relief.
+  // max_distance_m. `direction_in_enu` has unit length. Exact on flat ground; within 0.1 mm of height on
+  // relief, where the search begins at hint_m (the distance of a neighbouring ray's hit) if that is positive.
   std::optional<RayHit> CastRay(const Eigen::Vector3d& start_in_enu, const Eigen::Vector3d& direction_in_enu,
-                                double max_distance_m) const;
+                                double max_distance_m, double hint_m = 0.0) const;
   Eigen::Vector3f ColorOfHit(const RayHit& hit, float footprint_m) const;
 
  private:
@@ -56,7 +59,7 @@ class World {
   // Slopes to the east and north, and the height.
   Eigen::Vector3d TerrainAt(double east, double north) const;
   std::optional<RayHit> CastRayToTerrain(const Eigen::Vector3d& start, const Eigen::Vector3d& direction,
-                                         double max_distance_m) const;
+                                         double max_distance_m, double hint_m) const;
   std::optional<RayHit> CastRayToBuildings(const Eigen::Vector3d& start, const Eigen::Vector3d& direction,
                                            double max_distance_m) const;
   std::optional<Building> BuildingAt(double east, double north) const;

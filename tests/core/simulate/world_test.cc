@@ -122,7 +122,7 @@ TEST(World, BuildingsStandInTheWayOfRays) {
       const Eigen::Vector3d way = Eigen::Vector3d(0.6, 0.3, -1.0).normalized();
       const auto aslant = world.CastRay({east, north, 50.0}, way, 200.0);
       ASSERT_TRUE(aslant.has_value());
-      walls += aslant->is_wall ? 1 : 0;
+      walls += aslant->surface == SurfaceKind::kWall ? 1 : 0;
     }
   }
   EXPECT_GT(roofs, 100);
