@@ -140,7 +140,7 @@ std::optional<RecordedVelocity> VelocityFromTags(const XmpTags& xmp) {
   std::optional<double> parts[3];
   for (auto& part : parts) {
     const std::size_t end = list.find_first_of(";,");
-    part = ParseNumber(list.substr(0, end));
+    part = ParseXmpNumber(list.substr(0, end));
     list = end == std::string::npos ? "" : list.substr(end + 1);
   }
   if (parts[0] && parts[1] && parts[2]) return checked(*parts[0], *parts[1], *parts[2]);

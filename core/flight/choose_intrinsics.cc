@@ -18,7 +18,7 @@ std::vector<std::optional<double>> ParseList(std::string_view text) {
   std::vector<std::optional<double>> items;
   while (!text.empty() && items.size() < kMaxItems) {
     const std::size_t end = text.find_first_of(",;");
-    items.push_back(ParseNumber(text.substr(0, end)));
+    items.push_back(ParseXmpNumber(text.substr(0, end)));
     text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
   }
   return items;

@@ -35,7 +35,7 @@ std::optional<double> ParseXmpExifAngle(std::string text) {
   double unit = 1.0;
   for (int part = 0; part < 3 && !text.empty(); ++part, unit /= 60.0) {
     const std::size_t comma = text.find(',');
-    const auto number = ParseNumber(text.substr(0, comma));
+    const auto number = ParseXmpNumber(text.substr(0, comma));
     if (!number || *number < 0.0) return std::nullopt;
     degrees += *number * unit;
     text = comma == std::string::npos ? "" : text.substr(comma + 1);

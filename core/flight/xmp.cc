@@ -161,7 +161,7 @@ class PropertyWalker {
 
 }  // namespace
 
-std::optional<double> ParseNumber(std::string_view text) {
+std::optional<double> ParseXmpNumber(std::string_view text) {
   const std::string trimmed = Trimmed(text);
   const char* begin = trimmed.c_str();
   const char* const end = begin + trimmed.size();
@@ -213,7 +213,7 @@ std::string XmpTags::Text(std::string_view name) const {
 
 std::optional<double> XmpTags::Number(std::string_view name) const {
   const std::string* text = Find(name);
-  return text ? ParseNumber(*text) : std::nullopt;
+  return text ? ParseXmpNumber(*text) : std::nullopt;
 }
 
 std::string ScanForXmpPacket(ByteSource& source) {

@@ -31,7 +31,7 @@ class XmpTags {
 };
 
 // One number out of text, as XmpTags::Number reads it.
-std::optional<double> ParseNumber(std::string_view text);
+std::optional<double> ParseXmpNumber(std::string_view text);
 
 // The first XMP packet in the first 2 MiB, found by its "<x:xmpmeta": for files that keep it where nobody
 // looks.

@@ -230,12 +230,12 @@ TEST(XmpTags, RefusesBrokenAndBottomlessXml) {
 }
 
 TEST(XmpTags, ReadsNumbersAsPeopleWriteThem) {
-  EXPECT_EQ(ParseNumber("+198.31"), 198.31);
-  EXPECT_EQ(ParseNumber(" -1e1 "), -10.0);
-  EXPECT_EQ(ParseNumber("73/10"), 7.3);
+  EXPECT_EQ(ParseXmpNumber("+198.31"), 198.31);
+  EXPECT_EQ(ParseXmpNumber(" -1e1 "), -10.0);
+  EXPECT_EQ(ParseXmpNumber("73/10"), 7.3);
   for (const char* text :
        {"", "+", "-", "nan", "inf", "1/0", "-20000000000", "12abc", "0x10", "1,5", "1e999"}) {
-    EXPECT_FALSE(ParseNumber(text)) << text;
+    EXPECT_FALSE(ParseXmpNumber(text)) << text;
   }
 }
 
