@@ -6,211 +6,28 @@
 #include <cmath>
 #include <map>
 
-#include "core/flight/logs/dataflash_walk.h"
+#include "core/flight/logs/dataflash_plan.h"
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/raw_imu.h"
 
 namespace skyquilt::flight {
 namespace {
 
 using geo::DegToRad;
 
-enum class Kind { kOther, kImu, kVibe, kGps, kGpa, kBaro, kRange, kPosition, kAttitude, kCamera };
-
-// What a message is for us, from its name: "IMU2" is instance 1 of IMU where the layout has no instance
-// field.
-struct Meaning {
-  Kind kind = Kind::kOther;
-  int instance = 0;
-  int rank = 0;  // among sources of the same thing the lowest wins
-};
-
-const std::map<std::string_view, Meaning>& Meanings() {
-  static const std::map<std::string_view, Meaning> meanings = {
-      {"IMU", {Kind::kImu, 0, 0}},       {"IMU2", {Kind::kImu, 1, 0}},      {"IMU3", {Kind::kImu, 2, 0}},
-      {"VIBE", {Kind::kVibe, 0, 0}},     {"GPS", {Kind::kGps, 0, 0}},       {"GPS2", {Kind::kGps, 1, 0}},
-      {"GPA", {Kind::kGpa, 0, 0}},       {"GPA2", {Kind::kGpa, 1, 0}},      {"BARO", {Kind::kBaro, 0, 0}},
-      {"BAR2", {Kind::kBaro, 1, 0}},     {"RFND", {Kind::kRange, 0, 0}},    {"POS", {Kind::kPosition, 0, 0}},
-      {"ATT", {Kind::kAttitude, 0, 0}},  {"AHR2", {Kind::kAttitude, 0, 1}}, {"XKF1", {Kind::kAttitude, 0, 2}},
-      {"NKF1", {Kind::kAttitude, 0, 3}}, {"EKF1", {Kind::kAttitude, 0, 4}}, {"CAM", {Kind::kCamera, 0, 0}},
-      {"TRIG", {Kind::kCamera, 0, 1}}};
-  return meanings;
-}
-
-// A layout with the fields we read already looked up.
-struct Plan {
-  Meaning meaning;
-  const DataflashField* time = nullptr;
-  double seconds_per_unit = 1e-6;
-  const DataflashField* instance = nullptr;
-  std::array<const DataflashField*, 13> f{};
-
-  // f[i] as a number; nothing where the layout lacks it.
-  std::optional<double> Get(std::size_t i, const std::uint8_t* payload) const {
-    if (f[i] == nullptr) return std::nullopt;
-    const double value = DataflashNumber(*f[i], payload);
-    if (!std::isfinite(value)) return std::nullopt;
-    return value;
-  }
-  double Number(std::size_t i, const std::uint8_t* payload) const { return DataflashNumber(*f[i], payload); }
-  bool Has(std::size_t first, std::size_t last) const {
-    for (std::size_t i = first; i <= last; ++i) {
-      if (f[i] == nullptr) return false;
-    }
-    return true;
-  }
-  double TimeS(const std::uint8_t* payload) const {
-    return DataflashNumber(*time, payload) * seconds_per_unit;
-  }
-  int Instance(const std::uint8_t* payload) const {
-    return instance == nullptr ? meaning.instance : static_cast<int>(DataflashNumber(*instance, payload));
-  }
-};
-
-Plan MakePlan(const DataflashLayout& layout) {
-  Plan plan;
-  const auto known = Meanings().find(layout.name);
-  if (known == Meanings().end() || layout.fields.empty()) return plan;
-  plan.meaning = known->second;
-  const auto set = [&](std::size_t i, std::initializer_list<std::string_view> names) {
-    plan.f[i] = layout.Find(names);
-  };
-  const auto set_all = [&](std::initializer_list<std::string_view> names) {
-    std::size_t i = 0;
-    for (const std::string_view name : names) plan.f[i++] = layout.Find({name});
-  };
-  plan.instance = layout.Find({"I", "Instance"});
-  plan.time = layout.Find({"TimeUS"});
-  if (plan.time == nullptr) {
-    plan.seconds_per_unit = 1e-3;
-    // In old GPS messages TimeMS is the GPS time of week and T the time since boot.
-    plan.time = plan.meaning.kind == Kind::kGps ? layout.Find({"T"}) : layout.Find({"TimeMS"});
-  }
-  switch (plan.meaning.kind) {
-    case Kind::kImu:
-      set_all({"GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"});
-      break;
-    case Kind::kVibe:
-      plan.instance = layout.Find({"IMU"});
-      set_all({"Clip", "Clip0", "Clip1", "Clip2"});
-      break;
-    case Kind::kGps:
-      set_all({"Status", "GMS", "GWk", "Lat", "Lng", "Alt", "Spd", "GCrs", "VZ"});
-      if (plan.f[1] == nullptr) set(1, {"TimeMS"});
-      if (plan.f[2] == nullptr) set(2, {"Week"});
-      break;
-    case Kind::kGpa:
-      set_all({"HAcc", "VAcc"});
-      break;
-    case Kind::kBaro:
-      set_all({"Alt"});
-      break;
-    case Kind::kRange:
-      set_all({"Dist", "Orient", "Stat"});
-      if (plan.f[0] == nullptr) {
-        set(0, {"Dist1"});
-        set(1, {"Orient1"});
-      }
-      plan.instance = nullptr;
-      break;
-    case Kind::kPosition:
-      set_all({"Lat", "Lng", "Alt"});
-      break;
-    case Kind::kAttitude:
-      set_all({"Roll", "Pitch", "Yaw"});
-      plan.instance = layout.Find({"C"});
-      break;
-    case Kind::kCamera:
-      set_all({"GPSTime", "GPSWeek", "Lat", "Lng", "Alt", "RelAlt", "GPSAlt", "Roll", "Pitch", "Yaw", "Img"});
-      if (plan.f[7] == nullptr) set(7, {"R"});
-      if (plan.f[8] == nullptr) set(8, {"P"});
-      if (plan.f[9] == nullptr) set(9, {"Y"});
-      if (plan.f[6] == nullptr) set(6, {"GPSAlt"});
-      break;
-    case Kind::kOther:
-      break;
-  }
-  if (plan.time == nullptr && plan.meaning.kind != Kind::kCamera) plan.meaning.kind = Kind::kOther;
-  return plan;
-}
-
+using Kind = DataflashKind;
+using Plan = DataflashPlan;
+using Census = DataflashCensus;
 using Plans = std::array<Plan, 256>;
-
-// First reading: which instance of each sensor is the best for the whole run.
-struct Census {
-  std::map<int, std::uint64_t> imu_counts;
-  std::map<int, double> clips;
-  std::map<int, double> gps_quality;
-  std::map<int, std::uint64_t> baro_counts;
-  std::map<int, std::uint64_t> attitude_counts;  // by rank
-  std::map<int, std::uint64_t> camera_counts;
-
-  void Take(const Plan& plan, const std::uint8_t* payload) {
-    switch (plan.meaning.kind) {
-      case Kind::kImu:
-        ++imu_counts[plan.Instance(payload)];
-        break;
-      case Kind::kVibe:
-        if (plan.f[0] != nullptr) {
-          double& clip = clips[plan.Instance(payload)];
-          clip = std::max(clip, plan.Get(0, payload).value_or(0.0));
-        }
-        for (int i = 0; i < 3; ++i) {
-          if (const auto clip = plan.Get(static_cast<std::size_t>(i) + 1, payload))
-            clips[i] = std::max(clips[i], *clip);
-        }
-        break;
-      case Kind::kGps:
-        gps_quality[plan.Instance(payload)] += std::max(0.0, plan.Get(0, payload).value_or(0.0) - 2.0);
-        break;
-      case Kind::kBaro:
-        ++baro_counts[plan.Instance(payload)];
-        break;
-      case Kind::kAttitude:
-        ++attitude_counts[plan.meaning.rank];
-        break;
-      case Kind::kCamera:
-        ++camera_counts[plan.meaning.rank];
-        break;
-      default:
-        break;
-    }
-  }
-
-  int BestImu() const {
-    int best = -1;
-    double best_clips = 0.0;
-    std::uint64_t most = 0;
-    for (const auto& [instance, count] : imu_counts) most = std::max(most, count);
-    for (const auto& [instance, count] : imu_counts) {
-      if (count * 10 < most * 9) continue;  // it died on the way
-      const auto found = clips.find(instance);
-      const double instance_clips = found == clips.end() ? 0.0 : found->second;
-      if (best < 0 || instance_clips < best_clips) {
-        best = instance;
-        best_clips = instance_clips;
-      }
-    }
-    return best;
-  }
-  int BestGps() const {
-    int best = 0;
-    double quality = -1.0;
-    for (const auto& [instance, sum] : gps_quality) {
-      if (sum > quality) {
-        best = instance;
-        quality = sum;
-      }
-    }
-    return best;
-  }
-};
 
 class DataflashReader {
  public:
   DataflashReader(const Census& census, LogBuilder& builder)
       : builder_(builder),
-        imu_(census.BestImu()),
+        imu_(std::max(census.BestImu(), 0)),
+        uses_raw_imu_(census.HasRawImu(imu_)),
+        raw_imu_([this](const ImuSample& sample) { builder_.Add(sample); }),
         gps_(census.BestGps()),
         baro_(census.baro_counts.empty() ? 0 : census.baro_counts.begin()->first),
         attitude_rank_(census.attitude_counts.empty() ? 0 : census.attitude_counts.begin()->first),
@@ -222,6 +39,10 @@ class DataflashReader {
     switch (plan.meaning.kind) {
       case Kind::kImu:
         TakeImu(plan, payload);
+        break;
+      case Kind::kRawGyro:
+      case Kind::kRawAccel:
+        TakeRawImu(plan, payload);
         break;
       case Kind::kGps:
         TakeGps(plan, payload);
@@ -279,7 +100,7 @@ class DataflashReader {
 
  private:
   void TakeImu(const Plan& plan, const std::uint8_t* payload) {
-    if (!plan.Has(0, 5) || plan.Instance(payload) != imu_) return;
+    if (uses_raw_imu_ || !plan.Has(0, 5) || plan.Instance(payload) != imu_) return;
     ImuSample sample;
     sample.t_s = plan.TimeS(payload);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -287,6 +108,15 @@ class DataflashReader {
       sample.specific_force_mps2[static_cast<Eigen::Index>(i)] = plan.Number(i + 3, payload);
     }
     builder_.Add(sample);
+  }
+
+  void TakeRawImu(const Plan& plan, const std::uint8_t* payload) {
+    if (!uses_raw_imu_ || !plan.Has(0, 2) || plan.Instance(payload) != imu_) return;
+    const Eigen::Vector3d value(plan.Number(0, payload), plan.Number(1, payload), plan.Number(2, payload));
+    if (plan.meaning.kind == Kind::kRawGyro)
+      raw_imu_.AddGyro(plan.TimeS(payload), value);
+    else
+      raw_imu_.AddAccel(plan.TimeS(payload), value);
   }
 
   void FlushGnss() {
@@ -379,6 +209,8 @@ class DataflashReader {
 
   LogBuilder& builder_;
   int imu_;
+  bool uses_raw_imu_;
+  RawImuPairing raw_imu_;
   int gps_;
   int baro_;
   int attitude_rank_;
@@ -412,7 +244,7 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
   Census census;
   DataflashWalk walk;
   walk.Run(
-      bytes, consumed, [&](std::uint8_t type) { plans[type] = MakePlan(walk.layouts[type]); },
+      bytes, consumed, [&](std::uint8_t type) { plans[type] = MakeDataflashPlan(walk.layouts[type]); },
       [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
         if (plans[type].meaning.kind != Kind::kOther) census.Take(plans[type], payload);
       });
@@ -435,7 +267,8 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
   Plans plans_again;
   DataflashWalk second;
   second.Run(
-      bytes, consumed, [&](std::uint8_t type) { plans_again[type] = MakePlan(second.layouts[type]); },
+      bytes, consumed,
+      [&](std::uint8_t type) { plans_again[type] = MakeDataflashPlan(second.layouts[type]); },
       [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
         if (plans_again[type].meaning.kind != Kind::kOther) reader.Take(plans_again[type], payload);
       });

@@ -133,6 +133,25 @@ TEST(ParseDataflash, ReadsTheOldLayout) {
   ASSERT_EQ(log->attitude.size(), 100u) << "the filter's attitude where ATT is absent";
 }
 
+TEST(ParseDataflash, PrefersRawSensorsWhereTheyWereLoggedFaster) {
+  DataflashWriter w;
+  w.Define(1, "IMU", "QBffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ");
+  w.Define(2, "GYR", "QBQfff", "TimeUS,I,SampleUS,GyrX,GyrY,GyrZ");
+  w.Define(3, "ACC", "QBQfff", "TimeUS,I,SampleUS,AccX,AccY,AccZ");
+  for (int i = 0; i < 2000; ++i) {
+    const double us = 1e6 + i * 1000.0;
+    if (i % 20 == 0) w.Write(1, {us, 0, 9, 9, 9, 9, 9, 9});
+    w.Write(3, {us + 900, 0, us, 0.001 * i, 0, -9.8});
+    w.Write(2, {us + 950, 0, us + 500, 0.1, 0.2, 0.3});
+  }
+  const auto log = ParseDataflash("raw.bin", w.bytes());
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->imu.size(), 1999u);
+  EXPECT_NEAR(log->imu[100].t_s, 1.1005, 1e-9) << "the time of the sample, not of its writing";
+  EXPECT_NEAR(log->imu[100].specific_force_mps2.x(), 0.1005, 1e-6) << "between its neighbours";
+  EXPECT_NEAR(log->imu[100].angular_rate_radps.z(), 0.3, 1e-6);
+}
+
 TEST(ParseDataflash, KeepsTheLongestPartWhenTheClockRestarts) {
   DataflashWriter w;
   w.Define(6, "BARO", "Qf", "TimeUS,Alt");
