@@ -1,15 +1,19 @@
 #include "server/commands/commands.h"
 
 #include "server/commands/inspect.h"
+#include "server/commands/serve.h"
 #include "server/commands/simulate.h"
 #include "server/commands/stitch.h"
+#include "server/commands/worker.h"
 
 namespace skyquilt::server {
 
 void AddCommands(CLI::App& app) {
   AddStitchCommand(app);
+  AddServeCommand(app);
   AddInspectCommand(app);
   AddSimulateCommand(app);
+  AddWorkerCommand(app);
 }
 
 }  // namespace skyquilt::server

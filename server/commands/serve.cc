@@ -1,0 +1,193 @@
+#include "server/commands/serve.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <charconv>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "api/build_api.h"
+#include "server/http_server.h"
+#include "server/request_log.h"
+#include "server/static_files.h"
+#include "server/worker_pool.h"
+#include "storage/sweep.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr std::chrono::seconds kDrainTime{10};
+constexpr std::chrono::seconds kWorkerGrace{8};
+constexpr timespec kLookAfterWorkers{0, 500'000'000};
+
+struct ServeOptions {
+  std::string data_dir;
+  std::string listen = "127.0.0.1:8080";
+  std::string web_dir;
+  int workers = 1;
+  bool open = false;
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt serve: {}\n", error.message);
+  throw CLI::RuntimeError(1);
+}
+
+// "127.0.0.1:8080", "localhost:0", "[::1]:8080".
+Result<HttpSettings> SettingsFrom(const ServeOptions& options) {
+  const std::string& text = options.listen;
+  const std::size_t colon = text.rfind(':');
+  const Error bad{ErrorCode::kInvalidArgument, fmt::format("--listen {}: give it as ADDRESS:PORT.", text),
+                  ""};
+  if (colon == std::string::npos) return bad;
+  std::string address = text.substr(0, colon);
+  if (address.starts_with('[') && address.ends_with(']')) address = address.substr(1, address.size() - 2);
+  if (address == "localhost") address = "127.0.0.1";
+  HttpSettings settings;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data() + colon + 1, end, settings.port);
+  if (parsed.ec != std::errc() || parsed.ptr != end || address.empty()) return bad;
+  const bool is_loopback = address.starts_with("127.") || address == "::1";
+  if (!is_loopback && !options.open) {
+    return Error{
+        ErrorCode::kForbidden,
+        fmt::format("{} can be reached by others, who could upload and delete. Add --open if that is what "
+                    "you want.",
+                    address),
+        ""};
+  }
+  settings.address = address;
+  settings.loopback_names_only = !options.open;
+  settings.threads = std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
+  return settings;
+}
+
+// Many connections need many descriptors.
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// Blocked in every thread, so that the main thread takes them one by one and no handler is needed.
+sigset_t BlockSignals() {
+  signal(SIGPIPE, SIG_IGN);
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : {SIGTERM, SIGINT, SIGHUP, SIGCHLD}) sigaddset(&signals, number);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+// Until told to stop: workers that ended are collected and started again.
+void LookAfter(WorkerPool& workers, const sigset_t& signals) {
+  while (true) {
+    workers.StartMissing();
+    const int number = sigtimedwait(&signals, nullptr, &kLookAfterWorkers);
+    if (number == SIGTERM || number == SIGINT || number == SIGHUP) return;
+    workers.Reap();
+  }
+}
+
+api::Response NoPage(const api::Request& request) {
+  api::Response response;
+  response.status = request.path == "/" ? 200 : 404;
+  response.headers.Add("Content-Type", "text/plain; charset=utf-8");
+  response.body = "Skyquilt is running. The web page is not installed; the API is at /api/v1/flights.\n";
+  return response;
+}
+
+struct Storage {
+  storage::DataDir dir;
+  storage::DataDirLock lock;
+  std::unique_ptr<storage::CatalogueDb> db;
+  std::unique_ptr<storage::CatalogueDb> tiles_db;  // tiles never wait for a write of the others
+};
+
+Storage OpenStorage(const ServeOptions& options) {
+  Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
+  if (!dir) Fail(dir.error());
+  Result<storage::DataDirLock> lock = storage::DataDirLock::Take(*dir);
+  if (!lock) Fail(lock.error());
+  Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::Open(dir->Catalogue());
+  if (!db) Fail(db.error());
+  Result<std::unique_ptr<storage::CatalogueDb>> tiles_db = storage::CatalogueDb::Open(dir->Catalogue());
+  if (!tiles_db) Fail(tiles_db.error());
+  return {*std::move(dir), *std::move(lock), *std::move(db), *std::move(tiles_db)};
+}
+
+// What an earlier run left behind: leases of its dead workers, and garbage.
+void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage::JobQueue& queue) {
+  const Result<int> released = queue.ReleaseWorker(kServedWorkers, storage::Now());
+  if (!released) Fail(released.error());
+  const Result<storage::SweepReport> swept = storage::Sweep(dir, catalogue, queue, storage::Now());
+  if (!swept) Fail(swept.error());
+  const int total = swept->uploads + swept->work_folders + swept->files + swept->revisions + swept->flights;
+  if (total + *released > 0) {
+    LogEvent(
+        fmt::format("after an unclean stop: {} jobs taken up again, {} leftovers removed", *released, total));
+  }
+}
+
+void RunServer(const ServeOptions& options) {
+  const Result<HttpSettings> settings = SettingsFrom(options);
+  if (!settings) Fail(settings.error());
+  const sigset_t signals = BlockSignals();
+  RaiseDescriptorLimit();
+  Storage opened = OpenStorage(options);
+  storage::Catalogue catalogue(*opened.db);
+  storage::Catalogue tiles_catalogue(*opened.tiles_db);
+  storage::JobQueue queue(*opened.db);
+  Recover(opened.dir, catalogue, queue);
+  storage::PhotoStore store(opened.dir);
+  storage::TilesetCache tilesets(opened.dir, tiles_catalogue);
+  api::Metrics metrics;
+  api::Service service{catalogue, queue, store, tilesets, metrics, SKYQUILT_VERSION};
+  api::Router router = api::BuildApi(service);
+  const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
+  if (!page && !options.web_dir.empty()) {
+    Fail({ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
+  }
+  router.SetFallback(
+      [page](const api::Request& request) { return page ? ServePage(*page, request) : NoPage(request); });
+  Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);
+  if (!server) Fail(server.error());
+  (*server)->Start();
+  const std::string host =
+      settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";
+  fmt::print("Skyquilt is serving at http://{}:{}/\n", host, (*server)->port());
+  std::fflush(stdout);
+
+  WorkerPool workers(opened.dir.root(), options.workers, queue);
+  LookAfter(workers, signals);
+  fmt::print("Skyquilt is stopping.\n");
+  std::fflush(stdout);
+  if (!(*server)->Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
+  workers.Stop(kWorkerGrace);
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App& app) {
+  const auto options = std::make_shared<ServeOptions>();
+  CLI::App* command =
+      app.add_subcommand("serve", "Serve the web page, the API and the tiles, and stitch uploads");
+  command->add_option("--data", options->data_dir, "Data folder; made when missing")->required();
+  command->add_option("--listen", options->listen, "ADDRESS:PORT; port 0 picks a free one")
+      ->capture_default_str();
+  command->add_option("--workers", options->workers, "Worker processes that stitch")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
+  command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one");
+  command->add_flag("--open", options->open, "Permit an address that other machines can reach");
+  command->callback([options] { RunServer(*options); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,101 @@
+#include "server/commands/worker.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "server/request_log.h"
+#include "server/run_job.h"
+#include "storage/catalogue_db.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr std::chrono::milliseconds kPoll{200};
+
+struct WorkerOptions {
+  std::string data_dir;
+  std::string name;
+  int parent = 0;
+  bool once = false;
+};
+
+std::atomic<bool> is_stopping{false};
+
+void OnStopSignal(int) { is_stopping = true; }
+
+// A worker whose server died must not go on for nobody.
+bool FollowParent(int parent) {
+  if (parent == 0) return true;
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  return getppid() == parent;  // it may have died before we asked to be told
+}
+
+// Tiles first: a job may use what is left of the CPU, and is the first to go when memory runs out.
+void StepBack() {
+  setpriority(PRIO_PROCESS, 0, 5);
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (fd < 0) return;  // not Linux as we know it: then without
+  [[maybe_unused]] const ssize_t wrote = write(fd, "500", 3);
+  close(fd);
+}
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt worker: {}\n", error.message);
+  throw CLI::RuntimeError(1);
+}
+
+void RunWorker(const WorkerOptions& options) {
+  signal(SIGTERM, OnStopSignal);
+  signal(SIGINT, OnStopSignal);
+  if (!FollowParent(options.parent)) return;
+  StepBack();
+  const Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
+  if (!dir) Fail(dir.error());
+  const auto db = storage::CatalogueDb::Open(dir->Catalogue());
+  if (!db) Fail(db.error());
+  storage::Catalogue catalogue(**db);
+  storage::JobQueue queue(**db);
+  WorkerContext context{*dir, catalogue, queue, is_stopping};
+  const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
+  while (!is_stopping) {
+    const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());
+    if (!lease) {
+      // Busy or full: the queue is asked again; what is broken for good shows in the log.
+      LogFailure("-", "claim", lease.error().detail);
+      std::this_thread::sleep_for(std::chrono::seconds(2));
+    } else if (*lease) {
+      RunJob(context, **lease);
+    } else if (options.once) {
+      return;
+    } else {
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
+
+}  // namespace
+
+void AddWorkerCommand(CLI::App& app) {
+  const auto options = std::make_shared<WorkerOptions>();
+  CLI::App* command =
+      app.add_subcommand("worker", "Run the queued jobs of a data folder (serve starts its own)");
+  command->add_option("--data", options->data_dir, "Data folder")->required();
+  command->add_option("--name", options->name, "Name in the queue (default: worker-<process id>)");
+  command->add_option("--parent", options->parent, "Stop when this process is gone");
+  command->add_flag("--once", options->once, "Stop when the queue is empty");
+  command->callback([options] { RunWorker(*options); });
+}
+
+}  // namespace skyquilt::server

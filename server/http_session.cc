@@ -1,0 +1,468 @@
+#include "server/http_session.h"
+
+#include <utility>
+// <utility> first: Boost 1.74's awaitable uses std::exchange without including it.
+#include <fmt/format.h>
+
+#include <array>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "api/problem.h"
+#include "api/target.h"
+#include "server/request_head.h"
+#include "server/request_log.h"
+#include "server/response_head.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using SystemError = boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+using Parser = http::request_parser<http::buffer_body>;
+
+constexpr std::size_t kReceiveSliceBytes = 128 * 1024;
+constexpr std::size_t kSendSliceBytes = 256 * 1024;
+constexpr std::uint64_t kLingerBytes = 64 << 20;
+constexpr std::chrono::seconds kLingerTime{2};
+
+class Session : public std::enable_shared_from_this<Session> {
+ public:
+  Session(net::io_context& io, net::ip::tcp::socket socket, SessionContext& context)
+      : io_(io), stream_(std::move(socket)), context_(context) {}
+
+  ~Session() {
+    context_.sessions.Remove(key_);
+    context_.service.metrics.ConnectionClosed();
+  }
+
+  void Start() {
+    context_.service.metrics.ConnectionOpened();
+    key_ = context_.sessions.Add([weak = weak_from_this(), &io = io_] {
+      net::post(io, [weak] {
+        const std::shared_ptr<Session> self = weak.lock();
+        if (self != nullptr && self->is_idle_) self->stream_.close();
+      });
+    });
+    net::co_spawn(
+        io_, [self = shared_from_this()]() -> net::awaitable<void> { return self->Serve(); },
+        [](const std::exception_ptr& failure) { LogUncaught(failure); });
+  }
+
+ private:
+  enum class Head { kRead, kRefused, kClosed };
+
+  net::awaitable<void> Serve() {
+    // A copy here keeps the session alive for as long as its coroutine runs.
+    const std::shared_ptr<Session> self = shared_from_this();
+    bool goes_on = true;
+    while (goes_on) {
+      const Head got = co_await ReadHead();
+      if (got == Head::kClosed) co_return;
+      started_ = Clock::now();
+      request_id_ = NextRequestId();
+      keep_alive_ = got == Head::kRead && !context_.service.is_draining;
+      if (got == Head::kRead) {
+        co_await Answer();
+      } else {
+        api::Response response = api::ProblemWithStatus(refusal_.status, refusal_.reason, "", request_id_);
+        co_await Send(std::move(response), false);
+      }
+      goes_on = keep_alive_ && !failed_;
+      is_first_ = false;
+    }
+    if (!failed_) co_await Linger();
+  }
+
+  // Fills head_ from the next request, or refusal_.
+  net::awaitable<Head> ReadHead() {
+    is_idle_ = true;
+    is_head_ = false;
+    head_ = RequestHead();
+    bool has_begun = buffer_.size() > 0;
+    stream_.expires_after(has_begun || is_first_ ? context_.settings.header_deadline
+                                                 : context_.settings.idle_deadline);
+    std::size_t searched = 0;
+    std::size_t end = std::string_view::npos;
+    while (true) {
+      const auto bytes = buffer_.data();
+      const std::string_view view(static_cast<const char*>(bytes.data()), bytes.size());
+      end = view.find("\r\n\r\n", searched);
+      if (end != std::string_view::npos) break;
+      if (const auto refusal = CheckRawHead(view)) co_return Refuse(*refusal);
+      if (view.size() >= context_.settings.max_header_bytes) {
+        co_return Refuse({431, "The request head is longer than the server reads."});
+      }
+      searched = view.size() < 3 ? 0 : view.size() - 3;
+      SystemError error;
+      const std::size_t got = co_await stream_.async_read_some(
+          buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
+      if (error == beast::error::timeout && has_begun) {
+        co_return Refuse({408, "The request head took too long."});
+      }
+      if (error) co_return Head::kClosed;
+      buffer_.commit(got);
+      if (!has_begun && !is_first_) stream_.expires_after(context_.settings.header_deadline);
+      has_begun = true;
+    }
+    is_idle_ = false;
+    co_return ParseHead(end);
+  }
+
+  Head Refuse(Refusal refusal) {
+    is_idle_ = false;
+    refusal_ = std::move(refusal);
+    return Head::kRefused;
+  }
+
+  Head ParseHead(std::size_t end) {
+    const std::string_view raw(static_cast<const char*>(buffer_.data().data()), end);
+    if (raw.size() > context_.settings.max_header_bytes) {
+      return Refuse({431, "The request head is longer than the server reads."});
+    }
+    if (const auto refusal = CheckRawHead(raw)) return Refuse(*refusal);
+    parser_.emplace();
+    parser_->header_limit(static_cast<std::uint32_t>(context_.settings.max_header_bytes + 4));
+    parser_->body_limit(context_.settings.max_body_bytes);
+    SystemError error;
+    const std::size_t used = parser_->put(net::buffer(buffer_.data(), end + 4), error);
+    if (error == http::error::body_limit) return Refuse({413, "The body is larger than the server takes."});
+    if (error == http::error::bad_version)
+      return Refuse({505, "Only HTTP/1.0 and HTTP/1.1 are spoken here."});
+    if (error) return Refuse({400, "The request head is not HTTP: " + error.message() + "."});
+    buffer_.consume(used);
+    const auto& message = parser_->get();
+    head_.method = std::string(message.method_string());
+    head_.target = std::string(message.target());
+    head_.version = static_cast<int>(message.version());
+    for (const auto& field : message) {
+      head_.headers.Add(std::string(field.name_string()), std::string(field.value()));
+    }
+    if (const auto refusal = CheckFields(head_)) return Refuse(*refusal);
+    if (context_.settings.loopback_names_only && !head_.host.empty() && !IsLoopbackHost(head_.host)) {
+      return Refuse(
+          {421, "This server answers to its own machine only. Start it with --open to let others in."});
+    }
+    return Head::kRead;
+  }
+
+  net::awaitable<void> Answer() {
+    keep_alive_ = keep_alive_ && parser_->get().keep_alive();
+    is_head_ = head_.method == "HEAD";
+    const bool has_body = head_.is_chunked || head_.content_length.value_or(0) > 0;
+    Routed routed = Route();
+    if (routed.route != nullptr && routed.route->upload) {
+      co_await Receive(*routed.route, std::move(routed.request), has_body);
+      co_return;
+    }
+    // A body that nobody asked for is not read: the answer, then the end of the connection.
+    if (has_body) keep_alive_ = false;
+    api::Response response = std::move(routed.response);
+    if (routed.route != nullptr) {
+      if (routed.route->is_quick) {
+        response = Guarded(routed.request, [&] { return routed.route->handler(routed.request); });
+      } else {
+        co_await OnPool([&] {
+          response = Guarded(routed.request, [&] { return routed.route->handler(routed.request); });
+        });
+      }
+    }
+    co_await Send(std::move(response), routed.route != nullptr && routed.route->is_quick);
+  }
+
+  struct Routed {
+    const api::Route* route = nullptr;  // none: `response` is the answer already
+    api::Request request;
+    api::Response response;
+  };
+
+  Routed Route() {
+    Routed routed;
+    const auto answer = [&](api::Response response) {
+      routed.response = std::move(response);
+      return std::move(routed);
+    };
+    const auto problem = [&](ErrorCode code, const char* message) {
+      return api::Problem({code, message, ""}, PathOf(head_.target), request_id_);
+    };
+    if (head_.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));
+    Result<api::Target> target = api::ParseTarget(head_.target);
+    if (!target) return answer(api::Problem(target.error(), PathOf(head_.target), request_id_));
+    if (head_.method == "OPTIONS") {
+      const std::string allowed = context_.router.Allowed(target->segments);
+      return answer(allowed.empty() ? problem(ErrorCode::kNotFound, "There is nothing at this address.")
+                                    : Options(allowed));
+    }
+    const std::optional<api::Method> method = MethodFrom(is_head_ ? "GET" : head_.method);
+    if (!method) return answer(problem(ErrorCode::kNotImplemented, "This method is not known here."));
+    if (*method != api::Method::kGet && IsForeignOrigin(head_)) {
+      return answer(problem(ErrorCode::kForbidden, "Pages of other sites may not change anything here."));
+    }
+    api::Router::Match match = context_.router.Find(*method, target->segments);
+    if (match.route == nullptr) {
+      if (match.allow.empty())
+        return answer(problem(ErrorCode::kNotFound, "There is nothing at this address."));
+      api::Response response =
+          problem(ErrorCode::kMethodNotAllowed, "This address does not take this method.");
+      response.headers.Add("Allow", match.allow);
+      return answer(std::move(response));
+    }
+    routed.route = match.route;
+    routed.request.method = *method;
+    routed.request.path = PathOf(head_.target);
+    routed.request.parameters = std::move(match.parameters);
+    routed.request.query = std::move(target->query);
+    routed.request.content_length = head_.content_length;
+    routed.request.base_url = head_.host.empty() ? std::string() : "http://" + head_.host;
+    routed.request.request_id = request_id_;
+    routed.request.headers = std::move(head_.headers);
+    return routed;
+  }
+
+  static std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
+
+  static std::optional<api::Method> MethodFrom(std::string_view name) {
+    for (const api::Method method : {api::Method::kGet, api::Method::kPost, api::Method::kPut,
+                                     api::Method::kPatch, api::Method::kDelete}) {
+      if (name == api::MethodName(method)) return method;
+    }
+    return std::nullopt;
+  }
+
+  static api::Response Options(const std::string& allow) {
+    api::Response response;
+    response.status = 204;
+    response.headers.Add("Allow", allow);
+    response.headers.Add("Access-Control-Allow-Origin", "*");
+    response.headers.Add("Access-Control-Allow-Methods", "GET, HEAD");
+    response.headers.Add("Access-Control-Allow-Headers", "Range, If-None-Match");
+    response.headers.Add("Access-Control-Max-Age", "86400");
+    return response;
+  }
+
+  // What a handler throws (the machine is out of something) becomes a 500 of this one request.
+  template <typename Call>
+  static api::Response Guarded(const api::Request& request, Call call) {
+    try {
+      return call();
+    } catch (const std::exception& failure) {
+      LogFailure(request.request_id, request.path, failure.what());
+      return api::Problem({ErrorCode::kInternal, "The server failed at this request. Its log says more.", ""},
+                          request);
+    }
+  }
+
+  // Runs `work` where waiting for the disk is fine, and comes back to this connection's own thread.
+  net::awaitable<void> OnPool(std::function<void()> work) {
+    co_await net::async_initiate<const net::use_awaitable_t<>&, void(std::exception_ptr)>(
+        [this, &work](auto handler) {
+          auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+          net::post(context_.disk_pool, [this, &work, shared] {
+            std::exception_ptr failure;
+            try {
+              work();
+            } catch (...) {
+              failure = std::current_exception();  // carried to the coroutine, which ends the connection
+            }
+            net::post(io_, [shared, failure] { (*shared)(failure); });
+          });
+        },
+        net::use_awaitable);
+  }
+
+  // An upload: begun, fed slice by slice, finished.
+  net::awaitable<void> Receive(const api::Route& route, api::Request request, bool has_body) {
+    std::unique_ptr<api::BodySink> sink;
+    api::Response response;
+    is_upload_ = true;
+    co_await OnPool([&] {
+      response = Guarded(request, [&] {
+        auto begun = route.upload(request);
+        if (auto* refused = std::get_if<api::Response>(&begun)) return std::move(*refused);
+        sink = std::move(std::get<std::unique_ptr<api::BodySink>>(begun));
+        return api::Response();
+      });
+    });
+    if (sink == nullptr) {
+      if (has_body) keep_alive_ = false;
+      co_await Send(std::move(response), false);
+      co_return;
+    }
+    const bool arrived = !has_body || co_await ReceiveBody(*sink, request, &response);
+    co_await OnPool([&] {
+      if (arrived) response = Guarded(request, [&] { return sink->Finish(); });
+      sink.reset();  // an upload that broke is undone here, before anyone hears of it
+    });
+    if (failed_) co_return;
+    if (!arrived) keep_alive_ = false;
+    co_await Send(std::move(response), false);
+  }
+
+  // False: the body did not arrive whole or was refused; *response says why, unless the connection failed.
+  net::awaitable<bool> ReceiveBody(api::BodySink& sink, const api::Request& request,
+                                   api::Response* response) {
+    if (head_.wants_continue) {
+      static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+      SystemError error;
+      co_await net::async_write(stream_, net::buffer(kContinue.data(), kContinue.size()),
+                                net::redirect_error(net::use_awaitable, error));
+      if (error) failed_ = true;
+      if (error) co_return false;
+    }
+    std::vector<std::uint8_t> slice(kReceiveSliceBytes);
+    while (!parser_->is_done()) {
+      parser_->get().body().data = slice.data();
+      parser_->get().body().size = slice.size();
+      stream_.expires_after(context_.settings.slice_deadline);
+      SystemError error;
+      co_await http::async_read(stream_, buffer_, *parser_, net::redirect_error(net::use_awaitable, error));
+      if (error == http::error::need_buffer) error = {};
+      if (error == beast::error::timeout) {
+        *response = api::Problem({ErrorCode::kTimeout, "The body came too slowly.", ""}, request);
+        co_return false;
+      }
+      if (error == http::error::body_limit) {
+        *response =
+            api::Problem({ErrorCode::kTooLarge, "The body is larger than the server takes.", ""}, request);
+        co_return false;
+      }
+      const bool is_bad_http = error.category() == http::make_error_code(http::error::bad_chunk).category() &&
+                               error != http::error::partial_message && error != http::error::end_of_stream;
+      if (error && !is_bad_http) {
+        failed_ = true;  // the client is gone
+        co_return false;
+      }
+      if (error) {
+        *response = api::ProblemWithStatus(400, "The body is not HTTP: " + error.message() + ".",
+                                           request.path, request_id_);
+        co_return false;
+      }
+      const std::size_t size = slice.size() - parser_->get().body().size;
+      context_.service.metrics.CountBytesIn(size);
+      bool is_taken = false;
+      co_await OnPool([&] {
+        *response = Guarded(request, [&] {
+          const Result<void> written = sink.Write({slice.data(), size});
+          is_taken = written.ok();
+          return is_taken ? api::Response() : api::Problem(written.error(), request);
+        });
+      });
+      if (!is_taken) co_return false;
+    }
+    co_return true;
+  }
+
+  net::awaitable<void> Send(api::Response response, bool is_quick) {
+    const bool has_length = response.status != 204 && response.status != 304;
+    const std::uint64_t length =
+        response.source != nullptr ? response.source->length() : response.body.size();
+    if (head_.version < 11) keep_alive_ = false;
+    const std::string head = ResponseHead(
+        response, has_length ? std::optional<std::uint64_t>(length) : std::nullopt, keep_alive_, request_id_);
+    const bool has_body = has_length && !is_head_;
+    const std::array<net::const_buffer, 2> buffers = {
+        net::buffer(head),
+        has_body && response.source == nullptr ? net::buffer(response.body) : net::const_buffer()};
+    stream_.expires_after(context_.settings.slice_deadline);
+    SystemError error;
+    co_await net::async_write(stream_, buffers, net::redirect_error(net::use_awaitable, error));
+    if (error) failed_ = true;
+    if (!failed_ && has_body && response.source != nullptr) co_await SendSource(*response.source);
+    const auto route_class = is_quick                            ? api::RouteClass::kTile
+                             : is_upload_                        ? api::RouteClass::kUpload
+                             : head_.target.starts_with("/api/") ? api::RouteClass::kApi
+                                                                 : api::RouteClass::kPage;
+    context_.service.metrics.CountRequest(route_class, response.status, Clock::now() - started_,
+                                          has_body ? length : 0);
+    if (response.status >= 500) LogResponse(request_id_, head_.method, PathOf(head_.target), response.status);
+    is_upload_ = false;
+  }
+
+  net::awaitable<void> SendSource(api::BodySource& source) {
+    std::vector<std::uint8_t> slice(static_cast<std::size_t>(
+        std::min<std::uint64_t>(kSendSliceBytes, std::max<std::uint64_t>(1, source.length()))));
+    std::uint64_t left = source.length();
+    while (left > 0) {
+      std::size_t got = 0;
+      co_await OnPool([&] {
+        const Result<std::size_t> read = source.Read(slice);
+        got = read ? *read : 0;
+      });
+      if (got == 0) failed_ = true;  // less than promised: only the end of the connection can say so
+      if (failed_) co_return;
+      stream_.expires_after(context_.settings.slice_deadline);
+      SystemError error;
+      co_await net::async_write(stream_, net::buffer(slice.data(), got),
+                                net::redirect_error(net::use_awaitable, error));
+      if (error) failed_ = true;
+      if (failed_) co_return;
+      left -= got;
+    }
+  }
+
+  // Closing with unread bytes would reset the connection under the answer, so these are read and dropped for
+  // a while.
+  net::awaitable<void> Linger() {
+    SystemError error;
+    stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, error);
+    stream_.expires_after(kLingerTime);
+    std::vector<std::uint8_t> slice(kReceiveSliceBytes);
+    std::uint64_t dropped = 0;
+    while (!error && dropped < kLingerBytes) {
+      dropped += co_await stream_.async_read_some(net::buffer(slice),
+                                                  net::redirect_error(net::use_awaitable, error));
+    }
+  }
+
+  net::io_context& io_;
+  beast::tcp_stream stream_;
+  SessionContext& context_;
+  std::uint64_t key_ = 0;
+  beast::flat_buffer buffer_;
+  std::optional<Parser> parser_;
+  RequestHead head_;
+  Refusal refusal_;
+  std::string request_id_;
+  Clock::time_point started_;
+  bool is_idle_ = true;
+  bool is_first_ = true;
+  bool is_head_ = false;
+  bool is_upload_ = false;
+  bool keep_alive_ = true;
+  bool failed_ = false;  // the connection is of no more use
+};
+
+}  // namespace
+
+void StartSession(net::io_context& io, int fd, SessionContext& context) {
+  net::ip::tcp::socket socket(io);
+  SystemError error;
+  socket.assign(net::ip::tcp::v4(), fd, error);
+  if (error) {
+    LogFailure("-", "accept", error.message());
+    return;
+  }
+  socket.set_option(net::ip::tcp::no_delay(true), error);
+  std::make_shared<Session>(io, std::move(socket), context)->Start();
+}
+
+}  // namespace skyquilt::server

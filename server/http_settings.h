@@ -1,0 +1,26 @@
+// HttpSettings: where the server listens and what it endures. A value; any thread.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace skyquilt::server {
+
+struct HttpSettings {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 8080;        // 0: any free one
+  int threads = 2;                  // that serve sockets
+  int disk_threads = 4;             // that wait for the disk
+  bool loopback_names_only = true;  // refuse requests whose Host is not this machine (DNS rebinding)
+  std::chrono::seconds header_deadline{
+      10};                                 // from the first byte of a request (or the connection) to its last
+  std::chrono::seconds idle_deadline{60};  // between requests
+  std::chrono::seconds slice_deadline{60};  // for each slice of a body, either way
+  std::size_t max_header_bytes = 16 * 1024;
+  std::uint64_t max_body_bytes = std::uint64_t{64} << 30;
+  std::size_t max_connections = 8192;
+};
+
+}  // namespace skyquilt::server

@@ -1,0 +1,206 @@
+#include "server/run_job.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "api/job_options.h"
+#include "server/job_progress.h"
+#include "server/request_log.h"
+#include "server/stitch_job.h"
+#include "storage/photo_store.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+using storage::LeaseState;
+
+Error OsError(const std::string& what, int code) {
+  const ErrorCode kind = code == ENOSPC || code == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
+  return {kind,
+          kind == ErrorCode::kOutOfSpace
+              ? "The server's disk is full. Free some space and start the job again."
+              : "The server could not store the map.",
+          what + ": " + std::strerror(code)};
+}
+
+Result<void> Sync(const fs::path& path, int flags) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
+  if (fd < 0) return OsError("open " + path.string(), errno);
+  const int failed = fsync(fd);
+  const int code = errno;
+  close(fd);
+  if (failed != 0) return OsError("fsync " + path.string(), code);
+  return {};
+}
+
+Result<void> SyncTree(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const Result<void> synced = Sync(entry.path(), 0);
+    if (!synced) return synced.error();
+  }
+  if (error) return OsError("list " + folder.string(), error.value());
+  return Sync(folder, O_DIRECTORY);
+}
+
+// A folder that goes with the scope, unless it is kept.
+class WorkFolder {
+ public:
+  explicit WorkFolder(fs::path path) : path_(std::move(path)) {}
+  ~WorkFolder() {
+    if (is_kept_) return;
+    std::error_code ignored;  // what stays is swept at the next start
+    fs::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  const fs::path& path() const { return path_; }
+  void Keep() { is_kept_ = true; }
+
+ private:
+  fs::path path_;
+  bool is_kept_ = false;
+};
+
+Result<pipeline::MosaicReport> Stitch(WorkerContext& context, const storage::Lease& lease,
+                                      const fs::path& out_dir, Progress& progress) {
+  std::error_code error;
+  fs::create_directories(out_dir, error);
+  if (error) return OsError("make " + out_dir.string(), error.value());
+  const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
+  if (!flight) return flight.error();
+  const Result<std::vector<storage::StoredFile>> files = context.catalogue.ListFiles(lease.flight_id);
+  if (!files) return files.error();
+  Result<pipeline::MosaicOptions> options = api::ParseJobOptions(lease.options);
+  if (!options) return options.error();
+  options->title = flight->name;
+  const storage::PhotoStore store(context.dir);
+  std::vector<flight::InputFile> inputs;
+  for (const storage::StoredFile& file : *files) {
+    inputs.push_back({file.name, store.PathOf(lease.flight_id, file.stored_name)});
+  }
+  StitchJobOptions job_options;
+  job_options.mosaic = *options;
+  return StitchToDirectory(inputs, job_options, out_dir, progress);
+}
+
+storage::Revision RevisionFrom(const pipeline::MosaicReport& report, std::int64_t number) {
+  storage::Revision revision;
+  revision.revision = number;
+  revision.bounds = report.bounds;
+  revision.min_zoom = report.min_zoom;
+  revision.max_zoom = report.max_zoom;
+  revision.gsd_m = report.gsd_m;
+  revision.photos_total = report.photos_total;
+  revision.photos_aligned = report.photos_aligned;
+  revision.photos_pose_only = report.photos_pose_only;
+  revision.photos_left_out = report.photos_left_out;
+  return revision;
+}
+
+// Folders of revisions that the publish retired. The one shown before stays for readers who just looked it
+// up.
+void RemoveRetired(WorkerContext& context, const std::string& flight_id,
+                   const std::vector<std::int64_t>& before) {
+  const Result<std::vector<std::int64_t>> after = context.catalogue.Revisions(flight_id);
+  if (!after) return;  // the sweep of the next start removes them
+  for (const std::int64_t revision : before) {
+    if (std::find(after->begin(), after->end(), revision) != after->end()) continue;
+    std::error_code ignored;  // as above
+    fs::remove_all(context.dir.Revision(flight_id, revision), ignored);
+  }
+}
+
+// False: the lease was lost, and nothing was shown.
+Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
+                     const pipeline::MosaicReport& report) {
+  const Result<void> synced = SyncTree(made);
+  if (!synced) return synced.error();
+  const Result<std::vector<std::int64_t>> before = context.catalogue.Revisions(lease.flight_id);
+  if (!before) return before.error();
+  const Result<std::optional<std::int64_t>> number = context.queue.ReserveRevision(lease);
+  if (!number) return number.error();
+  if (!*number) return false;
+  // One rename puts all products in place; the catalogue decides afterwards whether anyone sees them.
+  WorkFolder placed(context.dir.Revision(lease.flight_id, **number));
+  if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
+  const Result<void> named = Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY);
+  if (!named) return named.error();
+  const Result<bool> published = context.queue.Publish(lease, RevisionFrom(report, **number), storage::Now());
+  if (!published || !*published) return published;
+  placed.Keep();
+  RemoveRetired(context, lease.flight_id, *before);
+  return true;
+}
+
+// Trouble of the machine may pass; trouble with the input will not.
+bool MayRetry(ErrorCode code) {
+  return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kInternal ||
+         code == ErrorCode::kTimeout;
+}
+
+// The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.
+template <typename Tell>
+void TellUntilHeard(const storage::Lease& lease, Tell tell) {
+  constexpr int kTries = 5;
+  for (int attempt = 1; attempt <= kTries; ++attempt) {
+    const Result<bool> told = tell();
+    if (told) return;
+    LogFailure(lease.job_id, "queue", told.error().detail);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  // Not heard: the lease runs out, and the queue hands the job to the next attempt.
+}
+
+}  // namespace
+
+void RunJob(WorkerContext& context, const storage::Lease& lease) {
+  LogEvent(
+      fmt::format("job {} of flight {} begins (attempt {})", lease.job_id, lease.flight_id, lease.attempt));
+  std::optional<Error> failure;
+  LeaseState state = LeaseState::kHeld;
+  {
+    const WorkFolder work(context.dir.Work() / storage::WorkName(lease));
+    JobProgress progress(context.queue, lease, context.is_stopping);
+    try {
+      const Result<pipeline::MosaicReport> report = Stitch(context, lease, work.path(), progress);
+      if (!report) failure = report.error();
+      if (report && !progress.IsCancelled()) {
+        const Result<bool> published = Publish(context, lease, work.path(), *report);
+        if (!published) failure = published.error();
+        if (published) {
+          LogEvent(fmt::format("job {} {}", lease.job_id, *published ? "is published" : "lost its lease"));
+          return;
+        }
+      }
+    } catch (const std::exception& thrown) {
+      failure = Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
+                      thrown.what()};
+    }
+    state = progress.lease_state();
+  }
+  if (state == LeaseState::kLost) {
+    LogEvent(fmt::format("job {} lost its lease", lease.job_id));
+  } else if (state == LeaseState::kCancelRequested) {
+    TellUntilHeard(lease, [&] { return context.queue.Dismiss(lease, storage::Now()); });
+  } else if (context.is_stopping) {
+    TellUntilHeard(lease, [&] { return context.queue.GiveBack(lease, storage::Now()); });
+  } else if (failure) {
+    LogFailure(lease.job_id, "job", failure->message + " " + failure->detail);
+    TellUntilHeard(
+        lease, [&] { return context.queue.Fail(lease, *failure, MayRetry(failure->code), storage::Now()); });
+  }
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,122 @@
+#include "server/worker_pool.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "server/request_log.h"
+
+extern char** environ;
+
+namespace skyquilt::server {
+namespace {
+
+constexpr std::chrono::seconds kYoung{5};  // a worker that lived shorter is not started again at once
+constexpr std::chrono::seconds kBackoff{1};
+
+std::string HowItEnded(int status) {
+  if (WIFSIGNALED(status))
+    return fmt::format("by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  return fmt::format("with code {}", WEXITSTATUS(status));
+}
+
+// Workers start with no signal blocked and none ignored, whatever the server does with its own.
+class SpawnAttributes {
+ public:
+  SpawnAttributes() {
+    posix_spawnattr_init(&attributes_);
+    sigset_t none;
+    sigset_t all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setsigdefault(&attributes_, &all);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
+  SpawnAttributes(const SpawnAttributes&) = delete;
+  SpawnAttributes& operator=(const SpawnAttributes&) = delete;
+  const posix_spawnattr_t* get() const { return &attributes_; }
+
+ private:
+  posix_spawnattr_t attributes_{};
+};
+
+}  // namespace
+
+WorkerPool::WorkerPool(std::filesystem::path data_dir, int count, storage::JobQueue& queue)
+    : data_dir_(std::move(data_dir)), queue_(queue), slots_(static_cast<std::size_t>(count)) {}
+
+void WorkerPool::StartMissing() {
+  if (is_stopping_) return;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].pid == 0 && Clock::now() >= slots_[i].not_before) Start(slots_[i], static_cast<int>(i));
+  }
+}
+
+void WorkerPool::Start(Slot& slot, int index) {
+  slot.name = fmt::format("serve-{}-{}-{}", getpid(), index, ++starts_);
+  slot.started = Clock::now();
+  std::vector<std::string> words = {"skyquilt", "worker",  "--data",   data_dir_.string(),
+                                    "--name",   slot.name, "--parent", std::to_string(getpid())};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const SpawnAttributes attributes;
+  pid_t pid = 0;
+  const int failed = posix_spawn(&pid, "/proc/self/exe", nullptr, attributes.get(), argv.data(), environ);
+  if (failed != 0) {
+    LogFailure("-", "worker", fmt::format("could not be started: {}", std::strerror(failed)));
+    slot.not_before = Clock::now() + kBackoff;
+    return;
+  }
+  slot.pid = pid;
+}
+
+void WorkerPool::Reap() {
+  for (Slot& slot : slots_) {
+    int status = 0;
+    if (slot.pid != 0 && waitpid(slot.pid, &status, WNOHANG) == slot.pid) Ended(slot, status);
+  }
+}
+
+void WorkerPool::Ended(Slot& slot, int status) {
+  const Result<int> released = queue_.ReleaseWorker(slot.name, storage::Now());
+  if (!released) LogFailure("-", "worker", released.error().detail);
+  if (!is_stopping_) {
+    LogFailure("-", "worker",
+               fmt::format("{} (process {}) ended {}", slot.name, slot.pid, HowItEnded(status)));
+    if (Clock::now() - slot.started < kYoung) slot.not_before = Clock::now() + kBackoff;
+  }
+  slot.pid = 0;
+}
+
+void WorkerPool::Stop(std::chrono::milliseconds grace) {
+  is_stopping_ = true;
+  for (const Slot& slot : slots_) {
+    if (slot.pid != 0) kill(slot.pid, SIGTERM);
+  }
+  const auto end = Clock::now() + grace;
+  while (true) {
+    Reap();
+    bool has_left = false;
+    for (const Slot& slot : slots_) has_left = has_left || slot.pid != 0;
+    if (!has_left) return;
+    if (Clock::now() >= end) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  for (Slot& slot : slots_) {
+    if (slot.pid == 0) continue;
+    kill(slot.pid, SIGKILL);
+    int status = 0;
+    if (waitpid(slot.pid, &status, 0) == slot.pid) Ended(slot, status);
+  }
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,50 @@
+// WorkerPool: the worker processes of a server: started from this very binary, started again when they end,
+// told to stop with the server. What a dead worker held is given back to the queue at once. Used by the main
+// thread alone: the kernel tells workers of their parent's death by the thread that made them.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "storage/job_queue.h"
+
+namespace skyquilt::server {
+
+class WorkerPool {
+ public:
+  WorkerPool(std::filesystem::path data_dir, int count, storage::JobQueue& queue);
+
+  // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
+  // then.
+  void StartMissing();
+  // Collects the ended. Called on SIGCHLD.
+  void Reap();
+  // SIGTERM to all, then SIGKILL to who is left after `grace`.
+  void Stop(std::chrono::milliseconds grace);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Slot {
+    pid_t pid = 0;  // 0: none runs
+    std::string name;
+    Clock::time_point started;
+    Clock::time_point not_before;
+  };
+  void Start(Slot& slot, int index);
+  void Ended(Slot& slot, int wait_status);
+
+  std::filesystem::path data_dir_;
+  storage::JobQueue& queue_;
+  std::vector<Slot> slots_;
+  int starts_ = 0;
+  bool is_stopping_ = false;
+};
+
+// All workers of servers have names that begin so.
+inline constexpr const char* kServedWorkers = "serve-*";
+
+}  // namespace skyquilt::server
