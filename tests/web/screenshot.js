@@ -1,12 +1,13 @@
 // Saves a picture of the page:
 //   node tests/web/screenshot.js URL OUT.png [--size 1366x768] [--flight ID] [--zoom Z] [--centre LON,LAT]
-//        [--scheme light|dark] [--phone] [--wait SELECTOR|MILLISECONDS] [--no-map]
+//        [--scheme light|dark] [--phone] [--map-only] [--no-photos] [--wait SELECTOR|MILLISECONDS] [--no-map]
+// --no-photos hides footprints and cameras; --map-only saves the map without the panel.
 // With --flight (or a URL that opens a flight) it waits until the map is drawn, unless --no-map.
 import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/browser.js';
 
 const [url, out, ...rest] = process.argv.slice(2);
 if (!url || !out) {
-  console.error('usage: node screenshot.js URL OUT.png [--size WxH] [--flight ID] [--zoom Z] [--centre LON,LAT] [--scheme light|dark] [--phone] [--wait X] [--no-map]');
+  console.error('usage: node screenshot.js URL OUT.png [--size WxH] [--flight ID] [--zoom Z] [--centre LON,LAT] [--scheme light|dark] [--phone] [--map-only] [--no-photos] [--wait X] [--no-map]');
   process.exit(2);
 }
 const missing = missingForBrowser();
@@ -33,6 +34,13 @@ try {
   const wants_map = !has('--no-map') && target.hash.startsWith('#/flights/');
   if (wants_map) {
     await mapIdle(page);
+    if (has('--no-photos')) {
+      await page.evaluate(() => {
+        const { map } = /** @type {any} */ (window).skyquilt;
+        for (const id of ['photos-fill', 'photos-line', 'cameras']) if (map.getLayer(id)) map.setLayoutProperty(id, 'visibility', 'none');
+      });
+      await page.waitForTimeout(300);
+    }
     const zoom = option('--zoom');
     const centre = option('--centre')?.split(',').map(Number);
     if (zoom || centre) {
@@ -52,7 +60,8 @@ try {
   const wait = option('--wait');
   if (wait && /^\d+$/.test(wait)) await page.waitForTimeout(Number(wait));
   else if (wait) await page.waitForSelector(wait);
-  await page.screenshot({ path: out });
+  const clip = has('--map-only') ? await page.locator('#map').boundingBox() : undefined;
+  await page.screenshot({ path: out, clip: clip ?? undefined });
   for (const line of [...foreign_requests.map((u) => `foreign request: ${u}`), ...console_errors.map((e) => `console: ${e}`)]) console.error(line);
 } finally {
   await browser.close();

@@ -229,22 +229,23 @@ export class FlightView {
 
   /** @param {Flight} flight */
   async #drawResult(flight) {
+    const revision = String(flight.revision);
+    const is_new = Boolean(flight.tilejson) && revision !== this.#shown_revision;
+    // The report does not wait for the map: a slow graphics card must not hide the figures.
+    const report = is_new ? getReport(flight.id, this.#abort.signal).catch((error) => error) : null;
     const shown = await this.stage.show(flight);
     if (this.#abort.signal.aborted) return;
-    if (!shown) {
-      if (!flight.tilejson) put(this.#result);
-      return;
-    }
-    const revision = String(flight.revision);
-    if (revision === this.#shown_revision) return;
+    if (!flight.tilejson) put(this.#result);
+    if (!shown || !report) return;
     this.#shown_revision = revision;
-    try {
-      const report = await getReport(flight.id, this.#abort.signal);
-      put(this.#result, reportView(flight, report, shown.photos), linksView(flight, shown.tilejson));
-    } catch (error) {
-      if (this.#abort.signal.aborted) return;
-      showError(error);
-      put(this.#result, h('p', { class: 'muted' }, strings.report.missing), linksView(flight, shown.tilejson));
-    }
+    const found = await report;
+    if (this.#abort.signal.aborted) return;
+    if (found instanceof Error) showError(found);
+    put(
+      this.#result,
+      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos),
+      linksView(flight, shown.tilejson),
+    );
+    await shown.drawn;
   }
 }

@@ -65,7 +65,16 @@ export function photoLayers(colour) {
       paint: {
         'line-color': colour,
         'line-width': ['case', is_selected, 3, 1.2],
-        'line-opacity': ['case', is_selected, 1, 0.75],
+        // Close up the ground is what one looks at: the lines step back.
+        'line-opacity': [
+          'interpolate',
+          ['linear'],
+          ['zoom'],
+          18.5,
+          ['case', is_selected, 1, 0.75],
+          20.5,
+          ['case', is_selected, 1, 0.18],
+        ],
       },
     },
     {

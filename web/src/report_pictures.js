@@ -119,9 +119,11 @@ export function errorPicture(photos) {
  * @returns {HTMLElement|null}
  */
 export function timingPicture(report) {
-  const timings = (report.timings ?? []).filter(({ wall_s }) => wall_s > 0);
+  const all = report.timings ?? [];
+  const total_s = all.reduce((sum, { wall_s }) => sum + wall_s, 0);
+  // What took next to no time explains nothing.
+  const timings = all.filter(({ wall_s }) => wall_s > 0.005 * total_s);
   if (timings.length === 0) return null;
-  const total_s = timings.reduce((sum, { wall_s }) => sum + wall_s, 0);
   const longest_s = Math.max(...timings.map(({ wall_s }) => wall_s));
   const list = h('dl', { class: 'timings' });
   for (const { stage, wall_s } of timings) {

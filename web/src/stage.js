@@ -118,7 +118,8 @@ export class Stage {
   /**
    * Shows the map of a flight, when it has one.
    * @param {Flight} flight
-   * @returns {Promise<{tilejson: TileJson, photos: PhotoCollection|null}|null>} null when there is no map to show
+   * @returns {Promise<{tilejson: TileJson, photos: PhotoCollection|null, drawn: Promise<void>}|null>} null when
+   *   there is no map to show; `drawn` when the map holds it
    */
   async show(flight) {
     const turn = (this.#turn += 1);
@@ -131,8 +132,8 @@ export class Stage {
       return null;
     }
     this.say('');
-    const [view, tilejson, photos] = await Promise.all([
-      this.#map(),
+    const map = this.#map();
+    const [tilejson, photos] = await Promise.all([
       getTileJson(flight.tilejson),
       getPhotos(flight.id).catch((error) => {
         showNote(error.message, { is_error: true });  // the map is worth showing without its photos
@@ -140,21 +141,29 @@ export class Stage {
       }),
     ]);
     if (turn !== this.#turn) return null;
-    if (!view) return { tilejson, photos };
+    const drawn = map.then((view) => (view && turn === this.#turn ? this.#draw(view, flight, tilejson, photos) : undefined));
+    return { tilejson, photos, drawn };
+  }
+
+  /**
+   * @param {MapView} view
+   * @param {Flight} flight
+   * @param {TileJson} tilejson
+   * @param {PhotoCollection|null} photos
+   */
+  async #draw(view, flight, tilejson, photos) {
     const revision = String(flight.revision ?? '');
     const is_new = this.#shown?.id !== flight.id;
-    if (is_new || this.#shown?.revision !== revision) {
-      this.endCompare();
-      this.#parts?.card.close();
-      if (is_new) this.#parts?.measure.end();
-      await view.showMosaic(tilejson, flight.bounds);
-      if (photos) await view.showPhotos(photos);
-      this.#shown = { id: flight.id, revision };
-      this.#parts?.tools.drawLayers();
-      view.map.resize();
-      if (is_new) this.#parts?.fit(false);
-    }
-    return { tilejson, photos };
+    if (!flight.bounds || (!is_new && this.#shown?.revision === revision)) return;
+    this.#shown = { id: flight.id, revision };
+    this.endCompare();
+    this.#parts?.card.close();
+    if (is_new) this.#parts?.measure.end();
+    await view.showMosaic(tilejson, flight.bounds);
+    if (photos) await view.showPhotos(photos);
+    this.#parts?.tools.drawLayers();
+    view.map.resize();
+    if (is_new) this.#parts?.fit(false);
   }
 
   async clear() {
