@@ -116,9 +116,7 @@ class Session : public std::enable_shared_from_this<Session> {
       SystemError error;
       const std::size_t got = co_await stream_.async_read_some(
           buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
-      if (error == beast::error::timeout && has_begun) {
-        co_return Refuse({408, "The request head took too long."});
-      }
+      // At a deadline the stream closes the socket itself: whoever is that slow gets no answer.
       if (error) co_return Head::kClosed;
       buffer_.commit(got);
       if (!has_begun && !is_first_) stream_.expires_after(context_.settings.header_deadline);
@@ -336,10 +334,6 @@ class Session : public std::enable_shared_from_this<Session> {
       SystemError error;
       co_await http::async_read(stream_, buffer_, *parser_, net::redirect_error(net::use_awaitable, error));
       if (error == http::error::need_buffer) error = {};
-      if (error == beast::error::timeout) {
-        *response = api::Problem({ErrorCode::kTimeout, "The body came too slowly.", ""}, request);
-        co_return false;
-      }
       if (error == http::error::body_limit) {
         *response =
             api::Problem({ErrorCode::kTooLarge, "The body is larger than the server takes.", ""}, request);
@@ -348,7 +342,7 @@ class Session : public std::enable_shared_from_this<Session> {
       const bool is_bad_http = error.category() == http::make_error_code(http::error::bad_chunk).category() &&
                                error != http::error::partial_message && error != http::error::end_of_stream;
       if (error && !is_bad_http) {
-        failed_ = true;  // the client is gone
+        failed_ = true;  // the client is gone, or too slow
         co_return false;
       }
       if (error) {

@@ -61,10 +61,12 @@ void WorkerPool::StartMissing() {
 }
 
 void WorkerPool::Start(Slot& slot, int index) {
+  // One job a process: whatever memory a job took, the next one finds it given back.
   slot.name = fmt::format("serve-{}-{}-{}", getpid(), index, ++starts_);
   slot.started = Clock::now();
   std::vector<std::string> words = {"skyquilt", "worker",  "--data",   data_dir_.string(),
-                                    "--name",   slot.name, "--parent", std::to_string(getpid())};
+                                    "--name",   slot.name, "--parent", std::to_string(getpid()),
+                                    "--jobs",   "1"};
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -89,7 +91,8 @@ void WorkerPool::Reap() {
 void WorkerPool::Ended(Slot& slot, int status) {
   const Result<int> released = queue_.ReleaseWorker(slot.name, storage::Now());
   if (!released) LogFailure("-", "worker", released.error().detail);
-  if (!is_stopping_) {
+  const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (!is_stopping_ && !is_well) {
     LogFailure("-", "worker",
                fmt::format("{} (process {}) ended {}", slot.name, slot.pid, HowItEnded(status)));
     if (Clock::now() - slot.started < kYoung) slot.not_before = Clock::now() + kBackoff;

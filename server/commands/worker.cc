@@ -26,6 +26,7 @@ struct WorkerOptions {
   std::string data_dir;
   std::string name;
   int parent = 0;
+  int jobs = 0;  // 0: any number
   bool once = false;
 };
 
@@ -69,7 +70,7 @@ void RunWorker(const WorkerOptions& options) {
   storage::JobQueue queue(**db);
   WorkerContext context{*dir, catalogue, queue, is_stopping};
   const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
-  while (!is_stopping) {
+  for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {
     const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());
     if (!lease) {
       // Busy or full: the queue is asked again; what is broken for good shows in the log.
@@ -77,6 +78,7 @@ void RunWorker(const WorkerOptions& options) {
       std::this_thread::sleep_for(std::chrono::seconds(2));
     } else if (*lease) {
       RunJob(context, **lease);
+      ++done;
     } else if (options.once) {
       return;
     } else {
@@ -94,6 +96,7 @@ void AddWorkerCommand(CLI::App& app) {
   command->add_option("--data", options->data_dir, "Data folder")->required();
   command->add_option("--name", options->name, "Name in the queue (default: worker-<process id>)");
   command->add_option("--parent", options->parent, "Stop when this process is gone");
+  command->add_option("--jobs", options->jobs, "Stop after this many jobs (default: never)");
   command->add_flag("--once", options->once, "Stop when the queue is empty");
   command->callback([options] { RunWorker(*options); });
 }

@@ -1,0 +1,240 @@
+// The API's routes over a real data folder, without a socket.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/api/sample_service.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+json JsonOf(const Response& response) { return json::parse(response.body); }
+
+Headers Typed(const std::string& type) {
+  Headers headers;
+  headers.Add("Content-Type", type);
+  return headers;
+}
+
+std::string Form(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::string body;
+  for (const auto& [name, bytes] : files) {
+    body += "--b\r\nContent-Disposition: form-data; name=\"file\"; filename=\"" + name + "\"\r\n\r\n" +
+            bytes + "\r\n";
+  }
+  return body + "--b--\r\n";
+}
+
+const std::string kForm = "multipart/form-data; boundary=b";
+
+int CountIn(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder)
+             ? static_cast<int>(std::distance(std::filesystem::directory_iterator(folder), {}))
+             : 0;
+}
+
+TEST(Flights, AreMadeListedRenamedAndDeleted) {
+  SampleService sample;
+  const Response made =
+      sample.Send(Method::kPost, "/api/v1/flights", R"({"name":"North field"})", Typed("application/json"));
+  EXPECT_EQ(made.status, 201);
+  const std::string id = JsonOf(made)["id"];
+  EXPECT_EQ(made.headers.Find("Location"), "/api/v1/flights/" + id);
+  EXPECT_EQ(JsonOf(made)["state"], "empty");
+  EXPECT_EQ(JsonOf(sample.Get("/api/v1/flights"))["flights"][0]["name"], "North field");
+  const Response renamed =
+      sample.Send(Method::kPatch, "/api/v1/flights/" + id, R"({"name":"South"})", Typed("application/json"));
+  EXPECT_EQ(JsonOf(renamed)["name"], "South");
+  EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/flights/" + id).status, 204);
+  EXPECT_EQ(sample.Get("/api/v1/flights/" + id).status, 404);
+  EXPECT_EQ(sample.Send(Method::kDelete, "/api/v1/flights/" + id).status, 404);
+  EXPECT_EQ(CountIn(sample.dir().Flights()), 0);
+}
+
+TEST(Flights, RefuseBadParameters) {
+  SampleService sample;
+  for (const char* query : {"limit=0", "limit=201", "limit=x", "limit=1.5", "cursor=x", "cursor='OR+1=1"}) {
+    EXPECT_EQ(sample.Get(std::string("/api/v1/flights?") + query).status, 400) << query;
+  }
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", "x", Typed("text/csv")).status, 415);
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", "{\"a\":1}", Typed("application/json")).status,
+            422);
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", "{", Typed("application/json")).status, 400);
+  EXPECT_EQ(sample.Get("/api/v1/flights/..etc").status, 404);
+}
+
+TEST(Files, ArePutReplacedListedAndRemoved) {
+  SampleService sample;
+  const std::string files = "/api/v1/flights/" + sample.NewFlight() + "/files";
+  EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "one").status, 201);
+  EXPECT_EQ(sample.Send(Method::kPut, files + "/a%20b.jpg", "three").status, 200);
+  const json listed = JsonOf(sample.Get(files));
+  ASSERT_EQ(listed["files"].size(), 1u);
+  EXPECT_EQ(listed["files"][0], (json{{"name", "a b.jpg"}, {"bytes", 5}}));
+  EXPECT_EQ(sample.Send(Method::kDelete, files + "/a%20b.jpg").status, 204);
+  EXPECT_EQ(sample.Send(Method::kDelete, files + "/a%20b.jpg").status, 404);
+  EXPECT_EQ(CountIn(sample.dir().Incoming()), 0);
+}
+
+TEST(Files, RefuseEmptyOnesAndUnknownFlights) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  EXPECT_EQ(sample.Send(Method::kPut, "/api/v1/flights/" + flight + "/files/a.jpg", "").status, 422);
+  EXPECT_EQ(sample.Send(Method::kPut, "/api/v1/flights/00000000000000000000000000/files/a.jpg", "x").status,
+            404);
+  EXPECT_EQ(sample.Send(Method::kPut, "/api/v1/flights/x/files/a.jpg", "x").status, 404);
+  EXPECT_EQ(CountIn(sample.dir().Incoming()), 0);
+  EXPECT_EQ(JsonOf(sample.Get("/api/v1/flights/" + flight))["state"], "empty");
+}
+
+TEST(Form, MakesAFlightWithItsFilesAndQueuesIt) {
+  SampleService sample;
+  const std::string body =
+      "--b\r\nContent-Disposition: form-data; name=\"name\"\r\n\r\nMy field\r\n"
+      "--b\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{\"quality\":70}\r\n" +
+      Form({{"a.jpg", "one"}, {"a.jpg", "two!"}, {"../b.jpg", "x"}, {"c.jpg", ""}, {"", ""}});
+  const Response response = sample.Send(Method::kPost, "/api/v1/flights", body, Typed(kForm));
+  ASSERT_EQ(response.status, 202) << response.body;
+  const json answer = JsonOf(response);
+  EXPECT_EQ(answer["flight"]["name"], "My field");
+  EXPECT_EQ(answer["flight"]["state"], "queued");
+  EXPECT_EQ(answer["flight"]["file_count"], 2);
+  EXPECT_EQ(answer["job"]["state"], "accepted");
+  EXPECT_EQ(response.headers.Find("Location"), "/api/v1/jobs/" + answer["job"]["id"].get<std::string>());
+  ASSERT_EQ(answer["files"].size(), 4u);
+  EXPECT_EQ(answer["files"][0]["name"], "a.jpg");
+  EXPECT_EQ(answer["files"][1]["name"], "a (2).jpg");
+  EXPECT_TRUE(answer["files"][1].contains("note"));
+  EXPECT_TRUE(answer["files"][2].contains("error"));
+  EXPECT_TRUE(answer["files"][3].contains("error"));
+  EXPECT_EQ(CountIn(sample.dir().Incoming()), 0);
+  const auto lease = sample.queue.Claim("w", storage::Now());
+  EXPECT_EQ((*lease)->options, "{\"quality\":70}");
+}
+
+TEST(Form, LeavesNothingBehindWhenItCannotBeTaken) {
+  SampleService sample;
+  const auto status = [&](const std::string& body) {
+    return sample.Send(Method::kPost, "/api/v1/flights", body, Typed(kForm)).status;
+  };
+  EXPECT_EQ(status(Form({})), 422);
+  EXPECT_EQ(status(Form({{"a.jpg", ""}})), 422);
+  EXPECT_EQ(status(Form({{"../../a.jpg", "x"}})), 422);
+  EXPECT_EQ(status(Form({{"a.jpg", "x"}}).substr(0, 60)), 400);
+  const std::string bad_options =
+      "--b\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{\"x\":1}\r\n";
+  EXPECT_EQ(status(bad_options + Form({{"a.jpg", "x"}})), 422);
+  const std::string bad_text =
+      "--b\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n1},\"name\":{\r\n";
+  EXPECT_EQ(status(bad_text + Form({{"a.jpg", "x"}})), 400);
+  EXPECT_LT(status("--b\r\nContent-Disposition: form-data; name=\"zz\"\r\n\r\n1\r\n" + Form({{"a", "x"}})),
+            0);
+  EXPECT_TRUE(JsonOf(sample.Get("/api/v1/flights"))["flights"].empty());
+  EXPECT_EQ(CountIn(sample.dir().Flights()), 0);
+  EXPECT_EQ(CountIn(sample.dir().Incoming()), 0);
+}
+
+TEST(Form, AddsFilesToAFlight) {
+  SampleService sample;
+  const std::string files = "/api/v1/flights/" + sample.NewFlight() + "/files";
+  const Response response =
+      sample.Send(Method::kPost, files, Form({{"a.jpg", "1"}, {"b.jpg", "2"}}), Typed(kForm));
+  EXPECT_EQ(response.status, 201);
+  EXPECT_EQ(JsonOf(response)["files"].size(), 2u);
+  EXPECT_EQ(JsonOf(sample.Get(files))["files"].size(), 2u);
+}
+
+TEST(Jobs, AreQueuedShownAndCancelled) {
+  SampleService sample;
+  const std::string flight = "/api/v1/flights/" + sample.NewFlight();
+  EXPECT_EQ(sample.Send(Method::kPost, flight + "/jobs").status, 409);
+  sample.Send(Method::kPut, flight + "/files/a.jpg", "x");
+  const Response queued =
+      sample.Send(Method::kPost, flight + "/jobs", R"({"options":{"gsd_m":0.2}})", Typed("application/json"));
+  ASSERT_EQ(queued.status, 202);
+  const std::string job = "/api/v1/jobs/" + JsonOf(queued)["id"].get<std::string>();
+  EXPECT_EQ(queued.headers.Find("Location"), job);
+  EXPECT_EQ(sample.Send(Method::kPost, flight + "/jobs").status, 409);
+  EXPECT_EQ(JsonOf(sample.Get(job))["state"], "accepted");
+  EXPECT_EQ(JsonOf(sample.Get("/api/v1/jobs"))["jobs"].size(), 1u);
+  EXPECT_EQ(JsonOf(sample.Send(Method::kDelete, job))["state"], "dismissed");
+  EXPECT_EQ(JsonOf(sample.Get(flight))["state"], "uploaded");
+  EXPECT_EQ(sample.Get("/api/v1/jobs/x").status, 404);
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights/00000000000000000000000000/jobs").status, 404);
+}
+
+TEST(Downloads, HonourRangesAndTags) {
+  SampleService sample;
+  const std::string id = sample.NewFlight();
+  const std::string tif = "/api/v1/flights/" + id + "/download.tif";
+  EXPECT_EQ(sample.Get(tif).status, 404);
+  sample.Publish(id, {{1, 0, 0, "x"}});
+  Response whole = sample.Get(tif);
+  EXPECT_EQ(whole.status, 200);
+  EXPECT_EQ(BodyOf(whole), "0123456789");
+  const std::string etag(whole.headers.Find("ETag"));
+  const auto ranged = [&](const std::string& range, const std::string& if_range = "") {
+    Headers headers;
+    headers.Add("Range", range);
+    if (!if_range.empty()) headers.Add("If-Range", if_range);
+    return sample.Get(tif, headers);
+  };
+  Response part = ranged("bytes=2-4");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(BodyOf(part), "234");
+  EXPECT_EQ(part.headers.Find("Content-Range"), "bytes 2-4/10");
+  EXPECT_EQ(ranged("bytes=2-4", etag).status, 206);
+  EXPECT_EQ(ranged("bytes=2-4", "\"other\"").status, 200);
+  const Response beyond = ranged("bytes=10-");
+  EXPECT_EQ(beyond.status, 416);
+  EXPECT_EQ(beyond.headers.Find("Content-Range"), "bytes */10");
+  Headers known;
+  known.Add("If-None-Match", etag);
+  EXPECT_EQ(sample.Get(tif, known).status, 304);
+  EXPECT_EQ(sample.Get("/api/v1/flights/" + id + "/report").status, 200);
+  EXPECT_EQ(sample.Get("/api/v1/flights/" + id + "/photos.geojson").headers.Find("Content-Type"),
+            "application/geo+json");
+}
+
+TEST(Flights, ShowTheirMapOnceThereIsOne) {
+  SampleService sample;
+  const std::string id = sample.NewFlight();
+  sample.Publish(id, {{1, 0, 0, "x"}, {2, 0, 0, "y"}});
+  const json flight = JsonOf(sample.Get("/api/v1/flights/" + id));
+  EXPECT_EQ(flight["state"], "ready");
+  EXPECT_EQ(flight["revision"], 1);
+  EXPECT_EQ(flight["tilejson"], "/tiles/" + id + ".json");
+  EXPECT_EQ(flight["min_zoom"], 1);
+  EXPECT_EQ(flight["bounds"].size(), 4u);
+}
+
+TEST(Ops, AnswerMonitors) {
+  SampleService sample;
+  EXPECT_EQ(sample.Get("/healthz").status, 200);
+  EXPECT_EQ(sample.Get("/readyz").status, 200);
+  EXPECT_EQ(JsonOf(sample.Get("/version"))["version"], "1.2.3");
+  EXPECT_NE(sample.Get("/metrics").body.find("skyquilt_jobs_waiting 0"), std::string::npos);
+}
+
+TEST(OpenApi, DescribesEveryRouteAndNoOther) {
+  SampleService sample;
+  const json document = JsonOf(sample.Get("/openapi.json"));
+  std::set<std::string> described;
+  for (const auto& [path, item] : document["paths"].items()) {
+    for (const auto& [method, operation] : item.items()) {
+      if (method != "parameters") described.insert(method + " " + path);
+    }
+  }
+  std::set<std::string> served;
+  for (const auto& [method, pattern] : sample.router().Routes()) {
+    std::string name = MethodName(method);
+    for (char& c : name) c = static_cast<char>(std::tolower(c));
+    served.insert(name + " " + (pattern == "/tiles/{tileset}" ? "/tiles/{flight}.json" : pattern));
+  }
+  EXPECT_EQ(described, served);
+}
+
+}  // namespace
+}  // namespace skyquilt::api

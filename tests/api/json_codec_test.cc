@@ -1,0 +1,104 @@
+#include "api/json_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/job_options.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+TEST(JobJson, EstimatesTheEndFromThePaceSoFar) {
+  const storage::Time now = storage::Now();
+  storage::Job job;
+  job.state = storage::JobState::kRunning;
+  job.progress = 0.25;
+  job.attempt_started = now - std::chrono::seconds(10);
+  EXPECT_NEAR(json::parse(JobJson(job, now))["eta_s"].get<double>(), 30.0, 1e-6);
+  job.progress = 0.0;
+  EXPECT_TRUE(json::parse(JobJson(job, now))["eta_s"].is_null());
+  job.state = storage::JobState::kAccepted;
+  EXPECT_EQ(json::parse(JobJson(job, now))["state"], "accepted");
+}
+
+TEST(JobJson, ShowsAnErrorOnlyOnceTheJobHasFailed) {
+  storage::Job job;
+  job.error = storage::JobError{"io", "disk"};
+  EXPECT_TRUE(json::parse(JobJson(job, storage::Now()))["error"].is_null());
+  job.state = storage::JobState::kFailed;
+  EXPECT_EQ(json::parse(JobJson(job, storage::Now()))["error"]["message"], "disk");
+}
+
+TEST(FlightJson, NamesTheStateFromFilesJobAndMap) {
+  const auto state = [](const FlightView& view) {
+    return json::parse(FlightJson(view, storage::Now()))["state"].get<std::string>();
+  };
+  FlightView view;
+  view.flight.options = "{}";
+  EXPECT_EQ(state(view), "empty");
+  view.flight.file_count = 1;
+  EXPECT_EQ(state(view), "uploaded");
+  view.job.emplace();
+  EXPECT_EQ(state(view), "queued");
+  view.job->state = storage::JobState::kRunning;
+  EXPECT_EQ(state(view), "processing");
+  view.job->state = storage::JobState::kDismissed;
+  EXPECT_EQ(state(view), "uploaded");
+  view.job->state = storage::JobState::kFailed;
+  EXPECT_EQ(state(view), "failed");
+  view.revision.emplace();
+  EXPECT_EQ(state(view), "ready");
+}
+
+TEST(FlightJson, SurvivesNamesThatAreNotText) {
+  FlightView view;
+  view.flight.name = "\xff<img onerror=x>\x01";
+  view.flight.options = "{}";
+  EXPECT_TRUE(json::accept(FlightJson(view, storage::Now())));
+}
+
+TEST(ParseFlightFields, TakesWhatItKnows) {
+  EXPECT_FALSE(ParseFlightFields("")->name);
+  EXPECT_FALSE(ParseFlightFields("{}")->name);
+  const auto fields =
+      ParseFlightFields(R"({"name":"Field 3","options":{"gsd_m":0.1,"format":"webp","quality":90}})");
+  ASSERT_TRUE(fields);
+  EXPECT_EQ(*fields->name, "Field 3");
+  const auto options = ParseJobOptions(*fields->options);
+  ASSERT_TRUE(options);
+  EXPECT_DOUBLE_EQ(*options->gsd_m, 0.1);
+  EXPECT_EQ(options->encoding, pipeline::TileEncoding::kWebp);
+  EXPECT_EQ(options->jpeg_quality, 90);
+}
+
+class BadBodies : public testing::TestWithParam<std::string> {};
+
+TEST_P(BadBodies, AreRefused) {
+  const auto fields = ParseFlightFields(GetParam());
+  ASSERT_FALSE(fields) << GetParam().substr(0, 80);
+  EXPECT_TRUE(fields.error().code == ErrorCode::kInvalidArgument ||
+              fields.error().code == ErrorCode::kUnprocessable ||
+              fields.error().code == ErrorCode::kTooLarge);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ParseFlightFields, BadBodies,
+    testing::Values("{", "[]", "1", "\"x\"", R"({"nme":"x"})", R"({"name":1})", R"({"name":""})",
+                    "{\"name\":\"" + std::string(300, 'a') + "\"}", R"({"options":1})",
+                    R"({"options":{"gsd":1}})", R"({"options":{"gsd_m":0}})", R"({"options":{"gsd_m":-1}})",
+                    R"({"options":{"gsd_m":1e400}})", R"({"options":{"gsd_m":"1"}})",
+                    R"({"options":{"quality":0}})", R"({"options":{"quality":85.5}})",
+                    R"({"options":{"quality":9999999999999999999999}})", R"({"options":{"format":"gif"}})",
+                    R"({"options":{"method":"magic"}})", "{\"name\":\"\xff\"}", std::string(100000, '['),
+                    std::string(40, '[') + std::string(40, ']'), std::string(70000, ' ') + "{}x"));
+
+TEST(FormatTime, IsRfc3339InUtc) {
+  EXPECT_EQ(FormatTime(storage::FromUs(0)), "1970-01-01T00:00:00.000Z");
+  EXPECT_EQ(FormatTime(storage::FromUs(1795233303123456)), "2026-11-21T03:55:03.123Z");
+}
+
+}  // namespace
+}  // namespace skyquilt::api

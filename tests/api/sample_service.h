@@ -1,0 +1,99 @@
+// A service over an empty data folder, with the real routes: what handler tests talk to, without a socket.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "api/build_api.h"
+#include "api/target.h"
+#include "tests/storage/scratch_dir.h"
+#include "tests/storage/small_tileset.h"
+
+namespace skyquilt::api {
+
+class SampleService {
+ public:
+  SampleService()
+      : dir_(*storage::DataDir::Open(scratch_.path())),
+        db_(*storage::CatalogueDb::Open(dir_.Catalogue())),
+        catalogue(*db_),
+        queue(*db_),
+        store_(dir_),
+        tilesets_(dir_, catalogue),
+        service_{catalogue, queue, store_, tilesets_, metrics_, "1.2.3"},
+        router_(BuildApi(service_)) {}
+
+  // One request with its whole body, as a session would make it.
+  Response Send(Method method, const std::string& target, const std::string& body = "",
+                Headers headers = {}) {
+    const auto parsed = ParseTarget(target);
+    EXPECT_TRUE(parsed) << target;
+    auto match = router_.Find(method, parsed->segments);
+    if (match.route == nullptr) return Status(match.allow.empty() ? 404 : 405);
+    Request request;
+    request.method = method;
+    request.path = target.substr(0, target.find('?'));
+    request.parameters = match.parameters;
+    request.query = parsed->query;
+    request.headers = std::move(headers);
+    request.content_length = body.size();
+    request.base_url = "http://127.0.0.1:1";
+    if (match.route->handler) return match.route->handler(request);
+    auto begun = match.route->upload(request);
+    if (auto* refused = std::get_if<Response>(&begun)) return std::move(*refused);
+    auto& sink = std::get<std::unique_ptr<BodySink>>(begun);
+    const auto written = sink->Write({reinterpret_cast<const std::uint8_t*>(body.data()), body.size()});
+    if (!written) return Status(-static_cast<int>(written.error().code));
+    return sink->Finish();
+  }
+  Response Get(const std::string& target, Headers headers = {}) {
+    return Send(Method::kGet, target, "", std::move(headers));
+  }
+
+  std::string NewFlight() { return catalogue.AddFlight("field", "{}", storage::Now())->id; }
+  std::int64_t Publish(const std::string& flight, const std::vector<storage::SmallTile>& tiles) {
+    return storage::PublishSmallTileset(dir_, *db_, flight, tiles);
+  }
+  const storage::DataDir& dir() const { return dir_; }
+  const Router& router() const { return router_; }
+
+ private:
+  static Response Status(int status) {
+    Response response;
+    response.status = status;
+    return response;
+  }
+
+  ScratchDir scratch_;
+  storage::DataDir dir_;
+  std::unique_ptr<storage::CatalogueDb> db_;
+
+ public:
+  storage::Catalogue catalogue;
+  storage::JobQueue queue;
+
+ private:
+  storage::PhotoStore store_;
+  storage::TilesetCache tilesets_;
+  Metrics metrics_;
+  Service service_;
+  Router router_;
+};
+
+inline std::string BodyOf(Response& response) {
+  if (response.source == nullptr) return response.body;
+  std::string body;
+  std::vector<std::uint8_t> slice(7);
+  while (true) {
+    const auto got = response.source->Read(slice);
+    EXPECT_TRUE(got);
+    if (!got || *got == 0) return body;
+    body.append(slice.begin(), slice.begin() + static_cast<std::ptrdiff_t>(*got));
+  }
+}
+
+}  // namespace skyquilt::api

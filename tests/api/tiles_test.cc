@@ -1,0 +1,155 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/tiles/tile_path.h"
+#include "api/tiles/transcode_tile.h"
+#include "tests/api/sample_service.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+using pipeline::TileFormat;
+
+class TilesTest : public testing::Test {
+ protected:
+  TilesTest()
+      : flight_(sample_.NewFlight()),
+        png_(TransparentPng(256)),
+        jpeg_(*TranscodeTile(png_, TileFormat::kJpeg)) {
+    sample_.Publish(flight_, {{2, 1, 2, jpeg_}, {3, 2, 5, png_}});
+  }
+  std::string Path(const std::string& rest) const { return "/tiles/" + flight_ + "/" + rest; }
+
+  SampleService sample_;
+  std::string flight_;
+  std::string png_;
+  std::string jpeg_;
+};
+
+TEST_F(TilesTest, AreServedWithTheTypeOfTheirBytes) {
+  const Response jpeg = sample_.Get(Path("2/1/1"));
+  EXPECT_EQ(jpeg.status, 200);
+  EXPECT_EQ(jpeg.body, jpeg_);
+  EXPECT_EQ(jpeg.headers.Find("Content-Type"), "image/jpeg");
+  EXPECT_EQ(sample_.Get(Path("2/1/1.jpg")).body, jpeg_);
+  EXPECT_EQ(sample_.Get(Path("3/2/2.png")).body, png_);
+}
+
+TEST_F(TilesTest, AnswerWithNothingWhenTheClientHasThem) {
+  for (const char* path : {"2/1/1", "2/1/1.png", "2/2/2"}) {
+    const Response first = sample_.Get(Path(path));
+    const std::string etag(first.headers.Find("ETag"));
+    ASSERT_FALSE(etag.empty());
+    Headers headers;
+    headers.Add("If-None-Match", etag);
+    const Response second = sample_.Get(Path(path), headers);
+    EXPECT_EQ(second.status, 304);
+    EXPECT_EQ(second.headers.Find("ETag"), etag);
+    EXPECT_TRUE(second.body.empty());
+  }
+  EXPECT_NE(sample_.Get(Path("2/1/1")).headers.Find("ETag"),
+            sample_.Get(Path("2/1/1.png")).headers.Find("ETag"));
+}
+
+TEST_F(TilesTest, AreConvertedToTheFormatAskedFor) {
+  for (const char* extension : {"jpg", "png", "webp"}) {
+    for (const char* tile : {"2/1/1.", "3/2/2."}) {
+      const Response response = sample_.Get(Path(std::string(tile) + extension));
+      ASSERT_EQ(response.status, 200);
+      const auto format = TileFormatOf(response.body);
+      ASSERT_TRUE(format);
+      EXPECT_STREQ(ExtensionOf(*format), extension);
+      EXPECT_EQ(response.headers.Find("Content-Type"), ContentTypeOf(*format));
+      EXPECT_EQ(TileSidePx(response.body), 256);
+    }
+  }
+}
+
+TEST_F(TilesTest, AreTransparentWhereTheMapHasNothing) {
+  const Response blank = sample_.Get(Path("2/2/2.jpg"));
+  EXPECT_EQ(blank.status, 200);
+  EXPECT_EQ(blank.headers.Find("Content-Type"), "image/png");
+  EXPECT_EQ(TileSidePx(blank.body), 256);
+  EXPECT_EQ(sample_.Get(Path("2/2/2?empty=204")).status, 204);
+  EXPECT_EQ(sample_.Get(Path("2/2/2?empty=404")).status, 404);
+  EXPECT_EQ(sample_.Get(Path("2/2/2?empty=1")).status, 400);
+}
+
+TEST_F(TilesTest, AreMissingOutsideTheZooms) {
+  EXPECT_EQ(sample_.Get(Path("1/0/0")).status, 404);
+  EXPECT_EQ(sample_.Get(Path("4/0/0")).status, 404);
+  EXPECT_EQ(sample_.Get("/tiles/" + sample_.NewFlight() + "/2/1/1").status, 404);
+  EXPECT_EQ(sample_.Get("/tiles/nothing/2/1/1").status, 404);
+}
+
+TEST_F(TilesTest, MayBeKeptForEverUnderTheirRevision) {
+  EXPECT_NE(sample_.Get(Path("2/1/1?rev=1")).headers.Find("Cache-Control").find("immutable"),
+            std::string::npos);
+  EXPECT_EQ(sample_.Get(Path("2/1/1?rev=2")).headers.Find("Cache-Control").find("immutable"),
+            std::string::npos);
+  EXPECT_EQ(sample_.Get(Path("2/1/1")).headers.Find("Cache-Control").find("immutable"), std::string::npos);
+}
+
+TEST_F(TilesTest, AreDescribedAsTileJson) {
+  const Response response = sample_.Get("/tiles/" + flight_ + ".json");
+  ASSERT_EQ(response.status, 200);
+  const json document = json::parse(response.body);
+  EXPECT_EQ(document["tilejson"], "3.0.0");
+  EXPECT_EQ(document["minzoom"], 2);
+  EXPECT_EQ(document["maxzoom"], 3);
+  EXPECT_EQ(document["bounds"].size(), 4u);
+  EXPECT_EQ(document["tiles"][0], "http://127.0.0.1:1/tiles/" + flight_ + "/{z}/{x}/{y}?rev=1");
+  EXPECT_EQ(sample_.Get("/tiles/" + flight_).status, 404);
+  EXPECT_EQ(sample_.Get("/tiles/x.json").status, 404);
+  Headers headers;
+  headers.Add("If-None-Match", std::string(response.headers.Find("ETag")));
+  EXPECT_EQ(sample_.Get("/tiles/" + flight_ + ".json", headers).status, 304);
+}
+
+class BadTilePaths : public testing::TestWithParam<const char*> {};
+
+TEST_P(BadTilePaths, AreRefused) {
+  const std::string path = GetParam();
+  const std::size_t first = path.find('/');
+  const std::size_t second = path.find('/', first + 1);
+  const auto parsed = ParseTilePath(path.substr(0, first), path.substr(first + 1, second - first - 1),
+                                    path.substr(second + 1));
+  ASSERT_FALSE(parsed) << path;
+  EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidArgument);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ParseTilePath, BadTilePaths,
+    testing::Values("-1/0/0", "31/0/0", "99999999999/0/0", "2/4/0", "2/0/4", "2/1/1e3", "2/1/ 1", "2/1/+1",
+                    "2/1/0x1", "2/1/1.5", "2/1/", "//", "2/1/1.", "2/1/1.exe", "2/1/1@2x", "2/1/1@9x.png",
+                    "2/1/1.png.jpg", "2/1/.png", "2/1/\xd9\xa1", "2/1/1.PNG", "30/1073741824/0",
+                    "2/1/11111111111111111111111111111111111111111111111111111111111111111111"));
+
+TEST(ParseTilePath, TakesPlainNumbers) {
+  const auto path = ParseTilePath("30", "1073741823", "0.jpeg");
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->tile, *geo::TileId::Make(30, 1073741823, 0));
+  EXPECT_EQ(path->format, TileFormat::kJpeg);
+  EXPECT_FALSE(ParseTilePath("0", "0", "0")->format);
+}
+
+TEST(TranscodeTile, LaysTransparencyOnWhiteForJpeg) {
+  const std::string jpeg = *TranscodeTile(TransparentPng(64), TileFormat::kJpeg);
+  // Back to PNG: one colour of full white compresses to almost nothing, and differs from the transparent one.
+  const std::string png = *TranscodeTile(jpeg, TileFormat::kPng);
+  EXPECT_LT(png.size(), 1000u);
+  EXPECT_NE(png, TransparentPng(64));
+}
+
+TEST(TranscodeTile, RefusesDamagedTiles) {
+  const std::string good = *TranscodeTile(TransparentPng(64), TileFormat::kWebp);
+  EXPECT_FALSE(TranscodeTile("not an image", TileFormat::kPng));
+  EXPECT_FALSE(TranscodeTile("", TileFormat::kPng));
+  EXPECT_FALSE(TranscodeTile(good.substr(0, 20), TileFormat::kPng));
+  EXPECT_FALSE(TranscodeTile(TransparentPng(64).substr(0, 50), TileFormat::kJpeg));
+}
+
+}  // namespace
+}  // namespace skyquilt::api

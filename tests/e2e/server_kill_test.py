@@ -1,0 +1,104 @@
+"""Killed workers and servers: after a restart the job ends well, nothing is published twice, nothing is left over."""
+import os
+import signal
+import socket
+import sqlite3
+import subprocess
+import unittest
+
+from server_support import BINARY, ServerTestCase, wait_until
+
+
+class Kills(ServerTestCase):
+    def start_job(self, server, **fields):
+        status, made = server.upload(self.photos, **fields)
+        self.assertEqual(status, 202, made)
+        return made["flight"]["id"], made["job"]["id"]
+
+    def wait_for_stage(self, server, job_id):
+        """Until a worker is in the middle of the job (or, on a quick machine, through with it)."""
+        return server.wait_for_job(job_id, until=lambda job: job["stage"] != "" or job["finished_at"])
+
+    def check_ended_well(self, server, flight_id, job_id):
+        job = server.wait_for_job(job_id)
+        self.assertEqual(job["state"], "successful", f"{job} {server.errors()}")
+        _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
+        self.assertEqual(flight["state"], "ready")
+        status, tilejson = server.json("GET", flight["tilejson"])
+        self.assertEqual(status, 200)
+        wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
+        self.assertEqual(server.stop(), 0)
+        folders = sorted(path.name for path in (server.data / "flights" / flight_id).iterdir())
+        self.assertEqual(folders, ["files", f"r{flight['revision']}"])
+        with sqlite3.connect(server.data / "catalogue.db") as catalogue:
+            self.assertEqual(catalogue.execute("PRAGMA quick_check").fetchall(), [("ok",)])
+        return job
+
+    def test_a_killed_worker_is_replaced_and_its_job_done_again(self):
+        server = self.serve()
+        flight_id, job_id = self.start_job(server)
+        self.wait_for_stage(server, job_id)
+        for pid in server.workers():
+            os.kill(pid, signal.SIGKILL)
+        job = self.check_ended_well(server, flight_id, job_id)
+        self.assertLessEqual(job["attempts"], 2)
+
+    def test_a_killed_server_takes_its_job_up_again(self):
+        server = self.serve()
+        flight_id, job_id = self.start_job(server)
+        self.wait_for_stage(server, job_id)
+        server.kill()
+        self.check_ended_well(self.serve(), flight_id, job_id)
+
+    def test_a_stopped_server_gives_its_job_back(self):
+        server = self.serve()
+        flight_id, job_id = self.start_job(server)
+        self.wait_for_stage(server, job_id)
+        self.assertEqual(server.stop(), 0)
+        self.check_ended_well(self.serve(), flight_id, job_id)
+
+    def test_a_job_waits_for_a_worker_across_restarts(self):
+        server = self.serve("--workers", "0")
+        flight_id, job_id = self.start_job(server)
+        server.kill()
+        self.check_ended_well(self.serve(), flight_id, job_id)
+
+    def test_an_upload_cut_by_a_killed_server_leaves_nothing(self):
+        server = self.serve()
+        _, flight = server.json("POST", "/api/v1/flights", {})
+        with socket.create_connection(("127.0.0.1", server.port)) as client:
+            client.sendall((f"PUT /api/v1/flights/{flight['id']}/files/a.jpg HTTP/1.1\r\nHost: localhost\r\n"
+                            "Content-Length: 1000000\r\n\r\n" + "x" * 500000).encode())
+            wait_until(lambda: any((server.data / "incoming").iterdir()), "the upload never began")
+            server.kill()
+        again = self.serve()
+        self.assertEqual(again.garbage(), [])
+        _, listed = again.json("GET", f"/api/v1/flights/{flight['id']}/files")
+        self.assertEqual(listed["files"], [])
+
+    def test_a_cancelled_job_is_dismissed(self):
+        server = self.serve()
+        _, job_id = self.start_job(server)
+        status, _ = server.json("DELETE", f"/api/v1/jobs/{job_id}")
+        self.assertEqual(status, 200)
+        self.assertEqual(server.wait_for_job(job_id)["state"], "dismissed")
+        wait_until(lambda: server.garbage() == [], "the work of a cancelled job is left over")
+
+    def test_a_deleted_flight_stops_its_job(self):
+        server = self.serve()
+        flight_id, job_id = self.start_job(server)
+        self.wait_for_stage(server, job_id)
+        self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight_id}")[0], 204)
+        wait_until(lambda: server.garbage() == [], "the work of a deleted flight is left over")
+        self.assertEqual(list((server.data / "flights").iterdir()), [])
+
+    def test_two_servers_do_not_share_a_folder(self):
+        self.serve()
+        second = subprocess.run([BINARY, "serve", "--data", self.data, "--listen", "127.0.0.1:0"],
+                                capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(second.returncode, 0)
+        self.assertIn("Another server", second.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

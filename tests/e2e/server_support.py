@@ -1,0 +1,162 @@
+"""What the server's end-to-end tests share: the real binary on a free port, plain HTTP, a simulated flight."""
+import http.client
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+import urllib.parse
+
+BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
+PATIENCE_S = 240  # machines that test are slow and shared; nothing here measures time
+
+
+class Server:
+    """`skyquilt serve` over one data folder."""
+
+    def __init__(self, data, *arguments):
+        self.data = pathlib.Path(data)
+        self.log = tempfile.NamedTemporaryFile("w+", suffix=".log")
+        self.process = subprocess.Popen(
+            [BINARY, "serve", "--data", str(data), "--listen", "127.0.0.1:0", *arguments],
+            stdout=subprocess.PIPE, stderr=self.log, text=True)
+        line = self.process.stdout.readline()
+        found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
+        if not found:
+            raise AssertionError(f"the server did not start: {line!r} {self.errors()}")
+        self.port = int(found.group(1))
+
+    def errors(self):
+        self.log.seek(0)
+        return self.log.read()
+
+    def request(self, method, path, body=None, headers=None):
+        """(status, headers, bytes) of one request."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
+        try:
+            connection.request(method, path, body=body, headers=headers or {})
+            response = connection.getresponse()
+            return response.status, response.headers, response.read()
+        finally:
+            connection.close()
+
+    def json(self, method, path, value=None):
+        body = None if value is None else json.dumps(value)
+        headers = {} if value is None else {"Content-Type": "application/json"}
+        status, _, answer = self.request(method, path, body, headers)
+        return status, json.loads(answer) if answer else None
+
+    def upload(self, files, **fields):
+        """POST /api/v1/flights with (name, bytes) pairs: (status, answer)."""
+        boundary = "skyquilt-test-boundary"
+        parts = []
+        for name, value in fields.items():
+            parts.append(f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode())
+        for name, content in files:
+            head = f'--{boundary}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n'
+            parts.append(head.encode() + content + b"\r\n")
+        parts.append(f"--{boundary}--\r\n".encode())
+        status, _, answer = self.request("POST", "/api/v1/flights", b"".join(parts),
+                                         {"Content-Type": f"multipart/form-data; boundary={boundary}"})
+        return status, json.loads(answer)
+
+    def wait_for_job(self, job_id, until=lambda job: job["finished_at"] is not None):
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            status, job = self.json("GET", f"/api/v1/jobs/{job_id}")
+            assert status == 200, job
+            if until(job):
+                return job
+            time.sleep(0.1)
+        raise AssertionError(f"the job did not get there: {job} {self.errors()}")
+
+    def workers(self):
+        """Process ids of the server's children."""
+        path = f"/proc/{self.process.pid}/task/{self.process.pid}/children"
+        return [int(pid) for pid in pathlib.Path(path).read_text().split()]
+
+    def garbage(self):
+        return sorted(str(path) for folder in ("incoming", "work") for path in (self.data / folder).iterdir())
+
+    def kill(self):
+        """What a power cut would do to the server; its workers follow by themselves."""
+        children = self.workers()
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+        for pid in children:
+            wait_until(lambda: not is_running(pid), "a worker outlived its server")
+        self.close()
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        code = self.process.wait(timeout=PATIENCE_S)
+        self.close()
+        return code
+
+    def close(self):
+        self.process.stdout.close()
+
+
+def is_running(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except FileNotFoundError:
+        return False
+
+
+def wait_until(condition, complaint):
+    end = time.monotonic() + PATIENCE_S
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(complaint)
+        time.sleep(0.05)
+
+
+class ServerTestCase(unittest.TestCase):
+    """A fresh data folder per test, one small simulated flight per class."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.mkdtemp(prefix="skyquilt_e2e_")
+        subprocess.run([BINARY, "simulate", "-o", f"{cls.scratch}/sim", "--photos", "6", "--size", "800x600"],
+                       check=True, stdout=subprocess.DEVNULL)
+        found = sorted(pathlib.Path(cls.scratch, "sim", "photos").iterdir())
+        cls.photos = [(path.name, path.read_bytes()) for path in found if path.suffix.lower() in (".jpg", ".jpeg")]
+        assert len(cls.photos) == 6, found
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.scratch)
+
+    def setUp(self):
+        self.data = tempfile.mkdtemp(prefix="data_", dir=self.scratch)
+        self.servers = []
+
+    def tearDown(self):
+        for server in self.servers:
+            if server.process.poll() is None:
+                server.stop()
+
+    def serve(self, *arguments):
+        server = Server(self.data, *arguments)
+        self.servers.append(server)
+        return server
+
+
+def tile_of(lon, lat, zoom):
+    import math
+    side = 1 << zoom
+    x = int((lon + 180) / 360 * side)
+    y = int((1 - math.asinh(math.tan(math.radians(lat))) / math.pi) / 2 * side)
+    return x, y
+
+
+def path_of(url):
+    parts = urllib.parse.urlsplit(url)
+    return parts.path + ("?" + parts.query if parts.query else "")

@@ -1,0 +1,89 @@
+#include "server/job_progress.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+template <typename Condition>
+bool Eventually(Condition condition) {
+  for (int i = 0; i < 400; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(milliseconds(25));
+  }
+  return false;
+}
+
+class JobProgressTest : public testing::Test {
+ protected:
+  JobProgressTest()
+      : db_(*storage::CatalogueDb::Open(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_) {
+    flight_ = catalogue_.AddFlight("f", "{}", storage::Now())->id;
+    job_ = queue_.Add(flight_, "{}", storage::Now())->id;
+    lease_ = **queue_.Claim("w", storage::Now());
+  }
+  ScratchDir dir_;
+  std::unique_ptr<storage::CatalogueDb> db_;
+  storage::Catalogue catalogue_;
+  storage::JobQueue queue_;
+  std::string flight_;
+  std::string job_;
+  storage::Lease lease_;
+  std::atomic<bool> is_stopping_ = false;
+};
+
+TEST(WholeJobFraction, GrowsThroughTheStages) {
+  double before = -1.0;
+  for (const char* stage :
+       {"read", "check", "pose", "align", "ground", "plan", "expose", "render", "export"}) {
+    EXPECT_GT(WholeJobFraction(stage, 0.5), before) << stage;
+    EXPECT_LE(WholeJobFraction(stage, 0.0), WholeJobFraction(stage, 1.0));
+    before = WholeJobFraction(stage, 0.5);
+  }
+  EXPECT_NEAR(WholeJobFraction("export", 1.0), 1.0, 1e-9);
+  EXPECT_EQ(WholeJobFraction("unknown", 0.5), 0.0);
+}
+
+TEST_F(JobProgressTest, WritesStageAndFractionThatNeverGoBack) {
+  JobProgress progress(queue_, lease_, is_stopping_);
+  progress.BeginStage("render");
+  progress.Report(0.5, "half");
+  EXPECT_TRUE(Eventually([&] { return queue_.Get(job_)->message == "half"; }));
+  const double reached = queue_.Get(job_)->progress;
+  EXPECT_GT(reached, 0.5);
+  EXPECT_EQ(queue_.Get(job_)->stage, "render");
+  progress.BeginStage("warp");
+  progress.Report(0.1, "unknown stage");
+  EXPECT_TRUE(Eventually([&] { return queue_.Get(job_)->message == "unknown stage"; }));
+  EXPECT_EQ(queue_.Get(job_)->progress, reached);
+  EXPECT_FALSE(progress.IsCancelled());
+}
+
+TEST_F(JobProgressTest, SeesTheWishToCancel) {
+  JobProgress progress(queue_, lease_, is_stopping_);
+  ASSERT_TRUE(queue_.Cancel(job_, storage::Now()));
+  EXPECT_TRUE(Eventually([&] { return progress.IsCancelled(); }));
+  EXPECT_EQ(progress.lease_state(), storage::LeaseState::kCancelRequested);
+}
+
+TEST_F(JobProgressTest, SeesALostLeaseAndADeletedFlight) {
+  JobProgress progress(queue_, lease_, is_stopping_);
+  ASSERT_TRUE(catalogue_.DeleteFlight(flight_));
+  EXPECT_TRUE(Eventually([&] { return progress.IsCancelled(); }));
+  EXPECT_EQ(progress.lease_state(), storage::LeaseState::kLost);
+}
+
+TEST_F(JobProgressTest, StopsWithItsWorker) {
+  JobProgress progress(queue_, lease_, is_stopping_);
+  EXPECT_FALSE(progress.IsCancelled());
+  is_stopping_ = true;
+  EXPECT_TRUE(progress.IsCancelled());
+  EXPECT_EQ(progress.lease_state(), storage::LeaseState::kHeld);
+}
+
+}  // namespace
+}  // namespace skyquilt::server

@@ -1,0 +1,62 @@
+#include "server/static_files.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::server {
+namespace {
+
+class PageTest : public testing::Test {
+ protected:
+  PageTest() {
+    std::filesystem::create_directories(dir_.path() / "src");
+    std::filesystem::create_directories(dir_.path() / "node_modules" / "x");
+    for (const char* name : {"index.html", "style.css", "package.json", "src/main.js", "src/.secret.js",
+                             "src/a.exe", "node_modules/x/a.js", "../outside.js"}) {
+      std::ofstream(dir_.path() / name) << name;
+    }
+    std::filesystem::create_symlink("/etc/passwd", dir_.path() / "src" / "link.js");
+  }
+  ~PageTest() override { std::filesystem::remove(dir_.path() / ".." / "outside.js"); }
+
+  api::Response Get(const std::string& path, const std::string& known = "") {
+    api::Request request;
+    request.path = path;
+    if (!known.empty()) request.headers.Add("If-None-Match", known);
+    return ServePage(dir_.path(), request);
+  }
+
+  ScratchDir dir_;
+};
+
+TEST_F(PageTest, ServesThePageWithItsTypeAndPolicy) {
+  const api::Response index = Get("/");
+  EXPECT_EQ(index.status, 200);
+  EXPECT_EQ(index.headers.Find("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_NE(index.headers.Find("Content-Security-Policy").find("default-src 'self'"), std::string_view::npos);
+  EXPECT_EQ(Get("/src/main.js").headers.Find("Content-Type"), "text/javascript; charset=utf-8");
+  EXPECT_EQ(Get("/style.css", std::string(Get("/style.css").headers.Find("ETag"))).status, 304);
+}
+
+TEST_F(PageTest, KeepsEverythingElseToItself) {
+  for (const char* path : {"/package.json", "/src/.secret.js", "/src/a.exe", "/node_modules/x/a.js",
+                           "/src/link.js", "/src", "/src/none.js", "/none.html"}) {
+    EXPECT_EQ(Get(path).status, 404) << path;
+  }
+  for (const char* path : {"/../outside.js", "/src/../package.json", "/%2e%2e/outside.js", "/src//main.js"}) {
+    EXPECT_EQ(Get(path).status, 400) << path;
+  }
+}
+
+TEST(FindPageFolder, TakesOnlyAFolderWithAPage) {
+  ScratchDir dir;
+  EXPECT_FALSE(FindPageFolder(dir.path()));
+  std::ofstream(dir.path() / "index.html") << "x";
+  EXPECT_EQ(FindPageFolder(dir.path()), dir.path());
+}
+
+}  // namespace
+}  // namespace skyquilt::server
