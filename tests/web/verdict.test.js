@@ -10,6 +10,7 @@ import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/connect_fi
 import { glanceAtPhoto, kHeadBytes } from '../../web/src/exif_reader.js';
 import { verdictWords } from '../../web/src/verdict_view.js';
 import { verdictOf } from '../../web/src/verdict.js';
+import { boundsOf } from './support/mock_flight.js';
 import { startMockServer } from './support/mock_server.js';
 
 const data = process.env.SKYQUILT_DATA ?? join(dirname(fileURLToPath(import.meta.url)), '../../../shared/data');
@@ -106,7 +107,7 @@ test('GDAL reads the map through its settings file', { skip: has('gdal_translate
   try {
     const flight = mock.seedReady('Meadow');
     const path = join(folder, 'map.gdal.xml');
-    writeFileSync(path, gdalXml(`${mock.url}tiles/${flight.id}/{z}/{x}/{y}.png`, { tiles: [], minzoom: 14, maxzoom: 18 }));
+    writeFileSync(path, gdalXml(`${mock.url}tiles/${flight.id}/{z}/{x}/{y}.png`, { tiles: [], minzoom: 14, maxzoom: 21, bounds: boundsOf(flight.place) }));
     const { lon, lat } = flight.place;
     const x = (lon / 180) * 20037508.342789244;
     const y = (Math.atanh(Math.sin((lat * Math.PI) / 180)) / Math.PI) * 20037508.342789244;

@@ -1,6 +1,6 @@
 // Ready settings for other programs, written here from the map's address: nothing needs to be typed there.
 /** @import { Flight, TileJson } from './types.js' */
-import { ownHost } from './thumbnail.js';
+import { ownHost, tilePosition } from './thumbnail.js';
 
 /** @param {string} text @returns {string} safe inside XML text and attributes */
 export function xmlText(text) {
@@ -13,7 +13,9 @@ export function xmlText(text) {
 const kEdge_m = 20037508.342789244;
 
 /**
- * GDAL's own description of an XYZ service: gdalinfo, gdal_translate and QGIS open it as a raster.
+ * GDAL's own description of an XYZ service: gdalinfo, gdal_translate and QGIS open it as a raster. The window is the
+ * map's own, on the tile grid of its lowest zoom: the whole world at a drone's resolution has more pixels than GDAL
+ * can count.
  * @param {string} template with {z}, {x}, {y}
  * @param {TileJson} tilejson
  */
@@ -22,15 +24,25 @@ export function gdalXml(template, tilejson) {
   const png = /\{y\}\.\w+/.test(template) ? template : template.replace('{y}', '{y}.png');
   const address = png.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
   const side = tilejson.tileSize ?? 256;
+  const [low, high] = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
+  const [west, south, east, north] = tilejson.bounds ?? [-180, -85.05, 180, 85.05];
+  const from = tilePosition(west, north, low);
+  const to = tilePosition(east, south, low);
+  const first = { x: Math.floor(from.x), y: Math.floor(from.y) };
+  const last = { x: Math.ceil(to.x), y: Math.ceil(to.y) };
+  const tiles = 2 ** (high - low);
+  const metres = (/** @type {number} */ tile) => ((2 * tile) / 2 ** low - 1) * kEdge_m;
   return `<GDAL_WMS>
   <Service name="TMS"><ServerUrl>${xmlText(address)}</ServerUrl></Service>
   <DataWindow>
-    <UpperLeftX>-${kEdge_m}</UpperLeftX><UpperLeftY>${kEdge_m}</UpperLeftY>
-    <LowerRightX>${kEdge_m}</LowerRightX><LowerRightY>-${kEdge_m}</LowerRightY>
-    <TileLevel>${tilejson.maxzoom ?? 22}</TileLevel><TileCountX>1</TileCountX><TileCountY>1</TileCountY>
+    <UpperLeftX>${metres(first.x)}</UpperLeftX><UpperLeftY>${-metres(first.y)}</UpperLeftY>
+    <LowerRightX>${metres(last.x)}</LowerRightX><LowerRightY>${-metres(last.y)}</LowerRightY>
+    <SizeX>${(last.x - first.x) * tiles * side}</SizeX><SizeY>${(last.y - first.y) * tiles * side}</SizeY>
+    <TileX>${first.x * tiles}</TileX><TileY>${first.y * tiles}</TileY><TileLevel>${high}</TileLevel>
     <YOrigin>top</YOrigin>
   </DataWindow>
   <Projection>EPSG:3857</Projection>
+  <OverviewCount>${high - low}</OverviewCount>
   <BlockSizeX>${side}</BlockSizeX><BlockSizeY>${side}</BlockSizeY>
   <BandsCount>4</BandsCount>
   <ZeroBlockHttpCodes>204,404</ZeroBlockHttpCodes>
