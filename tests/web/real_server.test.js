@@ -1,7 +1,7 @@
 // The page against the real server and a simulated flight: drop, wait, look, compare with the flight's truth, delete.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -62,6 +62,81 @@ async function startServer(listen = '127.0.0.1:0') {
   return { url, stop };
 }
 
+/** The saved GDAL settings and the GeoTIFF show the same ground at the same place. */
+async function assertGdalSeesTheSame(page, url, id, [west, south, east, north]) {
+  if (spawnSync('gdal_translate', ['--version']).error) return;
+  const saved = page.waitForEvent('download');
+  await page.click('text=Settings for GDAL');
+  const settings = join(folder, 'map.gdal.xml');
+  await (await saved).saveAs(settings);
+  const edge_m = 20037508.342789244;
+  const x = ((west + east) / 360) * edge_m;
+  const y = (Math.atanh(Math.sin(((south + north) / 360) * Math.PI)) / Math.PI) * edge_m;
+  const window = [x - 6, y + 6, x + 6, y - 6].map(String);
+  const [tiles, cog] = [settings, `/vsicurl/${url}api/v1/flights/${id}/download.tif`].map((source, i) => {
+    const raw = join(folder, `window${i}.raw`);
+    const result = spawnSync('gdal_translate', ['-q', '-of', 'ENVI', '-b', '1', '-projwin', ...window, '-outsize', '128', '128', source, raw], { encoding: 'utf8' });
+    assert.equal(result.status, 0, result.stderr);
+    return readFileSync(raw);
+  });
+  let difference = 0;
+  let mean = 0;
+  tiles.forEach((value, i) => {
+    difference += Math.abs(value - cog[i]) / tiles.length;
+    mean += value / tiles.length;
+  });
+  // Both are compressed with loss; a shift by a pixel or a mirrored axis differs by far more.
+  assert.ok(difference < 6, `tiles and GeoTIFF differ by ${difference} grey levels on average`);
+  assert.ok(mean > 20, 'the window shows ground, not the outside');
+}
+
+test('an upload outlives the server and, chosen again, a reload', options, async () => {
+  let server = await startServer();
+  const { page, context, foreign_requests } = await openPage(browser, server.url);
+  page.on('dialog', (dialog) => dialog.accept());
+  const stored = async () => {
+    const { flights } = await (await fetch(`${server.url}api/v1/flights`)).json();
+    return flights[0]?.file_count ?? 0;
+  };
+  const until = async (/** @type {() => Promise<boolean>} */ is_so) => {
+    for (let i = 0; i < 300 && !(await is_so()); i += 1) await page.waitForTimeout(100);
+    assert.ok(await is_so());
+  };
+  try {
+    let sent = 0;
+    await page.route('**/files/*', async (route) => {
+      if (route.request().method() === 'PUT') {
+        sent += 1;
+        await page.waitForTimeout(sent * 250);
+      }
+      await route.continue().catch(() => {});  // the page that asked is gone after the reload
+    });
+    await page.setInputFiles('#files-input', photos);
+    await until(async () => (await stored()) >= 2);
+    const { port } = new URL(server.url);
+    await server.stop('SIGKILL');
+    await page.waitForTimeout(800);
+    server = await startServer(`127.0.0.1:${port}`);
+    await until(async () => (await stored()) >= 3);
+    await page.reload();
+    await page.waitForSelector('#waiting');
+    const before = await stored();
+    assert.ok(before < photos.length);
+    sent = 0;
+    await page.setInputFiles('#files-input', photos);
+    await page.waitForSelector('#job-progress, #report', { timeout: 60_000 });
+    assert.equal(await stored(), photos.length);
+    assert.ok(sent <= photos.length - 2, `${sent} files were sent again`);
+    assert.deepEqual(foreign_requests, []);
+    await page.click('#flight-delete');
+    await page.click('.note .icon-button');
+    await until(async () => (await (await fetch(`${server.url}api/v1/flights`)).json()).flights.length === 0);
+  } finally {
+    await context.close();
+    assert.equal(await server.stop(), 0);
+  }
+});
+
 test('dropped photos become a map on the real server, even when it is killed in between', options, async () => {
   let server = await startServer();
   const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
@@ -103,6 +178,7 @@ test('dropped photos become a map on the real server, even when it is killed in 
     const download = page.waitForEvent('download');
     await page.click('.download');
     assert.match((await download).suggestedFilename(), /\.mbtiles$/);
+    await assertGdalSeesTheSame(page, server.url, id, flight.bounds);
 
     await page.click('#flight-delete');
     await page.click('.note .icon-button');

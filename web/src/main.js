@@ -3,7 +3,7 @@
 /** @import { Route } from './router.js' */
 /** @import { Selection } from './drop_files.js' */
 import { announce, showError } from './announce.js';
-import { createFlight, getFlight, listFlights, renameFlight } from './api.js';
+import { createFlight, getFlight, listFiles, listFlights, renameFlight } from './api.js';
 import { deleteWithUndo, isDeleted } from './deletions.js';
 import { askName, askWhereTo } from './dialogs.js';
 import { byId, put } from './dom.js';
@@ -66,7 +66,7 @@ async function takeFiles(selection) {
   try {
     const open = open_view?.flight ?? null;
     let id = open?.id ?? '';
-    if (open && open.state !== 'empty' && !uploadOf(open.id)) {
+    if (open && open.state !== 'empty' && !uploadOf(open.id) && !(await isRest(open, selection))) {
       const answer = await askWhereTo(selection.chosen.length, open.name);
       if (answer === '') return;
       if (answer === 'new') id = '';
@@ -79,6 +79,17 @@ async function takeFiles(selection) {
   } catch (error) {
     showError(error);
   }
+}
+
+/**
+ * Is this the rest of an upload that was broken off? Then nobody needs to be asked.
+ * @param {Flight} flight
+ * @param {Selection} selection
+ */
+async function isRest(flight, selection) {
+  if (flight.state !== 'uploaded') return false;
+  const stored = new Set((await listFiles(flight.id)).map(({ name }) => name));
+  return selection.chosen.some(({ name }) => stored.has(name));
 }
 
 /** @param {Selection} selection */

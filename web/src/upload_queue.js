@@ -25,7 +25,7 @@
  * @typedef {object} UploadOptions
  * @property {number} [parallel] files in flight at once
  * @property {number} [max_attempts] tries per file when the failure may pass
- * @property {number} [retry_delay_ms] before the second try; doubles with each
+ * @property {number} [retry_delay_ms] before the second try; doubles with each, up to 15 s
  * @property {() => number} [now_ms]
  */
 
@@ -43,6 +43,8 @@
  */
 
 const kWindow_ms = 8000;
+// Seven tries with these pauses outlast a restart of the server or a walk around the truck.
+const kLongestDelay_ms = 15_000;
 
 export class UploadQueue extends EventTarget {
   /** @type {UploadItem[]} */
@@ -62,7 +64,7 @@ export class UploadQueue extends EventTarget {
     super();
     this.send = send;
     this.parallel = options.parallel ?? 4;
-    this.max_attempts = options.max_attempts ?? 4;
+    this.max_attempts = options.max_attempts ?? 7;
     this.retry_delay_ms = options.retry_delay_ms ?? 1000;
     this.now_ms = options.now_ms ?? (() => performance.now());
     this.#append(files);
@@ -190,7 +192,7 @@ export class UploadQueue extends EventTarget {
     item.state = 'sending';
     item.attempts += 1;
     try {
-      if (item.attempts > 1) await wait(this.retry_delay_ms * 2 ** (item.attempts - 2), abort.signal);
+      if (item.attempts > 1) await wait(Math.min(kLongestDelay_ms, this.retry_delay_ms * 2 ** (item.attempts - 2)), abort.signal);
       await this.send(item, (sent) => this.#progress(item, abort, sent), abort.signal);
       if (abort.signal.aborted) return;
       item.state = 'done';
