@@ -11,7 +11,7 @@ if(EXISTS "${WEB}/vendor/lock.sha256")
 endif()
 
 set(current FALSE)
-if(wanted STREQUAL present AND (NOT DEV OR EXISTS "${WEB}/node_modules/.package-lock.json"))
+if(wanted STREQUAL present AND (NOT DEV OR EXISTS "${WEB}/node_modules/playwright-core"))
   set(current TRUE)
 endif()
 
