@@ -18,6 +18,7 @@
 #include "server/request_log.h"
 #include "server/stitch_job.h"
 #include "storage/photo_store.h"
+#include "storage/sweep.h"
 
 namespace skyquilt::server {
 namespace {
@@ -78,6 +79,9 @@ Result<pipeline::MosaicReport> Stitch(WorkerContext& context, const storage::Lea
   std::error_code error;
   fs::create_directories(out_dir, error);
   if (error) return OsError("make " + out_dir.string(), error.value());
+  // An earlier attempt may have died between placing a revision and showing it.
+  const Result<int> swept = storage::SweepRevisions(context.dir, context.catalogue, lease.flight_id);
+  if (!swept) return swept.error();
   const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
   if (!flight) return flight.error();
   const Result<std::vector<storage::StoredFile>> files = context.catalogue.ListFiles(lease.flight_id);

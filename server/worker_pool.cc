@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/request_log.h"
+#include "storage/sweep.h"
 
 extern char** environ;
 
@@ -50,8 +51,8 @@ class SpawnAttributes {
 
 }  // namespace
 
-WorkerPool::WorkerPool(std::filesystem::path data_dir, int count, storage::JobQueue& queue)
-    : data_dir_(std::move(data_dir)), queue_(queue), slots_(static_cast<std::size_t>(count)) {}
+WorkerPool::WorkerPool(storage::DataDir dir, int count, storage::JobQueue& queue)
+    : dir_(std::move(dir)), queue_(queue), slots_(static_cast<std::size_t>(count)) {}
 
 void WorkerPool::StartMissing() {
   if (is_stopping_) return;
@@ -64,7 +65,7 @@ void WorkerPool::Start(Slot& slot, int index) {
   // One job a process: whatever memory a job took, the next one finds it given back.
   slot.name = fmt::format("serve-{}-{}-{}", getpid(), index, ++starts_);
   slot.started = Clock::now();
-  std::vector<std::string> words = {"skyquilt", "worker",  "--data",   data_dir_.string(),
+  std::vector<std::string> words = {"skyquilt", "worker",  "--data",   dir_.root().string(),
                                     "--name",   slot.name, "--parent", std::to_string(getpid()),
                                     "--jobs",   "1"};
   std::vector<char*> argv;
@@ -98,6 +99,9 @@ void WorkerPool::Ended(Slot& slot, int status) {
     if (Clock::now() - slot.started < kYoung) slot.not_before = Clock::now() + kBackoff;
   }
   slot.pid = 0;
+  if (is_well) return;
+  const Result<int> swept = storage::SweepWork(dir_, queue_, storage::Now());
+  if (!swept) LogFailure("-", "worker", swept.error().detail);
 }
 
 void WorkerPool::Stop(std::chrono::milliseconds grace) {

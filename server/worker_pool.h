@@ -1,22 +1,23 @@
 // WorkerPool: the worker processes of a server: started from this very binary, started again when they end,
-// told to stop with the server. What a dead worker held is given back to the queue at once. Used by the main
-// thread alone: the kernel tells workers of their parent's death by the thread that made them.
+// told to stop with the server. What a dead worker held is given back to the queue at once, and its work
+// folder removed. Used by the main thread alone: the kernel tells workers of their parent's death by the
+// thread that made them.
 #pragma once
 
 #include <sys/types.h>
 
 #include <chrono>
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "storage/data_dir.h"
 #include "storage/job_queue.h"
 
 namespace skyquilt::server {
 
 class WorkerPool {
  public:
-  WorkerPool(std::filesystem::path data_dir, int count, storage::JobQueue& queue);
+  WorkerPool(storage::DataDir dir, int count, storage::JobQueue& queue);
 
   // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
   // then.
@@ -37,7 +38,7 @@ class WorkerPool {
   void Start(Slot& slot, int index);
   void Ended(Slot& slot, int wait_status);
 
-  std::filesystem::path data_dir_;
+  storage::DataDir dir_;
   storage::JobQueue& queue_;
   std::vector<Slot> slots_;
   int starts_ = 0;

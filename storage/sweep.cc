@@ -26,6 +26,8 @@ int RemoveAll(const fs::path& path) {
   return error ? 0 : 1;
 }
 
+}  // namespace
+
 Result<int> SweepRevisions(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id) {
   const Result<std::vector<std::int64_t>> known = catalogue.Revisions(flight_id);
   if (!known) return known.error();
@@ -38,24 +40,32 @@ Result<int> SweepRevisions(const DataDir& dir, const Catalogue& catalogue, const
   return removed;
 }
 
-}  // namespace
+Result<int> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
+  // Listed before the leases are read: a folder that a new lease makes meanwhile is not in the list.
+  const std::vector<fs::path> entries = EntriesOf(dir.Work());
+  const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
+  if (!leases) return leases.error();
+  std::set<std::string> live;
+  for (const auto& lease : *leases) live.insert(lease.work_name);
+  int removed = 0;
+  for (const fs::path& entry : entries) {
+    if (!live.contains(entry.filename().string())) removed += RemoveAll(entry);
+  }
+  return removed;
+}
 
 Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue, Time now) {
   const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
   if (!leases) return leases.error();
   const Result<std::vector<std::string>> ids = catalogue.FlightIds();
   if (!ids) return ids.error();
-  std::set<std::string> live_work;
   std::set<std::string> live_flights;
-  for (const auto& lease : *leases) {
-    live_work.insert(lease.work_name);
-    live_flights.insert(lease.flight_id);
-  }
+  for (const auto& lease : *leases) live_flights.insert(lease.flight_id);
   SweepReport report;
+  const Result<int> work = SweepWork(dir, queue, now);
+  if (!work) return work.error();
+  report.work_folders = *work;
   for (const fs::path& entry : EntriesOf(dir.Incoming())) report.uploads += RemoveAll(entry);
-  for (const fs::path& entry : EntriesOf(dir.Work())) {
-    if (!live_work.contains(entry.filename().string())) report.work_folders += RemoveAll(entry);
-  }
   const std::set<std::string> flights(ids->begin(), ids->end());
   for (const fs::path& entry : EntriesOf(dir.Flights())) {
     if (!flights.contains(entry.filename().string())) report.flights += RemoveAll(entry);

@@ -4,6 +4,8 @@
 // a live lease.
 #pragma once
 
+#include <string>
+
 #include "core/base/result.h"
 #include "storage/catalogue.h"
 #include "storage/data_dir.h"
@@ -20,5 +22,11 @@ struct SweepReport {
 };
 
 Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue, Time now);
+
+// The parts of it that are also right while the server runs: work folders without a live lease (a worker
+// died), and revisions of one flight that were never shown (the caller holds the lease of the flight's only
+// job).
+Result<int> SweepWork(const DataDir& dir, const JobQueue& queue, Time now);
+Result<int> SweepRevisions(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id);
 
 }  // namespace skyquilt::storage

@@ -165,7 +165,7 @@ void RunServer(const ServeOptions& options) {
   fmt::print("Skyquilt is serving at http://{}:{}/\n", host, (*server)->port());
   std::fflush(stdout);
 
-  WorkerPool workers(opened.dir.root(), options.workers, queue);
+  WorkerPool workers(opened.dir, options.workers, queue);
   LookAfter(workers, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
