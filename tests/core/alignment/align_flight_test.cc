@@ -1,0 +1,179 @@
+#include "core/alignment/align_flight.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/alignment/align_by_pose.h"
+#include "core/ground/model_ground.h"
+#include "tests/core/alignment/simulated_case.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+// Small pictures: 8 cm on the ground, so that a case takes seconds.
+simulate::SimulatedFlight MakeTruth(int photos, double relief_m = 0.0) {
+  simulate::SimulateOptions options;
+  options.seed = options.world.seed = 5;
+  options.world.relief_m = relief_m;
+  options.noise = simulate::NoiseClass::kXmpTypical;
+  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  options.trajectory.photos = photos;
+  options.trajectory.photos_per_line = 4;
+  return *simulate::PlanSimulatedFlight(options);
+}
+
+struct Outcome {
+  AlignedFlight flight;
+  AlignReport report;
+  GroundError error;
+};
+
+Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& posed, int threads = 2) {
+  Outcome outcome;
+  SilentProgress progress;
+  AlignOptions options;
+  options.threads = threads;
+  Result<AlignedFlight> aligned =
+      AlignFlight(posed, simulate::SimulatedPhotoSource(truth), options, outcome.report, progress);
+  EXPECT_TRUE(aligned.ok());
+  outcome.flight = *std::move(aligned);
+  ground::ModelGroundReport ground_report;
+  outcome.error =
+      MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
+  return outcome;
+}
+
+void TurnAboutAxis(poses::PosedPhoto& photo, double angle_rad) {
+  const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
+  photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(turn * photo.cam_from_enu.rotation, center);
+}
+
+TEST(AlignFlight, BringsPhotosToWithinTwoPixelsOfEachOtherOnFlatGround) {
+  const simulate::SimulatedFlight truth = MakeTruth(8);
+  const poses::PosedFlight posed = PosesOf(truth);
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 8);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
+  const GroundError by_pose = MeasureGroundError(truth, AlignByPoseOnly(posed),
+                                                 ground::GroundSurface::Plane(posed.ground_z_in_enu_m));
+  EXPECT_LT(outcome.error.absolute_ce90_m, 1.1 * by_pose.absolute_ce90_m);
+}
+
+TEST(AlignFlight, HoldsOnReliefToo) {
+  const simulate::SimulatedFlight truth = MakeTruth(8, 8.0);
+  const Outcome outcome = Align(truth, PosesOf(truth));
+  EXPECT_EQ(outcome.report.aligned, 8);
+  EXPECT_LT(outcome.error.relative_ce90_m, 5.0 * truth.GsdM());
+}
+
+TEST(AlignFlight, GivesTheSameBytesOnOneThreadAndOnTwo) {
+  const simulate::SimulatedFlight truth = MakeTruth(8);
+  const poses::PosedFlight posed = PosesOf(truth);
+  const AlignedFlight one = Align(truth, posed, 1).flight;
+  const AlignedFlight two = Align(truth, posed, 2).flight;
+  ASSERT_EQ(one.photos.size(), two.photos.size());
+  for (std::size_t i = 0; i < one.photos.size(); ++i) {
+    EXPECT_EQ(one.photos[i].cam_from_enu.rotation.coeffs(), two.photos[i].cam_from_enu.rotation.coeffs());
+    EXPECT_EQ(one.photos[i].cam_from_enu.translation, two.photos[i].cam_from_enu.translation);
+    EXPECT_EQ(one.photos[i].intrinsics, two.photos[i].intrinsics);
+  }
+  EXPECT_EQ(one.tie_points_in_enu, two.tie_points_in_enu);
+}
+
+TEST(AlignFlight, FindsALineThatIsStoredTurnedUpsideDown) {
+  const simulate::SimulatedFlight truth = MakeTruth(12);
+  poses::PosedFlight posed = PosesOf(truth);
+  for (int i = 4; i < 8; ++i) TurnAboutAxis(posed.photos[i], std::numbers::pi);
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 12);
+  ASSERT_FALSE(outcome.report.corrections.empty());
+  EXPECT_NE(outcome.report.corrections.front().find("180"), std::string::npos);
+  EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
+}
+
+TEST(AlignFlight, FindsPositionsFarOffAndYawOfSomethingElse) {
+  const simulate::SimulatedFlight truth = MakeTruth(12);
+  poses::PosedFlight posed = PosesOf(truth);
+  poses::PosedPhoto& astray = posed.photos[5];
+  astray.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      astray.cam_from_enu.rotation,
+      astray.cam_from_enu.TargetOriginInSource() + Eigen::Vector3d(40.0, 30.0, 0.0));
+  TurnAboutAxis(posed.photos[9], 0.5 * std::numbers::pi);
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 12);
+  EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
+  EXPECT_NE(outcome.flight.photos[5].placement_reason.find("position"), std::string::npos);
+  EXPECT_NE(outcome.flight.photos[9].placement_reason.find("turned"), std::string::npos);
+}
+
+// Hands one photo the picture of nothing and another a damaged file.
+class SpoiltSource final : public pipeline::PhotoSource {
+ public:
+  explicit SpoiltSource(const simulate::SimulatedFlight& truth) : truth_(truth), source_(truth) {}
+  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+    if (photo.name == truth_.photos[3].photo.name)
+      return Error{ErrorCode::kCorrupt, "the file is cut off", ""};
+    Result<pipeline::DecodedImage> image = source_.Decode(photo, denominator);
+    if (image && photo.name == truth_.photos[6].photo.name) {
+      std::fill(image->rgb.begin(), image->rgb.end(), std::uint8_t{90});
+    }
+    return image;
+  }
+
+ private:
+  const simulate::SimulatedFlight& truth_;
+  simulate::SimulatedPhotoSource source_;
+};
+
+TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
+  const simulate::SimulatedFlight truth = MakeTruth(8);
+  const poses::PosedFlight posed = PosesOf(truth);
+  AlignReport report;
+  SilentProgress progress;
+  const Result<AlignedFlight> aligned = AlignFlight(posed, SpoiltSource(truth), {}, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  ASSERT_EQ(aligned->photos.size(), 8u);
+  EXPECT_EQ(report.aligned, 6);
+  for (const int i : {3, 6}) {
+    EXPECT_EQ(aligned->photos[i].placement, Placement::kPoseOnly);
+    EXPECT_FALSE(aligned->photos[i].placement_reason.empty());
+    EXPECT_GT(aligned->photos[i].error_radius_m, 0.0);
+    EXPECT_LT((aligned->photos[i].cam_from_enu.TargetOriginInSource() -
+               posed.photos[i].cam_from_enu.TargetOriginInSource())
+                  .norm(),
+              6.0);
+  }
+  EXPECT_NE(aligned->photos[3].placement_reason.find("cut off"), std::string::npos);
+}
+
+TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
+  AlignReport report;
+  SilentProgress progress;
+  AlignOptions options;
+  options.detector_pixels = 5;
+  const simulate::SimulatedFlight truth = MakeTruth(2);
+  const auto refused =
+      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(AlignFlight, TakesAFlightOfNoneAndOfOne) {
+  const simulate::SimulatedFlight truth = MakeTruth(2);
+  poses::PosedFlight posed = PosesOf(truth);
+  posed.photos.resize(1);
+  EXPECT_EQ(Align(truth, posed).flight.photos.size(), 1u);
+  posed.photos.clear();
+  AlignReport report;
+  SilentProgress progress;
+  const auto none = AlignFlight(posed, simulate::SimulatedPhotoSource(truth), {}, report, progress);
+  ASSERT_TRUE(none.ok());
+  EXPECT_TRUE(none->photos.empty());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
