@@ -107,6 +107,14 @@ class Flow(ServerTestCase):
         self.assertIn("notes.jpg", left_out)
         self.assertTrue(all(left_out.values()))
 
+    def test_a_flight_of_one_photo_makes_a_map(self):
+        server = self.serve()
+        _, made = server.upload(self.photos[:1])
+        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        _, flight = server.json("GET", f"/api/v1/flights/{made['flight']['id']}")
+        self.assertEqual((flight["state"], flight["photos"]["total"]), ("ready", 1))
+        self.check_tiles(server, flight)
+
     def test_a_flight_without_any_photo_fails_with_a_reason(self):
         server = self.serve()
         status, made = server.upload([("notes.jpg", b"this is no picture")])

@@ -124,8 +124,8 @@ class ServerTestCase(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = tempfile.mkdtemp(prefix="skyquilt_e2e_")
-        subprocess.run([BINARY, "simulate", "-o", f"{cls.scratch}/sim", "--photos", "6", "--size", "800x600"],
-                       check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([BINARY, "simulate", "-o", f"{cls.scratch}/sim", "--photos", "6", "--size", "800x600", "--no-world"],
+                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         found = sorted(pathlib.Path(cls.scratch, "sim", "photos").iterdir())
         cls.photos = [(path.name, path.read_bytes()) for path in found if path.suffix.lower() in (".jpg", ".jpeg")]
         assert len(cls.photos) == 6, found
