@@ -9,6 +9,7 @@ find_package(Boost 1.74 REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d video)
 find_package(GDAL 3.6 REQUIRED)
 find_package(SQLite3 REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(OpenSSL REQUIRED)
 find_package(Ceres REQUIRED)
 

@@ -6,6 +6,7 @@ build_packages=(
   libarchive-dev libboost-dev libceres-dev libcli11-dev libeigen3-dev libexif-dev libfmt-dev libgdal-dev libopencv-dev
   libpng-dev libproj-dev libspdlog-dev libsqlite3-dev libssl-dev libtiff-dev libtinyxml2-dev libturbojpeg0-dev
   libwebp-dev libxxhash-dev nlohmann-json3-dev proj-data
+  zlib1g-dev
 )
 test_packages=(
   libbenchmark-dev libgmock-dev libgtest-dev librapidcheck-dev gdal-bin python3-gdal libimage-exiftool-perl sqlite3

@@ -7,6 +7,7 @@
 #include "core/pipeline/build_mosaic.h"
 #include "storage/cog_writer.h"
 #include "storage/mbtiles_writer.h"
+#include "storage/pmtiles_writer.h"
 #include "storage/publish_file.h"
 
 namespace skyquilt::server {
@@ -25,13 +26,29 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
 storage::TilesetMetadata MetadataOf(const pipeline::MosaicReport& report) {
   storage::TilesetMetadata metadata;
   metadata.name = report.title.empty() ? "Skyquilt map" : report.title;
-  metadata.description = "Orthomosaic of " + std::to_string(report.photos_aligned + report.photos_pose_only) + " aerial photos";
+  metadata.description =
+      "Orthomosaic of " + std::to_string(report.photos_aligned + report.photos_pose_only) + " aerial photos";
   metadata.bounds = report.bounds;
   metadata.min_zoom = report.min_zoom;
   metadata.max_zoom = report.max_zoom;
   metadata.tile_size_px = report.tile_size_px;
   metadata.generator = "Skyquilt";
   return metadata;
+}
+
+// The tileset in the other formats that were asked for.
+Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
+                    const std::filesystem::path& out_dir, Progress& progress) {
+  if (options.write_pmtiles) {
+    if (auto written = storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress); !written)
+      return written;
+  }
+  if (options.write_cog) {
+    const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
+    if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
+      return written;
+  }
+  return {};
 }
 
 }  // namespace
@@ -44,26 +61,24 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   auto writer = storage::MbtilesWriter::Create(mbtiles);
   if (!writer) return writer.error();
   const flight::FilePhotoSource photos;
-  Result<pipeline::BuiltMosaic> built = pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress);
+  Result<pipeline::BuiltMosaic> built =
+      pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress);
   if (!built) return built.error();
   if (auto published = (*writer)->Publish(MetadataOf(built->report)); !published) return published.error();
-  if (options.write_cog) {
-    progress.BeginStage("export");
-    const storage::CogOptions cog{built->report.max_zoom, options.mosaic.jpeg_quality, options.mosaic.threads};
-    double export_s = 0.0;
-    Result<void> written;
-    {
-      ScopedTimer timer(export_s);
-      written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress);
-    }
-    if (!written) return written.error();
-    built->report.timings.push_back({"export", export_s});
+  progress.BeginStage("export");
+  double export_s = 0.0;
+  {
+    ScopedTimer timer(export_s);
+    if (auto exported = Export(mbtiles, options, out_dir, progress); !exported) return exported.error();
   }
-  if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight));
+  built->report.timings.push_back({"export", export_s});
+  if (auto written =
+          storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight));
       !written) {
     return written.error();
   }
-  if (auto written = storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));
+  if (auto written =
+          storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));
       !written) {
     return written.error();
   }

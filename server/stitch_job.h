@@ -1,7 +1,8 @@
-// StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.tif (COG),
-// report.json and photos.geojson, each written under a temporary name and published by rename. What both the
-// `stitch` command and the worker run. Blocking; one call at a time per process (it uses all the threads asked for).
-// Errors: kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
+// StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
+// mosaic.tif (COG), report.json and photos.geojson, each written under a temporary name and published by
+// rename. What both the `stitch` command and the worker run. Blocking; one call at a time per process (it
+// uses all the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled,
+// kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>
@@ -18,6 +19,7 @@ namespace skyquilt::server {
 struct StitchJobOptions {
   pipeline::MosaicOptions mosaic;
   bool write_cog = true;
+  bool write_pmtiles = true;
 };
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,

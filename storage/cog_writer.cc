@@ -1,69 +1,171 @@
 #include "storage/cog_writer.h"
 
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <gdal_priv.h>
+#include <zlib.h>
 
-#include <memory>
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "storage/gdal_guard.h"
-#include "storage/publish_file.h"
+#include "core/base/parallel_for.h"
+#include "storage/fringe_tile.h"
+#include "storage/mbtiles_reader.h"
+#include "storage/stream_file.h"
+#include "storage/tiff_head.h"
 
 namespace skyquilt::storage {
 namespace {
 
-int Forward(double fraction, const char*, void* to) {
-  auto& progress = *static_cast<Progress*>(to);
-  progress.Report(fraction, "writing GeoTIFF");
-  return progress.IsCancelled() ? FALSE : TRUE;
+// Beyond this a classic TIFF's 32-bit places might not reach.
+constexpr std::uint64_t kClassicLimitBytes = std::uint64_t{3500} << 20;
+
+struct ReadyTile {
+  std::optional<Error> error;
+  std::string image;  // empty: no tile here
+  std::string mask;
+};
+
+bool IsJpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
+bool IsWebp(std::string_view bytes) { return bytes.starts_with("RIFF"); }
+
+std::string Deflated(const std::vector<std::uint8_t>& bits) {
+  uLongf size = compressBound(bits.size());
+  std::string out(size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(out.data()), &size, bits.data(), bits.size(), 6);
+  SKYQUILT_CHECK(code == Z_OK, "a buffer of the asked size did not hold the mask");
+  out.resize(size);
+  return out;
 }
 
-Error LastError(const Progress& progress) {
-  if (progress.IsCancelled()) return {ErrorCode::kCancelled, "the job was cancelled", ""};
-  const std::string detail = CPLGetLastErrorMsg();
-  const bool is_full = detail.find("No space") != std::string::npos || detail.find("too small") != std::string::npos;
-  return {is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo, "cannot write the GeoTIFF: " + detail, detail};
+class Export {
+ public:
+  Export(MbtilesReader& tiles, TiffTiles kind, int tile_size_px, const CogOptions& options)
+      : tiles_(tiles), kind_(kind), tile_size_px_(tile_size_px), options_(options) {
+    const auto row_bytes = (static_cast<std::size_t>(tile_size_px) + 7) / 8;
+    full_mask_ =
+        Deflated(std::vector<std::uint8_t>(row_bytes * static_cast<std::size_t>(tile_size_px), 0xff));
+  }
+
+  ReadyTile Prepare(const geo::TileId& tile) const {
+    ReadyTile ready;
+    Result<std::optional<FoundTile>> found = tiles_.Find(tile);
+    if (!found) return Failed(found.error());
+    if (!*found) return ready;
+    Result<std::string> bytes = tiles_.Load(**std::move(found));
+    if (!bytes) return Failed(bytes.error());
+    if (kind_ == TiffTiles::kWebp) {
+      if (!IsWebp(*bytes))
+        return Failed({ErrorCode::kCorrupt, "the tileset mixes WebP with other tiles", ""});
+      ready.image = *std::move(bytes);
+    } else if (IsJpeg(*bytes)) {
+      ready.image = *std::move(bytes);
+      ready.mask = full_mask_;
+    } else {
+      Result<FringeTile> fringe = SplitAlpha(*bytes, tile_size_px_, options_.jpeg_quality);
+      if (!fringe) return Failed(fringe.error());
+      ready.image = std::move(fringe->jpeg);
+      ready.mask = Deflated(fringe->mask_bits);
+    }
+    return ready;
+  }
+
+ private:
+  static ReadyTile Failed(Error error) {
+    ReadyTile ready;
+    ready.error = std::move(error);
+    return ready;
+  }
+
+  MbtilesReader& tiles_;
+  const TiffTiles kind_;
+  const int tile_size_px_;
+  const CogOptions& options_;
+  std::string full_mask_;
+};
+
+// One block as the structure note promises it: its size before it, its last four bytes once more behind it.
+std::uint64_t WriteBlock(StreamFile& file, std::string_view block) {
+  const auto size = static_cast<std::uint32_t>(block.size());
+  file.Write({reinterpret_cast<const char*>(&size), 4});
+  const std::uint64_t at = file.position();
+  file.Write(block);
+  file.Write(block.substr(block.size() - 4));
+  return at;
+}
+
+int TileSizeOf(const MbtilesReader& tiles) {
+  const auto found = tiles.metadata().find("tile_size");
+  int size_px = 256;
+  if (found != tiles.metadata().end()) {
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), size_px);
+  }
+  return size_px;
 }
 
 }  // namespace
 
 Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                       const CogOptions& options, Progress& progress) {
-  RegisterGdalOnce();
-  CPLErrorReset();
-  const CPLStringList open_options(
-      CSLSetNameValue(CSLSetNameValue(nullptr, "ZOOM_LEVEL", std::to_string(options.max_zoom).c_str()), "BAND_COUNT", "4"));
-  const char* const drivers[] = {"MBTiles", nullptr};
-  const std::unique_ptr<GDALDataset> source(
-      GDALDataset::Open(mbtiles.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, open_options.List()));
-  if (!source) return LastError(progress);
-  std::filesystem::path temporary = path;
-  temporary += ".tmp";
-  CPLStringList create;
-  create.SetNameValue("COMPRESS", "JPEG");
-  create.SetNameValue("QUALITY", std::to_string(options.jpeg_quality).c_str());
-  create.SetNameValue("TILING_SCHEME", "GoogleMapsCompatible");
-  create.SetNameValue("ZOOM_LEVEL_STRATEGY", "AUTO");
-  create.SetNameValue("RESAMPLING", "NEAREST");  // the grids coincide: pixels are copied, not resampled
-  create.SetNameValue("OVERVIEW_RESAMPLING", "AVERAGE");
-  create.SetNameValue("ADD_ALPHA", "NO");
-  create.SetNameValue("BIGTIFF", "IF_SAFER");
-  create.SetNameValue("NUM_THREADS", options.threads > 0 ? std::to_string(options.threads).c_str() : "ALL_CPUS");
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("COG");
-  const std::unique_ptr<GDALDataset> written(
-      driver->CreateCopy(temporary.c_str(), source.get(), FALSE, create.List(), Forward, &progress));
-  if (!written) {
-    const Error error = LastError(progress);
-    std::error_code gone;
-    std::filesystem::remove(temporary, gone);
-    return error;
+  auto tiles = MbtilesReader::Open(mbtiles);
+  if (!tiles) return tiles.error();
+  const int tile_size_px = TileSizeOf(**tiles);
+  const auto format = (*tiles)->metadata().find("format");
+  const bool is_webp = format != (*tiles)->metadata().end() && format->second == "webp";
+  const TiffTiles kind = is_webp ? TiffTiles::kWebp : TiffTiles::kJpeg;
+  std::vector<GridLevel> grid;
+  {
+    auto db = SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable);
+    if (!db) return db.error();
+    auto made = GridOf(*db, tile_size_px);
+    if (!made) return made.error();
+    grid = *std::move(made);
   }
-  // Closing writes what is left; an error there is an error of the file.
-  CPLErrorReset();
-  const_cast<std::unique_ptr<GDALDataset>&>(written).reset();
-  if (CPLGetLastErrorType() >= CE_Failure) return LastError(progress);
-  return PublishFile(temporary, path);
+  std::error_code unknown_size;
+  std::uint64_t expected_bytes = std::filesystem::file_size(mbtiles, unknown_size);
+  std::int64_t cells = 0;
+  for (const GridLevel& level : grid) cells += level.CellCount();
+  expected_bytes += static_cast<std::uint64_t>(cells) * 64;
+
+  TiffHead head(grid, tile_size_px, kind, expected_bytes > kClassicLimitBytes);
+  auto file = StreamFile::Create(path);
+  if (!file) return file.error();
+  (*file)->Write(head.bytes());
+  const Export work(**tiles, kind, tile_size_px, options);
+  std::int64_t done = 0;
+  // The smallest overview first: a reader that fetches the file's beginning has a picture at once.
+  for (std::size_t level = grid.size(); level-- > 0;) {
+    const GridLevel& cells_of = grid[level];
+    std::optional<Error> failure;
+    const std::size_t window = 4 * static_cast<std::size_t>(ThreadCount(options.threads)) + 4;
+    ParallelOrdered<ReadyTile>(
+        static_cast<std::size_t>(cells_of.CellCount()), options.threads, window,
+        [&](std::size_t cell) {
+          if (progress.IsCancelled())
+            return ReadyTile{Error{ErrorCode::kCancelled, "the job was cancelled", ""}, {}, {}};
+          return work.Prepare(cells_of.TileOf(static_cast<std::int64_t>(cell)));
+        },
+        [&](std::size_t cell, ReadyTile&& ready) {
+          if (failure) return;
+          if (ready.error) {
+            failure = std::move(ready.error);
+            return;
+          }
+          ++done;
+          if (ready.image.empty()) return;
+          const auto number = static_cast<std::int64_t>(cell);
+          head.SetTile(level, number, WriteBlock(**file, ready.image), ready.image.size());
+          if (kind == TiffTiles::kJpeg)
+            head.SetMask(level, number, WriteBlock(**file, ready.mask), ready.mask.size());
+          progress.Report(static_cast<double>(done) / static_cast<double>(cells), "writing GeoTIFF");
+        });
+    if (failure) return *failure;
+  }
+  (*file)->WriteAt(0, head.bytes());
+  return (*file)->Publish();
 }
 
 }  // namespace skyquilt::storage

@@ -1,7 +1,8 @@
 // WriteCog: a finished MBTiles as a cloud-optimised GeoTIFF in EPSG:3857, tiled like the web map (GDAL's
-// GoogleMapsCompatible), JPEG inside with an internal mask at the fringe. Streams through GDAL's COG driver; memory is
-// GDAL's block cache. Written under a temporary name and published by rename. Blocking.
-// Errors: kIo, kOutOfSpace, kCancelled.
+// GoogleMapsCompatible). The tiles' own JPEG (or WebP) bytes are copied, overviews from the pyramid's own
+// levels; only the partly transparent tiles at the fringe are encoded anew as JPEG with a one-bit mask.
+// Streams: memory is the directories (16 bytes a tile) and a few tiles a thread. Published by rename.
+// Blocking. Errors: kIo, kOutOfSpace, kCorrupt, kCancelled.
 #pragma once
 
 #include <filesystem>
@@ -12,9 +13,8 @@
 namespace skyquilt::storage {
 
 struct CogOptions {
-  int max_zoom = 0;      // the MBTiles' finest zoom
-  int jpeg_quality = 85;
-  int threads = 0;       // 0 = all cores
+  int jpeg_quality = 85;  // of the fringe
+  int threads = 0;        // 0 = all cores
 };
 
 Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesystem::path& path,

@@ -9,12 +9,13 @@
 #include <string>
 
 namespace skyquilt::storage {
-namespace {
 
 Error FileError(const std::string& what, const std::filesystem::path& path, int number) {
   const ErrorCode code = number == ENOSPC || number == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
   return {code, what + " " + path.string() + ": " + std::strerror(number), ""};
 }
+
+namespace {
 
 Result<void> SyncPath(const std::filesystem::path& path, int flags) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);

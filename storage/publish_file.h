@@ -2,10 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 
 namespace skyquilt::storage {
+
+// What the system said of a file, as an Error: kOutOfSpace where the disk is full, else kIo.
+Error FileError(const std::string& what, const std::filesystem::path& path, int number);
 
 // fsync(temporary), rename to `path`, fsync of the folder. Errors: kIo, kOutOfSpace.
 Result<void> PublishFile(const std::filesystem::path& temporary, const std::filesystem::path& path);

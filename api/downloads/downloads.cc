@@ -75,6 +75,7 @@ void AddDownloadRoutes(Router& router, Service& service) {
                [&service, product](const Request& request) { return Answer(service, request, product); });
   };
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/download.tif",
       {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
   add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});

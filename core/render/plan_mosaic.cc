@@ -8,8 +8,8 @@
 
 #include "core/camera/footprint.h"
 #include "core/camera/ground_homography.h"
+#include "core/geo/hilbert.h"
 #include "core/geo/web_mercator.h"
-#include "core/render/hilbert.h"
 
 namespace skyquilt::render {
 namespace {
@@ -129,7 +129,7 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     for (std::uint32_t y = first_row; y <= last_row; ++y) {
       for (std::int64_t column = first_column; column <= last_column; ++column) {
         const auto x = static_cast<std::uint32_t>(((column % side) + side) % side);
-        RenderBlock& block = by_hilbert[HilbertIndex(block_zoom, x, y)];
+        RenderBlock& block = by_hilbert[geo::HilbertIndex(block_zoom, x, y)];
         if (block.photos.empty()) block.tile = *geo::TileId::Make(block_zoom, x, y);
         block.photos.push_back(static_cast<std::uint32_t>(i));
       }

@@ -21,6 +21,7 @@ struct StitchArguments {
   double gsd_m = 0.0;
   double max_memory_gib = 1.0;
   bool no_cog = false;
+  bool no_pmtiles = false;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -42,6 +43,7 @@ void Run(StitchArguments& arguments) {
   if (arguments.gsd_m > 0.0) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   arguments.job.write_cog = !arguments.no_cog;
+  arguments.job.write_pmtiles = !arguments.no_pmtiles;
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail(files.error());
   if (arguments.job.mosaic.title.empty()) {
@@ -66,7 +68,7 @@ void AddStitchCommand(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("-o,--out", arguments->out_dir,
-                      "Folder for mosaic.mbtiles, mosaic.tif, report.json and photos.geojson; made if missing")
+                      "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json and photos.geojson; made if missing")
       ->required();
   command->add_option("--gsd", arguments->gsd_m, "Ground size of a map pixel in metres (default: that of the photos)");
   command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")->capture_default_str();
@@ -82,6 +84,7 @@ void AddStitchCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")->capture_default_str();
   command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
+  command->add_flag("--no-pmtiles", arguments->no_pmtiles, "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
   command->footer("Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  gdalinfo map/mosaic.tif");
   command->callback([arguments] { Run(*arguments); });
 }

@@ -29,7 +29,7 @@ std::string StageWords(std::string_view stage) {
   if (stage == "plan") return "Planning";
   if (stage == "expose") return "Matching exposure";
   if (stage == "render") return "Rendering";
-  if (stage == "export") return "Writing GeoTIFF";
+  if (stage == "export") return "Writing the other formats";
   return std::string(stage);
 }
 

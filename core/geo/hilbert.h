@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-namespace skyquilt::render {
+namespace skyquilt::geo {
 
 std::uint64_t HilbertIndex(int order, std::uint32_t x, std::uint32_t y);
 
-}  // namespace skyquilt::render
+}  // namespace skyquilt::geo

@@ -1,8 +1,8 @@
-#include "core/render/hilbert.h"
+#include "core/geo/hilbert.h"
 
 #include <utility>
 
-namespace skyquilt::render {
+namespace skyquilt::geo {
 
 std::uint64_t HilbertIndex(int order, std::uint32_t x, std::uint32_t y) {
   std::uint64_t index = 0;
@@ -22,4 +22,4 @@ std::uint64_t HilbertIndex(int order, std::uint32_t x, std::uint32_t y) {
   return index;
 }
 
-}  // namespace skyquilt::render
+}  // namespace skyquilt::geo

@@ -1,0 +1,22 @@
+// A small tileset with real tiles: opaque JPEG inside, PNG with alpha at the fringe, overviews to one tile.
+#pragma once
+
+#include <filesystem>
+
+#include "core/pyramid/tile_image.h"
+
+namespace skyquilt::test {
+
+struct PaintedTileset {
+  int zoom = 18;
+  int tile_size_px = 256;
+  int first_column = 0, first_row = 0;  // from the north
+  int columns = 0, rows = 0;
+  int webp_quality = 0;  // 0: JPEG and PNG
+};
+
+// Colours vary smoothly over the map; a disk of it is covered, the rest is transparent and has no tiles.
+pyramid::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row);
+void WritePaintedTileset(const std::filesystem::path& path, const PaintedTileset& tileset);
+
+}  // namespace skyquilt::test
