@@ -70,6 +70,15 @@ std::optional<std::string> EtagOf(const std::filesystem::path& path) {
   return fmt::format("\"{:x}-{:x}-{:x}\"", status.st_mtim.tv_sec, status.st_mtim.tv_nsec, status.st_size);
 }
 
+// The gzip beside a file that the build made, where the client takes it.
+bool TakesGzip(const api::Request& request) {
+  const std::string_view accepted = request.headers.Find("Accept-Encoding");
+  const std::size_t at = accepted.find("gzip");
+  if (at == std::string_view::npos) return false;
+  const std::string_view weight = accepted.substr(at, accepted.find(',', at) - at);
+  return weight.find("q=0") == std::string_view::npos || weight.find("q=0.") != std::string_view::npos;
+}
+
 Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request) {
   const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
   Result<api::Target> target = api::ParseTarget(request.path);
@@ -80,10 +89,19 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   if (type == nullptr || !IsOfThePage(segments)) return missing;
   std::filesystem::path path = folder;
   for (const std::string& segment : segments) path /= segment;
-  const std::optional<std::string> etag = EtagOf(path);
+  std::optional<std::string> etag = EtagOf(path);
   if (!etag) return missing;
+  const std::filesystem::path gzip_path = path.string() + ".gz";
+  const std::optional<std::string> gzip_etag = EtagOf(gzip_path);
+  const bool as_gzip = gzip_etag && TakesGzip(request);
+  if (as_gzip) {
+    path = gzip_path;
+    etag = gzip_etag;
+  }
   Result<api::Response> sent = api::SendFile(request, path, type, *etag);
   if (!sent) return sent.error();
+  if (as_gzip) sent->headers.Add("Content-Encoding", "gzip");
+  if (gzip_etag) sent->headers.Add("Vary", "Accept-Encoding");
   sent->headers.Add("Cache-Control", "no-cache");
   sent->headers.Add("Content-Security-Policy", kContentSecurityPolicy);
   return sent;

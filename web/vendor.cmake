@@ -1,13 +1,15 @@
-# Fills web/vendor from npm when package-lock.json changed. Called at build time:
+# Fills web/vendor from npm when package-lock.json or scripts/vendor.js changed. Called at build time:
 #   cmake -DWEB=<folder> -DNPM=<npm> -DDEV=ON|OFF -P vendor.cmake
 # Several build folders may share this source tree, so one lock guards it. Without network, a page library that
 # is already there is kept: the build must not fail in the field.
 file(LOCK "${WEB}/.vendor.lock" GUARD PROCESS TIMEOUT 900)
 
-file(SHA256 "${WEB}/package-lock.json" wanted)
+file(SHA256 "${WEB}/package-lock.json" lock)
+file(SHA256 "${WEB}/scripts/vendor.js" script)
+string(SHA256 wanted "${lock}${script}")
 set(present "")
-if(EXISTS "${WEB}/vendor/lock.sha256")
-  file(READ "${WEB}/vendor/lock.sha256" present)
+if(EXISTS "${WEB}/vendor/made_of.sha256")
+  file(READ "${WEB}/vendor/made_of.sha256" present)
 endif()
 
 set(current FALSE)

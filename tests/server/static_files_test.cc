@@ -41,6 +41,25 @@ TEST_F(PageTest, ServesThePageWithItsTypeAndPolicy) {
   EXPECT_EQ(Get("/style.css", std::string(Get("/style.css").headers.Find("ETag"))).status, 304);
 }
 
+TEST_F(PageTest, SendsTheGzipBesideAFileToWhomTakesIt) {
+  std::ofstream(dir_.path() / "src" / "main.js.gz") << "zipped";
+  const auto encoding_for = [&](const std::string& accepted) {
+    api::Request request;
+    request.path = "/src/main.js";
+    if (!accepted.empty()) request.headers.Add("Accept-Encoding", accepted);
+    const api::Response response = ServePage(dir_.path(), request);
+    EXPECT_EQ(response.status, 200);
+    EXPECT_EQ(response.headers.Find("Content-Type"), "text/javascript; charset=utf-8");
+    EXPECT_EQ(response.headers.Find("Vary"), "Accept-Encoding");
+    return std::string(response.headers.Find("Content-Encoding"));
+  };
+  EXPECT_EQ(encoding_for("gzip, deflate, br"), "gzip");
+  EXPECT_EQ(encoding_for("br, gzip;q=0.5"), "gzip");
+  EXPECT_EQ(encoding_for("gzip;q=0, br"), "");
+  EXPECT_EQ(encoding_for(""), "");
+  EXPECT_EQ(Get("/src/main.js.gz").status, 404);
+}
+
 TEST_F(PageTest, KeepsEverythingElseToItself) {
   for (const char* path : {"/package.json", "/src/.secret.js", "/src/a.exe", "/node_modules/x/a.js",
                            "/src/link.js", "/src", "/src/none.js", "/none.html"}) {

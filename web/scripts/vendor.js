@@ -1,9 +1,11 @@
-// Copies the map library out of node_modules into web/vendor, so that the page loads everything from its own host.
+// Copies the map library out of node_modules into web/vendor, so that the page loads everything from its own host,
+// and beside each large file its gzip, which the server sends instead where the browser takes it.
 // Run by `npm run vendor` (the build does it after `npm ci`). Fails with a message when a package is missing.
 import { createHash } from 'node:crypto';
 import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
 const vendor = join(web, 'vendor');
@@ -34,7 +36,11 @@ for (const [from, to] of copies) {
   } else {
     cpSync(source, join(vendor, to));
   }
+  if (/\.(mjs|css)$/.test(to)) writeFileSync(join(vendor, `${to}.gz`), gzipSync(readFileSync(join(vendor, to)), { level: 9 }));
 }
-const lock = readFileSync(join(web, 'package-lock.json'));
-writeFileSync(join(vendor, 'lock.sha256'), createHash('sha256').update(lock).digest('hex'));
+const stamp = createHash('sha256');
+for (const name of ['package-lock.json', 'scripts/vendor.js']) {
+  stamp.update(createHash('sha256').update(readFileSync(join(web, name))).digest('hex'));
+}
+writeFileSync(join(vendor, 'made_of.sha256'), stamp.digest('hex'));
 console.log(`web/vendor: ${copies.length} files of the map library`);
