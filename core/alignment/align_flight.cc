@@ -12,8 +12,8 @@
 #include "core/alignment/correct_poses.h"
 #include "core/alignment/direct_registration.h"
 #include "core/alignment/flight_lines.h"
-#include "core/alignment/ground_graph.h"
 #include "core/alignment/link_photos.h"
+#include "core/alignment/link_rounds.h"
 #include "core/alignment/place_photos.h"
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
@@ -23,20 +23,13 @@ namespace {
 
 constexpr double kReliefCellGsds = 60.0;
 
-// The first look trusts windows from the recorded poses; the second the corrected poses; the third the
-// adjusted poses on the adjusted relief.
-const LinkPass kFirstLook{};
-const LinkPass kSecondLook{.least_radius_share = 0.05,
-                           .sigmas = 0.0,
-                           .max_turn_rad = 0.45,
-                           .tolerance_share = 0.012,
-                           .min_matches = 8};
-const LinkPass kThirdLook{.least_radius_share = 0.012,
-                          .sigmas = 0.0,
-                          .max_turn_rad = 0.35,
-                          .max_distance_ratio = 0.9,
-                          .min_matches = 8,
-                          .fit_motion = false};
+// From the adjusted poses, on the adjusted relief.
+const LinkPass kLastLook{.least_radius_share = 0.012,
+                         .sigmas = 0.0,
+                         .max_turn_rad = 0.35,
+                         .max_distance_ratio = 0.9,
+                         .min_matches = 8,
+                         .fit_motion = false};
 
 struct Photographed {
   std::vector<PhotoFeatures> features;
@@ -62,21 +55,6 @@ Photographed ExtractAll(const poses::PosedFlight& posed, const pipeline::PhotoSo
     progress.Report(0.7 * static_cast<double>(++done) / static_cast<double>(count), "finding features");
   });
   return photographed;
-}
-
-void KeepHolding(const GroundGraph& graph, const std::vector<std::string>& names,
-                 std::vector<PairLink>& links, AlignReport& report) {
-  std::vector<PairLink> held;
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    if (graph.link_holds[l]) {
-      held.push_back(std::move(links[l]));
-    } else {
-      ++report.pairs_rejected;
-      report.rejected_pairs.push_back({names[links[l].first], names[links[l].second],
-                                       static_cast<int>(links[l].matches.size()), links[l].rms_m});
-    }
-  }
-  links = std::move(held);
 }
 
 std::vector<Track> TriangulatedTracks(const std::vector<PairLink>& links, const LinkInput& input,
@@ -181,51 +159,27 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     report.features_s += features.detect_s;
   }
 
-  // First look, and what it says of records that lie.
   const std::vector<int> lines = FindLines(places);
   Relief relief(posed.ground_z_in_enu_m);
-  const PairSelectionOptions pair_options;
-  std::vector<CorrectedPose> corrected(count);
-  std::vector<CandidatePair> pairs;
-  std::vector<PairLink> links;
+  Linked linked;
   std::vector<Track> direct_tracks;
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.7, "comparing photos");
-    pairs = SelectPairs(input.views, input.ground_sigma_m, relief, pair_options);
-    Laid laid = LayAll(input, relief, options.threads);
-    links = LinkPhotos(input, laid, pairs, kFirstLook, options.threads);
-    for (PairLink& link : LinkLostPhotos(input, laid, pairs, links, options.threads))
-      links.push_back(std::move(link));
-    const std::vector<GroundPrior> priors = MakeGroundPriors(posed, input);
-    const double tolerance_m = 0.015 * MedianWidthM(input.views);
-    const GroundGraph graph = SolveGroundGraph(priors, links, laid.views, tolerance_m);
-    for (std::size_t i = 0; i < count; ++i) {
-      corrected[i] = CorrectPose(posed.photos[i], priors[i], graph.corrections[i]);
-      input.views[i].cam_from_enu = corrected[i].start_cam_from_enu;
-    }
-    KeepHolding(graph, names, links, report);
-    if (progress.IsCancelled()) return cancelled;
-
-    // Second look, from where the photos are now.
-    pairs = SelectPairs(input.views, std::vector<double>(count, 0.0), relief, pair_options);
-    laid = LayAll(input, relief, options.threads);
-    links = LinkPhotos(input, laid, pairs, kSecondLook, options.threads);
-    const GroundGraph second = SolveGroundGraph(priors, links, laid.views, tolerance_m);
-    KeepHolding(second, names, links, report);
-    direct_tracks = DirectTracks(input, pairs, links, relief, options.threads);
+    linked = LinkInRounds(posed, lines, input, options.threads, report, progress);
+    direct_tracks = DirectTracks(input, linked.pairs, linked.links, relief, options.threads);
     report.pairs_by_direct = static_cast<int>(direct_tracks.size());
   }
   if (progress.IsCancelled()) return cancelled;
-  report.corrections = DescribeCorrections(corrected, names, lines);
+  report.corrections = DescribeCorrections(linked.corrected, names, lines);
 
-  BundleProblem problem = MakeBundle(posed, corrected, lines);
+  BundleProblem problem = MakeBundle(posed, linked.corrected, lines);
   problem.soft_tracks = std::move(direct_tracks);
   BundleSummary summary;
   {
     ScopedTimer timer(report.adjustment_s);
     progress.Report(0.8, "adjusting");
-    problem.tracks = TriangulatedTracks(links, input, options);
+    problem.tracks = TriangulatedTracks(linked.links, input, options);
     BundleOptions first;
     first.cuts_px = {30.0, 10.0};
     first.max_iterations = 15;
@@ -234,25 +188,25 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   }
   if (progress.IsCancelled()) return cancelled;
 
-  // Third look, on the relief, and the last adjustment.
+  // Last look, on the relief, and the last adjustment.
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.88, "comparing photos once more");
     input.views = ViewsOf(problem);
     const double cell_m = kReliefCellGsds * MedianWidthM(input.views) / 4000.0;
     relief = Relief::FromPoints(ReliefPoints(problem.tracks), cell_m, posed.ground_z_in_enu_m);
-    pairs = SelectPairs(input.views, std::vector<double>(count, 0.0), relief, pair_options);
-    pairs = OnlyLinkedPhotos(pairs, links, count);
+    linked.pairs = OnlyLinkedPhotos(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
+                                    linked.links, count);
     const Laid laid = LayAll(input, relief, options.threads);
-    links = LinkPhotos(input, laid, pairs, kThirdLook, options.threads);
-    report.pairs_tried = static_cast<int>(pairs.size());
-    report.pairs_linked = static_cast<int>(links.size());
+    linked.links = LinkPhotos(input, laid, linked.pairs, kLastLook, options.threads);
+    report.pairs_tried = static_cast<int>(linked.pairs.size());
+    report.pairs_linked = static_cast<int>(linked.links.size());
   }
   {
     ScopedTimer timer(report.adjustment_s);
     progress.Report(0.92, "adjusting");
     ReweighPriors(problem);
-    problem.tracks = TriangulatedTracks(links, input, options);
+    problem.tracks = TriangulatedTracks(linked.links, input, options);
     BundleOptions last;
     last.estimate_lens_sigma = count <= 200;
     summary = AdjustBundle(problem, last);
@@ -265,9 +219,9 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   report.solver = summary.solver;
   ReportLenses(posed, problem, report);
   input.views = ViewsOf(problem);
-  const std::vector<Track> ground_tracks = GroundTracks(links, input, options);
+  const std::vector<Track> ground_tracks = GroundTracks(linked.links, input, options);
   AlignedFlight flight =
-      PlacePhotos({&posed, &problem, &ground_tracks, &corrected, &photographed.unreadable}, report);
+      PlacePhotos({&posed, &problem, &ground_tracks, &linked.corrected, &photographed.unreadable}, report);
   flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
   progress.Report(1.0, "aligned");
   return flight;

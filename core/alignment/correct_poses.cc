@@ -20,12 +20,20 @@ Eigen::Quaterniond AboutUp(double angle_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
 }
 
+// Where the optical axis meets level ground; straight below the camera when it hardly looks down.
+Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
+                             double ground_z_m) {
+  const Eigen::Vector3d axis = enu_from_cam * Eigen::Vector3d::UnitZ();
+  if (axis.z() > -0.2) return center.head<2>();
+  return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
+}
+
 }  // namespace
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction) {
   CorrectedPose corrected{posed.cam_from_enu, posed.cam_from_enu, 0, false, false, ""};
-  if (correction.piece < 0) return corrected;
+  if (correction.piece < 0 && correction.piece != kInheritedPiece) return corrected;
   const double turn = std::arg(correction.turn_and_scale);
   const double quarters = std::round(turn / (0.5 * std::numbers::pi));
   double rest = turn - quarters * 0.5 * std::numbers::pi;
@@ -49,11 +57,10 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
     }
   }
   const double shift_m = std::abs(correction.shift);
-  Eigen::Vector3d shift(correction.shift.real(), correction.shift.imag(), 0.0);
+  const Eigen::Vector3d shift(correction.shift.real(), correction.shift.imag(), 0.0);
   if (shift_m > kGrossShiftSigmas * prior.sigma_m) {
     corrected.position_was_wrong = true;
     center += shift;
-    shift.setZero();
     if (!corrected.note.empty()) corrected.note += "; ";
     corrected.note +=
         fmt::format("recorded position was {:.0f} m off and was corrected from its neighbours", shift_m);
@@ -66,13 +73,21 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   const double by_position_m = std::sqrt(0.5 * (posed.covariance(3, 3) + posed.covariance(4, 4)));
   const double tilt_share =
       by_tilt_m * by_tilt_m / std::max(1e-9, by_tilt_m * by_tilt_m + by_position_m * by_position_m);
-  const Eigen::Vector3d tilt(tilt_share * shift.y() / height, -tilt_share * shift.x() / height, 0.0);
-  const Eigen::Quaterniond enu_from_cam =
-      geo::RotationFromVector(tilt) * AboutUp(rest) * rotation.conjugate();
-  center += (1.0 - tilt_share) * shift;
+  Eigen::Quaterniond enu_from_cam = AboutUp(rest) * rotation.conjugate();
   const double scale =
       std::clamp(std::abs(correction.turn_and_scale), 1.0 - kMostScaleStep, 1.0 + kMostScaleStep);
-  center.z() += height * (scale - 1.0);
+  const double ground_z_m = center.z() - height;
+  center.z() = ground_z_m + height * scale;
+  // Turning and climbing move what a leaning camera looks at: what is still missing is asked for again.
+  const Eigen::Vector2d wanted(prior.middle.real() + correction.shift.real(),
+                               prior.middle.imag() + correction.shift.imag());
+  for (int step = 0; step < 3; ++step) {
+    const Eigen::Vector2d missing = wanted - AxisOnGround(enu_from_cam, center, ground_z_m);
+    const Eigen::Vector2d by_tilt = tilt_share * missing / (height * scale);
+    enu_from_cam = (geo::RotationFromVector(Eigen::Vector3d(by_tilt.y(), -by_tilt.x(), 0.0)) * enu_from_cam)
+                       .normalized();
+    center.head<2>() += (1.0 - tilt_share) * missing;
+  }
   corrected.start_cam_from_enu =
       geo::Rigid3::FromRotationAndTargetOrigin(enu_from_cam.conjugate().normalized(), center);
   return corrected;

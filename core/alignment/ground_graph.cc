@@ -13,16 +13,10 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kAgreesWithYawRad = 0.35;
-constexpr int kReweightings = 8;
+// How far a link may miss, in tolerances, before it counts for little: all links speak first, then those that
+// agree.
+constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.5, 1.5};
 constexpr int kMostPlacesPerLink = 24;
-
-GroundSimilarity AsSimilarity(const GroundCorrection& correction, Complex middle) {
-  return {correction.turn_and_scale, middle + correction.shift - correction.turn_and_scale * middle};
-}
-
-GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle) {
-  return {similarity.turn_and_scale, similarity * middle - middle, -1};
-}
 
 double Cauchy(double miss, double scale) { return 1.0 / (1.0 + (miss / scale) * (miss / scale)); }
 
@@ -179,6 +173,14 @@ void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<PairL
 
 }  // namespace
 
+GroundSimilarity AsSimilarity(const GroundCorrection& correction, Complex middle) {
+  return {correction.turn_and_scale, middle + correction.shift - correction.turn_and_scale * middle};
+}
+
+GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle) {
+  return {similarity.turn_and_scale, similarity * middle - middle, -1};
+}
+
 GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<PairLink>& links,
                              const std::vector<GroundView>& views, double tolerance_m) {
   const std::size_t count = priors.size();
@@ -236,8 +238,8 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   };
   std::vector<double> link_weights(links.size()), turn_weights(count), shift_weights(count);
   std::vector<Complex> expected_turn(count);
-  for (int round = 0; round < kReweightings; ++round) {
-    const double width = tolerance_m * (round < 3 ? 3.0 : 1.5);
+  for (const double trust_width : kTrustWidths) {
+    const double width = tolerance_m * trust_width;
     for (std::size_t l = 0; l < links.size(); ++l) {
       const double miss = link_miss(l);
       const double strength = std::min<double>(4.0, static_cast<double>(links[l].matches.size()) / 20.0);

@@ -24,8 +24,14 @@ struct GroundPrior {
 struct GroundCorrection {
   std::complex<double> turn_and_scale{1.0, 0.0};
   std::complex<double> shift{0.0, 0.0};
-  int piece = -1;  // photos with the same number hang together; -1: no link at all
+  int piece = -1;  // photos with the same number hang together; negative: no link at all
 };
+
+// The piece of a photo without links that takes over what its flight line has in common.
+inline constexpr int kInheritedPiece = -2;
+
+GroundSimilarity AsSimilarity(const GroundCorrection& correction, std::complex<double> middle);
+GroundCorrection AsCorrection(const GroundSimilarity& similarity, std::complex<double> middle);
 
 struct GroundGraph {
   std::vector<GroundCorrection> corrections;  // a photo each

@@ -49,6 +49,28 @@ GroundSimilarity FitSimilarity(const std::vector<std::pair<Complex, Complex>>& p
   return {turn, mean_b - turn * mean_a};
 }
 
+// Do the followers crowd around the motion more than matches would that had fallen anywhere in the search
+// area?
+bool StandsOut(const std::vector<int>& followers, const std::vector<std::pair<Complex, Complex>>& places,
+               const GroundSimilarity& motion, const Tolerance& tolerance, double search_area_m2) {
+  std::vector<Complex> misses;
+  double along = 0.0, across = 0.0;
+  for (const int k : followers) {
+    misses.push_back((places[k].second - motion * places[k].first) * std::conj(tolerance.along));
+    along += misses.back().real() * misses.back().real();
+    across += misses.back().imag() * misses.back().imag();
+  }
+  const auto count = static_cast<double>(followers.size());
+  along = 2.0 * std::max(std::sqrt(along / count), 0.1 * tolerance.across_m);
+  across = 2.0 * std::max(std::sqrt(across / count), 0.1 * tolerance.across_m);
+  const auto inside = std::count_if(misses.begin(), misses.end(), [&](Complex miss) {
+    return std::hypot(miss.real() / along, miss.imag() / across) < 1.0;
+  });
+  const double chance = std::min(1.0, std::numbers::pi * along * across / search_area_m2);
+  const double by_chance = chance * static_cast<double>(places.size());
+  return static_cast<double>(inside) >= by_chance + 5.0 * std::sqrt(by_chance) + 5.0;
+}
+
 }  // namespace
 
 std::optional<PairLink> FitLink(const GroundView& first, const GroundView& second,
@@ -103,11 +125,7 @@ std::optional<PairLink> FitLink(const GroundView& first, const GroundView& secon
     const double scale = std::abs(best.turn_and_scale);
     if (scale > kMostScale || scale < 1.0 / kMostScale) return std::nullopt;
   }
-  // How many would follow by chance, had every match fallen anywhere in the search area?
-  const double chance = std::min(1.0, 4.0 * tolerance.along_m * tolerance.across_m / options.search_area_m2);
-  const double by_chance = chance * count;
-  if (static_cast<double>(followers.size()) < by_chance + 5.0 * std::sqrt(by_chance) + 5.0)
-    return std::nullopt;
+  if (!StandsOut(followers, places, best, tolerance, options.search_area_m2)) return std::nullopt;
 
   PairLink link;
   link.second_from_first = best;

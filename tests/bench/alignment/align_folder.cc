@@ -47,6 +47,21 @@ int main(int argc, char** argv) {
   ground::ModelGroundReport ground_report;
   ground::ModelGround(*aligned, ground_report);
   fmt::print("{}\n", ground::ModelGroundReportJson(ground_report));
+  if (argc > 4) {
+    for (std::size_t i = 0; i < aligned->photos.size(); ++i) {
+      for (const auto& before : posed->photos) {
+        const auto& photo = aligned->photos[i];
+        if (before.photo.name != photo.photo.name) continue;
+        const Eigen::Vector3d turn = geo::VectorFromRotation(
+            (photo.cam_from_enu.rotation * before.cam_from_enu.rotation.conjugate()).normalized());
+        const Eigen::Vector3d moved =
+            photo.cam_from_enu.TargetOriginInSource() - before.cam_from_enu.TargetOriginInSource();
+        fmt::print("turned {:6.2f} {:6.2f} {:6.2f} deg in cam, moved {:6.2f} {:6.2f} {:6.2f} m  {} {}\n",
+                   57.3 * turn.x(), 57.3 * turn.y(), 57.3 * turn.z(), moved.x(), moved.y(), moved.z(),
+                   photo.photo.name, PlacementName(photo.placement));
+      }
+    }
+  }
   for (const std::string& warning : aligned->warnings) fmt::print("warning: {}\n", warning);
   fmt::print("cpu {:.2f} s, {:.3f} s a photo; {} of {} aligned; rms {:.2f} px; {} ground points\n", cpu_s,
              cpu_s / report.photos, report.aligned, report.photos, report.residual_rms_px,

@@ -77,8 +77,9 @@ std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const A
 }
 
 GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
-                               const ground::GroundSurface& surface) {
-  const std::vector<Seen> seen = Look(truth, flight, surface);
+                               const ground::GroundSurface& surface, const std::set<std::string>& without) {
+  std::vector<Seen> seen = Look(truth, flight, surface);
+  std::erase_if(seen, [&](const Seen& one) { return without.contains(flight.photos[one.photo].photo.name); });
   Complex mean_now, mean_truth;
   for (const Seen& one : seen) {
     mean_now += one.now / static_cast<double>(seen.size());
@@ -102,6 +103,21 @@ GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const Ali
   const std::vector<double> photos = PhotoErrorsM(truth, flight, surface);
   error.worst_photo_m = photos.empty() ? 0.0 : *std::max_element(photos.begin(), photos.end());
   return error;
+}
+
+GnssError MeasureGnssError(const simulate::SimulatedFlight& truth) {
+  std::vector<double> misses;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const simulate::SimulatedPhoto& photo : truth.photos) {
+    if (!photo.recorded.position) continue;
+    const Eigen::Vector2d miss =
+        (truth.frame.EnuFromWgs84(*photo.recorded.position) - photo.pose.cam_from_enu.TargetOriginInSource())
+            .head<2>();
+    misses.push_back(miss.norm());
+    mean += miss;
+  }
+  if (misses.empty()) return {};
+  return {Percentile(misses, 0.9), mean.norm() / static_cast<double>(misses.size())};
 }
 
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth) {

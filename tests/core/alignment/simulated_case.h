@@ -2,6 +2,7 @@
 // benchmarks.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,20 @@ struct GroundError {
   double worst_photo_m = 0.0;  // largest median error of one photo, absolute
 };
 
-// Where every photo's pixels (a grid of them) fall on `surface` against where they truly lie.
+// Where every photo's pixels (a grid of them) fall on `surface` against where they truly lie. Photos named in
+// `without` do not count.
 GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
-                               const ground::GroundSurface& surface);
+                               const ground::GroundSurface& surface,
+                               const std::set<std::string>& without = {});
 // Median absolute ground error of each photo.
 std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                  const ground::GroundSurface& surface);
+
+struct GnssError {
+  double ce90_m = 0.0;  // horizontal, of the recorded positions
+  double mean_m = 0.0;  // what all photos share
+};
+GnssError MeasureGnssError(const simulate::SimulatedFlight& truth);
 
 // Reads what the simulated photos record, as the product would.
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth);

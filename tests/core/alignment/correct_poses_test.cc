@@ -1,0 +1,60 @@
+#include "core/alignment/correct_poses.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/alignment/view.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+// 60 m up, leaning by the given angle to the east.
+poses::PosedPhoto Leaning(double lean_rad) {
+  poses::PosedPhoto posed;
+  posed.photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond lean(Eigen::AngleAxisd(-lean_rad, Eigen::Vector3d::UnitY()));
+  posed.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(down * lean.conjugate(), {0.0, 0.0, 60.0});
+  posed.height_above_ground_m = 60.0;
+  posed.covariance.diagonal() << 1e-3, 1e-3, 3e-3, 2.0, 2.0, 1.0;
+  return posed;
+}
+
+std::complex<double> MiddleOf(const poses::PosedPhoto& posed, const geo::Rigid3& cam_from_enu) {
+  const View view{posed.photo.intrinsics, cam_from_enu, 60.0};
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  EXPECT_TRUE(MeetGround(view, Relief(0.0),
+                         {posed.photo.intrinsics.center_x_px, posed.photo.intrinsics.center_y_px}, &middle));
+  return {middle.x(), middle.y()};
+}
+
+TEST(CorrectPose, LaysTheMiddleOfALeaningPhotoWhereTheGraphWantsIt) {
+  for (const double lean_rad : {0.0, 0.1, 0.3}) {
+    const poses::PosedPhoto posed = Leaning(lean_rad);
+    const GroundPrior prior{MiddleOf(posed, posed.cam_from_enu), 5.0, 0.1};
+    const GroundCorrection wanted{std::polar(1.05, 0.3), {8.0, -6.0}, 0};
+    const CorrectedPose corrected = CorrectPose(posed, prior, wanted);
+    const std::complex<double> miss =
+        MiddleOf(posed, corrected.start_cam_from_enu) - (prior.middle + wanted.shift);
+    EXPECT_LT(std::abs(miss), 0.1) << "leaning " << lean_rad;
+    EXPECT_FALSE(corrected.position_was_wrong);
+  }
+}
+
+TEST(CorrectPose, CallsAPositionWrongOnlyBeyondWhatTheFlightsRecordsAreWorth) {
+  const poses::PosedPhoto posed = Leaning(0.0);
+  const GroundCorrection far{{1.0, 0.0}, {20.0, 0.0}, 0};
+  EXPECT_TRUE(CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, far).position_was_wrong);
+  EXPECT_FALSE(CorrectPose(posed, {{0.0, 0.0}, 8.0, 0.1}, far).position_was_wrong);
+}
+
+TEST(CorrectPose, LeavesAPhotoWithoutLinksAsItWasRecorded) {
+  const poses::PosedPhoto posed = Leaning(0.1);
+  const CorrectedPose corrected = CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, {{0.0, 1.0}, {9.0, 9.0}, -1});
+  EXPECT_TRUE(corrected.start_cam_from_enu.rotation.isApprox(posed.cam_from_enu.rotation));
+  EXPECT_TRUE(corrected.note.empty());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
