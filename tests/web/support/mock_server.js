@@ -35,8 +35,18 @@ export async function startMockServer(options = {}) {
   const flights = new Map();
   const jobs = new Map();
   const refused_once = new Set();
+  /** Uploads wait here while a test holds them. */
+  let gate = Promise.resolve();
   let counter = 0;
   const newId = () => `f${(counter += 1).toString(36).padStart(8, '0')}`;
+
+  /** Holds every upload that comes from now on; the answer lets them through. */
+  function holdUploads() {
+    /** @type {() => void} */
+    let release = () => {};
+    gate = new Promise((resolve) => { release = () => resolve(undefined); });
+    return release;
+  }
 
   function addFlight(name) {
     const flight = {
@@ -152,6 +162,8 @@ export async function startMockServer(options = {}) {
       if (rest.startsWith('/files/') && request.method === 'PUT') {
         const name = rest.slice('/files/'.length);
         const body = await readBody();
+        await gate;
+        if (response.destroyed) return undefined;  // given up while it waited
         if (options.upload_ms) await new Promise((resolve) => setTimeout(resolve, options.upload_ms));
         if (name.includes('refused')) return problem(422, 'Not a photo', 'The photo is cut off after 12 kB; copy it from the card again.');
         if (name.includes('flaky') && !refused_once.has(name)) {
@@ -201,6 +213,7 @@ export async function startMockServer(options = {}) {
     flights,
     seedReady,
     addFlight,
+    holdUploads,
     close: () => {
       server.closeAllConnections();
       return new Promise((resolve) => server.close(resolve));
