@@ -1,0 +1,170 @@
+"""How true finished maps are: simulates flights, stitches them with the real program and compares every map with
+the world it shows, patch by patch.
+
+    python3 tests/bench/map_accuracy.py PROGRAM [--seeds N] [--only NAME] [--photos N] [--method M] [--keep DIR]
+
+Per scenario, in ground pixels (GSD) and metres: CE90 of the patches' shifts as they are (with the GNSS' own bias),
+after the best similarity (what is bent or torn inside the map), the largest of these, and the share of patches
+that could be compared. Needs python3-gdal with numpy.
+"""
+import argparse
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import numpy
+from osgeo import gdal
+
+gdal.UseExceptions()
+SCENARIOS = {
+    "exact": ["--noise", "exact"],
+    "flat": ["--noise", "xmp"],
+    "relief": ["--noise", "xmp", "--relief-m", "8"],
+    "houses": ["--noise", "xmp", "--boxes"],
+    "no_gimbal": ["--noise", "xmp", "--tilt-deg", "12", "--height-wander-m", "4", "--yaw-wander-deg", "8"],
+    "any_yaw": ["--noise", "xmp", "--yaw", "any"],
+    "no_attitude": ["--noise", "no-attitude"],
+    "rtk": ["--noise", "rtk"],
+    "little_overlap": ["--noise", "xmp", "--overlap", "0.6", "--sidelap", "0.45"],
+    "rows": ["--noise", "xmp", "--texture", "rows"],
+    "bare": ["--noise", "xmp", "--texture", "bare"],
+    "lens": ["--noise", "xmp", "--distortion", "-0.08", "0.03", "0.0005", "-0.0004", "--vignetting", "0.2",
+             "--exposure-jitter", "0.08"],
+    "blur": ["--noise", "xmp", "--shutter-ms", "8", "--pixel-noise", "4"],
+    "low": ["--noise", "xmp", "--height", "20", "--relief-m", "1"],
+    "log_only": ["--noise", "no-gps", "--log", "dataflash", "--mount", "gimbal", "--clock-offset-s", "3607.3"],
+}
+PATCH_PX = 192
+STEP_PX = 256
+
+
+def gray(dataset, window=None, size=None):
+    """(luminance, covered) of a window."""
+    options = {} if window is None else dict(xoff=window[0], yoff=window[1], win_xsize=window[2], win_ysize=window[3])
+    if size is not None:
+        options.update(buf_xsize=size[0], buf_ysize=size[1], resample_alg=gdal.GRIORA_Average)
+    bands = [dataset.GetRasterBand(i + 1).ReadAsArray(**options).astype(numpy.float32) for i in range(3)]
+    covered = numpy.ones_like(bands[0], bool)
+    if dataset.RasterCount == 4:
+        covered = dataset.GetRasterBand(4).ReadAsArray(**options) > 250
+    return 0.3 * bands[0] + 0.59 * bands[1] + 0.11 * bands[2], covered
+
+
+def shift_between(first, second):
+    """By how many pixels `second` is shifted against `first` (x, y), and how sharp the peak is."""
+    taper = numpy.outer(numpy.hanning(first.shape[0]), numpy.hanning(first.shape[1]))
+    spectra = [numpy.fft.rfft2((image - image.mean()) * taper) for image in (first, second)]
+    cross = spectra[1] * spectra[0].conj()
+    # Whitened, but for frequencies that hold nothing but noise.
+    magnitude = numpy.abs(cross)
+    peaks = numpy.fft.irfft2(cross / (magnitude + 0.05 * magnitude.mean() + 1e-6), first.shape)
+    row, column = numpy.unravel_index(numpy.argmax(peaks), peaks.shape)
+    around = numpy.roll(peaks, (2 - row, 2 - column), (0, 1))[:5, :5].clip(0)
+    offsets = numpy.arange(-2, 3)
+    x = column + (around.sum(0) * offsets).sum() / around.sum()
+    y = row + (around.sum(1) * offsets).sum() / around.sum()
+    rest = peaks.copy()
+    rest[numpy.ix_((row + numpy.arange(-4, 5)) % rest.shape[0], (column + numpy.arange(-4, 5)) % rest.shape[1])] = 0
+    height, width = first.shape
+    shift = numpy.array([x - width if x > width / 2 else x, y - height if y > height / 2 else y])
+    return shift, peaks[row, column] / max(rest.max(), 1e-9)
+
+
+def measure(mosaic_path, world_path):
+    """(shifts in metres, patch centres in metres, ground metres a pixel, patches looked at)."""
+    mosaic = gdal.Open(str(mosaic_path))
+    left, pixel, _, top, _, _ = mosaic.GetGeoTransform()
+    columns, rows = mosaic.RasterXSize, mosaic.RasterYSize
+    world = gdal.Warp("", str(world_path), format="MEM", dstSRS="EPSG:3857", xRes=pixel, yRes=pixel, resampleAlg="cubic",
+                      outputBounds=(left, top - rows * pixel, left + columns * pixel, top))
+    # The whole map first: patches are too small for a shift of many metres.
+    scale = max(1.0, max(columns, rows) / 1400)
+    small = (int(columns / scale), int(rows / scale))
+    map_small, covered = gray(mosaic, size=small)
+    world_small, _ = gray(world, size=small)
+    whole, _ = shift_between(numpy.where(covered, world_small, 0), numpy.where(covered, map_small, 0))
+    coarse = numpy.round(whole * scale).astype(int)
+    lat = gdal.Info(str(mosaic_path), format="json")["wgs84Extent"]["coordinates"][0][0][1]
+    ground_m = pixel * numpy.cos(numpy.radians(lat))
+    shifts, centres, looked_at = [], [], 0
+    for y in range(0, rows - PATCH_PX, STEP_PX):
+        for x in range(0, columns - PATCH_PX, STEP_PX):
+            patch, covered = gray(mosaic, (x, y, PATCH_PX, PATCH_PX))
+            if not covered.all():
+                continue
+            looked_at += 1
+            from_x, from_y = x - coarse[0], y - coarse[1]
+            if min(from_x, from_y) < 0 or from_x + PATCH_PX > columns or from_y + PATCH_PX > rows:
+                continue
+            truth, _ = gray(world, (int(from_x), int(from_y), PATCH_PX, PATCH_PX))
+            if truth.std() < 1.0:
+                continue
+            shift, sharpness = shift_between(truth, patch)
+            if sharpness > 1.6:
+                shifts.append((shift + coarse) * ground_m)
+                centres.append(numpy.array([x, y]) * ground_m)
+    return numpy.array(shifts), numpy.array(centres), ground_m, looked_at
+
+
+def after_similarity(shifts, centres):
+    """What is left of the shifts when the map may be moved, turned and scaled as a whole (robust)."""
+    x, y = (centres - centres.mean(0)).T
+    zero, one = numpy.zeros_like(x), numpy.ones_like(x)
+    design = numpy.concatenate([numpy.stack([x, -y, one, zero], 1), numpy.stack([y, x, zero, one], 1)])
+    target = shifts.T.ravel()
+    weights = numpy.ones_like(target)
+    for _ in range(20):
+        root = numpy.sqrt(weights)
+        solution = numpy.linalg.lstsq(design * root[:, None], target * root, rcond=None)[0]
+        left = (target - design @ solution).reshape(2, -1).T
+        length = numpy.linalg.norm(left, axis=1)
+        weights = numpy.tile(1 / numpy.maximum(length, max(1.5 * numpy.median(length), 1e-4)), 2)
+    return length
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--only", action="append", choices=SCENARIOS)
+    parser.add_argument("--photos", default="24")
+    parser.add_argument("--method", default=None)
+    parser.add_argument("--keep", type=pathlib.Path, help="keep flights and maps in this folder")
+    options = parser.parse_args()
+    scratch = options.keep or pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_accuracy_"))
+    print(f"{'scenario':16}{'seed':>5}{'placed':>9}{'aligned':>9}{'CE90 abs m':>12}{'CE90 in GSD':>13}{'worst GSD':>11}"
+          f"{'compared':>10}{'stitch s':>10}", flush=True)
+    for name in options.only or SCENARIOS:
+        for seed in range(1, options.seeds + 1):
+            folder = scratch / f"{name}_{seed}"
+            subprocess.run([options.program, "simulate", "-o", folder, "--photos", options.photos, "--seed", str(seed),
+                            *SCENARIOS[name]], check=True, capture_output=True)
+            inputs = [folder / "photos"] + ([folder / "logs"] if (folder / "logs").is_dir() else [])
+            method = ["--method", options.method] if options.method else []
+            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", "--no-cog", *method],
+                                  capture_output=True, text=True)
+            if done.returncode != 0:
+                print(f"{name:16}{seed:5}  {done.stderr.strip().splitlines()[-1]}", flush=True)
+                continue
+            report = json.loads((folder / "map" / "report.json").read_text())
+            shifts, centres, gsd_m, looked_at = measure(folder / "map" / "mosaic.mbtiles", folder / "truth" / "world.tif")
+            photos = report["photos"]
+            placed = photos["aligned"] + photos["pose_only"]
+            seconds = sum(timing["wall_s"] for timing in report["timings"])
+            row = f"{name:16}{seed:5}{placed:5}/{photos['total']:<3}{photos['aligned']:9}"
+            if len(shifts) < 8:
+                print(f"{row}  only {len(shifts)} of {looked_at} patches could be compared", flush=True)
+            else:
+                length = after_similarity(shifts, centres)
+                print(f"{row}{numpy.percentile(numpy.linalg.norm(shifts, axis=1), 90):12.2f}"
+                      f"{numpy.percentile(length, 90) / gsd_m:13.2f}{length.max() / gsd_m:11.2f}"
+                      f"{len(shifts) / looked_at:10.0%}{seconds:10.1f}", flush=True)
+            if not options.keep:
+                shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
