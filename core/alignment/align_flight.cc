@@ -171,6 +171,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     report.pairs_by_direct = static_cast<int>(direct_tracks.size());
   }
   if (progress.IsCancelled()) return cancelled;
+  const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, linked.pairs, linked.links);
   report.corrections = DescribeCorrections(linked.corrected, names, lines);
 
   BundleProblem problem = MakeBundle(posed, linked.corrected, lines);
@@ -220,8 +221,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   ReportLenses(posed, problem, report);
   input.views = ViewsOf(problem);
   const std::vector<Track> ground_tracks = GroundTracks(linked.links, input, options);
-  AlignedFlight flight =
-      PlacePhotos({&posed, &problem, &ground_tracks, &linked.corrected, &photographed.unreadable}, report);
+  AlignedFlight flight = PlacePhotos(
+      {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
   flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
   progress.Report(1.0, "aligned");
   return flight;

@@ -51,7 +51,10 @@ int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Trac
     });
     dropped += static_cast<int>(before - seen.size());
   }
-  std::erase_if(tracks, [](const Track& track) { return track.observations.size() < 2; });
+  // Two photos from one place (a copy, a hover) do not hold a point.
+  std::erase_if(tracks, [&](const Track& track) {
+    return track.observations.size() < 2 || WidestAngle(views, track) < kLeastAngleRad;
+  });
   return dropped;
 }
 
@@ -167,6 +170,7 @@ class Round {
                                               photo.cam_from_enu.TargetOriginInSource(),
                                               {lens.focal_x_px, lens.focal_y_px},
                                               {lens.center_x_px, lens.center_y_px},
+                                              lens.k3,
                                               seen.pixel_in_image,
                                               seen.sigma_px};
     ceres_.AddResidualBlock(
@@ -266,9 +270,7 @@ BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options)
   const std::vector<View> views = ViewsOf(problem);
   double square = 0.0;
   for (Track& track : problem.tracks) {
-    const Eigen::Vector3d adjusted = track.point_in_enu;
-    Triangulate(views, track);  // for the angle alone: the adjusted point is the better one
-    track.point_in_enu = adjusted;
+    track.angle_rad = WidestAngle(views, track);
     for (const Observation& seen : track.observations) {
       const double miss = ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu);
       square += miss * miss;

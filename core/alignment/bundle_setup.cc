@@ -11,8 +11,9 @@ namespace {
 constexpr double kLeastSigmaM = 0.01;
 constexpr double kLeastSigmaRad = 0.003;
 constexpr int kFewPhotos = 30;
+constexpr double kMostAttitudeGrowth = 8.0;
 
-double MedianAbs(std::vector<double> values) {
+double Middle(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -85,7 +86,7 @@ std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const
 double MedianWidthM(const std::vector<View>& views) {
   std::vector<double> widths;
   for (const View& view : views) widths.push_back(view.WidthM());
-  return widths.empty() ? 1.0 : MedianAbs(widths);
+  return widths.empty() ? 1.0 : Middle(widths);
 }
 
 std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
@@ -131,6 +132,36 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
   return problem;
 }
 
+namespace {
+
+// Angles of an aircraft without gimbal are worth far less than those of one with; the line's common error is
+// not counted.
+void ReweighAttitudes(const std::vector<char>& seen, BundleProblem& problem) {
+  std::map<int, std::vector<Eigen::Vector3d>> turns_of_line;
+  for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+    const BundlePhoto& photo = problem.photos[i];
+    if (!seen[i]) continue;
+    turns_of_line[photo.line].push_back(geo::VectorFromRotation(
+        (photo.cam_from_enu.rotation * photo.prior_cam_from_enu.rotation.conjugate()).normalized()));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> apart;
+    for (const auto& [line, turns] : turns_of_line) {
+      std::vector<double> values;
+      for (const Eigen::Vector3d& turn : turns) values.push_back(turn[axis]);
+      const double middle = turns.size() > 2 ? Middle(values) : 0.0;
+      for (const double value : values) apart.push_back(std::abs(value - middle));
+    }
+    const double sigma = 1.8 * Middle(apart);
+    for (BundlePhoto& photo : problem.photos) {
+      double& own = photo.sigma_attitude_rad[axis];
+      own = std::clamp(sigma, own, kMostAttitudeGrowth * own);
+    }
+  }
+}
+
+}  // namespace
+
 void ReweighPriors(BundleProblem& problem) {
   std::vector<char> seen(problem.photos.size(), 0);
   for (const Track& track : problem.tracks) {
@@ -147,9 +178,10 @@ void ReweighPriors(BundleProblem& problem) {
     vertical.push_back(std::abs(moved.z()));
   }
   if (vertical.size() < 6) return;
+  ReweighAttitudes(seen, problem);
   // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
-  const double sigma_h = 1.8 * MedianAbs(horizontal);
-  const double sigma_v = 1.8 * MedianAbs(vertical);
+  const double sigma_h = 1.8 * Middle(horizontal);
+  const double sigma_v = 1.8 * Middle(vertical);
   for (BundlePhoto& photo : problem.photos) {
     Eigen::Vector3d& sigma = photo.sigma_position_m;
     sigma.x() = std::clamp(sigma_h, std::min(0.1, sigma.x()), sigma.x());

@@ -100,6 +100,15 @@ Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
   return thumbnail;
 }
 
+double Sharpness(const cv::Mat& grey) {
+  cv::Mat detail;
+  cv::Laplacian(grey, detail, CV_16S);
+  cv::Scalar mean, of_detail, of_picture;
+  cv::meanStdDev(detail, mean, of_detail);
+  cv::meanStdDev(grey, mean, of_picture);
+  return (of_detail[0] * of_detail[0]) / (of_picture[0] * of_picture[0] + 1.0);
+}
+
 void Describe(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
               PhotoFeatures& features) {
   ScopedTimer timer(features.detect_s);
@@ -110,6 +119,7 @@ void Describe(const cv::Mat& grey, const flight::Photo& photo, const FeatureOpti
     cv::resize(grey, image, cv::Size(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink)), 0, 0,
                cv::INTER_AREA);
   }
+  features.sharpness = Sharpness(image);
   std::vector<cv::KeyPoint> kept = DetectSpread(image, kContrast, options.max_features);
   if (static_cast<int>(kept.size()) < kFewFeatures) {
     image = EvenContrast(image);

@@ -37,8 +37,9 @@ struct PhotoFeatures {
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
   Thumbnail thumbnail;
-  double sigma_px = 1.0;  // how well a keypoint is located, in full-size pixels
-  double decode_s = 0.0;  // wall seconds
+  double sigma_px = 1.0;   // how well a keypoint is located, in full-size pixels
+  double sharpness = 0.0;  // energy of its finest detail over that of its contrast
+  double decode_s = 0.0;   // wall seconds
   double detect_s = 0.0;
 };
 

@@ -142,6 +142,8 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   flight.left_out = posed.left_out;
   flight.warnings = posed.warnings;
 
+  std::vector<std::string> names;
+  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
   std::vector<Support> support;
   const std::vector<int> piece = FindAligned(problem, support);
   const std::vector<int> direct_ties = CountDirectTies(problem);
@@ -217,6 +219,16 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                             support[i].observations);
       if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
     }
+    const PhotoDoubt& doubt = (*input.doubts)[i];
+    if (doubt.IsAny()) {
+      const std::string words = DoubtInWords(doubt, names);
+      photo.placement_reason += (photo.placement_reason.empty() ? "" : "; ") + words;
+      report.corrections.push_back(fmt::format("{}: {}", before.photo.name, words));
+      // As good as nowhere: the map takes it only where it has nothing else.
+      if (doubt.shows_other_place) {
+        photo.error_radius_m = std::max(photo.error_radius_m, before.height_above_ground_m);
+      }
+    }
     AlignPhotoReport& told = report.photo_reports[i];
     told.placement = photo.placement;
     told.reason = photo.placement_reason;
@@ -244,6 +256,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                                     [&](const Observation& one) { return piece[one.photo] >= 0; });
     if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
   }
+  LeaveOutFarAway(flight);
   return flight;
 }
 

@@ -9,6 +9,7 @@
 #include "core/alignment/align_report.h"
 #include "core/alignment/bundle_adjustment.h"
 #include "core/alignment/correct_poses.h"
+#include "core/alignment/doubt_photos.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
@@ -18,6 +19,7 @@ struct PlaceInput {
   const BundleProblem* problem = nullptr;
   const std::vector<Track>* ground_tracks = nullptr;  // with points that agree with the adjusted poses
   const std::vector<CorrectedPose>* corrected = nullptr;
+  const std::vector<PhotoDoubt>* doubts = nullptr;
   const std::vector<std::string>* unreadable = nullptr;  // a reason a photo; empty: it was read
 };
 

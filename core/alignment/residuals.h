@@ -20,6 +20,7 @@ struct ReprojectionResidual {
   Eigen::Vector3d start_center_in_enu;
   Eigen::Vector2d focal_px;
   Eigen::Vector2d center_px;
+  double k3;
   Eigen::Vector2d pixel;
   double sigma_px;
 
@@ -36,12 +37,13 @@ struct ReprojectionResidual {
     const T x = in_cam[0] / in_cam[2];
     const T y = in_cam[1] / in_cam[2];
     const T r2 = x * x + y * y;
-    const T radial = T(1.0) + r2 * (lens[3] + r2 * lens[4]);
+    const T radial = T(1.0) + r2 * (lens[3] + r2 * (lens[4] + r2 * k3));
     const T bent_x = x * radial + T(2.0) * lens[5] * x * y + lens[6] * (r2 + T(2.0) * x * x);
     const T bent_y = y * radial + lens[5] * (r2 + T(2.0) * y * y) + T(2.0) * lens[6] * x * y;
     const T focal = exp(lens[0]);
     residual[0] = (focal * focal_px.x() * bent_x + center_px.x() + lens[1] - pixel.x()) / sigma_px;
-    residual[1] = (focal * focal_px.y() * bent_y + center_px.y() + lens[2] - pixel.y()) / sigma_px;
+    residual[1] =
+        (focal * focal_px.y() * bent_y + center_px.y() + lens[2] - pixel.y()) / sigma_px;
     return true;
   }
 };

@@ -71,11 +71,28 @@ std::vector<Track> Thin(std::vector<Track> tracks, const std::vector<View>& view
 
 }  // namespace
 
-bool Triangulate(const std::vector<View>& views, Track& track) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+double WidestAngle(const std::vector<View>& views, const Track& track) {
   std::vector<Eigen::Vector3d> rays;
   rays.reserve(track.observations.size());
+  for (const Observation& seen : track.observations) {
+    const View& view = views[seen.photo];
+    rays.push_back((view.cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(seen.pixel_in_image))
+                       .normalized());
+  }
+  double least_cosine = 1.0;
+  for (std::size_t a = 0; a < rays.size(); ++a) {
+    for (std::size_t b = a + 1; b < rays.size(); ++b) {
+      least_cosine = std::min(least_cosine, rays[a].dot(rays[b]));
+    }
+  }
+  return std::acos(std::clamp(least_cosine, -1.0, 1.0));
+}
+
+bool Triangulate(const std::vector<View>& views, Track& track) {
+  track.angle_rad = WidestAngle(views, track);
+  if (track.angle_rad < kLeastAngleRad) return false;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
     const Eigen::Vector3d ray =
@@ -84,15 +101,7 @@ bool Triangulate(const std::vector<View>& views, Track& track) {
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
     normal += across;
     right += across * view.CenterInEnu();
-    rays.push_back(ray);
   }
-  double least_cosine = 1.0;
-  for (std::size_t a = 0; a < rays.size(); ++a) {
-    for (std::size_t b = a + 1; b < rays.size(); ++b)
-      least_cosine = std::min(least_cosine, rays[a].dot(rays[b]));
-  }
-  track.angle_rad = std::acos(std::clamp(least_cosine, -1.0, 1.0));
-  if (track.angle_rad < 0.01) return false;
   track.point_in_enu = normal.ldlt().solve(right);
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];

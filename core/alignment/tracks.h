@@ -32,6 +32,11 @@ std::vector<Track> BuildTracks(const std::vector<PairLink>& links,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options);
 
+// Flatter rays than this leave the distance open.
+inline constexpr double kLeastAngleRad = 0.01;
+// Between any two of its rays.
+double WidestAngle(const std::vector<View>& views, const Track& track);
+
 // The point nearest to all rays, and the widest angle; false when the rays are parallel or meet behind a
 // camera.
 bool Triangulate(const std::vector<View>& views, Track& track);

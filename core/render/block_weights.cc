@@ -12,6 +12,7 @@ namespace {
 constexpr float kBorderShare = 0.06f;
 // How far a photo gives way at its very border, in heights above ground.
 constexpr float kBorderPenaltyHeights = 4.0f;
+constexpr float kPoseOnlyPenaltyHeights = 0.3f;
 
 struct ScoreRule {
   float width = 0.0f, height = 0.0f;  // of the image, px
@@ -36,6 +37,10 @@ ScoreRule RuleFor(const alignment::AlignedPhoto& photo) {
   rule.border_penalty_m = kBorderPenaltyHeights * static_cast<float>(std::max(1.0, photo.height_above_ground_m));
   // Of two photos that see a point equally well, the one whose place is known better.
   rule.constant_m = static_cast<float>(std::min(photo.error_radius_m, photo.height_above_ground_m));
+  // Every seam between an aligned photo and one that is not shows a step: let there be few.
+  if (photo.placement == alignment::Placement::kPoseOnly) {
+    rule.constant_m += kPoseOnlyPenaltyHeights * static_cast<float>(photo.height_above_ground_m);
+  }
   return rule;
 }
 

@@ -1,0 +1,140 @@
+#include "core/alignment/doubt_photos.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/geo/bounds.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kSamePixelPx = 1.0;
+constexpr double kCopiedShare = 0.4;    // of the features that must lie at the same pixels
+constexpr double kBlurredShare = 0.35;  // of the flight's median sharpness
+constexpr std::size_t kFewPhotos = 5;
+constexpr std::size_t kRichInFeatures = 300;
+constexpr double kSurelySharedOverlap = 0.4;
+constexpr int kWitnesses = 3;  // linked photos that overlap and know nothing of it
+constexpr double kLeastGapM = 300.0;
+constexpr double kGapOverExtent = 1.0;
+constexpr double kMostLeftOutShare = 0.1;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool ShowsTheSamePixels(const PairLink& link, const LinkInput& input) {
+  const PhotoFeatures& first = *input.features[link.first];
+  const PhotoFeatures& second = *input.features[link.second];
+  const auto same = std::count_if(link.matches.begin(), link.matches.end(), [&](const KeypointMatch& match) {
+    const Keypoint& a = first.keypoints[match.first];
+    const Keypoint& b = second.keypoints[match.second];
+    return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < kSamePixelPx;
+  });
+  const std::size_t fewer = std::min(first.keypoints.size(), second.keypoints.size());
+  return static_cast<double>(same) > kCopiedShare * static_cast<double>(fewer);
+}
+
+}  // namespace
+
+std::vector<PhotoDoubt> DoubtPhotos(const LinkInput& input, const std::vector<CandidatePair>& pairs,
+                                    const std::vector<PairLink>& links) {
+  const std::size_t count = input.views.size();
+  std::vector<PhotoDoubt> doubts(count);
+  std::vector<int> linked(count, 0), witnesses(count, 0);
+  for (const PairLink& link : links) {
+    ++linked[link.first];
+    ++linked[link.second];
+    PhotoDoubt& later = doubts[link.second];
+    if (!later.copy_of && ShowsTheSamePixels(link, input)) later.copy_of = link.first;
+  }
+  // Against those that show the same ground: fields are less detailed than towns, and no worse for it.
+  std::vector<std::vector<double>> shares(count);
+  for (const CandidatePair& pair : pairs) {
+    if (pair.overlap < kSurelySharedOverlap || !input.features[pair.first] || !input.features[pair.second])
+      continue;
+    const double first = input.features[pair.first]->sharpness;
+    const double second = input.features[pair.second]->sharpness;
+    shares[pair.first].push_back(first / (second + 1e-9));
+    shares[pair.second].push_back(second / (first + 1e-9));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    doubts[i].is_blurred = shares[i].size() >= 2 && Median(shares[i]) < kBlurredShare;
+  }
+  for (const CandidatePair& pair : pairs) {
+    if (pair.overlap < kSurelySharedOverlap) continue;
+    if (linked[pair.second] > 1) ++witnesses[pair.first];
+    if (linked[pair.first] > 1) ++witnesses[pair.second];
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    doubts[i].shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && input.features[i] &&
+                                  input.features[i]->keypoints.size() >= kRichInFeatures &&
+                                  !doubts[i].is_blurred;
+  }
+  return doubts;
+}
+
+std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>& names) {
+  std::string words;
+  const auto add = [&](const std::string& part) { words += (words.empty() ? "" : "; ") + part; };
+  if (doubt.copy_of) add(fmt::format("shows the same picture as {}", names[*doubt.copy_of]));
+  if (doubt.is_blurred) add("is blurred");
+  if (doubt.shows_other_place) {
+    add("has nothing in common with the photos around its recorded place: of another place, or of something "
+        "that "
+        "moves; used only where no other photo is");
+  }
+  return words;
+}
+
+void LeaveOutFarAway(AlignedFlight& flight) {
+  const std::size_t count = flight.photos.size();
+  if (count < kFewPhotos) return;
+  std::vector<Eigen::Vector2d> places;
+  std::vector<double> easts, norths;
+  for (const AlignedPhoto& photo : flight.photos) {
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+    easts.push_back(places.back().x());
+    norths.push_back(places.back().y());
+  }
+  const Eigen::Vector2d middle(Median(easts), Median(norths));
+  // By distance from the middle, the block grows until a gap as wide as itself.
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return (places[a] - middle).norm() < (places[b] - middle).norm();
+  });
+  std::size_t kept = count;
+  for (std::size_t k = count - 1; k > 0; --k) {
+    const double inner_m = (places[order[k - 1]] - middle).norm();
+    const double gap_m = (places[order[k]] - middle).norm() - inner_m;
+    if (gap_m > std::max(kLeastGapM, 2.0 * kGapOverExtent * inner_m)) kept = k;
+  }
+  if (static_cast<double>(count - kept) > std::max(1.0, kMostLeftOutShare * static_cast<double>(count)))
+    return;
+  std::vector<char> is_far(count, 0);
+  for (std::size_t k = kept; k < count; ++k) {
+    is_far[order[k]] = flight.photos[order[k]].placement == Placement::kPoseOnly ? 1 : 0;
+  }
+  std::vector<AlignedPhoto> near;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_far[i]) {
+      near.push_back(std::move(flight.photos[i]));
+      continue;
+    }
+    flight.left_out.push_back(
+        {flight.photos[i].photo.name, ErrorCode::kNoPosition,
+         fmt::format(
+             "was recorded {:.1f} km away from the other photos and has nothing in common with them. If the "
+             "place is right, make a map of its own from it.",
+             (places[i] - middle).norm() / 1000.0)});
+  }
+  flight.photos = std::move(near);
+}
+
+}  // namespace skyquilt::alignment

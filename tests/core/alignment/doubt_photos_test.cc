@@ -1,0 +1,112 @@
+#include "core/alignment/doubt_photos.h"
+
+#include <gtest/gtest.h>
+
+namespace skyquilt::alignment {
+namespace {
+
+AlignedFlight BlockOf(int photos) {
+  AlignedFlight flight;
+  for (int i = 0; i < photos; ++i) {
+    AlignedPhoto photo;
+    photo.photo.name = "photo" + std::to_string(i);
+    photo.cam_from_enu.translation = -Eigen::Vector3d(20.0 * (i % 5), 20.0 * (i / 5), 60.0);
+    photo.placement = Placement::kAligned;
+    flight.photos.push_back(photo);
+  }
+  return flight;
+}
+
+void Move(AlignedPhoto& photo, double east_m) { photo.cam_from_enu.translation.x() -= east_m; }
+
+TEST(LeaveOutFarAway, TakesOutASinglePhotoKilometresOffAndSaysWhy) {
+  AlignedFlight flight = BlockOf(25);
+  Move(flight.photos[7], 3000.0);
+  flight.photos[7].placement = Placement::kPoseOnly;
+  LeaveOutFarAway(flight);
+  EXPECT_EQ(flight.photos.size(), 24u);
+  ASSERT_EQ(flight.left_out.size(), 1u);
+  EXPECT_EQ(flight.left_out.front().name, "photo7");
+  EXPECT_NE(flight.left_out.front().reason.find("3.0 km"), std::string::npos);
+}
+
+TEST(LeaveOutFarAway, KeepsWhatIsTiedToOthersAndWhatIsNear) {
+  AlignedFlight flight = BlockOf(25);
+  Move(flight.photos[3], 3000.0);  // aligned: links put it there
+  Move(flight.photos[7], 150.0);
+  flight.photos[7].placement = Placement::kPoseOnly;
+  LeaveOutFarAway(flight);
+  EXPECT_EQ(flight.photos.size(), 25u);
+}
+
+TEST(LeaveOutFarAway, KeepsASecondBlockOfSomeSize) {
+  AlignedFlight flight = BlockOf(25);
+  for (int i = 0; i < 8; ++i) {
+    Move(flight.photos[i], 5000.0);
+    flight.photos[i].placement = Placement::kPoseOnly;
+  }
+  LeaveOutFarAway(flight);
+  EXPECT_EQ(flight.photos.size(), 25u);
+}
+
+// Photos that overlap fully; the last may be unlinked or a copy.
+struct Overlapping {
+  std::vector<PhotoFeatures> features;
+  LinkInput input;
+  std::vector<CandidatePair> pairs;
+  std::vector<PairLink> links;
+
+  explicit Overlapping(int count) : features(count) {
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < 400; ++k) {
+        features[i].keypoints.push_back({static_cast<float>(10 * k + 37 * i), 5.0F, 0.0F, 8.0F, 1.0F});
+      }
+      features[i].sharpness = 1.0;
+      input.features.push_back(&features[i]);
+      input.views.emplace_back();
+    }
+    for (int i = 0; i < count; ++i) {
+      for (int j = i + 1; j < count; ++j) pairs.push_back({i, j, 0.8});
+    }
+  }
+  void Link(int i, int j) {
+    PairLink link{i, j, {}, {}, 0.1};
+    for (int k = 0; k < 300; ++k) link.matches.push_back({k, k});
+    links.push_back(link);
+  }
+};
+
+TEST(DoubtPhotos, KnowsACopyByItsPixels) {
+  Overlapping photos(3);
+  photos.features[2].keypoints = photos.features[0].keypoints;
+  photos.Link(0, 1);
+  photos.Link(0, 2);
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links);
+  EXPECT_FALSE(doubts[1].IsAny());
+  ASSERT_TRUE(doubts[2].copy_of.has_value());
+  EXPECT_EQ(*doubts[2].copy_of, 0);
+}
+
+TEST(DoubtPhotos, KnowsAPhotoOfAnotherPlaceByItsSilentNeighbours) {
+  Overlapping photos(5);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
+  }
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links);
+  EXPECT_TRUE(doubts[4].shows_other_place);
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(doubts[i].IsAny());
+}
+
+TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
+  Overlapping photos(4);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
+  }
+  photos.features[1].sharpness = 0.1;
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links);
+  EXPECT_TRUE(doubts[1].is_blurred);
+  EXPECT_FALSE(doubts[0].is_blurred);
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
