@@ -73,7 +73,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   }
   built->report.timings.push_back({"export", export_s});
   if (auto written =
-          storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight));
+          storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight, built->ground));
       !written) {
     return written.error();
   }

@@ -140,7 +140,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.tile_size_px = plan->tile_size_px;
   report.tile_count = rendered->tiles;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{*std::move(aligned), std::move(report)};
+  return BuiltMosaic{*std::move(aligned), ground, std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

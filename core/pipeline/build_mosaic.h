@@ -9,6 +9,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/read_flight.h"
+#include "core/ground/ground_surface.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/mosaic_report.h"
 #include "core/pipeline/ports.h"
@@ -17,6 +18,7 @@ namespace skyquilt::pipeline {
 
 struct BuiltMosaic {
   alignment::AlignedFlight flight;
+  ground::GroundSurface ground;
   MosaicReport report;
 };
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error_code.h"
-#include "core/camera/footprint.h"
 #include "core/geo/lat_lon.h"
+#include "core/ground/footprint_on_ground.h"
 #include "core/poses/attitude_convention.h"
 
 namespace skyquilt::pipeline {
@@ -33,11 +33,11 @@ std::string IsoTime(const flight::UtcTime& time) {
                      (milliseconds - seconds).count());
 }
 
-Json FootprintRing(const alignment::AlignedPhoto& photo, const alignment::AlignedFlight& flight) {
+Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& frame,
+                   const ground::GroundSurface& ground) {
   Json ring = Json::array();
-  for (const Eigen::Vector2d& point :
-       camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, flight.ground_z_in_enu_m, 4)) {
-    const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), flight.ground_z_in_enu_m});
+  for (const Eigen::Vector2d& point : ground::FootprintOnGround(ground, photo.intrinsics, photo.cam_from_enu, 4)) {
+    const geo::Wgs84 wgs84 = frame.Wgs84FromEnu({point.x(), point.y(), ground.HeightAt(point)});
     ring.push_back({Rounded(wgs84.lon_deg, 9), Rounded(wgs84.lat_deg, 9)});
   }
   if (!ring.empty()) ring.push_back(ring.front());
@@ -80,12 +80,13 @@ std::string ReportJson(const MosaicReport& report) {
   return Printed(json);
 }
 
-std::string PhotosGeoJson(const alignment::AlignedFlight& flight) {
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground) {
   Json features = Json::array();
   for (const alignment::AlignedPhoto& photo : flight.photos) {
-    const geo::Wgs84 camera = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    const Eigen::Vector3d camera_in_enu = photo.cam_from_enu.TargetOriginInSource();
+    const geo::Wgs84 camera = flight.frame.Wgs84FromEnu(camera_in_enu);
     const poses::CameraAngles angles = poses::AnglesOf(photo.cam_from_enu.rotation);
-    const Json ring = FootprintRing(photo, flight);
+    const Json ring = FootprintRing(photo, flight.frame, ground);
     Json properties;
     properties["name"] = photo.photo.name;
     properties["placement"] = alignment::PlacementName(photo.placement);
@@ -93,7 +94,7 @@ std::string PhotosGeoJson(const alignment::AlignedFlight& flight) {
     properties["error_radius_m"] = Rounded(photo.error_radius_m, 3);
     properties["camera_lon"] = Rounded(camera.lon_deg, 9);
     properties["camera_lat"] = Rounded(camera.lat_deg, 9);
-    properties["camera_height_above_ground_m"] = Rounded(photo.height_above_ground_m, 3);
+    properties["camera_height_above_ground_m"] = Rounded(camera_in_enu.z() - ground.HeightAt(camera_in_enu.head<2>()), 3);
     properties["yaw_deg"] = Rounded(geo::RadToDeg(angles.yaw_rad), 3);
     properties["pitch_deg"] = Rounded(geo::RadToDeg(angles.pitch_rad), 3);
     properties["roll_deg"] = Rounded(geo::RadToDeg(angles.roll_rad), 3);

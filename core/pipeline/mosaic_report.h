@@ -10,6 +10,7 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/flight/photo.h"
+#include "core/ground/ground_surface.h"
 
 namespace skyquilt::pipeline {
 
@@ -42,7 +43,7 @@ struct MosaicReport {
 };
 
 std::string ReportJson(const MosaicReport& report);
-// A FeatureCollection with one footprint polygon a photo.
-std::string PhotosGeoJson(const alignment::AlignedFlight& flight);
+// A FeatureCollection with one footprint polygon a photo, on the modelled ground.
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground);
 
 }  // namespace skyquilt::pipeline
