@@ -16,13 +16,14 @@ constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
 
 // Shares of a flight of some hundred photos; they only shape the bar and its estimate.
-constexpr std::array<std::pair<std::string_view, double>, 9> kStages = {{{"read", 0.04},
+constexpr std::array<std::pair<std::string_view, double>, 10> kStages = {{{"read", 0.04},
                                                                          {"check", 0.01},
                                                                          {"pose", 0.01},
                                                                          {"align", 0.40},
                                                                          {"ground", 0.01},
                                                                          {"plan", 0.01},
-                                                                         {"expose", 0.06},
+                                                                         {"expose", 0.02},
+                                                                         {"seam", 0.04},
                                                                          {"render", 0.36},
                                                                          {"export", 0.10}}};
 

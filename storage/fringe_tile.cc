@@ -4,6 +4,7 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -20,34 +21,34 @@ struct Canvas {
   std::uint8_t* Row(int y) { return rgba.data() + static_cast<std::size_t>(y) * side_px * kChannels; }
 };
 
-// Lends each pixel without colour that of its nearest neighbour in the row. False: the row has none at all.
-bool FillRow(std::uint8_t* row, int side_px) {
-  int last = -1;
-  for (int x = 0; x < side_px; ++x) {
-    if (row[x * kChannels + 3] == 0) continue;
-    const int middle = last < 0 ? 0 : (last + x + 1) / 2;
-    for (int i = last + 1; i < x; ++i) {
-      std::memcpy(row + i * kChannels, row + (i < middle ? last : x) * kChannels, 3);
-    }
-    last = x;
-  }
-  for (int i = last + 1; last >= 0 && i < side_px; ++i)
-    std::memcpy(row + i * kChannels, row + last * kChannels, 3);
-  return last >= 0;
-}
+// What JPEG codes together with 4:2:0.
+constexpr int kUnitPx = 16;
 
+// Beyond the edge, but within its JPEG unit, the mean of the covered pixels; black farther out.
 void FillOutside(Canvas& canvas) {
-  int last = -1;
-  const std::size_t row_bytes = static_cast<std::size_t>(canvas.side_px) * kChannels;
-  for (int y = 0; y < canvas.side_px; ++y) {
-    if (!FillRow(canvas.Row(y), canvas.side_px)) continue;
-    const int middle = last < 0 ? 0 : (last + y + 1) / 2;
-    for (int i = last + 1; i < y; ++i)
-      std::memcpy(canvas.Row(i), canvas.Row(i < middle ? last : y), row_bytes);
-    last = y;
+  for (int top = 0; top < canvas.side_px; top += kUnitPx) {
+    for (int left = 0; left < canvas.side_px; left += kUnitPx) {
+      const int bottom = std::min(top + kUnitPx, canvas.side_px), right = std::min(left + kUnitPx, canvas.side_px);
+      std::array<int, 3> sum{};
+      int covered = 0;
+      const auto visit = [&](auto&& act) {
+        for (int y = top; y < bottom; ++y) {
+          for (int x = left; x < right; ++x) act(canvas.Row(y) + x * kChannels);
+        }
+      };
+      visit([&](const std::uint8_t* pixel) {
+        if (pixel[3] < kCoveredAlpha) return;
+        ++covered;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += pixel[c];
+      });
+      visit([&](std::uint8_t* pixel) {
+        if (pixel[3] >= kCoveredAlpha) return;
+        for (std::size_t c = 0; c < 3; ++c) {
+          pixel[c] = covered == 0 ? 0 : static_cast<std::uint8_t>((sum[c] + covered / 2) / covered);
+        }
+      });
+    }
   }
-  for (int i = last + 1; last >= 0 && i < canvas.side_px; ++i)
-    std::memcpy(canvas.Row(i), canvas.Row(last), row_bytes);
 }
 
 std::string EncodeJpeg(const Canvas& canvas, int quality) {

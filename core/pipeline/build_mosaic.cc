@@ -18,6 +18,7 @@
 #include "core/render/estimate_exposure.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
+#include "core/render/seam_map.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -110,12 +111,15 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   auto plan = stages.Run("plan", [&] { return render::PlanMosaic(*aligned, ground, {options.gsd_m, options.feather_m}); });
   if (!plan) return plan.error();
 
-  const render::ExposureModel exposure = stages.Run("expose", [&] {
-    return render::EstimateExposure(*aligned, ground, ThumbnailsOf(*aligned, checked->thumbnails));
+  const std::vector<render::Thumbnail> thumbnails = ThumbnailsOf(*aligned, checked->thumbnails);
+  const render::ExposureModel exposure =
+      stages.Run("expose", [&] { return render::EstimateExposure(*aligned, ground, thumbnails); });
+  const render::SeamMap seams = stages.Run("seam", [&] {
+    return render::BuildSeamMap(*aligned, ground, *plan, exposure, thumbnails, {.threads = options.threads});
   });
   auto rendered = stages.Run("render", [&] {
     render::PhotoCache cache(photo_source, options.max_memory_bytes / 2);
-    const render::RenderContext context{*aligned, ground, exposure, *plan, cache};
+    const render::RenderContext context{*aligned, ground, exposure, seams, *plan, cache};
     const render::RenderOptions render_options{
         options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
     return render::RenderTiles(context, render_options, sink, progress);

@@ -1,13 +1,16 @@
-// Which photo owns which pixel of a block, and how neighbours blend across the seam. Every weight is a function of
-// the pixel's ground point alone, so it is the same in whatever block or thread it is computed.
-// The photo whose camera stood most nearly above the point wins; towards its own border a photo gives way. Any thread.
+// Which photo shows which pixel of a block, and how neighbours blend across the seam: the seam map's cells,
+// smoothed to pixels. Every weight is a function of the pixel's place alone, so it is the same in whatever
+// block or thread it is computed. Where no photo of the seam map sees a pixel, the one that sees it best
+// does. Any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
 #include "core/render/block_geometry.h"
+#include "core/render/seam_map.h"
 
 namespace skyquilt::render {
 
@@ -18,13 +21,26 @@ struct PhotoShare {
   std::vector<float> weight;  // row by row; the shares of all photos at a covered pixel add up to 1
 };
 
-struct WeighOptions {
-  double feather_m = 0.5;
+// The part of the seam map below a block.
+struct BlockCells {
+  const SeamMap& seams;
+  Eigen::Vector2i corner;  // the block's first cell
+  int side = 0;            // cells
+
+  BlockCells(const SeamMap& map, const geo::TileId& block_tile, int block_levels);
+  // The photos that show some of it, with the cells around that blend into it.
+  std::vector<std::uint32_t> Photos() const {
+    return seams.PhotosIn(corner.x() - 1, corner.y() - 1, side + 2, side + 2);
+  }
+  // Whether all of it is shown by those alone: no map edge, no photo edge within.
+  bool IsInner() const;
 };
 
-// views[i] belongs to photos[i]; photos are indices into the flight, rising.
-std::vector<PhotoShare> WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
+// views[i] belongs to photos[i]; photos are indices into the flight, rising. transition_m: the seam's width
+// (0: 16 pixels).
+std::vector<PhotoShare> WeighPhotos(const alignment::AlignedFlight& flight,
+                                    const std::vector<std::uint32_t>& photos,
                                     const std::vector<PhotoView>& views, const BlockGeometry& block,
-                                    const WeighOptions& options);
+                                    const BlockCells& cells, double transition_m);
 
 }  // namespace skyquilt::render

@@ -16,21 +16,25 @@ constexpr double kSpotsAcrossPhoto = 14.0;
 constexpr float kDarkest = 12.0f;
 constexpr float kBrightest = 246.0f;
 
-// Mean colour of 3 x 3 thumbnail pixels around a full-size pixel; nothing near the border or where it is clipped.
-std::optional<std::array<float, 3>> Colour(const Thumbnail& thumbnail, const camera::Intrinsics& lens,
+// Half the side of the patch whose mean is taken, as a share of the thumbnail's width.
+constexpr double kHalfPatchShare = 1.0 / 128.0;
+
+// Mean colour of a small patch around a full-size pixel; nothing near the border or where it is clipped.
+std::optional<std::array<float, 3>> Colour(const DecodedThumbnail& thumbnail, const camera::Intrinsics& lens,
                                            const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>((pixel.x() + 0.5) * thumbnail.width_px / lens.width_px);
   const int y = static_cast<int>((pixel.y() + 0.5) * thumbnail.height_px / lens.height_px);
-  if (x < 1 || y < 1 || x + 1 >= thumbnail.width_px || y + 1 >= thumbnail.height_px) return std::nullopt;
+  const int half = std::max(1, static_cast<int>(thumbnail.width_px * kHalfPatchShare));
+  if (x < half || y < half || x + half >= thumbnail.width_px || y + half >= thumbnail.height_px) return std::nullopt;
   std::array<float, 3> sum{};
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
+  for (int dy = -half; dy <= half; ++dy) {
+    for (int dx = -half; dx <= half; ++dx) {
       const std::size_t k = (static_cast<std::size_t>(y + dy) * thumbnail.width_px + (x + dx)) * 3;
       for (std::size_t c = 0; c < 3; ++c) sum[c] += thumbnail.rgb[k + c];
     }
   }
   for (float& value : sum) {
-    value /= 9.0f;
+    value /= static_cast<float>((2 * half + 1) * (2 * half + 1));
     if (value < kDarkest || value > kBrightest) return std::nullopt;
     value = std::log(value);
   }
@@ -59,6 +63,7 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
     if (bounds.IsEmpty()) continue;
     const double reach_m = std::max(bounds.Width(), bounds.Height());
     if (reach_m > 60.0 * step_m) continue;  // a look towards the horizon says nothing of exposure
+    const DecodedThumbnail thumbnail = Decode(thumbnails[i]);
     const double half_diagonal_px = 0.5 * std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px);
     for (auto row = static_cast<std::int64_t>(std::floor(bounds.min.y() / step_m)); row * step_m <= bounds.max.y(); ++row) {
       for (auto column = static_cast<std::int64_t>(std::floor(bounds.min.x() / step_m)); column * step_m <= bounds.max.x();
@@ -67,7 +72,7 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
         const auto pixel = camera::PixelFromEnu(photo.intrinsics, photo.cam_from_enu,
                                                 {spot.x(), spot.y(), ground.HeightAt(spot)});
         if (!pixel) continue;
-        const auto colour = Colour(thumbnails[i], photo.intrinsics, *pixel);
+        const auto colour = Colour(thumbnail, photo.intrinsics, *pixel);
         if (!colour) continue;
         const std::int64_t cell = (row << 32) ^ (column & 0xffffffff);
         const auto number = spot_of_cell.try_emplace(cell, static_cast<std::uint32_t>(spot_of_cell.size())).first->second;

@@ -22,8 +22,9 @@ struct MosaicPlan {
   int block_levels = 2;      // a block is 2^block_levels tiles a side
   int tile_size_px = 256;
   geo::Bounds2 bounds_in_merc;
+  std::vector<geo::Bounds2> seen_in_merc;  // by photo: what it may see; empty when it sees no ground
   std::vector<RenderBlock> blocks;  // along the Hilbert curve, so that neighbours share decoded photos
-  double feather_m = 0.0;
+  double feather_m = 0.0;  // width of the seams' transition; 0 = 16 pixels
   std::int64_t output_pixels = 0;   // upper bound
 
   int BlockSizePx() const { return tile_size_px << block_levels; }

@@ -79,7 +79,8 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
                               const PlanOptions& options) {
   MosaicPlan plan;
   std::vector<double> gsds;
-  std::vector<geo::Bounds2> seen(flight.photos.size());
+  std::vector<geo::Bounds2>& seen = plan.seen_in_merc;
+  seen.resize(flight.photos.size());
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
     seen[i] = BoundsSeen(flight.photos[i], flight, ground);
     if (seen[i].IsEmpty()) continue;
@@ -101,8 +102,7 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   }
   plan.block_levels = 0;
   while (plan.block_levels < plan.base_zoom && plan.BlockSizePx() < kBlockSizePx) ++plan.block_levels;
-  const double pixel_m = geo::PixelSizeInMercM(plan.base_zoom, plan.tile_size_px) * geo::GroundMetresPerMercMetre(lat_deg);
-  plan.feather_m = options.feather_m > 0.0 ? options.feather_m : 24.0 * pixel_m;
+  plan.feather_m = options.feather_m;
 
   const int block_zoom = plan.base_zoom - plan.block_levels;
   // The ground bends and photos lean: a photo is asked about a little more than it may turn out to see.

@@ -13,7 +13,7 @@ namespace skyquilt::render {
 
 struct PlanOptions {
   std::optional<double> gsd_m;  // of the output; default: that of the photos
-  double feather_m = 0.0;       // 0 = 24 output pixels
+  double feather_m = 0.0;       // 0 = 16 pixels
 };
 
 Result<MosaicPlan> PlanMosaic(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,

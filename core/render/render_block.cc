@@ -1,7 +1,9 @@
 #include "core/render/render_block.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "core/geo/web_mercator.h"
@@ -49,9 +51,53 @@ PixelMaps MapsFor(const PhotoShare& share, const PhotoView& view, int nodes_per_
   return maps;
 }
 
+// What the seam map adds to the photo, in grey levels: bilinear between the centres of the cells.
+class SeamLight {
+ public:
+  SeamLight(const PhotoShare& share, const BlockCells& cells)
+      : levels_(cells.seams.levels[share.photo]), cells_(cells), share_(share), row_(static_cast<std::size_t>(share.width)) {}
+  bool IsEmpty() const { return levels_.eighths.empty(); }
+
+  // Of one row of the share.
+  const std::vector<std::array<float, 3>>& Row(int y) {
+    const float cell_px = static_cast<float>(cells_.seams.grid.cell_px);
+    const float v = (static_cast<float>(share_.y + y) + 0.5f) / cell_px - 0.5f;
+    const int row = static_cast<int>(std::floor(v));
+    const float fv = v - static_cast<float>(row);
+    int column = std::numeric_limits<int>::min();
+    std::array<float, 3> west{}, east{};
+    const auto column_at = [&](int at) {
+      const auto upper = levels_.At(cells_.corner.x() + at, cells_.corner.y() + row);
+      const auto lower = levels_.At(cells_.corner.x() + at, cells_.corner.y() + row + 1);
+      std::array<float, 3> mixed{};
+      for (std::size_t c = 0; c < 3; ++c) mixed[c] = upper[c] + fv * (lower[c] - upper[c]);
+      return mixed;
+    };
+    for (int x = 0; x < share_.width; ++x) {
+      const float u = (static_cast<float>(share_.x + x) + 0.5f) / cell_px - 0.5f;
+      const int at = static_cast<int>(std::floor(u));
+      if (at != column) {
+        column = at;
+        west = column_at(at);
+        east = column_at(at + 1);
+      }
+      const float fu = u - static_cast<float>(at);
+      for (std::size_t c = 0; c < 3; ++c) row_[static_cast<std::size_t>(x)][c] = west[c] + fu * (east[c] - west[c]);
+    }
+    return row_;
+  }
+
+ private:
+  const PhotoLevels& levels_;
+  const BlockCells& cells_;
+  const PhotoShare& share_;
+  std::vector<std::array<float, 3>> row_;
+};
+
 void Accumulate(const PhotoShare& share, const cv::Mat3b& warped, const PixelMaps& maps, const PhotoTone& tone,
-                const camera::Intrinsics& lens, int denominator, int block_size_px, std::vector<float>& sum_rgb,
-                std::vector<std::uint8_t>& covered) {
+                const camera::Intrinsics& lens, int denominator, int block_size_px, SeamLight light,
+                std::vector<float>& sum_rgb, std::vector<std::uint8_t>& covered) {
+  const std::vector<std::array<float, 3>> no_light(static_cast<std::size_t>(share.width));
   const float center_x = static_cast<float>((lens.center_x_px + 0.5) / denominator - 0.5);
   const float center_y = static_cast<float>((lens.center_y_px + 0.5) / denominator - 0.5);
   const double half_diagonal_px = 0.5 * std::hypot(lens.width_px, lens.height_px) / denominator;
@@ -65,6 +111,7 @@ void Accumulate(const PhotoShare& share, const cv::Mat3b& warped, const PixelMap
     const auto* rgb = warped.ptr<std::uint8_t>(y);
     const float* map_x = maps.x[y];
     const float* map_y = maps.y[y];
+    const std::vector<std::array<float, 3>>& added = light.IsEmpty() ? no_light : light.Row(y);
     const std::size_t base = static_cast<std::size_t>(share.y + y) * block_size_px + share.x;
     for (int x = 0; x < share.width; ++x) {
       if (weight[x] <= 0.0f) continue;
@@ -74,7 +121,8 @@ void Accumulate(const PhotoShare& share, const cv::Mat3b& warped, const PixelMap
       const float brighten = 1.0f / (1.0f + r2 * (a[0] + r2 * (a[1] + r2 * a[2])));
       float* out = sum_rgb.data() + (base + x) * 3;
       for (int c = 0; c < 3; ++c) {
-        out[c] += weight[x] * std::min(255.0f, static_cast<float>(rgb[3 * x + c]) * gain[c] * brighten);
+        const float value = static_cast<float>(rgb[3 * x + c]) * gain[c] * brighten + added[static_cast<std::size_t>(x)][static_cast<std::size_t>(c)];
+        out[c] += weight[x] * std::clamp(value, 0.0f, 255.0f);
       }
       covered[base + x] = 255;
     }
@@ -94,11 +142,14 @@ int DenominatorFor(const alignment::AlignedPhoto& photo, double output_pixel_m) 
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block) {
   const int size_px = context.plan.BlockSizePx();
   const BlockGeometry geometry = MakeBlockGeometry(block.tile, size_px, context.flight.frame, context.ground);
+  const BlockCells cells(context.seams, block.tile, context.plan.block_levels);
+  // At the map's edge a pixel may be seen by a photo that has no cell here.
+  const std::vector<std::uint32_t> photos = cells.IsInner() ? cells.Photos() : block.photos;
   std::vector<PhotoView> views;
-  views.reserve(block.photos.size());
-  for (const std::uint32_t photo : block.photos) views.push_back(ViewBlock(context.flight.photos[photo], geometry));
+  views.reserve(photos.size());
+  for (const std::uint32_t photo : photos) views.push_back(ViewBlock(context.flight.photos[photo], geometry));
   const std::vector<PhotoShare> shares =
-      WeighPhotos(context.flight, block.photos, views, geometry, {context.plan.feather_m});
+      WeighPhotos(context.flight, photos, views, geometry, cells, context.plan.feather_m);
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
   if (shares.empty()) return image;
@@ -109,7 +160,7 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
   for (const PhotoShare& share : shares) {
     if (std::none_of(share.weight.begin(), share.weight.end(), [](float w) { return w > 0.0f; })) continue;
     const alignment::AlignedPhoto& photo = context.flight.photos[share.photo];
-    const auto at = std::lower_bound(block.photos.begin(), block.photos.end(), share.photo) - block.photos.begin();
+    const auto at = std::lower_bound(photos.begin(), photos.end(), share.photo) - photos.begin();
     const int denominator = DenominatorFor(photo, pixel_m);
     const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator);
     if (!decoded) return decoded.error();
@@ -121,7 +172,7 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
     cv::Mat3b warped;
     cv::remap(source_rgb, warped, maps.x, maps.y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
     Accumulate(share, warped, maps, context.exposure.photos[share.photo], photo.intrinsics, denominator, size_px,
-               sum_rgb, covered);
+               SeamLight(share, cells), sum_rgb, covered);
   }
   for (std::size_t i = 0; i < covered.size(); ++i) {
     if (covered[i] == 0) continue;

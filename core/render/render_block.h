@@ -9,6 +9,7 @@
 #include "core/render/exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/photo_cache.h"
+#include "core/render/seam_map.h"
 
 namespace skyquilt::render {
 
@@ -16,6 +17,7 @@ struct RenderContext {
   const alignment::AlignedFlight& flight;
   const ground::GroundSurface& ground;
   const ExposureModel& exposure;
+  const SeamMap& seams;
   const MosaicPlan& plan;
   PhotoCache& cache;
 };

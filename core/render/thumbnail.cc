@@ -1,7 +1,11 @@
 #include "core/render/thumbnail.h"
 
 #include <algorithm>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "core/base/check.h"
 
 namespace skyquilt::render {
 
@@ -10,14 +14,26 @@ Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const fligh
   const int denominator = long_side >= 8 * kThumbnailSidePx ? 8 : long_side >= 4 * kThumbnailSidePx ? 4 : 1;
   Result<pipeline::DecodedImage> decoded = source.Decode(photo, denominator);
   if (!decoded) return decoded.error();
-  const cv::Mat3b full(decoded->height_px, decoded->width_px, reinterpret_cast<cv::Vec3b*>(decoded->rgb.data()));
+  const cv::Mat3b full(decoded->height_px, decoded->width_px,
+                       reinterpret_cast<cv::Vec3b*>(decoded->rgb.data()));
   const double scale = std::min(1.0, static_cast<double>(kThumbnailSidePx) / std::max(full.cols, full.rows));
   cv::Mat3b small;
-  cv::resize(full, small, {std::max(1, cvRound(full.cols * scale)), std::max(1, cvRound(full.rows * scale))}, 0, 0,
-             cv::INTER_AREA);
+  cv::resize(full, small, {std::max(1, cvRound(full.cols * scale)), std::max(1, cvRound(full.rows * scale))},
+             0, 0, cv::INTER_AREA);
   Thumbnail thumbnail{photo.name, small.cols, small.rows, {}};
-  thumbnail.rgb.assign(small.data, small.data + small.total() * 3);
+  cv::cvtColor(small, small, cv::COLOR_RGB2BGR);
+  if (!cv::imencode(".jpg", small, thumbnail.jpeg, {cv::IMWRITE_JPEG_QUALITY, 92})) {
+    throw std::runtime_error("no encoder for thumbnails");
+  }
   return thumbnail;
+}
+
+DecodedThumbnail Decode(const Thumbnail& thumbnail) {
+  cv::Mat image = cv::imdecode(thumbnail.jpeg, cv::IMREAD_COLOR);
+  SKYQUILT_CHECK(image.cols == thumbnail.width_px && image.rows == thumbnail.height_px,
+                 "a thumbnail changed in memory");
+  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  return {image.cols, image.rows, {image.data, image.data + image.total() * 3}};
 }
 
 }  // namespace skyquilt::render

@@ -1,4 +1,5 @@
-// Thumbnail: a photo averaged down to at most kThumbnailSidePx, for what needs colour but no detail. A value.
+// Thumbnail: a photo averaged down to at most kThumbnailSidePx, for what needs colour but no detail. Kept as
+// JPEG: a flight of thousands holds all of them. A value.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +12,16 @@
 
 namespace skyquilt::render {
 
-inline constexpr int kThumbnailSidePx = 160;
+inline constexpr int kThumbnailSidePx = 384;
 
 struct Thumbnail {
   std::string photo_name;
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> jpeg;
+};
+
+struct DecodedThumbnail {
   int width_px = 0;
   int height_px = 0;
   std::vector<std::uint8_t> rgb;
@@ -22,5 +29,7 @@ struct Thumbnail {
 
 // Errors: those of decoding.
 Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo);
+
+DecodedThumbnail Decode(const Thumbnail& thumbnail);
 
 }  // namespace skyquilt::render

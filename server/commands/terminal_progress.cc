@@ -28,6 +28,7 @@ std::string StageWords(std::string_view stage) {
   if (stage == "ground") return "Modelling the ground";
   if (stage == "plan") return "Planning";
   if (stage == "expose") return "Matching exposure";
+  if (stage == "seam") return "Placing the seams";
   if (stage == "render") return "Rendering";
   if (stage == "export") return "Writing the other formats";
   return std::string(stage);

@@ -39,7 +39,7 @@ class JobProgressTest : public testing::Test {
 TEST(WholeJobFraction, GrowsThroughTheStages) {
   double before = -1.0;
   for (const char* stage :
-       {"read", "check", "pose", "align", "ground", "plan", "expose", "render", "export"}) {
+       {"read", "check", "pose", "align", "ground", "plan", "expose", "seam", "render", "export"}) {
     EXPECT_GT(WholeJobFraction(stage, 0.5), before) << stage;
     EXPECT_LE(WholeJobFraction(stage, 0.0), WholeJobFraction(stage, 1.0));
     before = WholeJobFraction(stage, 0.5);

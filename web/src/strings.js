@@ -125,6 +125,7 @@ export const strings = {
       ground: 'Shaping the ground',
       plan: 'Planning the mosaic',
       expose: 'Evening out the light',
+      seam: 'Placing the seams',
       render: 'Drawing the map',
       overviews: 'Drawing the overviews',
       pyramid: 'Drawing the overviews',

@@ -1,0 +1,196 @@
+#include "core/render/render_tiles.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/geo/hilbert.h"
+#include "core/render/block_geometry.h"
+#include "tests/support/map_truth.h"
+#include "tests/support/memory_sink.h"
+#include "tests/support/simulated_map.h"
+
+namespace skyquilt::render {
+namespace {
+
+test::SimulatedMap SmallMap(const PlanOptions& plan = {}) {
+  simulate::SimulateOptions options;
+  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  options.intrinsics.k1 = -0.1;
+  options.trajectory.photos = 9;
+  options.trajectory.yaw_rule = simulate::YawRule::kAnywhere;
+  options.vignetting = 0.2;
+  options.exposure_jitter = 0.08;
+  return test::MakeSimulatedMap(options, plan);
+}
+
+// The same map cut into blocks of another size.
+MosaicPlan WithBlockLevels(const MosaicPlan& plan, int block_levels) {
+  MosaicPlan other = plan;
+  other.block_levels = block_levels;
+  const int block_zoom = plan.base_zoom - block_levels;
+  std::map<std::uint64_t, RenderBlock> blocks;
+  for (const RenderBlock& block : plan.blocks) {
+    const int finer = block_zoom - block.tile.z();
+    const int across = finer > 0 ? 1 << finer : 1;
+    for (int y = 0; y < across; ++y) {
+      for (int x = 0; x < across; ++x) {
+        const std::int64_t column =
+            finer > 0 ? (std::int64_t{block.tile.x()} << finer) + x : block.tile.x() >> -finer;
+        const std::int64_t row =
+            finer > 0 ? (std::int64_t{block.tile.y()} << finer) + y : block.tile.y() >> -finer;
+        RenderBlock& made = blocks[geo::HilbertIndex(block_zoom, static_cast<std::uint32_t>(column),
+                                                     static_cast<std::uint32_t>(row))];
+        made.tile = *geo::TileId::Make(block_zoom, column, row);
+        std::vector<std::uint32_t> photos;
+        std::set_union(made.photos.begin(), made.photos.end(), block.photos.begin(), block.photos.end(),
+                       std::back_inserter(photos));
+        made.photos = photos;
+      }
+    }
+  }
+  other.blocks.clear();
+  for (auto& [index, block] : blocks) other.blocks.push_back(block);
+  return other;
+}
+
+TEST(RenderTiles, DoesNotDependOnBlockSizeOrThreads) {
+  test::SimulatedMap map = SmallMap();
+  const SeamMap seams = map.Seams({});
+  const MosaicPlan planned = map.plan;
+  ASSERT_EQ(planned.block_levels, 2);
+  test::MemorySink expected;
+  RenderMap(map, seams, 1, expected);
+  EXPECT_GT(expected.tiles.size(), 30u);
+  for (const int block_levels : {0, 1, 2}) {
+    for (const int threads : {1, 2}) {
+      map.plan = WithBlockLevels(planned, block_levels);
+      test::MemorySink tiles;
+      RenderMap(map, seams, threads, tiles);
+      EXPECT_TRUE(tiles.tiles == expected.tiles)
+          << block_levels << " block levels, " << threads << " threads";
+    }
+  }
+}
+
+TEST(RenderTiles, ShowsTheWorldWhereItIs) {
+  const test::SimulatedMap map = SmallMap();
+  test::MemorySink tiles;
+  RenderMap(map, map.Seams({}), 2, tiles);
+  const test::MapError error = test::MeasureMapError(tiles, map.truth.world, map.flight.frame);
+  EXPECT_GT(error.patches, 20);
+  EXPECT_LT(error.shift_rmse_px, 0.25);
+}
+
+// Whatever is covered is as bright in an overview as in the tiles below it: no dark fringe at the map's edge.
+TEST(RenderTiles, OverviewsHaveNoFringe) {
+  const test::SimulatedMap map = SmallMap();
+  test::MemorySink tiles;
+  RenderMap(map, map.Seams({}), 2, tiles);
+  double darkest = 255.0;
+  int fringe_pixels = 0;
+  for (const auto& [tile, stored] : tiles.tiles) {
+    if (tile.z() == map.plan.base_zoom || stored.format != pipeline::TileFormat::kPng) continue;
+    const cv::Mat image = cv::imdecode(stored.bytes, cv::IMREAD_UNCHANGED);
+    for (int y = 1; y + 1 < image.rows; ++y) {
+      for (int x = 1; x + 1 < image.cols; ++x) {
+        const auto pixel = image.at<cv::Vec4b>(y, x);
+        if (pixel[3] == 0 || pixel[3] == 255) continue;
+        // Against the brightest fully covered neighbour.
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+          const auto inner = image.at<cv::Vec4b>(y + dy, x + dx);
+          if (inner[3] != 255) continue;
+          ++fringe_pixels;
+          darkest = std::min(darkest, (pixel[0] + pixel[1] + pixel[2] + 1.0) /
+                                          (inner[0] + inner[1] + inner[2] + 1.0) * 255.0);
+          break;
+        }
+      }
+    }
+  }
+  EXPECT_GT(fringe_pixels, 100);
+  // A fringe would be black mixed in: half of what lies beside it or less.
+  EXPECT_GT(darkest, 90.0);
+}
+
+// A photo of rings that grow finer outwards, rendered at a quarter of its resolution: what cannot be shown
+// must turn to grey, not to other rings.
+TEST(RenderTiles, DoesNotAlias) {
+  class ZonePlate final : public pipeline::PhotoSource {
+   public:
+    Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+      pipeline::DecodedImage image{photo.intrinsics.width_px, photo.intrinsics.height_px, {}};
+      image.rgb.resize(static_cast<std::size_t>(image.width_px) * image.height_px * 3);
+      cv::Mat whole(image.height_px, image.width_px, CV_8UC3, image.rgb.data());
+      for (int y = 0; y < whole.rows; ++y) {
+        for (int x = 0; x < whole.cols; ++x) {
+          const double r2 = std::pow(x - 0.5 * whole.cols, 2) + std::pow(y - 0.5 * whole.rows, 2);
+          // Reaches a period of two pixels at the image's upper edge.
+          const auto value =
+              static_cast<uchar>(std::lround(127.5 + 110.0 * std::cos(3.14159265 * r2 / whole.rows)));
+          whole.at<cv::Vec3b>(y, x) = {value, value, value};
+        }
+      }
+      if (denominator == 1) return image;
+      pipeline::DecodedImage small{(image.width_px + denominator - 1) / denominator,
+                                   (image.height_px + denominator - 1) / denominator,
+                                   {}};
+      small.rgb.resize(static_cast<std::size_t>(small.width_px) * small.height_px * 3);
+      cv::Mat out(small.height_px, small.width_px, CV_8UC3, small.rgb.data());
+      cv::resize(whole, out, out.size(), 0, 0, cv::INTER_AREA);
+      return small;
+    }
+  };
+  simulate::SimulateOptions options;
+  options.intrinsics = camera::Intrinsics::Centered(1200, 1200, 900.0);
+  options.trajectory.photos = 1;
+  for (const double times_coarser : {1.3, 2.0, 2.8, 4.0, 6.0}) {
+    test::SimulatedMap map = test::MakeSimulatedMap(options);
+    map.plan = *PlanMosaic(map.flight, map.ground, {.gsd_m = times_coarser * map.plan.gsd_m});
+    const ZonePlate zone_plate;
+    map.thumbnails = {*MakeThumbnail(zone_plate, map.flight.photos[0].photo)};
+    PhotoCache cache(zone_plate, std::int64_t{1} << 28);
+    const SeamMap seams = map.Seams({});
+    double worst = 0.0;
+    int looked_at = 0;
+    for (const RenderBlock& block : map.plan.blocks) {
+      const auto image =
+          RenderBlockPixels({map.flight, map.ground, map.exposure, seams, map.plan, cache}, block);
+      ASSERT_TRUE(image);
+      const BlockGeometry geometry =
+          MakeBlockGeometry(block.tile, map.plan.BlockSizePx(), map.flight.frame, map.ground);
+      const PhotoView view = ViewBlock(map.flight.photos[0], geometry);
+      const double shrink = (view.pixel_in_image[1] - view.pixel_in_image[0]).norm() / kNodeStepPx;
+      for (int node = 0; node + geometry.nodes_per_side + 1 < static_cast<int>(view.pixel_in_image.size());
+           ++node) {
+        const int column = node % geometry.nodes_per_side, row = node / geometry.nodes_per_side;
+        if (column + 1 == geometry.nodes_per_side || row + 1 == geometry.nodes_per_side) continue;
+        const Eigen::Vector2f at = view.pixel_in_image[static_cast<std::size_t>(node)];
+        const double r = std::hypot(at.x() - 600.0, at.y() - 600.0);
+        // Frequency there, cycles a map pixel: well beyond what the map can hold, and inside the photo.
+        const double cycles = r / 1200.0 * shrink;
+        if (!(cycles > 0.85) || r > 560.0 || std::isnan(at.x())) continue;
+        double sum = 0.0, squares = 0.0;
+        for (int y = 0; y < kNodeStepPx; ++y) {
+          for (int x = 0; x < kNodeStepPx; ++x) {
+            const double value = image->Pixel(column * kNodeStepPx + x, row * kNodeStepPx + y)[0];
+            sum += value, squares += value * value;
+          }
+        }
+        const double pixels = kNodeStepPx * kNodeStepPx;
+        worst = std::max(worst, std::sqrt(std::max(0.0, squares / pixels - std::pow(sum / pixels, 2))));
+        ++looked_at;
+      }
+    }
+    if (times_coarser >= 4.0) {
+      EXPECT_GT(looked_at, 5) << times_coarser;
+    }
+    // Aliased rings would have the full contrast: a deviation of 78.
+    EXPECT_LT(worst, 25.0) << "coarser by " << times_coarser;
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::render

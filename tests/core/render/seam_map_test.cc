@@ -1,0 +1,85 @@
+#include "core/render/seam_map.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/simulated_map.h"
+
+namespace skyquilt::render {
+namespace {
+
+simulate::SimulateOptions SmallFlight() {
+  simulate::SimulateOptions options;
+  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  options.trajectory.photos = 12;
+  options.vignetting = 0.2;
+  options.exposure_jitter = 0.08;
+  return options;
+}
+
+TEST(SeamMap, GivesEverySeenCellToAPhotoThatSeesIt) {
+  const test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight());
+  const SeamMap seams = map.Seams({});
+  int cells = 0;
+  for (int row = 0; row < seams.grid.rows; ++row) {
+    for (int column = 0; column < seams.grid.columns; ++column) {
+      const std::int32_t photo = seams.labels.At(column, row);
+      if (photo == kNoPhoto) {
+        for (const PhotoLevels& levels : seams.levels) EXPECT_FALSE(levels.SeesWhole(column, row));
+        continue;
+      }
+      ++cells;
+      bool someone_sees_it_whole = false;
+      for (const PhotoLevels& levels : seams.levels) someone_sees_it_whole |= levels.SeesWhole(column, row);
+      EXPECT_EQ(seams.levels[static_cast<std::size_t>(photo)].SeesWhole(column, row), someone_sees_it_whole);
+    }
+  }
+  EXPECT_GT(cells, 5000);
+}
+
+TEST(SeamMap, IsTheSameWithAnyNumberOfThreads) {
+  const test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight());
+  const SeamMap one = map.Seams({.threads = 1}), three = map.Seams({.threads = 3});
+  for (int row = 0; row < one.grid.rows; ++row) {
+    for (int column = 0; column < one.grid.columns; ++column) {
+      ASSERT_EQ(one.labels.At(column, row), three.labels.At(column, row));
+    }
+  }
+  for (std::size_t i = 0; i < one.levels.size(); ++i)
+    EXPECT_EQ(one.levels[i].eighths, three.levels[i].eighths);
+}
+
+TEST(SeamMap, GoesRoundCarsThatMove) {
+  const test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight(), {}, 60);
+  const test::ObjectCount nearest = test::CountCars(map, map.Seams({.moves_seams = false}));
+  const test::ObjectCount moved = test::CountCars(map, map.Seams({}));
+  EXPECT_GE(nearest.twice + nearest.in_part, 3) << "the scene must be hard for this to say anything";
+  EXPECT_LE(moved.BrokenShare(), 0.05) << moved.twice << " twice, " << moved.in_part << " in part";
+}
+
+TEST(SeamMap, GoesRoundBuildings) {
+  simulate::SimulateOptions options = SmallFlight();
+  options.world.has_boxes = true;
+  options.world.seed = 2;
+  options.trajectory.photos = 40;
+  options.trajectory.height_m = 90.0;
+  const test::SimulatedMap map = test::MakeSimulatedMap(options);
+  const test::ObjectCount roofs = test::CountRoofs(map, map.Seams({}));
+  ASSERT_GT(roofs.objects, 5);
+  EXPECT_LE(roofs.BrokenShare(), 0.05) << roofs.twice << " twice, " << roofs.in_part << " in part";
+}
+
+TEST(SeamMap, CorrectionsOfNeighboursMeetAtTheSeam) {
+  const test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight());
+  const SeamMap seams = map.Seams({});
+  double corrections = 0.0;
+  for (const PhotoLevels& levels : seams.levels) {
+    for (const auto& eighths : levels.eighths)
+      corrections = std::max(corrections, std::abs(eighths[0] / 8.0));
+  }
+  // Most of the light was evened out by the gains: what is left is small, and it is there.
+  EXPECT_GT(corrections, 0.2);
+  EXPECT_LT(corrections, 12.0);
+}
+
+}  // namespace
+}  // namespace skyquilt::render

@@ -1,0 +1,71 @@
+// SimulatedMap: a simulated flight with exactly known poses, up to where its map can be rendered; and the
+// truth of what stands or moves on its ground. For tests and benchmarks of the renderer.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/render/exposure.h"
+#include "core/render/mosaic_plan.h"
+#include "core/render/plan_mosaic.h"
+#include "core/render/render_tiles.h"
+#include "core/render/seam_map.h"
+#include "core/render/thumbnail.h"
+#include "core/simulate/simulate_flight.h"
+
+namespace skyquilt::test {
+
+// A flat painted car that drives along a straight line at constant speed.
+struct Car {
+  Eigen::Vector2d start_in_enu = Eigen::Vector2d::Zero();
+  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+  std::array<std::uint8_t, 3> rgb{200, 30, 30};
+
+  Eigen::Vector2d PlaceAt(double t_s, const Eigen::Vector2d& in_car_m) const;
+};
+
+inline constexpr double kCarLengthM = 4.5, kCarWidthM = 1.8;
+
+// The photos, rendered once and kept, with the cars painted in.
+class KeptPhotos final : public pipeline::PhotoSource {
+ public:
+  KeptPhotos(const simulate::SimulatedFlight& flight, const std::vector<Car>& cars);
+  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
+
+ private:
+  std::map<std::string, pipeline::DecodedImage> images_;
+};
+
+struct SimulatedMap {
+  simulate::SimulatedFlight truth;
+  std::vector<Car> cars;
+  std::unique_ptr<KeptPhotos> photos;
+  alignment::AlignedFlight flight;
+  ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
+  render::MosaicPlan plan;
+  std::vector<render::Thumbnail> thumbnails;
+  render::ExposureModel exposure;
+
+  render::SeamMap Seams(const render::SeamOptions& options) const;
+};
+
+SimulatedMap MakeSimulatedMap(const simulate::SimulateOptions& options, const render::PlanOptions& plan = {},
+                              int cars = 0);
+
+// The map as tiles in memory.
+class MemorySink;
+void RenderMap(const SimulatedMap& map, const render::SeamMap& seams, int threads, MemorySink& sink);
+
+// How things that lean or move come out: each is whole, gone, or broken (shown twice or in part).
+struct ObjectCount {
+  int objects = 0;
+  int twice = 0;
+  int in_part = 0;
+  double BrokenShare() const { return objects == 0 ? 0.0 : static_cast<double>(twice + in_part) / objects; }
+};
+ObjectCount CountCars(const SimulatedMap& map, const render::SeamMap& seams);
+ObjectCount CountRoofs(const SimulatedMap& map, const render::SeamMap& seams);
+
+}  // namespace skyquilt::test
