@@ -15,6 +15,7 @@
 #include "core/alignment/link_photos.h"
 #include "core/alignment/link_rounds.h"
 #include "core/alignment/place_photos.h"
+#include "core/alignment/tie_to_control.h"
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
 
@@ -186,6 +187,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     first.max_iterations = 15;
     summary = AdjustBundle(problem, first);
     report.iterations += summary.iterations;
+    TieToControl(posed, options.control, problem, report.control);
   }
   if (progress.IsCancelled()) return cancelled;
 
@@ -213,6 +215,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     summary = AdjustBundle(problem, last);
     report.iterations += summary.iterations;
   }
+  ReportControl(problem, report.control);
+  report.position_bias_m = problem.position_bias_m;
   report.tie_points = static_cast<int>(problem.tracks.size());
   report.observations = summary.observations;
   report.observations_dropped = summary.dropped;
@@ -223,6 +227,12 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   const std::vector<Track> ground_tracks = GroundTracks(linked.links, input, options);
   AlignedFlight flight = PlacePhotos(
       {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
+  for (const ControlReport& point : report.control) {
+    if (!point.is_used) {
+      flight.warnings.push_back(
+          fmt::format("ground control point {} is not used: it {}", point.name, point.reason));
+    }
+  }
   flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
   progress.Report(1.0, "aligned");
   return flight;

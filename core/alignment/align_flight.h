@@ -7,8 +7,11 @@
 // with matches searched on the relief of the first.
 #pragma once
 
+#include <vector>
+
 #include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
+#include "core/alignment/ground_control.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/pipeline/ports.h"
@@ -21,6 +24,8 @@ struct AlignOptions {
   int detector_pixels = 375'000;     // pixels of the picture given to the feature detector
   int max_features = 2000;           // kept a photo
   int observations_per_photo = 220;  // tie points a photo brings into the adjustment
+
+  std::vector<ControlPoint> control;  // surveyed points marked in photos
 
   Result<void> Validate() const;
 };

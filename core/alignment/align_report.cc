@@ -71,6 +71,19 @@ std::string AlignReportJson(const AlignReport& report) {
     json["rejected_pairs"].push_back(
         {{"first", pair.first}, {"second", pair.second}, {"matches", pair.matches}, {"rms_m", pair.rms_m}});
   }
+  json["ground_control"] = Json::array();
+  for (const ControlReport& point : report.control) {
+    json["ground_control"].push_back({{"name", point.name},
+                                      {"sightings", point.sightings},
+                                      {"is_used", point.is_used},
+                                      {"reason", point.reason},
+                                      {"miss_east_m", point.miss_east_m},
+                                      {"miss_north_m", point.miss_north_m},
+                                      {"miss_up_m", point.miss_up_m},
+                                      {"residual_px", point.residual_px}});
+  }
+  json["position_bias_m"] = {report.position_bias_m.x(), report.position_bias_m.y(),
+                             report.position_bias_m.z()};
   // Names are the user's: bytes that are not UTF-8 are replaced, never refused.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }

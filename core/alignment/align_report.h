@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
+#include "core/alignment/ground_control.h"
 #include "core/camera/intrinsics.h"
 
 namespace skyquilt::alignment {
@@ -58,6 +59,8 @@ struct AlignReport {
   std::vector<AlignLensReport> lenses;
   std::vector<AlignPhotoReport> photo_reports;
   std::vector<AlignPairReport> rejected_pairs;
+  std::vector<ControlReport> control;
+  Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
   std::vector<std::string> corrections;  // in words, a photo or a line each
 };
 

@@ -16,6 +16,10 @@ constexpr std::size_t kPointSize = 3;
 constexpr double kLossSigmas = 2.5;
 constexpr double kReferenceWidthPx = 4000.0;
 constexpr int kDenseUpToPhotos = 25;
+constexpr double kControlLossSigmas = 5.0;
+constexpr double kPositionBiasSigmaM =
+    30.0;  // of consumer GNSS in a bad hour, and of a wrong reference system
+constexpr double kUnknownHeightSigmaM = 1000.0;
 constexpr double kReliefShare = 0.03;  // of the flying height: how near the ground a soft tie lies
 
 camera::Intrinsics Applied(const camera::Intrinsics& start, const double* lens) {
@@ -67,8 +71,11 @@ class Round {
         options_(options),
         first_lens_(kPoseSize * problem.photos.size()),
         first_bias_(first_lens_ + kLensSize * problem.lenses.size()),
-        first_point_(first_bias_ + kBiasSize * problem.lines),
-        state_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size()), 0.0) {}
+        position_bias_(first_bias_ + kBiasSize * problem.lines),
+        first_point_(position_bias_ + kBiasSize),
+        state_(first_point_ +
+                   kPointSize * (problem.tracks.size() + problem.soft_tracks.size() + problem.control.size()),
+               0.0) {}
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
@@ -78,11 +85,16 @@ class Round {
         for (const Observation& seen : track.observations) in_use[seen.photo] = 1;
       }
     }
+    for (const BundleControl& tied : bundle_.control) {
+      for (const Observation& seen : tied.track.observations) in_use[seen.photo] = 1;
+    }
     AddLenses();
     AddObservations();
+    AddControl();
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
       if (in_use[i]) AddPriors(i);
     }
+    AddPositionBias();
     for (int l = 0; l < bundle_.lines; ++l) {
       if (!ceres_.HasParameterBlock(Bias(l))) continue;
       PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(bundle_.sigma_line_bias_rad)};
@@ -107,6 +119,9 @@ class Round {
     }
     for (int l = 0; l < bundle_.lines; ++l) {
       if (ceres_.HasParameterBlock(Bias(l))) options.linear_solver_ordering->AddElementToGroup(Bias(l), 1);
+    }
+    if (ceres_.HasParameterBlock(PositionBias())) {
+      options.linear_solver_ordering->AddElementToGroup(PositionBias(), 1);
     }
     ceres::Solver::Summary solved;
     ceres::Solve(options, &ceres_, &solved);
@@ -163,6 +178,37 @@ class Round {
     }
   }
 
+  // The surveyed place holds the point, the point holds the photos in which it was marked.
+  void AddControl() {
+    for (std::size_t c = 0; c < bundle_.control.size(); ++c) {
+      const BundleControl& tied = bundle_.control[c];
+      double* point = Point(bundle_.tracks.size() + bundle_.soft_tracks.size() + c);
+      Eigen::Map<Eigen::Vector3d> at(point);
+      at = tied.track.point_in_enu;
+      for (const Observation& seen : tied.track.observations) AddObservation(point, seen);
+      ordering_->AddElementToGroup(point, 0);
+      PriorResidual<3> prior{tied.surveyed_in_enu, tied.sigma_m};
+      if (!tied.has_height) prior.sigma.z() = kUnknownHeightSigmaM;
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)),
+          new ceres::HuberLoss(kControlLossSigmas), point);
+    }
+  }
+
+  void AddPositionBias() {
+    if (!ceres_.HasParameterBlock(PositionBias())) return;
+    Eigen::Map<Eigen::Vector3d> bias(PositionBias());
+    bias = bundle_.position_bias_m;
+    if (bundle_.control.empty()) {
+      ceres_.SetParameterBlockConstant(PositionBias());
+      return;
+    }
+    const PriorResidual<3> prior{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(kPositionBiasSigmaM)};
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)), nullptr,
+        PositionBias());
+  }
+
   void AddObservation(double* point, const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
     const camera::Intrinsics& lens = recorded_[photo.lens];
@@ -187,9 +233,9 @@ class Round {
     ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<AttitudeResidual, 3, kPoseSize, 3>(
                                 new AttitudeResidual{turned, photo.sigma_attitude_rad}),
                             new ceres::HuberLoss(3.0), Pose(i), Bias(photo.line));
-    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize>(
+    ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize, 3>(
                                 new PositionResidual{moved, photo.sigma_position_m}),
-                            new ceres::HuberLoss(3.0), Pose(i));
+                            new ceres::HuberLoss(3.0), Pose(i), PositionBias());
   }
 
   void EstimateLensSigma() {
@@ -223,15 +269,20 @@ class Round {
       bundle_.lenses[c].intrinsics = Applied(recorded_[c], Lens(c));
     }
     for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
+    if (!bundle_.control.empty()) bundle_.position_bias_m = Eigen::Map<Eigen::Vector3d>(PositionBias());
     std::size_t number = 0;
     for (auto* list : {&bundle_.tracks, &bundle_.soft_tracks}) {
       for (Track& track : *list) track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
+    }
+    for (BundleControl& tied : bundle_.control) {
+      tied.track.point_in_enu = Eigen::Map<Eigen::Vector3d>(Point(number++));
     }
   }
 
   double* Pose(std::size_t i) { return state_.data() + kPoseSize * i; }
   double* Lens(std::size_t c) { return state_.data() + first_lens_ + kLensSize * c; }
   double* Bias(std::size_t l) { return state_.data() + first_bias_ + kBiasSize * l; }
+  double* PositionBias() { return state_.data() + position_bias_; }
   double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
 
   BundleProblem& bundle_;
@@ -239,7 +290,7 @@ class Round {
   const BundleOptions& options_;
   // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
   // allocator put things would change the last digits from run to run.
-  std::size_t first_lens_, first_bias_, first_point_;
+  std::size_t first_lens_, first_bias_, position_bias_, first_point_;
   std::vector<double> state_;
   ceres::Problem ceres_;
   ceres::ParameterBlockOrdering* ordering_ = nullptr;

@@ -35,6 +35,15 @@ struct BundleLens {
   double found_sigma_focal_px = 0.0;  // out: what the images left of the prior
 };
 
+// A surveyed point and the photos in which it was marked.
+struct BundleControl {
+  Track track;
+  Eigen::Vector3d surveyed_in_enu = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(0.02);
+  bool has_height = true;
+  std::size_t report = 0;  // the caller's number
+};
+
 struct BundleProblem {
   std::vector<BundlePhoto> photos;
   std::vector<BundleLens> lenses;
@@ -42,6 +51,9 @@ struct BundleProblem {
   double sigma_line_bias_rad = 0.05;
   std::vector<Track> tracks;
   std::vector<Track> soft_tracks;  // from direct registration: two views, held near the ground
+  std::vector<BundleControl> control;
+  // What all recorded positions err by alike; found by control, zero without it.
+  Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();
   double ground_z_in_enu_m = 0.0;
 };
 

@@ -171,8 +171,8 @@ void ReweighPriors(BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
     if (!seen[i]) continue;
     const BundlePhoto& photo = problem.photos[i];
-    const Eigen::Vector3d moved =
-        photo.cam_from_enu.TargetOriginInSource() - photo.prior_cam_from_enu.TargetOriginInSource();
+    const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() -
+                                  photo.prior_cam_from_enu.TargetOriginInSource() - problem.position_bias_m;
     horizontal.push_back(std::abs(moved.x()));
     horizontal.push_back(std::abs(moved.y()));
     vertical.push_back(std::abs(moved.z()));

@@ -130,6 +130,20 @@ Eigen::Vector2d AxisOnGround(const geo::Rigid3& cam_from_enu, double ground_z_m)
   return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
 }
 
+// How far off surveyed points turned out to be; nothing without any.
+std::optional<double> ControlErrorM(const AlignReport& report) {
+  constexpr double kSurveyM = 0.02;
+  double square = 0.0;
+  int points = 0;
+  for (const ControlReport& point : report.control) {
+    if (!point.is_used) continue;
+    square += point.miss_east_m * point.miss_east_m + point.miss_north_m * point.miss_north_m;
+    ++points;
+  }
+  if (points == 0) return std::nullopt;
+  return std::max(kSurveyM, std::sqrt(square / points));
+}
+
 }  // namespace
 
 AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
@@ -142,6 +156,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   flight.left_out = posed.left_out;
   flight.warnings = posed.warnings;
 
+  const std::optional<double> shared_error_m = ControlErrorM(report);
   std::vector<std::string> names;
   for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
   std::vector<Support> support;
@@ -185,7 +200,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
       photo.placement = Placement::kAligned;
       photo.placement_reason = corrected[i].note;
       // What all photos share no comparison among them can show; the rest averages out over the piece.
-      photo.error_radius_m = sigma_position;
+      photo.error_radius_m = shared_error_m.value_or(sigma_position);
       photo.height_above_ground_m =
           std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
     } else if (direct_ties[i] > 0) {

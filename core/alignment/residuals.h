@@ -42,8 +42,7 @@ struct ReprojectionResidual {
     const T bent_y = y * radial + lens[5] * (r2 + T(2.0) * y * y) + T(2.0) * lens[6] * x * y;
     const T focal = exp(lens[0]);
     residual[0] = (focal * focal_px.x() * bent_x + center_px.x() + lens[1] - pixel.x()) / sigma_px;
-    residual[1] =
-        (focal * focal_px.y() * bent_y + center_px.y() + lens[2] - pixel.y()) / sigma_px;
+    residual[1] = (focal * focal_px.y() * bent_y + center_px.y() + lens[2] - pixel.y()) / sigma_px;
     return true;
   }
 };
@@ -61,13 +60,14 @@ struct AttitudeResidual {
   }
 };
 
+// The recorded position, apart from an error that the whole flight shares.
 struct PositionResidual {
   Eigen::Vector3d start_from_prior_m;
   Eigen::Vector3d sigma_m;
 
   template <typename T>
-  bool operator()(const T* pose, T* residual) const {
-    for (int k = 0; k < 3; ++k) residual[k] = (pose[3 + k] + start_from_prior_m[k]) / sigma_m[k];
+  bool operator()(const T* pose, const T* bias, T* residual) const {
+    for (int k = 0; k < 3; ++k) residual[k] = (pose[3 + k] + start_from_prior_m[k] - bias[k]) / sigma_m[k];
     return true;
   }
 };

@@ -14,6 +14,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/check_photos.h"
+#include "core/pipeline/read_control.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/estimate_exposure.h"
 #include "core/render/plan_mosaic.h"
@@ -95,11 +96,13 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin}, progress); });
   if (!posed) return posed.error();
 
+  ReadControlResult control = ReadControl(files);
   alignment::AlignReport align_report;
   auto aligned = stages.Run("align", [&]() -> Result<alignment::AlignedFlight> {
     if (options.method == AlignMethod::kImu) return alignment::AlignByPoseOnly(*posed);
     alignment::AlignOptions align_options;
     align_options.threads = options.threads;
+    align_options.control = std::move(control.points);
     return alignment::AlignFlight(*posed, photo_source, align_options, align_report, progress);
   });
   if (!aligned) return aligned.error();
@@ -131,6 +134,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
 
   DescribePhotos(*aligned, report);
   report.warnings = aligned->warnings;
+  report.warnings.insert(report.warnings.end(), control.warnings.begin(), control.warnings.end());
   if (options.method != AlignMethod::kImu) report.alignment_json = alignment::AlignReportJson(align_report);
   report.ground_json = ground::ModelGroundReportJson(ground_report);
   report.height_rule = posed->height_rule;

@@ -87,6 +87,8 @@ int main(int argc, char** argv) {
       const alignment::GnssError gnss = alignment::MeasureGnssError(*truth);
       alignment::Lies lies;
       if (one.has_lies) lies = alignment::TellLies(*truth);
+      align_options.control =
+          one.has_control ? alignment::SurveyControl(*truth) : std::vector<alignment::ControlPoint>{};
       const poses::PosedFlight posed = alignment::PosesOf(*truth);
       const alignment::RenderedSource source(*truth, lies, folder);
       alignment::AlignReport report;
@@ -128,6 +130,11 @@ int main(int argc, char** argv) {
           error.absolute_ce90_m, gnss.ce90_m, gnss.mean_m, pose_error.relative_ce90_m / gsd,
           pose_error.absolute_ce90_m, worst, report.residual_rms_px, cpu / report.photos, ground_report.model,
           is_missed ? "  MISSED" : "");
+      for (const alignment::ControlReport& point : report.control) {
+        fmt::print("  {}: {} marks, off by {:.3f} {:.3f} {:.3f} m, {:.2f} px {}\n", point.name,
+                   point.sightings, point.miss_east_m, point.miss_north_m, point.miss_up_m, point.residual_px,
+                   point.reason);
+      }
       if (one.has_lies) PrintFates(lies, *aligned, now);
       std::fflush(stdout);
     }

@@ -31,20 +31,23 @@ void MoveRecord(const simulate::SimulatedFlight& flight, simulate::SimulatedPhot
 const std::vector<SimulatedCase>& SimulatedCases() {
   using simulate::SimulateOptions;
   static const std::vector<SimulatedCase> cases = {
-      {"flat", 2.0, 0.0, false, [](SimulateOptions&) {}},
-      {"relief8", 5.0, 0.0, false, [](SimulateOptions& o) { o.world.relief_m = 8.0; }},
-      {"no_gimbal", 3.0, 0.0, false,
+      {"flat", 2.0, 0.0, false, false, [](SimulateOptions&) {}},
+      {"relief8", 5.0, 0.0, false, false, [](SimulateOptions& o) { o.world.relief_m = 8.0; }},
+      {"no_gimbal", 3.0, 0.0, false, false,
        [](SimulateOptions& o) {
          o.trajectory.max_tilt_rad = 12.0 * kDeg;
          o.trajectory.height_wander_m = 0.05 * o.trajectory.height_m;
        }},
-      {"no_attitude", 4.0, 0.0, false,
+      {"no_attitude", 4.0, 0.0, false, false,
        [](SimulateOptions& o) { o.noise = simulate::NoiseClass::kNoAttitude; }},
-      {"rtk", 2.0, 2.0, false, [](SimulateOptions& o) { o.noise = simulate::NoiseClass::kRtk; }},
-      {"rows", 0.0, 0.0, false, [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kRows; }},
-      {"bare", 0.0, 0.0, false, [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kBare; }},
-      {"boxes", 0.0, 0.0, false, [](SimulateOptions& o) { o.world.has_boxes = true; }},
-      {"lies", 2.0, 0.0, true, [](SimulateOptions&) {}},
+      {"rtk", 2.0, 2.0, false, false, [](SimulateOptions& o) { o.noise = simulate::NoiseClass::kRtk; }},
+      {"rows", 0.0, 0.0, false, false,
+       [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kRows; }},
+      {"bare", 0.0, 0.0, false, false,
+       [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kBare; }},
+      {"boxes", 0.0, 0.0, false, false, [](SimulateOptions& o) { o.world.has_boxes = true; }},
+      {"lies", 2.0, 0.0, true, false, [](SimulateOptions&) {}},
+      {"control5", 2.0, 2.0, false, true, [](SimulateOptions&) {}},
   };
   return cases;
 }

@@ -17,6 +17,7 @@ struct SimulatedCase {
   double demand_gsds = 0.0;           // of the relative error; 0: only reported
   double demand_absolute_gsds = 0.0;  // 0: none but that of the recorded positions
   bool has_lies = false;
+  bool has_control = false;  // five surveyed points
   std::function<void(simulate::SimulateOptions&)> set;
 };
 

@@ -150,6 +150,26 @@ TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
   EXPECT_NE(aligned->photos[3].placement_reason.find("cut off"), std::string::npos);
 }
 
+TEST(AlignFlight, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {
+  const simulate::SimulatedFlight truth = MakeTruth(12);
+  AlignOptions options;
+  options.control = SurveyControl(truth);
+  ASSERT_GE(options.control.size(), 5u);
+  options.control[1].position.lat_deg += 15.0 / 111'000.0;  // 15 m north of where it is
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned =
+      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  ASSERT_EQ(report.control.size(), options.control.size());
+  EXPECT_FALSE(report.control[1].is_used);
+  EXPECT_NE(report.control[1].reason.find("m from where"), std::string::npos);
+  EXPECT_TRUE(report.control[0].is_used);
+  ground::ModelGroundReport ground_report;
+  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
+  EXPECT_LT(error.absolute_ce90_m, 2.0 * truth.GsdM());
+}
+
 TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
   AlignReport report;
   SilentProgress progress;

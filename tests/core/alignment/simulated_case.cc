@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/poses/estimate_poses.h"
+#include "core/simulate/random.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -118,6 +119,41 @@ GnssError MeasureGnssError(const simulate::SimulatedFlight& truth) {
   }
   if (misses.empty()) return {};
   return {Percentile(misses, 0.9), mean.norm() / static_cast<double>(misses.size())};
+}
+
+std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth) {
+  constexpr double kOtherZeroM = -47.3;
+  constexpr double kMarkSigmaPx = 0.5;
+  constexpr std::size_t kMostSightings = 6;
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = Eigen::Vector2d::Constant(-1e9);
+  for (const simulate::SimulatedPhoto& photo : truth.photos) {
+    const Eigen::Vector2d at = photo.pose.cam_from_enu.TargetOriginInSource().head<2>();
+    low = low.cwiseMin(at);
+    high = high.cwiseMax(at);
+  }
+  simulate::RandomStream random(truth.options.seed, 977);
+  std::vector<ControlPoint> control;
+  const double places[5][2] = {{0.05, 0.05}, {0.95, 0.1}, {0.9, 0.95}, {0.1, 0.9}, {0.5, 0.5}};
+  for (const auto& [east_share, north_share] : places) {
+    const double east = low.x() + east_share * (high.x() - low.x());
+    const double north = low.y() + north_share * (high.y() - low.y());
+    const Eigen::Vector3d point(east, north, truth.world.SurfaceHeightAt(east, north));
+    const geo::Wgs84 place = truth.frame.Wgs84FromEnu(point);
+    ControlPoint surveyed;
+    surveyed.name = "point" + std::to_string(control.size() + 1);
+    surveyed.position = {place.lat_deg, place.lon_deg};
+    surveyed.height_m = place.height_ellipsoid_m + kOtherZeroM;
+    for (const simulate::SimulatedPhoto& photo : truth.photos) {
+      if (surveyed.sightings.size() >= kMostSightings) break;
+      const auto pixel = truth.options.intrinsics.Project(photo.pose.cam_from_enu * point);
+      if (!pixel || !truth.options.intrinsics.IsInImage(*pixel)) continue;
+      const Eigen::Vector2d marked = *pixel + kMarkSigmaPx * Eigen::Vector2d(random.Gauss(), random.Gauss());
+      if (truth.options.intrinsics.IsInImage(marked))
+        surveyed.sightings.push_back({photo.photo.name, marked});
+    }
+    control.push_back(std::move(surveyed));
+  }
+  return control;
 }
 
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth) {

@@ -34,6 +34,10 @@ struct GnssError {
 };
 GnssError MeasureGnssError(const simulate::SimulatedFlight& truth);
 
+// Surveyed points in the corners and the middle of the flight, each marked in up to six photos by somebody
+// whose hand is good to half a pixel, with heights above another zero than the photos'.
+std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth);
+
 // Reads what the simulated photos record, as the product would.
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth);
 

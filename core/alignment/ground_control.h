@@ -1,0 +1,37 @@
+// Ground control: points whose place was surveyed and that somebody marked in photos. Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::alignment {
+
+struct ControlSighting {
+  std::string photo_name;
+  Eigen::Vector2d pixel_in_image = Eigen::Vector2d::Zero();  // the middle of the first pixel is (0, 0)
+};
+
+struct ControlPoint {
+  std::string name;
+  geo::LatLon position;
+  std::optional<double> height_m;  // above any zero that all points share
+  double sigma_horizontal_m = 0.02;
+  double sigma_vertical_m = 0.04;
+  std::vector<ControlSighting> sightings;
+};
+
+// What became of one: adjusted minus surveyed.
+struct ControlReport {
+  std::string name;
+  int sightings = 0;  // in photos of this flight
+  bool is_used = false;
+  std::string reason;  // why it is not used
+  double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
+  double residual_px = 0.0;
+};
+
+}  // namespace skyquilt::alignment
