@@ -80,22 +80,32 @@ Linear<3> VelocityFactor(const StateBetween& s, const BorderState& border, const
   return out;
 }
 
+// The level axes (nose, right, down) that turn with a body's heading, as columns in enu.
+Matrix3d LevelAxes(const Eigen::Quaterniond& enu_from_body) {
+  Vector3d nose = enu_from_body * Vector3d::UnitX();
+  nose.z() = 0.0;
+  nose = nose.norm() > 1e-6 ? nose.normalized() : Vector3d::UnitY();
+  Matrix3d axes;
+  axes << nose, Vector3d(nose.y(), -nose.x(), 0.0), -Vector3d::UnitZ();
+  return axes;
+}
+
 Linear<3> AttitudeFactor(const StateBetween& s, const Eigen::Quaterniond& measured, double sigma_tilt,
                          double sigma_yaw) {
-  const Vector3d& bias = s.state.attitude_bias_rad;
-  const Matrix3d bias_back = ExpSo3(-bias);
+  const Matrix3d axes = LevelAxes(measured);
+  const Vector3d turned = axes * s.state.attitude_bias_rad;
   const Vector3d up_in_body = measured.conjugate() * Vector3d::UnitZ();
   const Matrix3d along = up_in_body * up_in_body.transpose();
   const Matrix3d whiten = (Matrix3d::Identity() - along) / Widened(sigma_tilt, s.rotation_variance) +
                           along / Widened(sigma_yaw, s.rotation_variance);
   Linear<3> out;
-  const Vector3d r = LogSo3(Eigen::Quaterniond(bias_back) * s.state.enu_from_body.conjugate() * measured);
-  const Matrix3d inverse = LeftJacobianInverse(r);
+  const Vector3d r = LogSo3(s.state.enu_from_body.conjugate() * geo::RotationFromVector(-turned) * measured);
   out.residual = whiten * r;
   Eigen::Matrix<double, 3, 9> local = Eigen::Matrix<double, 3, 9>::Zero();
-  local.leftCols<3>() = -whiten * inverse * bias_back;
+  local.leftCols<3>() = -whiten * LeftJacobianInverse(r);
   Chain<3>(local, s, out);
-  const Matrix3d by_bias = -whiten * inverse * RightJacobian(bias);
+  const Matrix3d by_bias = -whiten * RightJacobianInverse(r) * measured.toRotationMatrix().transpose() *
+                           LeftJacobian(turned) * axes;
   ByBias<3, 3>(kAtAttitudeBias, by_bias, s, out);
   return out;
 }

@@ -60,7 +60,10 @@ Linear<3> PositionFactor(const StateBetween& s, const BorderState& border, const
                          const Eigen::Vector3d& sigma);
 Linear<3> VelocityFactor(const StateBetween& s, const BorderState& border, const Eigen::Vector3d& measured,
                          const Eigen::Vector3d& sigma);
-// sigma_yaw apart: very large where the measurement has no yaw.
+// The level axes (nose, right, down) that turn with a body's heading, as columns in enu.
+Eigen::Matrix3d LevelAxes(const Eigen::Quaterniond& enu_from_body);
+// measured = Exp(level axes * attitude bias) R: a compass errs about the vertical, however the body is
+// tilted. sigma_yaw apart: very large where the measurement has no yaw.
 Linear<3> AttitudeFactor(const StateBetween& s, const Eigen::Quaterniond& measured_enu_from_body,
                          double sigma_tilt, double sigma_yaw);
 // The body is level up to the attitude bias.

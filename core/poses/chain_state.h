@@ -31,7 +31,7 @@ struct KnotState {
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d gnss_bias_in_enu_m = Eigen::Vector3d::Zero();  // measured = true + bias
-  Eigen::Vector3d attitude_bias_rad = Eigen::Vector3d::Zero();   // measured = R Exp(bias)
+  Eigen::Vector3d attitude_bias_rad = Eigen::Vector3d::Zero();   // measured = Exp(bias about level axes) R
   double baro_bias_m = 0.0;                                      // measured = true + bias
 
   KnotState Moved(const Vector22& delta) const {

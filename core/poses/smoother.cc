@@ -173,6 +173,16 @@ void FillPoses(const ChainProblem& problem, const ChainGuess& guess, const Block
   }
 }
 
+// Between knots the motion is a prior's guess: velocities that come faster than knots would be blurred by it.
+double KnotSpacingS(const SmootherInput& input) {
+  if (!input.imu.empty()) return input.options.knot_spacing_s;
+  const double slow_s = std::max(1.0, input.options.knot_spacing_s);
+  if (input.velocities.size() < 2) return slow_s;
+  const double step_s = (input.velocities.back().t_s - input.velocities.front().t_s) /
+                        static_cast<double>(input.velocities.size() - 1);
+  return step_s < 0.5 * slow_s ? std::max(0.2, step_s) : slow_s;
+}
+
 // Free memory is the caller's, but a chain longer than any flight is a mistake in the times.
 constexpr int kMaxKnots = 200000;
 
@@ -184,14 +194,18 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   if (!clean.ok()) return clean.error();
   SmootherInput& input = clean->input;
   output.report.warnings = clean->warnings;
-  const double spacing =
-      input.imu.empty() ? std::max(1.0, input.options.knot_spacing_s) : input.options.knot_spacing_s;
+  const double spacing = KnotSpacingS(input);
   if ((clean->end_s - clean->begin_s) / spacing + static_cast<double>(input.photo_times_s.size()) >
       kMaxKnots) {
     return Error{
         ErrorCode::kUnprocessable,
         "The photos and markers of this flight lie more than a day apart; stitch each flight on its own.",
         ""};
+  }
+  if (input.imu.empty() && input.positions.empty()) {
+    // Only the photos' own motions say how far the flight went: a prior that dislikes acceleration would
+    // shrink it.
+    input.options.acceleration_density = std::max(input.options.acceleration_density, 25.0);
   }
   ChainTimeline timeline(clean->begin_s, clean->end_s, input.photo_times_s, spacing);
   if (input.imu.empty()) input.attitudes = AttitudesAtKnots(input.attitudes, timeline.times());

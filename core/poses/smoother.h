@@ -140,7 +140,8 @@ struct SmoothedPose {
   Eigen::Vector3d velocity_in_enu_mps = Eigen::Vector3d::Zero();
   Matrix6d covariance = Matrix6d::Zero();
   Matrix6d covariance_with_next = Matrix6d::Zero();  // zero for the last
-  // The slow error of the attitude system at this time, measured = R Exp(bias); for gimbals that share it.
+  // The slow error of the attitude system at this time, about the level axes (nose, right, down) of the
+  // body's heading: measured = Exp(bias) R; for gimbals that share it.
   Eigen::Vector3d attitude_bias_rad = Eigen::Vector3d::Zero();
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/poses/attitude_convention.h"
+#include "core/poses/chain_factors.h"
 #include "core/poses/recorded_series.h"
 #include "core/poses/so3.h"
 
@@ -180,7 +181,7 @@ class Preparation {
     o.yaw_from_course = true;
     if (o.assume_level) {
       o.attitude_bias_sigma_rad = Vector3d(0.09, 0.09, 0.26);  // 5, 5, 15 deg
-      o.attitude_bias_time_s = 10.0;
+      o.attitude_bias_time_s = 5.0;
     } else {
       o.attitude_bias_sigma_rad.z() = 0.26;
     }
@@ -267,9 +268,8 @@ std::vector<PlacedCamera> PlacePhotos(const PreparedSmoothing& prepared, const S
     camera.attitude_origin = prepared.attitude_origins[k];
     Quaterniond enu_from_cam = pose.enu_from_body * prepared.cam_from_body[k].conjugate();
     if (const std::optional<Quaterniond>& recorded = prepared.recorded_enu_from_cam[k]) {
-      // Measured airframe = R Exp(bias): seen from enu the attitude system is turned by R bias, and the
-      // gimbal too.
-      const Vector3d turned = pose.enu_from_body * pose.attitude_bias_rad;
+      // Measured airframe = Exp(level axes * bias) R: the attitude system is turned by that, and the gimbal too.
+      const Vector3d turned = LevelAxes(pose.enu_from_body) * pose.attitude_bias_rad;
       enu_from_cam = geo::RotationFromVector(-turned) * *recorded;
       camera.covariance.topLeftCorner<3, 3>().diagonal().array() += kGimbalWhiteRad * kGimbalWhiteRad;
     }

@@ -82,7 +82,7 @@ void PrintAccuracyTable(int seeds) {
     double seconds = 0.0, iterations = 0.0;
     int failed = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
-      const AnalyticFlight flight(FlightPlan{}, static_cast<std::uint64_t>(seed));
+      const AnalyticFlight flight(PlanOf(row.mix), static_cast<std::uint64_t>(seed));
       const RecordedSensors sensors =
           RecordSensors(flight, ErrorsOf(row.mix), static_cast<std::uint64_t>(seed));
       const poses::SmootherInput input = InputOf(row.mix, flight, sensors);

@@ -25,6 +25,7 @@ Eigen::Vector4d SmoothStep(double u) {
 }  // namespace
 
 AnalyticFlight::AnalyticFlight(const FlightPlan& plan, std::uint64_t seed) {
+  is_gimbal_ = plan.is_gimbal;
   std::mt19937_64 random(seed * 7919 + 17);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const Vector3d along(std::sin(plan.heading_rad), std::cos(plan.heading_rad), 0.0);
@@ -109,7 +110,8 @@ FlightTruth AnalyticFlight::At(double t_s) const {
     truth.acceleration += air(0) * ddx + 2.0 * air(1) * dx + air(2) * x;
   }
   // Thrust carries weight, acceleration and drag; the body's down axis lies against it.
-  const Vector3d thrust = truth.acceleration + Vector3d(0.0, 0.0, kGravity) + kDragPerS * truth.velocity;
+  Vector3d thrust = truth.acceleration + Vector3d(0.0, 0.0, kGravity) + kDragPerS * truth.velocity;
+  if (is_gimbal_) thrust = Vector3d::UnitZ();
   const double yaw = Yaw(t_s);
   Eigen::Matrix3d r;
   r.col(2) = -thrust.normalized();

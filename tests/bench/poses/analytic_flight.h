@@ -21,7 +21,8 @@ struct FlightPlan {
   double heading_rad = 0.6;  // of the first leg
   double photo_interval_s = 2.0;
   double gust_mps = 0.3;
-  double crab_rad = 0.07;  // slow wander of the nose about the course
+  double crab_rad = 0.05;  // slow wander of the nose about the course
+  bool is_gimbal = false;  // the body described is a gimbal's that stays level and turns with the nose
 };
 
 struct FlightTruth {
@@ -67,6 +68,7 @@ class AnalyticFlight {
   std::vector<Wave> gusts_;
   std::vector<Wave> crab_;
   std::vector<double> photo_times_s_;
+  bool is_gimbal_ = false;
   double first_yaw_ = 0.0;
   double takeoff_s_ = 0.0;
   double landed_s_ = 0.0;

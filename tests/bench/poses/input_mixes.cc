@@ -18,7 +18,18 @@ bool UsesImu(InputMix mix) {
                     InputMix::kGnssImuAttitudeBaroLinks});
 }
 
+bool UsesPhotosAlone(InputMix mix) {
+  return Uses(mix, {InputMix::kGnssAttitudeBaro, InputMix::kGnssPoorCompassBaro, InputMix::kRtkAttitude,
+                    InputMix::kGnssAttitudeBaroLinks});
+}
+
 }  // namespace
+
+FlightPlan PlanOf(InputMix mix) {
+  FlightPlan plan;
+  plan.is_gimbal = UsesPhotosAlone(mix);
+  return plan;
+}
 
 SensorErrors ErrorsOf(InputMix mix) {
   SensorErrors e;
@@ -38,8 +49,7 @@ poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const R
   in.options.gnss_bias_sigma_m = errors.gnss_slow;
   in.options.attitude_bias_sigma_rad = errors.attitude_slow;
   in.options.imu.accel_white = errors.accel_white;
-  const bool only_photos = Uses(mix, {InputMix::kGnssAttitudeBaro, InputMix::kGnssPoorCompassBaro,
-                                      InputMix::kRtkAttitude, InputMix::kGnssAttitudeBaroLinks});
+  const bool only_photos = UsesPhotosAlone(mix);
   if (UsesImu(mix)) in.imu = sensors.imu;
   const bool has_start = Uses(mix, {InputMix::kImuStart, InputMix::kImuBaroStartEnd,
                                     InputMix::kImuBaroLinksStart, InputMix::kBaroAttitudeLinksStart});
@@ -86,7 +96,7 @@ poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const R
     in.options.assume_level = true;
     in.options.yaw_from_course = true;
     in.options.attitude_bias_sigma_rad = Eigen::Vector3d(0.17, 0.17, 0.105);  // 10, 10, 6 deg
-    in.options.attitude_bias_time_s = 10.0;                                   // tilt follows every manoeuvre
+    in.options.attitude_bias_time_s = 5.0;                                    // tilt follows every manoeuvre
   }
   return in;
 }

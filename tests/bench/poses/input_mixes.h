@@ -25,6 +25,8 @@ enum class InputMix {
 };
 
 SensorErrors ErrorsOf(InputMix mix);
+// The survey of the table. Where photos alone are the record, their camera hangs in a gimbal.
+FlightPlan PlanOf(InputMix mix);
 poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const RecordedSensors& sensors);
 
 }  // namespace skyquilt::bench

@@ -149,7 +149,8 @@ void AddPair(const FlightTruth& truth_i, const FlightTruth& truth_j, const poses
     if (!guess || !covariance) continue;
     const Vector2d error = *truth - *guess;
     // Inside the 99 % ellipse, widened by the 5 px that the matcher always adds.
-    const bool inside = error.norm() <= 5.0 || error.dot(covariance->inverse() * error) <= 9.21;
+    const Vector2d beyond = error * std::max(0.0, 1.0 - 5.0 / std::max(1e-9, error.norm()));
+    const bool inside = beyond.dot(covariance->inverse() * beyond) <= 9.21;
     sums.covered += inside ? 1 : 0;
     ++sums.carried;
     if (is_center) sums.search += 3.03 * std::sqrt(0.5 * covariance->trace());

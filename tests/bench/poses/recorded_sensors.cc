@@ -46,6 +46,17 @@ Quaterniond Small(const Vector3d& angle) {
   return norm < 1e-12 ? Quaterniond::Identity() : Quaterniond(Eigen::AngleAxisd(norm, angle / norm));
 }
 
+// Nose, right and down of a level body with the same heading.
+Eigen::Matrix3d Level(const Quaterniond& enu_from_body) {
+  const Vector3d nose = enu_from_body * Vector3d::UnitX();
+  const double heading = std::atan2(nose.x(), nose.y());
+  Eigen::Matrix3d axes;
+  axes.col(0) = Vector3d(std::sin(heading), std::cos(heading), 0.0);
+  axes.col(1) = Vector3d(std::cos(heading), -std::sin(heading), 0.0);
+  axes.col(2) = Vector3d(0.0, 0.0, -1.0);
+  return axes;
+}
+
 void RecordImu(const AnalyticFlight& flight, const SensorErrors& e, Noise& noise, RecordedSensors& out) {
   const double dt = 1.0 / e.imu_rate_hz;
   const double node = 0.5 / std::sqrt(3.0) * dt;  // the two Gauss points of the interval
@@ -88,9 +99,10 @@ void RecordFixes(const AnalyticFlight& flight, const SensorErrors& e, Noise& noi
                                e.gnss_white};
     const poses::VelocityFix v{t, truth.velocity + e.gnss_velocity.cwiseProduct(noise.Three()),
                                e.gnss_velocity};
-    const poses::AttitudeFix a{
-        t, truth.enu_from_body * Small(attitude.At(t)) * Small(e.attitude_white * noise.Three()),
-        e.attitude_white, true};
+    const poses::AttitudeFix a{t,
+                               Small(Level(truth.enu_from_body) * attitude.At(t)) * truth.enu_from_body *
+                                   Small(e.attitude_white * noise.Three()),
+                               e.attitude_white, true};
     const poses::HeightFix h{t, truth.position.z() + baro + e.baro_white * noise.One(), e.baro_white};
     (instant.is_photo ? out.photo_positions : out.positions).push_back(p);
     (instant.is_photo ? out.photo_velocities : out.velocities).push_back(v);
