@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -59,6 +60,25 @@ Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
   return Refuse("method", "must be \"auto\", \"imu\", \"features\" or \"direct\"");
 }
 
+Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) {
+    return Refuse("origin", "must be [latitude, longitude] in degrees");
+  }
+  const geo::LatLon origin{value[0].get<double>(), value[1].get<double>()};
+  if (!(std::abs(origin.lat_deg) <= 85.0 && std::abs(origin.lon_deg) <= 180.0)) {
+    return Refuse("origin", "must be a latitude up to 85 and a longitude up to 180 degrees");
+  }
+  options->origin = origin;
+  return {};
+}
+
+Result<void> SetLandedAtStart(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_boolean()) return Refuse("landed_at_start", "must be true or false");
+  options->landed_at_start = value.get<bool>();
+  return {};
+}
+
 }  // namespace
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
@@ -78,8 +98,12 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetQuality(value, &options);
     } else if (field == "method") {
       set = SetMethod(value, &options);
+    } else if (field == "origin") {
+      set = SetOrigin(value, &options);
+    } else if (field == "landed_at_start") {
+      set = SetLandedAtStart(value, &options);
     } else {
-      set = Refuse(field, "is not known; known are gsd_m, format, quality and method");
+      set = Refuse(field, "is not known; known are gsd_m, format, quality, method, origin and landed_at_start");
     }
     if (!set) return set.error();
   }

@@ -1,11 +1,13 @@
 #include "server/stitch_job.h"
 
+#include <memory>
 #include <utility>
 
 #include "core/base/scoped_timer.h"
 #include "core/flight/photo_decoder.h"
 #include "core/pipeline/build_mosaic.h"
 #include "storage/cog_writer.h"
+#include "storage/geotiff_dem.h"
 #include "storage/mbtiles_writer.h"
 #include "storage/pmtiles_writer.h"
 #include "storage/publish_file.h"
@@ -61,8 +63,14 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   auto writer = storage::MbtilesWriter::Create(mbtiles);
   if (!writer) return writer.error();
   const flight::FilePhotoSource photos;
+  std::unique_ptr<storage::GeotiffDem> dem;
+  if (!options.mosaic.dem_path.empty()) {
+    auto opened = storage::GeotiffDem::Open(options.mosaic.dem_path);
+    if (!opened) return opened.error();
+    dem = *std::move(opened);
+  }
   Result<pipeline::BuiltMosaic> built =
-      pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress);
+      pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress, dem.get());
   if (!built) return built.error();
   if (auto published = (*writer)->Publish(MetadataOf(built->report)); !published) return published.error();
   progress.BeginStage("export");

@@ -4,12 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/logs/gcp_list.h"
 #include "core/flight/photo.h"
 
 namespace skyquilt::flight {
 
 struct Flight {
   std::vector<Photo> photos;           // readable photos, by time of capture, then by name
+  std::vector<FlightLog> logs;         // readable logs and lists of positions, by name
+  std::vector<GcpList> gcp_lists;      // by name
   std::vector<LeftOutPhoto> left_out;  // by name
   std::vector<std::string> warnings;   // about the flight as a whole
 };

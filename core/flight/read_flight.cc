@@ -9,7 +9,8 @@
 
 #include "core/base/parallel_for.h"
 #include "core/flight/duplicates.h"
-#include "core/flight/side_files.h"
+#include "core/flight/logs/read_log.h"
+#include "core/flight/sort_files.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -18,13 +19,6 @@ namespace {
 bool ComesBefore(const Photo& a, const Photo& b) {
   if (a.captured_at.has_value() != b.captured_at.has_value()) return a.captured_at.has_value();
   return std::tie(a.captured_at, a.name) < std::tie(b.captured_at, b.name);
-}
-
-std::vector<InputFile> WithoutSideFiles(const std::vector<InputFile>& files) {
-  std::vector<InputFile> kept;
-  std::copy_if(files.begin(), files.end(), std::back_inserter(kept),
-               [](const InputFile& file) { return !IsSideFileName(file.name); });
-  return kept;
 }
 
 // Names are how a person and a log speak of a photo, so that each must be one photo's own.
@@ -53,6 +47,42 @@ std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& 
   return read;
 }
 
+// One after the other: a long log takes the memory it is allowed only once.
+void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
+  flight.warnings.insert(flight.warnings.end(), files.refused.begin(), files.refused.end());
+  std::vector<std::filesystem::path> paths;
+  for (const InputFile& file : files.logs) paths.push_back(file.path);
+  const auto duplicate_of = FindDuplicates(paths);
+  for (std::size_t i = 0; i < files.logs.size(); ++i) {
+    const InputFile& file = files.logs[i];
+    if (duplicate_of[i] || progress.IsCancelled()) continue;
+    progress.Report(0.0, fmt::format("reading the log {}", file.name));
+    Result<FlightLog> log = ReadLog(file);
+    if (!log) {
+      flight.warnings.push_back(log.error().message);
+      continue;
+    }
+    for (const std::string& warning : log->warnings) {
+      flight.warnings.push_back(fmt::format("{}: {}", file.name, warning));
+    }
+    flight.logs.push_back(*std::move(log));
+  }
+  for (const InputFile& file : files.gcp_lists) {
+    Result<GcpList> list = ReadGcpList(file);
+    if (!list) {
+      flight.warnings.push_back(list.error().message);
+      continue;
+    }
+    for (const std::string& warning : list->warnings) {
+      flight.warnings.push_back(fmt::format("{}: {}", file.name, warning));
+    }
+    flight.gcp_lists.push_back(*std::move(list));
+  }
+  const auto by_name = [](const auto& a, const auto& b) { return a.file_name < b.file_name; };
+  std::stable_sort(flight.logs.begin(), flight.logs.end(), by_name);
+  std::stable_sort(flight.gcp_lists.begin(), flight.gcp_lists.end(), by_name);
+}
+
 void WarnAboutFlight(Flight& flight) {
   const auto count = [&](auto predicate) {
     return std::count_if(flight.photos.begin(), flight.photos.end(), predicate);
@@ -61,10 +91,12 @@ void WarnAboutFlight(Flight& flight) {
   const auto warn = [&](std::ptrdiff_t photos, std::string_view what) {
     if (photos > 0) flight.warnings.push_back(fmt::format("{} of {} photos {}", photos, total, what));
   };
-  warn(count([](const Photo& p) { return !p.position; }), "carry no usable position.");
-  warn(count([](const Photo& p) { return !p.attitude; }),
-       "carry no camera angles; they are taken to look straight down, with the heading from the flight's "
-       "course.");
+  if (flight.logs.empty()) {
+    warn(count([](const Photo& p) { return !p.position; }), "carry no usable position.");
+    warn(count([](const Photo& p) { return !p.attitude; }),
+         "carry no camera angles; they are taken to look straight down, with the heading from the flight's "
+         "course.");
+  }
   warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
   warn(count([](const Photo& p) { return p.focal_source == FocalSource::kAssumed; }),
        "do not say their focal length; the map's scale is a guess for them.");
@@ -88,15 +120,18 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
                  "No files were given. Give the flight's photos, or their folder.", ""};
   }
   progress.BeginStage("read");
-  std::vector<InputFile> candidates = WithoutSideFiles(files);
-  MakeNamesUnique(candidates);
+  std::vector<InputFile> named = files;
+  MakeNamesUnique(named);
+  const SortedFiles sorted = SortFiles(named);
+  const std::vector<InputFile>& candidates = sorted.photos;
+  Flight flight;
+  ReadLogs(sorted, flight, progress);
   std::vector<std::filesystem::path> paths;
   for (const InputFile& file : candidates) paths.push_back(file.path);
   auto read = ReadAll(candidates, options.threads, progress);
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Reading the photos was cancelled.", ""};
   const auto duplicate_of = FindDuplicates(paths);
 
-  Flight flight;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Result<Photo>& photo = *read[i];
     if (!photo) {
@@ -113,7 +148,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
   WarnAboutFlight(flight);
-  progress.Report(1.0, fmt::format("{} photos read", flight.photos.size()));
+  progress.Report(1.0, fmt::format("{} photos and {} logs read", flight.photos.size(), flight.logs.size()));
   return flight;
 }
 

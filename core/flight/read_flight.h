@@ -1,5 +1,6 @@
-// ReadFlight: files in, a Flight out. Reads headers only (EXIF, XMP, image size), never decodes pixels.
-// Files that are not photos or cannot be read are listed in left_out; one bad file never fails the flight.
+// ReadFlight: files in, a Flight out. Of photos it reads headers only (EXIF, XMP, image size), never pixels;
+// logs and lists of positions are recognised by content and read whole, in bounded memory. Photos that cannot
+// be read are listed in left_out, logs that cannot in the warnings; one bad file never fails the flight.
 // Files are read on `threads` threads; the result does not depend on how many.
 // Fails only when nothing at all was given.
 #pragma once
@@ -10,6 +11,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/flight.h"
+#include "core/flight/input_file.h"
 
 namespace skyquilt::flight {
 
@@ -17,16 +19,11 @@ struct ReadFlightOptions {
   int threads = 0;  // 0 = all cores
 };
 
-// One file of the user's: the name he gave it and where its bytes are.
-struct InputFile {
-  std::string name;
-  std::filesystem::path path;
-};
-
 // Folders are walked (sorted, hidden files skipped); files are taken as they are.
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<std::filesystem::path>& paths);
 
-Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options, Progress& progress);
+Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightOptions& options,
+                          Progress& progress);
 
 // One photo. Errors: kUnsupportedFormat, kCorrupt, kIo.
 Result<Photo> ReadPhoto(const InputFile& file);

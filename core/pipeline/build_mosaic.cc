@@ -79,7 +79,8 @@ void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report
 }  // namespace
 
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                const PhotoSource& photo_source, TileSink& sink, Progress& progress) {
+                                const PhotoSource& photo_source, TileSink& sink, Progress& progress,
+                                const DemSource* dem) {
   if (auto valid = options.Validate(); !valid) return valid.error();
   MosaicReport report;
   report.title = options.title;
@@ -93,7 +94,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   });
   if (!checked) return checked.error();
 
-  auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin}, progress); });
+  auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin, options.landed_at_start, dem}, progress); });
   if (!posed) return posed.error();
 
   ReadControlResult control = ReadControl(files);
@@ -137,7 +138,9 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.warnings.insert(report.warnings.end(), control.warnings.begin(), control.warnings.end());
   if (options.method != AlignMethod::kImu) report.alignment_json = alignment::AlignReportJson(align_report);
   report.ground_json = ground::ModelGroundReportJson(ground_report);
-  report.height_rule = posed->height_rule;
+  report.height_rule = posed->report.height_rule;
+  report.poses_json = poses::PoseReportJson(posed->report);
+  report.is_placed = posed->is_placed;
   report.gsd_m = plan->gsd_m;
   const double lat_deg = aligned->frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);

@@ -22,7 +22,9 @@ struct BuiltMosaic {
   MosaicReport report;
 };
 
+// `dem`: heights of the ground where known; may be null.
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                const PhotoSource& photo_source, TileSink& sink, Progress& progress);
+                                const PhotoSource& photo_source, TileSink& sink, Progress& progress,
+                                const DemSource* dem = nullptr);
 
 }  // namespace skyquilt::pipeline

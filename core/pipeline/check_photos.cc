@@ -21,15 +21,16 @@ Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& sour
                     fmt::format("photo {} of {}", finished, count));
   });
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+  std::vector<flight::Photo> photos = std::move(flight.photos);
   CheckedFlight checked;
-  checked.flight.left_out = std::move(flight.left_out);
-  checked.flight.warnings = std::move(flight.warnings);
+  checked.flight = std::move(flight);  // the logs and all else as they are
+  checked.flight.photos.clear();
   for (std::size_t i = 0; i < count; ++i) {
     if (made[i]->ok()) {
-      checked.flight.photos.push_back(std::move(flight.photos[i]));
+      checked.flight.photos.push_back(std::move(photos[i]));
       checked.thumbnails.push_back(**std::move(made[i]));
     } else {
-      checked.flight.left_out.push_back({flight.photos[i].name, made[i]->error().code, made[i]->error().message});
+      checked.flight.left_out.push_back({photos[i].name, made[i]->error().code, made[i]->error().message});
     }
   }
   return checked;

@@ -19,7 +19,8 @@
 namespace skyquilt::pipeline {
 namespace {
 
-// CPU seconds, measured with tests/bench on two cores of 2020s laptop class: an order of magnitude, not a promise.
+// CPU seconds, measured with tests/bench on two cores of 2020s laptop class: an order of magnitude, not a
+// promise.
 constexpr double kAlignSecondsPerPhoto = 0.45;
 constexpr double kDecodeSecondsPerMegapixel = 0.012;
 constexpr double kRenderSecondsPerMegapixel = 0.16;
@@ -64,12 +65,14 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
   std::vector<std::vector<Eigen::Vector2d>> footprints;
   double sum_m2 = 0.0;
   for (const auto& photo : flight.photos) {
-    footprints.push_back(camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, flight.ground_z_in_enu_m));
+    footprints.push_back(
+        camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, flight.ground_z_in_enu_m));
     if (!footprints.back().empty()) sum_m2 += camera::AreaM2(footprints.back());
   }
   std::vector<double> overlaps;
   for (std::size_t i = 0; i + 1 < footprints.size(); ++i) {
-    if (!footprints[i].empty() && !footprints[i + 1].empty()) overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
+    if (!footprints[i].empty() && !footprints[i + 1].empty())
+      overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
   }
   verdict.forward_overlap = Median(overlaps);
   // Cells of a fiftieth of a photo: the union of the footprints.
@@ -80,7 +83,8 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
     const geo::Bounds2 bounds = camera::BoundsOf(polygon);
     for (long row = std::lround(bounds.min.y() / cell_m); row * cell_m <= bounds.max.y(); ++row) {
       for (long column = std::lround(bounds.min.x() / cell_m); column * cell_m <= bounds.max.x(); ++column) {
-        if (camera::PolygonContains(polygon, {(column + 0.5) * cell_m, (row + 0.5) * cell_m})) cells.emplace(row, column);
+        if (camera::PolygonContains(polygon, {(column + 0.5) * cell_m, (row + 0.5) * cell_m}))
+          cells.emplace(row, column);
       }
     }
   }
@@ -90,16 +94,18 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
 
 void AddAdvice(FlightVerdict& verdict) {
   if (verdict.photos_placeable >= 3 && verdict.forward_overlap < 0.4) {
-    verdict.warnings.push_back(fmt::format(
-        "Neighbouring photos share only {:.0f} % of their ground: expect gaps and few places where photos can be matched. "
-        "75 % is usual.", 100.0 * verdict.forward_overlap));
+    verdict.warnings.push_back(
+        fmt::format("Neighbouring photos share only {:.0f} % of their ground: expect gaps and few places "
+                    "where photos can be matched. "
+                    "75 % is usual.",
+                    100.0 * verdict.forward_overlap));
   }
 }
 
 }  // namespace
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                    Progress& progress) {
+                                    Progress& progress, const DemSource* dem) {
   auto flight = flight::ReadFlight(files, {options.threads}, progress);
   if (!flight) return flight.error();
   FlightVerdict verdict;
@@ -108,7 +114,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   for (const flight::Photo& photo : flight->photos) {
     const auto& lens = photo.intrinsics;
     ++verdict.cameras[fmt::format("{}, {} x {} px, focal {:.0f} px ({})", CameraName(photo), lens.width_px,
-                                  lens.height_px, lens.MeanFocalPx(), flight::FocalSourceName(photo.focal_source))];
+                                  lens.height_px, lens.MeanFocalPx(),
+                                  flight::FocalSourceName(photo.focal_source))];
     ++verdict.position_sources[photo.position ? photo.position->source : "none"];
     ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
     input_megapixels += 1e-6 * lens.width_px * lens.height_px;
@@ -117,7 +124,12 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
     verdict.last_capture = std::max(verdict.last_capture, time);
   }
-  auto posed = poses::EstimatePoses(*flight, {options.origin}, progress);
+  for (const flight::FlightLog& log : flight->logs) verdict.logs.push_back(flight::DescribeLog(log));
+  for (const flight::GcpList& list : flight->gcp_lists) {
+    verdict.gcp_lists.push_back(fmt::format("{}: {} points, {} sightings", list.file_name, list.points.size(),
+                                            list.sightings.size()));
+  }
+  auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem}, progress);
   if (!posed) {
     verdict.left_out = flight->left_out;
     verdict.warnings.push_back(posed.error().message);
@@ -127,7 +139,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.photos_placeable = static_cast<int>(placed.photos.size());
   verdict.left_out = placed.left_out;
   verdict.warnings = placed.warnings;
-  verdict.height_rule = posed->height_rule;
+  verdict.poses = posed->report;
+  verdict.height_rule = posed->report.height_rule;
   std::vector<double> errors_m;
   verdict.lowest_m = placed.photos.front().height_above_ground_m;
   for (const auto& photo : placed.photos) {
@@ -137,7 +150,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   }
   verdict.expected_error_m = Median(errors_m);
   DescribeCoverage(placed, verdict);
-  const auto plan = render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m), {options.gsd_m, 0.0});
+  const auto plan = render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m),
+                                       {options.gsd_m, 0.0});
   if (!plan) {
     verdict.warnings.push_back(plan.error().message);
     return verdict;
@@ -149,10 +163,14 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                          geo::GroundMetresPerMercMetre(placed.frame.origin().lat_deg);
   verdict.output_megapixels = 1e-6 * verdict.area_m2 / (pixel_m * pixel_m);
   const int cores = ThreadCount(options.threads);
-  verdict.expected_seconds = (kAlignSecondsPerPhoto * verdict.photos_placeable + kDecodeSecondsPerMegapixel * input_megapixels +
-                              kRenderSecondsPerMegapixel * verdict.output_megapixels) / std::min(cores, 8);
-  verdict.expected_memory_mib = 150.0 + std::min(0.5 * static_cast<double>(options.max_memory_bytes) / (1 << 20),
-                                                 3.0 * input_megapixels) + 60.0 * cores;
+  verdict.expected_seconds =
+      (kAlignSecondsPerPhoto * verdict.photos_placeable + kDecodeSecondsPerMegapixel * input_megapixels +
+       kRenderSecondsPerMegapixel * verdict.output_megapixels) /
+      std::min(cores, 8);
+  verdict.expected_memory_mib =
+      150.0 +
+      std::min(0.5 * static_cast<double>(options.max_memory_bytes) / (1 << 20), 3.0 * input_megapixels) +
+      60.0 * cores;
   AddAdvice(verdict);
   return verdict;
 }

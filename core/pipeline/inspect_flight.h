@@ -1,5 +1,6 @@
-// InspectFlight: the verdict before any pixel is decoded: what the photos record, what the map will be, what it will
-// cost and what is wrong. Reads headers only; a second or two for a thousand photos. Blocking.
+// InspectFlight: the verdict before any pixel is decoded: what the photos record, what the logs hold, how the
+// two are tied together, what the map will be, what it will cost and what is wrong. Of photos it reads
+// headers only; a second or two for a thousand photos. Blocking.
 #pragma once
 
 #include <map>
@@ -8,36 +9,42 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/flight/logs/describe_log.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/ports.h"
+#include "core/poses/pose_report.h"
 
 namespace skyquilt::pipeline {
 
 struct FlightVerdict {
   int photos_readable = 0;
   int photos_placeable = 0;
-  std::map<std::string, int> cameras;             // "make model, 4000 x 2250 px, focal 2340 px (sensor_table)"
+  std::map<std::string, int> cameras;  // "make model, 4000 x 2250 px, focal 2340 px (sensor_table)"
   std::map<std::string, int> position_sources;
   std::map<std::string, int> attitude_sources;
-  std::string first_capture, last_capture;        // ISO 8601, empty when unknown
+  std::vector<flight::LogFacts> logs;
+  std::vector<std::string> gcp_lists;       // "gcp_list.txt: 5 points, 23 sightings"
+  poses::PoseReport poses;                  // how the poses were found; empty when none could be
+  std::string first_capture, last_capture;  // ISO 8601, empty when unknown
   std::string height_rule;
-  double lowest_m = 0.0, highest_m = 0.0;         // above ground
+  double lowest_m = 0.0, highest_m = 0.0;  // above ground
   double gsd_m = 0.0;
-  double area_m2 = 0.0;                           // of the ground that some photo sees
-  double forward_overlap = 0.0;                   // median, 0..1, with the next photo in time
+  double area_m2 = 0.0;          // of the ground that some photo sees
+  double forward_overlap = 0.0;  // median, 0..1, with the next photo in time
   double mean_photos_per_point = 0.0;
-  double expected_error_m = 0.0;                  // median 1-sigma ground error by the recorded poses alone
+  double expected_error_m = 0.0;  // median 1-sigma ground error by the recorded poses alone
   int max_zoom = 0;
   int tile_size_px = 256;
   double output_megapixels = 0.0;
-  double expected_seconds = 0.0;                  // on this machine's cores
+  double expected_seconds = 0.0;  // on this machine's cores
   double expected_memory_mib = 0.0;
   std::vector<flight::LeftOutPhoto> left_out;
   std::vector<std::string> warnings;
 };
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                    Progress& progress);
+                                    Progress& progress, const DemSource* dem = nullptr);
 
 std::string VerdictText(const FlightVerdict& verdict);
 std::string VerdictJson(const FlightVerdict& verdict);

@@ -2,12 +2,18 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 namespace skyquilt::pipeline {
 
 Result<void> MosaicOptions::Validate() const {
   const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message), ""}; };
   if (gsd_m && !(*gsd_m >= 0.001 && *gsd_m <= 100.0)) {
     return refuse(fmt::format("gsd_m is {} but must be 0.001 to 100 metres", *gsd_m));
+  }
+  if (origin && !(std::abs(origin->lat_deg) <= 85.0 && std::abs(origin->lon_deg) <= 180.0)) {
+    return refuse(fmt::format("origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees",
+                              origin->lat_deg, origin->lon_deg));
   }
   if (jpeg_quality < 1 || jpeg_quality > 100) {
     return refuse(fmt::format("quality is {} but must be 1 to 100", jpeg_quality));

@@ -18,6 +18,8 @@ struct MosaicOptions {
   AlignMethod method = AlignMethod::kAuto;  // --method auto|imu|features|direct
   std::optional<double> gsd_m;              // --gsd: ground size of an output pixel; default: that of the photos
   std::optional<geo::LatLon> origin;        // --origin: where a flight without any position starts
+  bool landed_at_start = false;             // --landed-at-start: a flight without any position ended where it began
+  std::string dem_path;                     // --dem: a GeoTIFF of the ground's heights; empty: flat ground
   TileEncoding encoding = TileEncoding::kJpegPng;  // --format auto|webp
   int jpeg_quality = 85;                    // --quality 1..100
   double feather_m = 0.0;                   // width of the seams' transition; 0 = chosen from the GSD

@@ -71,6 +71,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["tile_size_px"] = report.tile_size_px;
   json["tile_count"] = report.tile_count;
   json["height_rule"] = report.height_rule;
+  json["is_placed"] = report.is_placed;
   json["timings"] = timings;
   json["peak_memory_bytes"] = report.peak_memory_bytes;
   json["warnings"] = report.warnings;

@@ -34,6 +34,7 @@ struct MosaicReport {
   int tile_size_px = 256;  // above zoom 22 the tiles grow instead of the zoom
   std::int64_t tile_count = 0;
   std::string height_rule;
+  bool is_placed = true;  // false: nothing says where on Earth the flight was; scale and north are right
   std::vector<StageTiming> timings;
   std::int64_t peak_memory_bytes = 0;
   std::vector<std::string> warnings;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/result.h"
 #include "core/flight/photo.h"
+#include "core/geo/lat_lon.h"
 #include "core/geo/tile_id.h"
 
 namespace skyquilt::pipeline {
@@ -28,6 +30,15 @@ class PhotoSource {
   // Decodes at 1/denominator of the size (1, 2, 4 or 8; sides rounded up). Any number of threads at a time.
   // Errors: kCorrupt (damaged or cut off), kUnsupportedFormat, kIo.
   virtual Result<DecodedImage> Decode(const flight::Photo& photo, int denominator) const = 0;
+};
+
+// Heights of the ground, above whatever zero the model has: only differences and, where the model counts from sea
+// level, absolute heights make sense.
+class DemSource {
+ public:
+  virtual ~DemSource() = default;
+  // Nothing outside the model or where it has a hole. One thread at a time.
+  virtual std::optional<double> GroundHeightM(const geo::LatLon& position) const = 0;
 };
 
 enum class TileFormat { kJpeg, kPng, kWebp };

@@ -10,28 +10,80 @@ namespace {
 
 std::string Counts(const std::map<std::string, int>& counts) {
   std::string text;
-  for (const auto& [what, count] : counts) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", what, count);
+  for (const auto& [what, count] : counts)
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", what, count);
   return text;
+}
+
+std::string LogText(const flight::LogFacts& log) {
+  std::string text = fmt::format("Log         {} ({})", log.file_name, log.format);
+  if (log.events_by_name > 0) text += fmt::format(", {} rows that name a photo", log.events_by_name);
+  if (!log.begins_at.empty()) text += ", from " + log.begins_at;
+  text += "\n";
+  for (const auto& [name, series] : log.series) {
+    text += fmt::format("            {:<9} {:>7} at {:.4g} Hz, {:.0f} s, longest gap {:.2f} s\n", name,
+                        series.count, series.rate_hz, series.end_s - series.begin_s, series.longest_gap_s);
+  }
+  for (const std::string& column : log.mapping) text += fmt::format("            {}\n", column);
+  for (const std::string& advice : log.advice) text += fmt::format("            {}\n", advice);
+  return text;
+}
+
+nlohmann::ordered_json LogJson(const flight::LogFacts& log) {
+  nlohmann::ordered_json series = nlohmann::ordered_json::object();
+  for (const auto& [name, facts] : log.series) {
+    series[name] = {{"count", facts.count},
+                    {"rate_hz", facts.rate_hz},
+                    {"longest_gap_s", facts.longest_gap_s},
+                    {"begin_s", facts.begin_s},
+                    {"end_s", facts.end_s}};
+  }
+  nlohmann::ordered_json json{{"name", log.file_name}, {"format", log.format}, {"series", series}};
+  json["begins_at"] = log.begins_at;
+  json["rows_by_name"] = log.events_by_name;
+  json["mapping"] = log.mapping;
+  json["advice"] = log.advice;
+  return json;
 }
 
 }  // namespace
 
 std::string VerdictText(const FlightVerdict& v) {
-  std::string text = fmt::format("Photos      {} readable, {} can be placed, {} files left out\n", v.photos_readable,
-                                 v.photos_placeable, v.left_out.size());
+  std::string text = fmt::format("Photos      {} readable, {} can be placed, {} files left out\n",
+                                 v.photos_readable, v.photos_placeable, v.left_out.size());
   for (const auto& [camera, count] : v.cameras) text += fmt::format("Camera      {} ({})\n", camera, count);
-  if (!v.first_capture.empty()) text += fmt::format("Taken       {} to {}\n", v.first_capture, v.last_capture);
+  if (!v.first_capture.empty())
+    text += fmt::format("Taken       {} to {}\n", v.first_capture, v.last_capture);
   if (!v.position_sources.empty()) text += "Positions   " + Counts(v.position_sources) + "\n";
   if (!v.attitude_sources.empty()) text += "Angles      " + Counts(v.attitude_sources) + "\n";
+  for (const flight::LogFacts& log : v.logs) text += LogText(log);
+  for (const std::string& list : v.gcp_lists) text += fmt::format("Control     {}\n", list);
+  if (!v.poses.time_match.empty()) {
+    text += fmt::format("Clock       {}", v.poses.time_match);
+    if (v.poses.camera_ahead_of_utc_s) {
+      text += fmt::format("; the camera is {:.2f} s ahead of UTC (+-{:.3f} s)",
+                          *v.poses.camera_ahead_of_utc_s, v.poses.time_sigma_s.value_or(0.0));
+    }
+    text += "\n";
+  }
+  if (!v.poses.method.empty()) {
+    text += fmt::format("Poses       {}: {} photos by the log, {} by their own records\n", v.poses.method,
+                        v.poses.photos_by_log, v.poses.photos_by_records);
+  }
+  if (!v.poses.convention.empty()) text += fmt::format("Convention  {}\n", v.poses.convention);
   if (v.photos_placeable > 0) {
-    text += fmt::format("Height      {:.0f} to {:.0f} m above ground: {}\n", v.lowest_m, v.highest_m, v.height_rule);
-    text += fmt::format("Ground      {:.2f} ha at {:.1f} cm a pixel, {:.0f} % forward overlap, {:.1f} photos a point\n",
-                        v.area_m2 / 1e4, 100.0 * v.gsd_m, 100.0 * v.forward_overlap, v.mean_photos_per_point);
-    text += fmt::format("Error       about {:.1f} m (1 sigma) by the recorded poses alone, before alignment\n", v.expected_error_m);
-    text += fmt::format("Map         {:.0f} megapixels, finest zoom {} with tiles of {} px\n", v.output_megapixels, v.max_zoom,
-                        v.tile_size_px);
-    text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n", v.expected_seconds,
-                        v.expected_memory_mib);
+    text += fmt::format("Height      {:.0f} to {:.0f} m above ground: {}\n", v.lowest_m, v.highest_m,
+                        v.height_rule);
+    text += fmt::format(
+        "Ground      {:.2f} ha at {:.1f} cm a pixel, {:.0f} % forward overlap, {:.1f} photos a point\n",
+        v.area_m2 / 1e4, 100.0 * v.gsd_m, 100.0 * v.forward_overlap, v.mean_photos_per_point);
+    text +=
+        fmt::format("Error       about {:.1f} m (1 sigma) by the recorded poses alone, before alignment\n",
+                    v.expected_error_m);
+    text += fmt::format("Map         {:.0f} megapixels, finest zoom {} with tiles of {} px\n",
+                        v.output_megapixels, v.max_zoom, v.tile_size_px);
+    text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n",
+                        v.expected_seconds, v.expected_memory_mib);
   }
   for (const auto& photo : v.left_out) text += fmt::format("Left out    {}: {}\n", photo.name, photo.reason);
   for (const std::string& warning : v.warnings) text += fmt::format("Note        {}\n", warning);
@@ -43,11 +95,16 @@ std::string VerdictJson(const FlightVerdict& v) {
   for (const auto& photo : v.left_out) {
     left_out.push_back({{"name", photo.name}, {"code", ErrorCodeName(photo.code)}, {"reason", photo.reason}});
   }
+  nlohmann::ordered_json logs = nlohmann::ordered_json::array();
+  for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
   const nlohmann::ordered_json json{{"photos_readable", v.photos_readable},
                                     {"photos_placeable", v.photos_placeable},
                                     {"cameras", v.cameras},
                                     {"position_sources", v.position_sources},
                                     {"attitude_sources", v.attitude_sources},
+                                    {"logs", logs},
+                                    {"gcp_lists", v.gcp_lists},
+                                    {"poses", nlohmann::ordered_json::parse(poses::PoseReportJson(v.poses))},
                                     {"first_capture", v.first_capture},
                                     {"last_capture", v.last_capture},
                                     {"height_rule", v.height_rule},

@@ -83,6 +83,7 @@ class ChainProblem {
   std::vector<std::vector<double>> cuts_;  // times inside each interval that need their own inertial sum
   std::vector<bool> still_;
   std::vector<bool> has_course_;
+  std::vector<double> turned_rad_;  // one an interval: how far the heading turns in it
   std::optional<Eigen::Quaterniond> first_rotation_;
   Vector22 border_prior_ = Vector22::Zero();
   Vector22 border_sigma_ = Vector22::Zero();

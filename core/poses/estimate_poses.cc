@@ -5,9 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/poses/attitude_convention.h"
-#include "core/poses/course.h"
+#include "core/geo/geoid.h"
 #include "core/poses/flight_heights.h"
+#include "core/poses/join_logs.h"
+#include "core/poses/photo_rows.h"
+#include "core/poses/place_by_log.h"
+#include "core/poses/place_by_records.h"
+#include "core/poses/takeoff.h"
+#include "core/poses/time_sync.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -15,138 +20,283 @@ namespace {
 using flight::LeftOutPhoto;
 using flight::Photo;
 
-// One local frame serves a flight; further away its flat ground would leave the Earth.
-constexpr double kFarthestFromFlightM = 20000.0;
+// A log covers a photo up to this long before its first and after its last sample.
+constexpr double kBeyondLogS = 1.0;
 
-struct AttitudeChoice {
-  Eigen::Quaterniond cam_from_enu;
-  AttitudeOrigin origin;
-  double sigma_tilt_rad;
-  double sigma_yaw_rad;
+class Estimation {
+ public:
+  Estimation(const flight::Flight& flight, const EstimatePosesOptions& options)
+      : flight_(flight), options_(options), photos_(flight.photos) {
+    posed_.left_out = flight.left_out;
+    posed_.warnings = flight.warnings;
+  }
+
+  Result<PosedFlight> Run() {
+    PoseReport& report = posed_.report;
+    report.logs = ApplyPhotoRows(flight_.logs, photos_);
+    log_ = JoinLogs(flight_.logs);
+    if (log_) TieToLog();
+    if (!by_log_.empty()) {
+      if (auto placed = PlaceOnLog(); !placed) {
+        Warn("The log could not be used: " + placed.error().message);
+        by_log_.clear();
+      }
+    }
+    PlaceTheRest();
+    if (posed_.photos.empty()) return NothingPlaced();
+    if (options_.dem != nullptr) LayOnElevationModel();
+    Summarise();
+    return std::move(posed_);
+  }
+
+ private:
+  void Warn(std::string text) { posed_.warnings.push_back(std::move(text)); }
+
+  bool HasTrackSeries() const {
+    return !log_->log.imu.empty() || !log_->log.attitude.empty() || log_->log.gnss.size() >= 2;
+  }
+
+  // Finds the photos' times on the log's clock and those that its series cover.
+  void TieToLog() {
+    PoseReport& report = posed_.report;
+    report.logs.insert(report.logs.end(), log_->notes.begin(), log_->notes.end());
+    for (const std::string& warning : log_->warnings) Warn(warning);
+    if (photos_.empty()) return;
+    const auto sync = MatchPhotosToLog(photos_, log_->log);
+    if (!sync) {
+      Warn(sync.error().message + ".");
+      return;
+    }
+    report.time_match = sync->method_in_words;
+    for (const std::string& note : sync->notes) report.time_match += "; " + note;
+    report.time_offset_s = sync->offset_s;
+    report.time_sigma_s = sync->sigma_s;
+    report.camera_ahead_of_utc_s = sync->camera_ahead_of_utc_s;
+    clock_sigma_s_ = sync->sigma_s;
+    ApplyEvents(log_->log, *sync, log_->log.gnss.size() >= 2, photos_);
+    if (!HasTrackSeries()) return;
+    const auto [begin_s, end_s] = LogSpan();
+    for (std::size_t i = 0; i < photos_.size(); ++i) {
+      const auto& time = sync->photos[i];
+      if (!time || time->t_s < begin_s - kBeyondLogS || time->t_s > end_s + kBeyondLogS) continue;
+      PhotoAtTime at;
+      at.photo = &photos_[i];
+      at.t_s = time->t_s;
+      at.sigma_s =
+          time->event
+              ? time->sigma_s
+              : std::sqrt(std::max(0.0, time->sigma_s * time->sigma_s - sync->sigma_s * sync->sigma_s));
+      if (photos_[i].position) at.height_above_ground_m = photos_[i].position->height_above_takeoff_m;
+      // Event times are the log's own: the camera clock's offset does not enter them.
+      any_by_clock_ = any_by_clock_ || !time->event;
+      by_log_.push_back(at);
+    }
+    std::stable_sort(by_log_.begin(), by_log_.end(),
+                     [](const PhotoAtTime& a, const PhotoAtTime& b) { return a.t_s < b.t_s; });
+  }
+
+  std::pair<double, double> LogSpan() const {
+    double begin_s = 1e18;
+    double end_s = -1e18;
+    const auto take = [&](const auto& samples) {
+      if (samples.empty()) return;
+      begin_s = std::min(begin_s, samples.front().t_s);
+      end_s = std::max(end_s, samples.back().t_s);
+    };
+    take(log_->log.gnss);
+    take(log_->log.attitude);
+    take(log_->log.imu);
+    return {begin_s, end_s};
+  }
+
+  Result<void> PlaceOnLog() {
+    std::vector<std::pair<double, const Photo*>> photos_at;
+    for (const PhotoAtTime& p : by_log_) photos_at.emplace_back(p.t_s, p.photo);
+    Takeoff takeoff = FindTakeoff(log_->log, photos_at);
+    const geo::LatLon middle = takeoff.middle.value_or(options_.origin.value_or(geo::LatLon{}));
+    frame_ = geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff.height_ellipsoid_m});
+    takeoff_ = takeoff.position ? takeoff.position : options_.origin;
+    PlaceByLogOptions options;
+    options.clock_sigma_s = any_by_clock_ ? clock_sigma_s_ : 0.005;
+    options.landed_at_start = options_.landed_at_start;
+    options.ground_z_in_enu_m = takeoff.ground_above_takeoff_m;
+    options.height_sigma_m = takeoff.sigma_m;
+    auto placed = PlaceByLog(by_log_, log_->log, *frame_, options);
+    if (!placed) {
+      frame_.reset();
+      return placed.error();
+    }
+    posed_.ground_z_in_enu_m = takeoff.ground_above_takeoff_m;
+    posed_.photos = std::move(placed->photos);
+    posed_.is_placed = placed->is_placed || options_.origin.has_value();
+    for (const std::string& warning : placed->warnings) Warn(warning);
+    for (const std::string& warning : takeoff.warnings) Warn(warning);
+    PoseReport& report = posed_.report;
+    report.height_rule = takeoff.rule;
+    report.series = std::move(placed->series);
+    report.knots = placed->knots;
+    report.iterations = placed->iterations;
+    report.photos_by_log = static_cast<int>(posed_.photos.size());
+    report.method = "smoothed track of the log";
+    if (!placed->is_placed) WarnAboutReckoning();
+    return {};
+  }
+
+  void WarnAboutReckoning() {
+    posed_.report.method = "reckoned from the start without any position";
+    if (options_.origin) {
+      Warn(
+          "No position anywhere: the flight is reckoned from the given origin, and its error grows with "
+          "time.");
+    } else {
+      Warn(
+          "No position anywhere: the map has the right scale and north, but its place on Earth is not known; "
+          "it is "
+          "drawn at 0 degrees north, 0 degrees east. Give --origin LAT,LON of the take-off to place it.");
+    }
+  }
+
+  // Photos outside the log, or all of them without one.
+  void PlaceTheRest() {
+    std::vector<Photo> rest;
+    for (const Photo& photo : photos_) {
+      const bool is_on_log = std::any_of(by_log_.begin(), by_log_.end(),
+                                         [&](const PhotoAtTime& p) { return p.photo == &photo; });
+      if (is_on_log) continue;
+      if (photo.position) {
+        rest.push_back(photo);
+      } else {
+        posed_.left_out.push_back({photo.name, ErrorCode::kNoPosition, WhyWithoutPosition()});
+      }
+    }
+    if (rest.empty()) return;
+    const FlightHeights heights = ChooseHeights(rest, options_.dem);
+    for (const std::string& warning : heights.warnings) Warn(warning);
+    if (posed_.report.height_rule.empty()) posed_.report.height_rule = heights.rule;
+    if (!frame_) {
+      std::vector<geo::LatLon> positions;
+      for (const Photo& photo : rest) positions.push_back(photo.position->position);
+      const geo::LatLon middle = *MedianPosition(positions);
+      frame_ = geo::LocalFrame({middle.lat_deg, middle.lon_deg, heights.takeoff_ellipsoid_m});
+    }
+    PlacedByRecords placed = PlaceByRecords(rest, heights, *frame_);
+    if (placed.without_angles > 0) {
+      Warn(fmt::format(
+          "{} of {} photos recorded no camera angles: they are taken as looking straight down, turned along "
+          "the flight's course.",
+          placed.without_angles, placed.photos.size()));
+    }
+    posed_.report.photos_by_records = static_cast<int>(placed.photos.size());
+    if (posed_.report.method.empty()) posed_.report.method = "what the photos record of themselves";
+    std::move(placed.photos.begin(), placed.photos.end(), std::back_inserter(posed_.photos));
+    std::move(placed.left_out.begin(), placed.left_out.end(), std::back_inserter(posed_.left_out));
+  }
+
+  std::string WhyWithoutPosition() const {
+    if (!log_) {
+      return "has no position: no GPS in its EXIF or XMP and no log that covers it. Add the flight log or a "
+             "geo.txt with "
+             "its position.";
+    }
+    return "has no position: no GPS in its EXIF or XMP, and the log does not cover the time it was taken. "
+           "Add the log of "
+           "its flight or a geo.txt with its position.";
+  }
+
+  Error NothingPlaced() const {
+    for (const LeftOutPhoto& left : posed_.left_out) {
+      if (left.reason.find("usable height") != std::string::npos) {
+        return {ErrorCode::kUnprocessable, "no photo has a usable height above the ground", ""};
+      }
+    }
+    std::string message =
+        "none of the files is a photo with a position, so there is nothing to place on the ground. Check "
+        "that "
+        "the photos come straight from the drone (editing and messengers remove GPS data), or add the flight "
+        "log.";
+    if (log_ && !photos_.empty()) {
+      message =
+          "no photo could be tied to the log, and none has a position of its own, so there is nothing to "
+          "place "
+          "on the ground.";
+      for (std::size_t k = flight_.warnings.size(); k < posed_.warnings.size(); ++k)
+        message += " " + posed_.warnings[k];
+    }
+    return {ErrorCode::kUnprocessable, message, ""};
+  }
+
+  // Heights above take-off become heights above the ground below each photo.
+  void LayOnElevationModel() {
+    const auto& dem = *options_.dem;
+    const auto latlon = [&](const Eigen::Vector3d& point) {
+      const geo::Wgs84 at = frame_->Wgs84FromEnu(point);
+      return geo::LatLon{at.lat_deg, at.lon_deg};
+    };
+    const bool is_absolute = posed_.report.height_rule.find("elevation model") != std::string::npos;
+    if (!posed_.is_placed) return;
+    const geo::LatLon start =
+        takeoff_.value_or(latlon(posed_.photos.front().cam_from_enu.TargetOriginInSource()));
+    std::optional<double> zero_m = dem.GroundHeightM(start);
+    if (is_absolute) {
+      const geo::Wgs84& origin = frame_->origin();
+      zero_m = origin.height_ellipsoid_m - geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}).value_or(0.0);
+    }
+    if (!zero_m) {
+      Warn("The elevation model does not cover the place of take-off; the ground is taken as flat.");
+      return;
+    }
+    std::vector<double> grounds;
+    for (PosedPhoto& photo : posed_.photos) {
+      const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+      const auto ground_m = dem.GroundHeightM(latlon(center));
+      if (!ground_m) continue;
+      grounds.push_back(*ground_m - *zero_m);
+      photo.height_above_ground_m = center.z() - grounds.back();
+    }
+    if (2 * grounds.size() < posed_.photos.size()) {
+      Warn("The elevation model covers less than half of the photos; the ground is taken as flat.");
+      return;
+    }
+    const auto middle = grounds.begin() + static_cast<std::ptrdiff_t>(grounds.size() / 2);
+    std::nth_element(grounds.begin(), middle, grounds.end());
+    posed_.ground_z_in_enu_m = *middle;
+    if (is_absolute) return;
+    posed_.report.height_rule +=
+        fmt::format("; the elevation model puts the ground {:+.1f} m from {}", *middle,
+                    takeoff_ ? "take-off" : "the first photo, taken for take-off");
+  }
+
+  void Summarise() {
+    posed_.frame = *frame_;
+    PoseReport& report = posed_.report;
+    report.is_placed = posed_.is_placed;
+    std::vector<double> radii;
+    for (const PosedPhoto& photo : posed_.photos) radii.push_back(photo.error_radius_m);
+    std::sort(radii.begin(), radii.end());
+    report.median_error_radius_m = radii[radii.size() / 2];
+    report.largest_error_radius_m = radii.back();
+    std::sort(posed_.left_out.begin(), posed_.left_out.end(),
+              [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
+  }
+
+  const flight::Flight& flight_;
+  const EstimatePosesOptions& options_;
+  std::vector<Photo>
+      photos_;  // with what lists and events say of them; never resized, by_log_ points into it
+  std::optional<JoinedLog> log_;
+  std::vector<PhotoAtTime> by_log_;
+  double clock_sigma_s_ = 0.0;
+  bool any_by_clock_ = false;
+  std::optional<geo::LocalFrame> frame_;
+  std::optional<geo::LatLon> takeoff_;
+  PosedFlight posed_;
 };
-
-AttitudeChoice ChooseAttitude(const Photo& photo, const std::optional<double>& course_rad) {
-  if (photo.attitude) {
-    const bool is_gimbal = photo.attitude->kind == flight::AttitudeKind::kGimbal;
-    return {CamFromEnu(*photo.attitude), AttitudeOrigin::kRecorded, geo::DegToRad(is_gimbal ? 1.0 : 2.0),
-            geo::DegToRad(3.0)};
-  }
-  return {NadirCamFromEnu(course_rad.value_or(0.0)), AttitudeOrigin::kCourse, geo::DegToRad(5.0),
-          course_rad ? geo::DegToRad(15.0) : geo::kPi};
-}
-
-Matrix6d PoseCovariance(const AttitudeChoice& attitude, double sigma_horizontal_m, double sigma_vertical_m) {
-  Matrix6d covariance = Matrix6d::Zero();
-  covariance(0, 0) = covariance(1, 1) = attitude.sigma_tilt_rad * attitude.sigma_tilt_rad;
-  covariance(2, 2) = attitude.sigma_yaw_rad * attitude.sigma_yaw_rad;
-  covariance(3, 3) = covariance(4, 4) = sigma_horizontal_m * sigma_horizontal_m;
-  covariance(5, 5) = sigma_vertical_m * sigma_vertical_m;
-  return covariance;
-}
-
-geo::LatLon MedianPosition(const std::vector<Photo>& photos) {
-  std::vector<double> lats;
-  std::vector<double> lons;
-  const double lon_zero = photos.front().position->position.lon_deg;
-  for (const Photo& photo : photos) {
-    lats.push_back(photo.position->position.lat_deg);
-    // Relative to the first photo, so that a flight across the date line stays together.
-    lons.push_back(std::remainder(photo.position->position.lon_deg - lon_zero, 360.0));
-  }
-  const auto median = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
-  return {median(lats), std::remainder(lon_zero + median(lons), 360.0)};
-}
 
 }  // namespace
 
-Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& /*options*/,
+Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options,
                                   Progress& /*progress*/) {
-  PosedFlight posed;
-  posed.left_out = flight.left_out;
-  posed.warnings = flight.warnings;
-
-  std::vector<Photo> placeable;
-  for (const Photo& photo : flight.photos) {
-    if (photo.position) {
-      placeable.push_back(photo);
-    } else {
-      posed.left_out.push_back({photo.name, ErrorCode::kNoPosition,
-                                "has no position: no GPS in its EXIF or XMP and no log that covers it. Add the flight "
-                                "log or a geo.txt with its position."});
-    }
-  }
-  if (placeable.empty()) {
-    return Error{ErrorCode::kUnprocessable,
-                 "none of the files is a photo with a position, so there is nothing to place on the ground. Check that "
-                 "the photos come straight from the drone (editing and messengers remove GPS data), or add the flight log.",
-                 ""};
-  }
-  const FlightHeights heights = ChooseHeights(placeable);
-  posed.height_rule = heights.rule;
-  posed.warnings.insert(posed.warnings.end(), heights.warnings.begin(), heights.warnings.end());
-
-  const geo::LatLon middle = MedianPosition(placeable);
-  posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, heights.takeoff_ellipsoid_m});
-  posed.ground_z_in_enu_m = 0.0;
-
-  std::vector<std::size_t> used;
-  std::vector<Eigen::Vector3d> centers;
-  for (std::size_t i = 0; i < placeable.size(); ++i) {
-    const Photo& photo = placeable[i];
-    if (!heights.above_ground_m[i]) {
-      posed.left_out.push_back({photo.name, ErrorCode::kNoPosition,
-                                "has no usable height above the ground, so its scale is unknown."});
-      continue;
-    }
-    const Eigen::Vector3d center = posed.frame.EnuFromWgs84({photo.position->position.lat_deg,
-                                                             photo.position->position.lon_deg,
-                                                             heights.takeoff_ellipsoid_m + *heights.above_ground_m[i]});
-    if (center.head<2>().norm() > kFarthestFromFlightM) {
-      posed.left_out.push_back({photo.name, ErrorCode::kNoPosition,
-                                fmt::format("was taken {:.0f} km away from the rest of the flight. If the position is right, "
-                                            "stitch it as a flight of its own.", center.head<2>().norm() / 1000.0)});
-      continue;
-    }
-    used.push_back(i);
-    centers.push_back(center);
-  }
-  if (used.empty()) {
-    return Error{ErrorCode::kUnprocessable, "no photo has a usable height above the ground", ""};
-  }
-
-  std::vector<Eigen::Vector2d> track;
-  track.reserve(centers.size());
-  for (const Eigen::Vector3d& center : centers) track.emplace_back(center.head<2>());
-  const std::vector<std::optional<double>> courses = CoursesFromPositions(track);
-
-  std::size_t without_attitude = 0;
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    const Photo& photo = placeable[used[k]];
-    const AttitudeChoice attitude = ChooseAttitude(photo, courses[k]);
-    if (attitude.origin != AttitudeOrigin::kRecorded) ++without_attitude;
-    const double sigma_h = photo.position->sigma_horizontal_m.value_or(photo.position->is_rtk_fixed ? 0.03 : 1.5);
-    const double sigma_v =
-        photo.position->is_rtk_fixed ? photo.position->sigma_vertical_m.value_or(0.05) : heights.sigma_m;
-    PosedPhoto pose;
-    pose.photo = photo;
-    pose.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(attitude.cam_from_enu, centers[k]);
-    pose.covariance = PoseCovariance(attitude, sigma_h, sigma_v);
-    pose.height_above_ground_m = centers[k].z() - posed.ground_z_in_enu_m;
-    pose.error_radius_m = std::hypot(sigma_h, pose.height_above_ground_m * attitude.sigma_tilt_rad);
-    pose.attitude_origin = attitude.origin;
-    posed.photos.push_back(std::move(pose));
-  }
-  if (without_attitude > 0) {
-    posed.warnings.push_back(fmt::format("{} of {} photos recorded no camera angles: they are taken as looking straight "
-                                         "down, turned along the flight's course.",
-                                         without_attitude, posed.photos.size()));
-  }
-  std::sort(posed.left_out.begin(), posed.left_out.end(),
-            [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
-  return posed;
+  return Estimation(flight, options).Run();
 }
 
 }  // namespace skyquilt::poses

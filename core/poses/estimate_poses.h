@@ -1,6 +1,8 @@
 // EstimatePoses: from what was recorded to one pose and covariance per photo in the flight's local frame.
-// Photos without a usable position are listed in left_out with the reason. The result does not depend on threads.
-// Errors: kUnprocessable when no photo has a position.
+// With a log the photos are tied to its clock and placed by the smoothed chain of all its series; without
+// one, or outside its time, by what they say of themselves. Without any position the flight is reckoned from
+// its start, which lies at the given origin. Photos that cannot be placed are listed in left_out with the
+// reason. The result does not depend on threads. Errors: kUnprocessable when no photo can be placed.
 #pragma once
 
 #include <optional>
@@ -8,12 +10,15 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/flight.h"
+#include "core/pipeline/ports.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::poses {
 
 struct EstimatePosesOptions {
-  std::optional<geo::LatLon> origin;  // where a flight without positions starts
+  std::optional<geo::LatLon> origin;         // where a flight without positions starts
+  bool landed_at_start = false;              // it came back there (only asked without positions)
+  const pipeline::DemSource* dem = nullptr;  // heights of the ground, where known
 };
 
 Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options,

@@ -21,18 +21,13 @@ std::optional<double> Median(std::vector<double> values) {
   return *middle;
 }
 
-std::optional<double> EllipsoidHeight(const RecordedPosition& position) {
-  if (position.height_ellipsoid_m) return position.height_ellipsoid_m;
-  if (!position.height_amsl_m) return std::nullopt;
-  return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
-}
-
 std::optional<double> AboveGround(const RecordedPosition& position) {
   // A relative height of a few decimetres is a drone on the ground or a field that is never filled.
   if (position.height_above_takeoff_m && *position.height_above_takeoff_m > 1.0) {
     return position.height_above_takeoff_m;
   }
-  if (position.height_above_ground_m && *position.height_above_ground_m > 1.0) return position.height_above_ground_m;
+  if (position.height_above_ground_m && *position.height_above_ground_m > 1.0)
+    return position.height_above_ground_m;
   return std::nullopt;
 }
 
@@ -60,9 +55,57 @@ std::optional<double> HeightFromSpacing(const std::vector<Photo>& photos) {
   return *spacing_m / kUsualForwardStep * lens.MeanFocalPx() / short_side_px;
 }
 
+// Absolute heights over an elevation model that counts from sea level.
+bool ByElevationModel(const std::vector<Photo>& photos, const pipeline::DemSource& dem,
+                      FlightHeights& heights) {
+  std::vector<double> grounds;
+  std::vector<std::optional<double>> ellipsoid_m(photos.size());
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].position) continue;
+    ellipsoid_m[i] = EllipsoidHeightM(*photos[i].position);
+    const auto ground_m = dem.GroundHeightM(photos[i].position->position);
+    if (!ground_m) continue;
+    grounds.push_back(*ground_m + geo::GeoidHeightM(photos[i].position->position).value_or(0.0));
+  }
+  const auto ground_m = Median(std::move(grounds));
+  if (!ground_m) return false;
+  std::vector<double> above;
+  for (const auto& height_m : ellipsoid_m) {
+    if (height_m) above.push_back(*height_m - *ground_m);
+  }
+  const auto typical_m = Median(std::move(above));
+  if (!typical_m || *typical_m < 5.0) return false;  // absolute heights that lie below the ground are none
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (ellipsoid_m[i]) heights.above_ground_m[i] = *ellipsoid_m[i] - *ground_m;
+  }
+  heights.takeoff_ellipsoid_m = *ground_m;
+  heights.sigma_m = 5.0;
+  heights.rule = "absolute height above the elevation model";
+  return true;
+}
+
 }  // namespace
 
-FlightHeights ChooseHeights(const std::vector<Photo>& photos) {
+std::optional<double> EllipsoidHeightM(const RecordedPosition& position) {
+  if (position.height_ellipsoid_m) return position.height_ellipsoid_m;
+  if (!position.height_amsl_m) return std::nullopt;
+  return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
+}
+
+std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions) {
+  if (positions.empty()) return std::nullopt;
+  std::vector<double> lats;
+  std::vector<double> lons;
+  const double lon_zero = positions.front().lon_deg;
+  for (const geo::LatLon& position : positions) {
+    lats.push_back(position.lat_deg);
+    // Relative to the first, so that a flight across the date line stays together.
+    lons.push_back(std::remainder(position.lon_deg - lon_zero, 360.0));
+  }
+  return geo::LatLon{*Median(std::move(lats)), std::remainder(lon_zero + *Median(std::move(lons)), 360.0)};
+}
+
+FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::DemSource* dem) {
   FlightHeights heights;
   heights.above_ground_m.resize(photos.size());
   std::vector<double> takeoff_heights;
@@ -72,7 +115,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos) {
     heights.above_ground_m[i] = AboveGround(*photos[i].position);
     if (!heights.above_ground_m[i]) continue;
     ++known;
-    if (const auto ellipsoid_m = EllipsoidHeight(*photos[i].position)) {
+    if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
       takeoff_heights.push_back(*ellipsoid_m - *heights.above_ground_m[i]);
     }
   }
@@ -81,31 +124,34 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos) {
     heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
     heights.rule = "height above take-off as recorded, flat ground at take-off height";
     heights.sigma_m = 0.7;
+  } else if (dem != nullptr && ByElevationModel(photos, *dem, heights)) {
+    return heights;
   } else {
     const std::optional<double> guess_m = HeightFromSpacing(photos);
     std::vector<double> ellipsoid_heights;
     for (const Photo& photo : photos) {
       if (!photo.position) continue;
-      if (const auto height_m = EllipsoidHeight(*photo.position)) ellipsoid_heights.push_back(*height_m);
+      if (const auto height_m = EllipsoidHeightM(*photo.position)) ellipsoid_heights.push_back(*height_m);
     }
     const double above_ground_m = std::clamp(guess_m.value_or(60.0), 5.0, 500.0);
     heights.takeoff_ellipsoid_m = Median(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
     heights.rule = "height above ground guessed from the spacing of the photos";
     heights.sigma_m = 0.3 * above_ground_m;
-    heights.warnings.push_back(
-        fmt::format("No photo says how high it was above the ground. {:.0f} m is assumed from the photos' spacing; the "
-                    "map's scale depends on it. Photos with a relative height (DJI RelativeAltitude) do better.",
-                    above_ground_m));
+    heights.warnings.push_back(fmt::format(
+        "No photo says how high it was above the ground. {:.0f} m is assumed from the photos' spacing; the "
+        "map's scale depends on it. Photos with a relative height (DJI RelativeAltitude) do better.",
+        above_ground_m));
   }
   // Photos without a relative height are tied to the others through their absolute one.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (heights.above_ground_m[i] || !photos[i].position) continue;
     if (known > 0 && !takeoff_m) continue;
-    if (const auto ellipsoid_m = EllipsoidHeight(*photos[i].position)) {
+    if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
       const double above_ground_m = *ellipsoid_m - heights.takeoff_ellipsoid_m;
       if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
     } else if (known == 0) {
-      heights.above_ground_m[i] = -heights.takeoff_ellipsoid_m;  // takeoff was set to minus the guessed height
+      heights.above_ground_m[i] =
+          -heights.takeoff_ellipsoid_m;  // takeoff was set to minus the guessed height
     }
   }
   return heights;

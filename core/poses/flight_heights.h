@@ -1,7 +1,8 @@
-// FlightHeights: one height above the ground at take-off for every photo, by one rule for the whole flight, so that
-// photos never differ by a zero point. Metres. Pure; any thread.
-// Order of trust: relative height (barometer since take-off), measured height above ground, sea-level or ellipsoidal
-// height against photos of this flight that have both, and last a height guessed from the spacing of the photos.
+// FlightHeights: one height above the ground at take-off for every photo, by one rule for the whole flight,
+// so that photos never differ by a zero point. Metres. Pure; any thread. Order of trust: relative height
+// (barometer since take-off), measured height above ground, sea-level or ellipsoidal height against photos of
+// this flight that have both, absolute height above an elevation model, and last a height guessed from the
+// spacing of the photos.
 #pragma once
 
 #include <optional>
@@ -9,17 +10,26 @@
 #include <vector>
 
 #include "core/flight/photo.h"
+#include "core/pipeline/ports.h"
 
 namespace skyquilt::poses {
 
 struct FlightHeights {
-  std::vector<std::optional<double>> above_ground_m;  // one a photo; empty where the photo has no height at all
-  double takeoff_ellipsoid_m = 0.0;                   // of the flat ground, best knowledge
-  double sigma_m = 0.5;                               // of the heights above ground, common part
-  std::string rule;                                   // in words, for the report
+  std::vector<std::optional<double>>
+      above_ground_m;                // one a photo; empty where the photo has no height at all
+  double takeoff_ellipsoid_m = 0.0;  // of the flat ground, best knowledge
+  double sigma_m = 0.5;              // of the heights above ground, common part
+  std::string rule;                  // in words, for the report
   std::vector<std::string> warnings;
 };
 
-FlightHeights ChooseHeights(const std::vector<flight::Photo>& photos);
+// `dem` may be null.
+FlightHeights ChooseHeights(const std::vector<flight::Photo>& photos, const pipeline::DemSource* dem);
+
+// The height above the ellipsoid that a record means, through the geoid where it counts from sea level.
+std::optional<double> EllipsoidHeightM(const flight::RecordedPosition& position);
+
+// Component by component, safe across the date line. Nothing of nothing.
+std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions);
 
 }  // namespace skyquilt::poses

@@ -9,6 +9,7 @@
 #include "core/flight/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
+#include "core/poses/pose_report.h"
 
 namespace skyquilt::poses {
 
@@ -35,7 +36,8 @@ struct PosedFlight {
   std::vector<PosedPhoto> photos;  // in the order of capture
   std::vector<flight::LeftOutPhoto> left_out;
   std::vector<std::string> warnings;
-  std::string height_rule;         // which heights were used, in words
+  bool is_placed = true;           // false: the frame's origin is not known, only its scale
+  PoseReport report;
 };
 
 }  // namespace skyquilt::poses

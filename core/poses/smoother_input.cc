@@ -34,12 +34,26 @@ std::optional<Quaterniond> GimbalAt(const std::vector<flight::AttitudeSample>& s
   return (EnuFromNed() * ned_from_gimbal * CamFromGimbal().conjugate()).normalized();
 }
 
+bool Climbs(const std::vector<HeightFix>& heights, const StillInterval& interval) {
+  double lowest = 1e9;
+  double highest = -1e9;
+  for (const HeightFix& h : heights) {
+    if (h.t_s < interval.begin_s || h.t_s > interval.end_s) continue;
+    lowest = std::min(lowest, h.z_in_enu_m);
+    highest = std::max(highest, h.z_in_enu_m);
+  }
+  return highest - lowest > 2.0;  // far beyond the barometer's noise
+}
+
 class Preparation {
  public:
   Preparation(const FlightSources& sources, const geo::LocalFrame& frame) : from_(sources), frame_(frame) {}
 
   PreparedSmoothing Make() {
-    for (const PhotoAtTime& p : from_.photos) out_.input.photo_times_s.push_back(p.t_s);
+    for (const PhotoAtTime& p : from_.photos) {
+      out_.input.photo_times_s.push_back(p.t_s);
+      out_.time_sigma_s.push_back(p.sigma_s);
+    }
     SmootherOptions& o = out_.input.options;
     o.gravity_mps2 = NormalGravityMps2(frame_.origin().lat_deg, frame_.origin().height_ellipsoid_m);
     TakeImu();
@@ -51,7 +65,12 @@ class Preparation {
     } else {
       BodyIsCamera();
     }
-    if (!out_.is_placed) StartWithoutPositions();
+    if (!out_.is_placed) {
+      StartWithoutPositions();
+      // An autopilot without positions takes the felt vertical for the true one and leans with every drag and
+      // acceleration: its tilt is far worse than the inertial sums from a start at rest.
+      if (!out_.input.imu.empty()) o.attitude_bias_sigma_rad.head<2>().setConstant(0.035);
+    }
     for (const PhotoPair& p : from_.pairs) {
       const auto first = static_cast<std::size_t>(p.first);
       const auto second = static_cast<std::size_t>(p.second);
@@ -190,15 +209,21 @@ class Preparation {
 
   void StartWithoutPositions() {
     std::vector<StillInterval> still = FindStillness(out_.input.imu);
+    // A steady climb feels like rest.
+    std::erase_if(still, [&](const StillInterval& s) { return Climbs(out_.input.heights, s); });
     Marker start;
     start.position_in_enu_m = from_.start_in_enu_m;
     start.yaw_rad = from_.start_yaw_rad;
     const double first_photo = from_.photos.empty() ? 0.0 : from_.photos.front().t_s;
     const double last_photo = from_.photos.empty() ? 0.0 : from_.photos.back().t_s;
-    const bool starts_still = !still.empty() && still.front().begin_s < first_photo;
-    if (starts_still) {
-      start.t_s = still.front().begin_s;
-      out_.input.still.push_back(still.front());
+    // The last rest before the photos and the first after them: what was flown before is another flight.
+    const auto after_first = std::find_if(still.begin(), still.end(),
+                                          [&](const StillInterval& s) { return s.begin_s >= first_photo; });
+    const auto after_last = std::find_if(still.begin(), still.end(),
+                                         [&](const StillInterval& s) { return s.begin_s > last_photo; });
+    if (after_first != still.begin()) {
+      start.t_s = (after_first - 1)->begin_s;
+      out_.input.still.push_back(*(after_first - 1));
       Note("still on the ground before take-off");
     } else {
       start.t_s = first_photo;
@@ -206,10 +231,10 @@ class Preparation {
         start.position_in_enu_m.z() += from_.photos.front().height_above_ground_m.value_or(0.0);
     }
     out_.input.markers.push_back(start);
-    if (from_.ended_at_start && !still.empty() && still.back().begin_s > last_photo) {
-      out_.input.still.push_back(still.back());
+    if (from_.ended_at_start && after_last != still.end()) {
+      out_.input.still.push_back(*after_last);
       Marker end = start;
-      end.t_s = still.back().end_s;
+      end.t_s = after_last->end_s;
       end.yaw_rad.reset();
       end.position_in_enu_m = from_.start_in_enu_m;
       out_.input.markers.push_back(end);
@@ -264,11 +289,14 @@ std::vector<PlacedCamera> PlacePhotos(const PreparedSmoothing& prepared, const S
     PlacedCamera camera;
     camera.covariance = pose.covariance;
     camera.covariance_with_next = pose.covariance_with_next;
+    const Vector3d& v = pose.velocity_in_enu_mps;
+    camera.covariance.bottomRightCorner<3, 3>() += std::pow(prepared.time_sigma_s[k], 2) * v * v.transpose();
     camera.velocity_in_enu_mps = pose.velocity_in_enu_mps;
     camera.attitude_origin = prepared.attitude_origins[k];
     Quaterniond enu_from_cam = pose.enu_from_body * prepared.cam_from_body[k].conjugate();
     if (const std::optional<Quaterniond>& recorded = prepared.recorded_enu_from_cam[k]) {
-      // Measured airframe = Exp(level axes * bias) R: the attitude system is turned by that, and the gimbal too.
+      // Measured airframe = Exp(level axes * bias) R: the attitude system is turned by that, and the gimbal
+      // too.
       const Vector3d turned = LevelAxes(pose.enu_from_body) * pose.attitude_bias_rad;
       enu_from_cam = geo::RotationFromVector(-turned) * *recorded;
       camera.covariance.topLeftCorner<3, 3>().diagonal().array() += kGimbalWhiteRad * kGimbalWhiteRad;

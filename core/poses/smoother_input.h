@@ -24,6 +24,7 @@ namespace skyquilt::poses {
 struct PhotoAtTime {
   const flight::Photo* photo = nullptr;
   double t_s = 0.0;                             // on the log's clock; without a log, on any
+  double sigma_s = 0.0;                         // of this photo's time alone
   std::optional<double> height_above_ground_m;  // over the plane z = 0 of the local frame
 };
 
@@ -47,8 +48,9 @@ struct PreparedSmoothing {
   // One a photo: the camera's own recorded rotation where a gimbal holds it apart from the airframe.
   std::vector<std::optional<Eigen::Quaterniond>> recorded_enu_from_cam;
   std::vector<AttitudeOrigin> attitude_origins;
-  bool is_placed = true;           // false: nothing says where on Earth the flight was
-  std::vector<std::string> notes;  // which series were taken, in words
+  std::vector<double> time_sigma_s;  // one a photo: of its time alone
+  bool is_placed = true;             // false: nothing says where on Earth the flight was
+  std::vector<std::string> notes;    // which series were taken, in words
 };
 
 struct PlacedCamera {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,6 +21,7 @@ struct StitchArguments {
   StitchJobOptions job;
   double gsd_m = 0.0;
   double max_memory_gib = 1.0;
+  std::string origin;
   bool no_cog = false;
   bool no_pmtiles = false;
 };
@@ -30,16 +32,30 @@ struct StitchArguments {
 }
 
 void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
-  fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total, report.photos_aligned,
-             report.photos_pose_only, report.photos_left_out);
-  for (const flight::LeftOutPhoto& photo : report.left_out_photos) fmt::print("  left out: {}: {}\n", photo.name, photo.reason);
+  fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
+             report.photos_aligned, report.photos_pose_only, report.photos_left_out);
+  for (const flight::LeftOutPhoto& photo : report.left_out_photos)
+    fmt::print("  left out: {}: {}\n", photo.name, photo.reason);
   for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", warning);
-  fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4, report.gsd_m * 100.0,
-             report.min_zoom, report.max_zoom, report.tile_count);
+  if (!report.is_placed) fmt::print("  not placed: the map has its scale and north, but no place on Earth\n");
+  fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
+             report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
 }
 
 void Run(StitchArguments& arguments) {
+  if (!arguments.origin.empty()) {
+    geo::LatLon origin;
+    char rest = 0;
+    if (std::sscanf(arguments.origin.c_str(), "%lf,%lf%c", &origin.lat_deg, &origin.lon_deg, &rest) != 2) {
+      Fail({ErrorCode::kInvalidArgument,
+            "--origin is '" + arguments.origin +
+                "'; write it as LAT,LON in degrees, like "
+                "46.80,7.10.",
+            ""});
+    }
+    arguments.job.mosaic.origin = origin;
+  }
   if (arguments.gsd_m > 0.0) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   arguments.job.write_cog = !arguments.no_cog;
@@ -49,7 +65,8 @@ void Run(StitchArguments& arguments) {
   if (arguments.job.mosaic.title.empty()) {
     std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
     if (!first.has_filename()) first = first.parent_path();
-    arguments.job.mosaic.title = std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
+    arguments.job.mosaic.title =
+        std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
   }
   Result<pipeline::MosaicReport> report = [&] {
     TerminalProgress progress;
@@ -63,29 +80,47 @@ void Run(StitchArguments& arguments) {
 
 void AddStitchCommand(CLI::App& app) {
   auto arguments = std::make_shared<StitchArguments>();
-  CLI::App* command = app.add_subcommand("stitch", "Make a map from a folder of drone photos");
+  CLI::App* command = app.add_subcommand("stitch", "Make a map from drone photos and flight logs");
   command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them (an SD card's DCIM will do)")
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("-o,--out", arguments->out_dir,
                       "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json and photos.geojson; made if missing")
       ->required();
-  command->add_option("--gsd", arguments->gsd_m, "Ground size of a map pixel in metres (default: that of the photos)");
-  command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")->capture_default_str();
-  command->add_option("--format", arguments->job.mosaic.encoding, "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
+  command->add_option("--gsd", arguments->gsd_m,
+                      "Ground size of a map pixel in metres (default: that of the photos)");
+  command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")
+      ->capture_default_str();
+  command
+      ->add_option("--format", arguments->job.mosaic.encoding,
+                   "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
       ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::TileEncoding>{
           {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
-  command->add_option("--method", arguments->job.mosaic.method,
-                      "auto: poses refined by image features; imu: recorded poses alone, no pixel compared")
+  command
+      ->add_option("--method", arguments->job.mosaic.method,
+                   "auto: poses refined by image features; imu: recorded poses alone, no pixel compared")
       ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::AlignMethod>{
           {"auto", pipeline::AlignMethod::kAuto}, {"imu", pipeline::AlignMethod::kImu}}));
+  command->add_option("--origin", arguments->origin,
+                      "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
+  command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
+                    "A flight without any position landed where it took off");
+  command
+      ->add_option("--dem", arguments->job.mosaic.dem_path,
+                   "GeoTIFF with the ground's heights (default: flat ground)")
+      ->check(CLI::ExistingFile);
   command->add_option("--title", arguments->job.mosaic.title, "Name of the map (default: the folder's name)");
-  command->add_option("--threads", arguments->job.mosaic.threads, "Threads; 0 takes all cores. The map is the same with any number")
+  command
+      ->add_option("--threads", arguments->job.mosaic.threads,
+                   "Threads; 0 takes all cores. The map is the same with any number")
       ->capture_default_str();
-  command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")->capture_default_str();
+  command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
+      ->capture_default_str();
   command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles, "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
-  command->footer("Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  gdalinfo map/mosaic.tif");
+  command->footer(
+      "Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  skyquilt stitch photos/ flight.BIN -o map\n  "
+      "gdalinfo map/mosaic.tif");
   command->callback([arguments] { Run(*arguments); });
 }
 

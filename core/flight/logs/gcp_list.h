@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/logs/log_bytes.h"
-#include "core/flight/read_flight.h"
+#include "core/flight/input_file.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {

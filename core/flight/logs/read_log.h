@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/logs/log_bytes.h"
-#include "core/flight/read_flight.h"
+#include "core/flight/input_file.h"
 
 namespace skyquilt::flight {
 

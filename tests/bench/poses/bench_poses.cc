@@ -1,7 +1,7 @@
-// bench_poses [all|table|drift|integration|hop] [SEEDS [FOLDER_OF_LOGS]]: what the pose stage reaches, printed as
-// tables beside the figures it is measured against. table: accuracy by kind of record; drift: real logs, dead
-// reckoning and bridged holes; integration: trapezoid against Simpson; hop: a short flight without GNSS. The folder
-// of real DataFlash or ULog logs may also come from SKYQUILT_DATA (logs/dataflash under it).
+// bench_poses [all|table|drift|integration|hop] [SEEDS [FOLDER_OF_LOGS]]: what the pose stage reaches,
+// printed as tables beside the figures it is measured against. table: accuracy by kind of record; drift: real
+// logs, dead reckoning and bridged holes; integration: trapezoid against Simpson; hop: a short flight without
+// GNSS. The folder of real DataFlash or ULog logs may also come from SKYQUILT_DATA (logs/dataflash under it).
 #include <cstdlib>
 #include <string>
 

@@ -81,7 +81,7 @@ struct Recorded {
   FlightSources Sources(bool with_log) const {
     FlightSources sources;
     for (std::size_t k = 0; k < photos.size(); ++k) {
-      sources.photos.push_back({&photos[k], flight.photo_times_s()[k], sensors.photo_heights[k].z_in_enu_m});
+      sources.photos.push_back({&photos[k], flight.photo_times_s()[k], 0.0, sensors.photo_heights[k].z_in_enu_m});
     }
     if (with_log) sources.log = &log;
     return sources;

@@ -1,0 +1,60 @@
+#include "core/flight/sort_files.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/flight/byte_source.h"
+#include "core/flight/logs/read_log.h"
+#include "core/flight/side_files.h"
+
+namespace skyquilt::flight {
+namespace {
+
+// Pictures and films outnumber logs by far and need no further look.
+bool IsPictureOrFilm(const std::vector<std::uint8_t>& head) {
+  constexpr std::array<std::string_view, 5> kMagic = {"\xFF\xD8\xFF", std::string_view("II*\0", 4),
+                                                      std::string_view("MM\0*", 4), "\x89PNG", "RIFF"};
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  return text.substr(std::min<std::size_t>(4, text.size())).starts_with("ftyp") ||
+         std::any_of(kMagic.begin(), kMagic.end(),
+                     [&](std::string_view magic) { return text.starts_with(magic); });
+}
+
+enum class Kind { kPhoto, kLog, kGcpList, kNothing };
+
+Result<Kind> KindOf(const InputFile& file) {
+  const Kind unknown = IsSideFileName(file.name) ? Kind::kNothing : Kind::kPhoto;
+  const auto source = OpenFileBytes(file.path);
+  if (!source) return unknown;  // reading it as a photo tells why
+  constexpr std::size_t kEnoughForMagic = 16;
+  std::vector<std::uint8_t> head = (*source)->ReadUpTo(0, kEnoughForMagic);
+  if (head.empty()) return unknown;
+  if (IsPictureOrFilm(head)) return Kind::kPhoto;
+  head = (*source)->ReadUpTo(0, kRecogniseBytes);
+  const auto format = RecogniseLog(head, file.name);
+  if (!format) return format.error();
+  if (!*format) return unknown;
+  return **format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
+}
+
+}  // namespace
+
+SortedFiles SortFiles(const std::vector<InputFile>& files) {
+  SortedFiles sorted;
+  for (const InputFile& file : files) {
+    const auto kind = KindOf(file);
+    if (!kind) {
+      sorted.refused.push_back(kind.error().message);
+    } else if (*kind == Kind::kPhoto) {
+      sorted.photos.push_back(file);
+    } else if (*kind == Kind::kLog) {
+      sorted.logs.push_back(file);
+    } else if (*kind == Kind::kGcpList) {
+      sorted.gcp_lists.push_back(file);
+    }
+  }
+  return sorted;
+}
+
+}  // namespace skyquilt::flight

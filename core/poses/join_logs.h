@@ -1,0 +1,25 @@
+// JoinLogs: the logs of one flight on one clock. People bring several: the autopilot's log beside a list of
+// exposures (MRK), a corrected track (RTKLIB) beside the recorder's own, one log a battery. The log with the
+// most kinds of series leads; the others are shifted by their UTC and give what it lacks, a better position,
+// or the time it does not cover. Lists that name photos without saying when (geo.txt, geolocation CSV) are no
+// part of it: ApplyPhotoRows takes them. Seconds on the leading log's clock. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/logs/flight_log.h"
+
+namespace skyquilt::poses {
+
+struct JoinedLog {
+  flight::FlightLog log;
+  std::vector<std::string> notes;     // what came from which file, in words
+  std::vector<std::string> warnings;  // what could not be used
+};
+
+// Nothing where no log has a series or an event with a time.
+std::optional<JoinedLog> JoinLogs(const std::vector<flight::FlightLog>& logs);
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,25 @@
+// What lists and camera events say of single photos, written over what the photos say of themselves: a user
+// who brings geo.txt, a geolocation CSV or an MRK means it to be better than EXIF. Pure; any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/photo.h"
+#include "core/poses/time_sync.h"
+
+namespace skyquilt::poses {
+
+// Rows that name a photo (case and folders do not matter) and have no time. Answers one line a list, in
+// words.
+std::vector<std::string> ApplyPhotoRows(const std::vector<flight::FlightLog>& logs,
+                                        std::vector<flight::Photo>& photos);
+
+// Camera events matched to photos. An event's position is taken where it was surveyed (RTK), where the photo
+// has none, or where `log_has_track` is false; its angles where the photo has none. Answers how many photos
+// took a position.
+int ApplyEvents(const flight::FlightLog& log, const TimeSync& sync, bool log_has_track,
+                std::vector<flight::Photo>& photos);
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,74 @@
+#include "core/poses/place_by_log.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/poses/attitude_convention.h"
+#include "core/poses/recorded_series.h"
+
+namespace skyquilt::poses {
+namespace {
+
+// Measurements further from the photos than this say nothing about them.
+constexpr double kMarginS = 60.0;
+
+template <typename Sample>
+void Cut(double begin_s, double end_s, std::vector<Sample>& samples) {
+  std::erase_if(samples, [&](const Sample& s) { return s.t_s < begin_s || s.t_s > end_s; });
+}
+
+// The part of a log that the photos need; all of its beginning where the flight is reckoned from its start.
+flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double last_s, bool has_positions) {
+  flight::FlightLog part = log;
+  const double begin_s = has_positions ? first_s - kMarginS : -1e18;
+  const double end_s = has_positions ? last_s + kMarginS : 1e18;
+  Cut(begin_s, end_s, part.imu);
+  Cut(begin_s, end_s, part.attitude);
+  Cut(begin_s, end_s, part.gnss);
+  Cut(begin_s, end_s, part.baro);
+  Cut(begin_s, end_s, part.range);
+  Cut(begin_s, end_s, part.gimbal);
+  return part;
+}
+
+}  // namespace
+
+Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const flight::FlightLog& log,
+                               const geo::LocalFrame& frame, const PlaceByLogOptions& options) {
+  const bool has_positions =
+      !log.gnss.empty() || std::any_of(photos.begin(), photos.end(),
+                                       [](const PhotoAtTime& p) { return p.photo->position.has_value(); });
+  const flight::FlightLog part = PartFor(log, photos.front().t_s, photos.back().t_s, has_positions);
+  FlightSources sources;
+  sources.photos = photos;
+  sources.log = &part;
+  sources.photo_clock_sigma_s = options.clock_sigma_s;
+  sources.height_sigma_m = options.height_sigma_m;
+  sources.ended_at_start = options.landed_at_start;
+  PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
+  Result<SmootherOutput> smoothed = SmoothChain(prepared.input);
+  if (!smoothed) return smoothed.error();
+  const std::vector<PlacedCamera> cameras = PlacePhotos(prepared, *smoothed, options.ground_z_in_enu_m);
+
+  PlacedByLog placed;
+  placed.is_placed = prepared.is_placed;
+  placed.series = prepared.notes;
+  placed.warnings = smoothed->report.warnings;
+  placed.knots = smoothed->report.knots;
+  placed.iterations = smoothed->report.iterations;
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    PosedPhoto pose;
+    pose.photo = *photos[k].photo;
+    pose.cam_from_enu = cameras[k].cam_from_enu;
+    pose.covariance = cameras[k].covariance;
+    pose.covariance_with_next = cameras[k].covariance_with_next;
+    pose.height_above_ground_m =
+        cameras[k].cam_from_enu.TargetOriginInSource().z() - options.ground_z_in_enu_m;
+    pose.error_radius_m = cameras[k].error_radius_m;
+    pose.attitude_origin = cameras[k].attitude_origin;
+    placed.photos.push_back(std::move(pose));
+  }
+  return placed;
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,36 @@
+// PlaceByLog: photos whose times on a log's clock are known, placed by the smoothed chain of the log's series
+// and of what the photos record. Frame `enu` of the flight, z = 0 at take-off. Pure; any thread. Fails with
+// kUnprocessable where the series do not fix a track (the message says what to add).
+#pragma once
+
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/geo/local_frame.h"
+#include "core/poses/posed_flight.h"
+#include "core/poses/smoother_input.h"
+
+namespace skyquilt::poses {
+
+struct PlacedByLog {
+  std::vector<PosedPhoto> photos;  // in the order of `photos`
+  bool is_placed = true;           // false: reckoned from the frame's origin, which nothing placed
+  std::vector<std::string> series;
+  std::vector<std::string> warnings;
+  int knots = 0;
+  int iterations = 0;
+};
+
+struct PlaceByLogOptions {
+  double clock_sigma_s = 0.0;  // of all photo times together
+  bool landed_at_start = false;
+  double ground_z_in_enu_m = 0.0;
+  double height_sigma_m = 0.7;  // of the heights above ground, common part
+};
+
+// photos: times rising.
+Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const flight::FlightLog& log,
+                               const geo::LocalFrame& frame, const PlaceByLogOptions& options);
+
+}  // namespace skyquilt::poses

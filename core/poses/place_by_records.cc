@@ -1,0 +1,95 @@
+#include "core/poses/place_by_records.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "core/poses/attitude_convention.h"
+#include "core/poses/course.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::Photo;
+
+// One local frame serves a flight; further away its flat ground would leave the Earth.
+constexpr double kFarthestFromFlightM = 20000.0;
+
+struct AttitudeChoice {
+  Eigen::Quaterniond cam_from_enu;
+  AttitudeOrigin origin;
+  double sigma_tilt_rad;
+  double sigma_yaw_rad;
+};
+
+AttitudeChoice ChooseAttitude(const Photo& photo, const std::optional<double>& course_rad) {
+  if (photo.attitude) {
+    const bool is_gimbal = photo.attitude->kind == flight::AttitudeKind::kGimbal;
+    return {CamFromEnu(*photo.attitude), AttitudeOrigin::kRecorded, geo::DegToRad(is_gimbal ? 1.0 : 2.0),
+            geo::DegToRad(3.0)};
+  }
+  return {NadirCamFromEnu(course_rad.value_or(0.0)), AttitudeOrigin::kCourse, geo::DegToRad(5.0),
+          course_rad ? geo::DegToRad(15.0) : geo::kPi};
+}
+
+Matrix6d PoseCovariance(const AttitudeChoice& attitude, double sigma_horizontal_m, double sigma_vertical_m) {
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance(0, 0) = covariance(1, 1) = attitude.sigma_tilt_rad * attitude.sigma_tilt_rad;
+  covariance(2, 2) = attitude.sigma_yaw_rad * attitude.sigma_yaw_rad;
+  covariance(3, 3) = covariance(4, 4) = sigma_horizontal_m * sigma_horizontal_m;
+  covariance(5, 5) = sigma_vertical_m * sigma_vertical_m;
+  return covariance;
+}
+
+}  // namespace
+
+PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHeights& heights,
+                               const geo::LocalFrame& frame) {
+  PlacedByRecords placed;
+  std::vector<std::size_t> used;
+  std::vector<Eigen::Vector3d> centers;
+  std::vector<Eigen::Vector2d> track;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const Photo& photo = photos[i];
+    const auto leave_out = [&](std::string reason) {
+      placed.left_out.push_back({photo.name, ErrorCode::kNoPosition, std::move(reason)});
+    };
+    if (!heights.above_ground_m[i]) {
+      leave_out("has no usable height above the ground, so its scale is unknown.");
+      continue;
+    }
+    const geo::LatLon& at = photo.position->position;
+    const Eigen::Vector3d center = frame.EnuFromWgs84(
+        {at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m + *heights.above_ground_m[i]});
+    if (center.head<2>().norm() > kFarthestFromFlightM) {
+      leave_out(fmt::format(
+          "was taken {:.0f} km away from the rest of the flight. If the position is right, stitch it "
+          "as a flight of its own.",
+          center.head<2>().norm() / 1000.0));
+      continue;
+    }
+    used.push_back(i);
+    centers.push_back(center);
+    track.emplace_back(center.head<2>());
+  }
+  const std::vector<std::optional<double>> courses = CoursesFromPositions(track);
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    const Photo& photo = photos[used[k]];
+    const AttitudeChoice attitude = ChooseAttitude(photo, courses[k]);
+    if (attitude.origin != AttitudeOrigin::kRecorded) ++placed.without_angles;
+    const flight::RecordedPosition& position = *photo.position;
+    const double sigma_h = position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? 0.03 : 1.5);
+    const double sigma_v = position.is_rtk_fixed ? position.sigma_vertical_m.value_or(0.05) : heights.sigma_m;
+    PosedPhoto pose;
+    pose.photo = photo;
+    pose.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(attitude.cam_from_enu, centers[k]);
+    pose.covariance = PoseCovariance(attitude, sigma_h, sigma_v);
+    pose.height_above_ground_m = centers[k].z();
+    pose.error_radius_m = std::hypot(sigma_h, pose.height_above_ground_m * attitude.sigma_tilt_rad);
+    pose.attitude_origin = attitude.origin;
+    placed.photos.push_back(std::move(pose));
+  }
+  return placed;
+}
+
+}  // namespace skyquilt::poses

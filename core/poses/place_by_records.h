@@ -1,0 +1,25 @@
+// PlaceByRecords: photos by what they say of themselves: position, camera angles, relative height. What they
+// do not say is assumed (straight down, turned along the course) and the covariance says so. Frame `enu` of
+// the flight. Pure; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/flight/photo.h"
+#include "core/geo/local_frame.h"
+#include "core/poses/flight_heights.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::poses {
+
+struct PlacedByRecords {
+  std::vector<PosedPhoto> photos;
+  std::vector<flight::LeftOutPhoto> left_out;
+  std::size_t without_angles = 0;
+};
+
+// `photos` all have a position; heights as chosen for them. The frame's z = 0 is the ground of those heights.
+PlacedByRecords PlaceByRecords(const std::vector<flight::Photo>& photos, const FlightHeights& heights,
+                               const geo::LocalFrame& frame);
+
+}  // namespace skyquilt::poses

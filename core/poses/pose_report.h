@@ -1,0 +1,33 @@
+// PoseReport: what the pose stage had, what it chose and how sure it is, for the report and the verdict. A
+// value; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace skyquilt::poses {
+
+struct PoseReport {
+  std::string method;                   // how positions and angles were found, in words
+  std::vector<std::string> logs;        // which file gave what
+  std::vector<std::string> series;      // what the smoother took
+  std::string time_match;               // how photos were tied to the log; empty without one
+  std::optional<double> time_offset_s;  // log time of a photo minus its stamp since the first photo
+  std::optional<double> time_sigma_s;
+  std::optional<double> camera_ahead_of_utc_s;
+  std::string convention;  // which reading of the recorded angles was taken, and why
+  std::string height_rule;
+  bool is_placed = true;  // false: nothing says where on Earth the flight was
+  int photos_by_log = 0;
+  int photos_by_records = 0;
+  int knots = 0;  // of the smoothed chain
+  int iterations = 0;
+  double median_error_radius_m = 0.0;
+  double largest_error_radius_m = 0.0;
+};
+
+// A JSON object.
+std::string PoseReportJson(const PoseReport& report);
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,28 @@
+// GeotiffDem: heights of the ground from a GeoTIFF elevation model in any coordinate system GDAL knows,
+// between cells bilinearly, in metres whatever the file's unit. Reads windows, never the whole file. One
+// thread at a time. Errors of Open: kNotFound, kUnsupportedFormat (no GeoTIFF, or one that does not say where
+// it lies).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "core/base/result.h"
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::storage {
+
+class GeotiffDem final : public pipeline::DemSource {
+ public:
+  static Result<std::unique_ptr<GeotiffDem>> Open(const std::filesystem::path& path);
+  ~GeotiffDem() override;
+  std::optional<double> GroundHeightM(const geo::LatLon& position) const override;
+
+ private:
+  struct Raster;
+  explicit GeotiffDem(std::unique_ptr<Raster> raster);
+  std::unique_ptr<Raster> raster_;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,166 @@
+"""Photos without GPS and a flight log, through the real program: every photo placed, the camera's clock found, poses
+held against the simulated truth; and the short hop without any GNSS that the source paper flies."""
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+PROGRAM = os.environ["SKYQUILT_BINARY"]
+CLOCK_AHEAD_S = 3607.3
+RADIUS_M = 6371000.0
+
+
+def run(*arguments):
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def rms(values):
+    return math.sqrt(sum(v * v for v in values) / len(values))
+
+
+class Result:
+    """One map beside the truth of its flight."""
+
+    def __init__(self, flight, out):
+        self.report = json.loads((out / "report.json").read_text())
+        self.poses = self.report["poses"]
+        truth = {p["name"]: p for p in json.loads((flight / "truth/poses.json").read_text())["photos"]}
+        photos = [f["properties"] for f in json.loads((out / "photos.geojson").read_text())["features"]]
+        self.across, self.height, self.turn, self.radius = [], [], [], []
+        for photo in photos:
+            true = truth[photo["name"]]
+            north = math.radians(photo["camera_lat"] - true["lat_deg"]) * RADIUS_M
+            east = math.radians(photo["camera_lon"] - true["lon_deg"]) * RADIUS_M * math.cos(math.radians(true["lat_deg"]))
+            self.across.append(math.hypot(north, east))
+            self.height.append(photo["camera_height_above_ground_m"] - true["camera_center_in_enu"][2])
+            self.radius.append(photo["error_radius_m"])
+            # The image's top: the camera's -y axis in enu, from the truth's cam_from_enu.
+            w, x, y, z = true["cam_from_enu_wxyz"]
+            top_e, top_n = -2 * (x * y + w * z), -(1 - 2 * (x * x + z * z))
+            heading = math.degrees(math.atan2(top_e, top_n))
+            self.turn.append((photo["yaw_deg"] - heading + 180) % 360 - 180)
+        self.count = len(photos)
+
+    def print(self, name):
+        ahead = self.poses["camera_ahead_of_utc_s"]
+        print(f"{name}: {self.count} photos, {rms(self.across):.2f} m across, {rms(self.height):.2f} m in height, "
+              f"yaw {rms(self.turn):.2f} deg, clock {'not found' if ahead is None else f'{ahead:.3f} s ahead'}, "
+              f"stated radius {sorted(self.radius)[self.count // 2]:.2f} m")
+
+
+class LoggedFlightTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        cls.flight = cls.folder / "flight"
+        run("simulate", "-o", cls.flight, "--photos", 60, "--size", "640x480", "--height", 60, "--noise", "no-pose",
+            "--log", "dataflash", "ulog", "csv", "--clock-offset-s", CLOCK_AHEAD_S, "--clock-seconds", "--no-world",
+            "--seed", 5)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def stitch(self, log, *more):
+        out = self.folder / ("map_" + log)
+        run("stitch", self.flight / "photos", self.flight / "logs" / log, "-o", out, "--no-cog", *more)
+        result = Result(self.flight, out)
+        result.print(log)
+        return result
+
+    def check(self, result):
+        self.assertEqual(result.count, 60)
+        self.assertEqual(result.report["photos"]["left_out"], 0)
+        self.assertTrue(result.report["is_placed"])
+        self.assertAlmostEqual(result.poses["camera_ahead_of_utc_s"], CLOCK_AHEAD_S, delta=0.05)
+        # GNSS wanders by 1 m east and north and 1.8 m up; a flight is a few draws of it.
+        self.assertLess(rms(result.across), 3.0)
+        self.assertLess(rms(result.height), 2.0)
+        self.assertLess(rms(result.turn), 1.0)
+        within = sum(a <= 3 * r for a, r in zip(result.across, result.radius))
+        self.assertGreaterEqual(within, 59)
+
+    def test_places_photos_by_a_dataflash_log(self):
+        self.check(self.stitch("flight.BIN", "--method", "imu"))
+
+    def test_places_photos_by_a_ulog(self):
+        self.check(self.stitch("flight.ulg", "--method", "imu"))
+
+    def test_places_photos_by_csv(self):
+        self.check(self.stitch("flight.csv", "--method", "imu"))
+
+    def test_refines_them_by_their_pictures(self):
+        result = self.stitch("flight.BIN", "--max-memory", "0.5")
+        self.assertGreaterEqual(result.report["photos"]["aligned"], 55)
+        self.assertLess(rms(result.across), 3.0)
+
+    def test_says_what_is_missing_without_the_log(self):
+        done = subprocess.run([PROGRAM, "stitch", self.flight / "photos", "-o", self.folder / "nothing"],
+                              capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("flight log", done.stderr)
+
+    def test_tells_in_inspection_what_the_log_holds(self):
+        verdict = json.loads(run("inspect", self.flight / "photos", self.flight / "logs/flight.BIN", "--json"))
+        self.assertEqual(verdict["photos_placeable"], 60)
+        (log,) = verdict["logs"]
+        self.assertEqual(log["format"], "dataflash")
+        self.assertGreater(log["series"]["imu"]["rate_hz"], 40)
+        self.assertAlmostEqual(verdict["poses"]["camera_ahead_of_utc_s"], CLOCK_AHEAD_S, delta=0.05)
+
+
+class HopWithoutGnssTest(unittest.TestCase):
+    """20 m high, no GNSS, a marker at take-off, a range finder; the source paper's case."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        cls.flight = cls.folder / "hop"
+        run("simulate", "-o", cls.flight, "--photos", 10, "--size", "640x480", "--height", 20, "--speed", 4,
+            "--overlap", 0.7, "--sidelap", 0.6, "--noise", "no-pose", "--log", "dataflash", "--log-without-gnss",
+            "--log-range", "--no-world", "--seed", 2)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def stitch(self, name, *more):
+        out = self.folder / name
+        run("stitch", self.flight / "photos", self.flight / "logs/flight.BIN", "-o", out, "--no-cog", "--method", "imu",
+            *more)
+        result = Result(self.flight, out)
+        result.print(name)
+        return result
+
+    def origin(self):
+        start = json.loads((self.flight / "truth/poses.json").read_text())["origin"]
+        return f"{start['lat_deg']},{start['lon_deg']}"
+
+    def test_reckons_from_the_start_marker(self):
+        result = self.stitch("start", "--origin", self.origin())
+        self.assertEqual(result.count, 10)
+        self.assertTrue(result.report["is_placed"])
+        self.assertLess(rms(result.across), 1.3 * 14.0)
+        self.assertLess(rms(result.height), 0.5)
+        self.assertGreater(max(result.radius), max(result.across) / 3)
+
+    def test_does_better_when_it_landed_where_it_started(self):
+        result = self.stitch("loop", "--origin", self.origin(), "--landed-at-start")
+        self.assertLess(rms(result.across), 1.3 * 1.5)
+        self.assertGreater(result.report["tile_count"], 0)
+
+    def test_says_that_it_is_not_placed_without_an_origin(self):
+        result = self.stitch("unplaced")
+        self.assertFalse(result.report["is_placed"])
+        self.assertTrue(any("--origin" in warning for warning in result.report["warnings"]))
+        self.assertGreater(result.report["tile_count"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
