@@ -1,18 +1,31 @@
 #include "storage/geotiff_dem.h"
 
+#include <cpl_conv.h>
+#include <gdal_frmts.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <mutex>
 #include <string>
 #include <string_view>
 
-#include "storage/gdal_guard.h"
-
 namespace skyquilt::storage {
 namespace {
+
+// The one driver that is needed, and no look at files beside the one given.
+void RegisterGeotiffOnce() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+    GDALSetCacheMax64(std::int64_t{64} << 20);
+    GDALRegister_GTiff();
+  });
+}
 
 double MetresPerUnit(std::string_view unit) {
   if (unit == "ft" || unit == "foot") return 0.3048;
@@ -41,7 +54,7 @@ GeotiffDem::GeotiffDem(std::unique_ptr<Raster> raster) : raster_(std::move(raste
 GeotiffDem::~GeotiffDem() = default;
 
 Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path& path) {
-  RegisterGdalOnce();
+  RegisterGeotiffOnce();
   std::error_code missing;
   if (!std::filesystem::is_regular_file(path, missing)) {
     return Error{ErrorCode::kNotFound, "there is no elevation model " + path.string(), ""};

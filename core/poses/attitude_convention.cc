@@ -16,7 +16,8 @@ Eigen::Quaterniond CamFromGimbal() {
 
 // Yaw, pitch, roll of a Z-Y-X rotation whose pitch is not near +-90 degrees.
 CameraAngles ZyxAngles(const Eigen::Matrix3d& ned_from_frame) {
-  return {std::atan2(ned_from_frame(1, 0), ned_from_frame(0, 0)), std::asin(std::clamp(-ned_from_frame(2, 0), -1.0, 1.0)),
+  return {std::atan2(ned_from_frame(1, 0), ned_from_frame(0, 0)),
+          std::asin(std::clamp(-ned_from_frame(2, 0), -1.0, 1.0)),
           std::atan2(ned_from_frame(2, 1), ned_from_frame(2, 2))};
 }
 
@@ -41,7 +42,8 @@ Eigen::Quaterniond NedFromBody(double yaw_rad, double pitch_rad, double roll_rad
 }
 
 Eigen::Quaterniond CamFromEnu(const flight::RecordedAttitude& attitude) {
-  const Eigen::Quaterniond ned_from_frame = NedFromBody(attitude.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
+  const Eigen::Quaterniond ned_from_frame =
+      NedFromBody(attitude.yaw_rad, attitude.pitch_rad, attitude.roll_rad);
   const Eigen::Quaterniond cam_from_frame =
       attitude.kind == flight::AttitudeKind::kGimbal ? CamFromGimbal() : CamFromBody();
   return (cam_from_frame * ned_from_frame.conjugate() * EnuFromNed().conjugate()).normalized();

@@ -10,8 +10,8 @@
 
 namespace skyquilt::poses {
 
-// For AttitudeKind::kAirframe the camera is taken as fixed to the body: it looks along the body's down axis and
-// the top of the image points forward.
+// For AttitudeKind::kAirframe the camera is taken as fixed to the body: it looks along the body's down axis
+// and the top of the image points forward.
 Eigen::Quaterniond CamFromEnu(const flight::RecordedAttitude& attitude);
 // A camera that looks straight down with the top of the image towards `yaw_rad`.
 Eigen::Quaterniond NadirCamFromEnu(double yaw_rad);

@@ -100,8 +100,8 @@ void ChainProblem::ExpandAbout(const std::vector<KnotState>& knots) {
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
     const Eigen::Vector3d before = knots[At0(i)].enu_from_body * Eigen::Vector3d::UnitX();
     const Eigen::Vector3d after = knots[At0(i) + 1].enu_from_body * Eigen::Vector3d::UnitX();
-    turned_rad_[At0(i)] = std::atan2(before.x() * after.y() - before.y() * after.x(),
-                                     before.head<2>().dot(after.head<2>()));
+    turned_rad_[At0(i)] =
+        std::atan2(before.x() * after.y() - before.y() * after.x(), before.head<2>().dot(after.head<2>()));
   }
   if (input_.imu.empty()) return;
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
@@ -176,8 +176,8 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
     walk.attitude_keep = std::exp(-T / o.attitude_bias_time_s);
     walk.gnss = o.gnss_bias_sigma_m * std::sqrt(1.0 - walk.gnss_keep * walk.gnss_keep);
     walk.attitude = o.attitude_bias_sigma_rad * std::sqrt(1.0 - walk.attitude_keep * walk.attitude_keep);
-    // A tilt error stays with the airframe (a biased accelerometer) or with the ground (a late velocity): what
-    // the second kind does in a turn must be free, or turns would seem to show the true vertical.
+    // A tilt error stays with the airframe (a biased accelerometer) or with the ground (a late velocity):
+    // what the second kind does in a turn must be free, or turns would seem to show the true vertical.
     const double swing = std::sqrt(2.0 - 2.0 * std::cos(turned_rad_[At0(i)]));
     for (int axis = 0; axis < 2; ++axis) {
       walk.attitude(axis) = std::hypot(walk.attitude(axis), swing * o.attitude_bias_sigma_rad(axis));
@@ -185,7 +185,7 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
     sink.template Add<13>("bias walk", i, i + 1, BiasWalkFactor(a, b, walk), false);
     if (still_[At0(i)] && still_[At0(i) + 1]) {
       sink.template Add<3>("still rotation", i, i + 1, StillRotationFactor(a, b, o.still_rotation_sigma_rad),
-                           false);
+                           true);
     }
   }
 }
@@ -276,7 +276,7 @@ void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
   for (int k = 0; k < timeline_.size(); ++k) {
     const KnotState& knot = guess.knots[At0(k)];
     if (still_[At0(k)]) {
-      sink.template Add<3>("still", k, -1, StillVelocityFactor(knot, o.still_velocity_sigma_mps), false);
+      sink.template Add<3>("still", k, -1, StillVelocityFactor(knot, o.still_velocity_sigma_mps), true);
     }
     if (o.assume_level)
       sink.template Add<2>("level", k, -1, LevelFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);

@@ -22,8 +22,9 @@ struct CleanInput {
 // nothing at all says where the flight was.
 Result<CleanInput> CleanSmootherInput(const SmootherInput& raw);
 
-// Attitudes carried to the knots where no inertial samples do it: between two fixes close in time the shortest turn
-// is far nearer to the truth than any turn between knots a second apart. Fixes too sparse for that stay as they are.
+// Attitudes carried to the knots where no inertial samples do it: between two fixes close in time the
+// shortest turn is far nearer to the truth than any turn between knots a second apart. Fixes too sparse for
+// that stay as they are.
 std::vector<AttitudeFix> AttitudesAtKnots(const std::vector<AttitudeFix>& fixes,
                                           const std::vector<double>& knot_times_s);
 

@@ -16,7 +16,8 @@ double AngleBetween(double a_rad, double b_rad) { return std::abs(geo::WrapRad(a
 
 }  // namespace
 
-std::vector<std::optional<double>> CoursesFromPositions(const std::vector<Eigen::Vector2d>& positions_in_enu) {
+std::vector<std::optional<double>> CoursesFromPositions(
+    const std::vector<Eigen::Vector2d>& positions_in_enu) {
   const std::size_t count = positions_in_enu.size();
   std::vector<std::optional<double>> courses(count);
   if (count < 2) return courses;

@@ -36,7 +36,7 @@ struct PosedFlight {
   std::vector<PosedPhoto> photos;  // in the order of capture
   std::vector<flight::LeftOutPhoto> left_out;
   std::vector<std::string> warnings;
-  bool is_placed = true;           // false: the frame's origin is not known, only its scale
+  bool is_placed = true;  // false: the frame's origin is not known, only its scale
   PoseReport report;
 };
 

@@ -34,15 +34,52 @@ std::optional<Quaterniond> GimbalAt(const std::vector<flight::AttitudeSample>& s
   return (EnuFromNed() * ned_from_gimbal * CamFromGimbal().conjugate()).normalized();
 }
 
-bool Climbs(const std::vector<HeightFix>& heights, const StillInterval& interval) {
-  double lowest = 1e9;
-  double highest = -1e9;
+// A steady climb and a calm hover feel like rest to inertial sensors; only rest on the ground is rest.
+bool IsAloft(const std::vector<HeightFix>& heights, const StillInterval& interval) {
+  constexpr double kGroundM = 2.5;   // the barometer's drift over a flight and its noise
+  constexpr double kAroundS = 60.0;  // take-off and landing may lie at different heights
+  double ground = 1e9;
   for (const HeightFix& h : heights) {
-    if (h.t_s < interval.begin_s || h.t_s > interval.end_s) continue;
-    lowest = std::min(lowest, h.z_in_enu_m);
-    highest = std::max(highest, h.z_in_enu_m);
+    if (h.t_s > interval.begin_s - kAroundS && h.t_s < interval.end_s + kAroundS) {
+      ground = std::min(ground, h.z_in_enu_m);
+    }
   }
-  return highest - lowest > 2.0;  // far beyond the barometer's noise
+  return std::any_of(heights.begin(), heights.end(), [&](const HeightFix& h) {
+    return h.t_s >= interval.begin_s && h.t_s <= interval.end_s && h.z_in_enu_m > ground + kGroundM;
+  });
+}
+
+// The part of a rest in which the aircraft also stayed at its height: a slow, even descent onto the ground is
+// still flight. The reference is the side away from the flight.
+StillInterval AtOneHeight(const std::vector<HeightFix>& heights, StillInterval interval,
+                          bool flight_follows) {
+  constexpr double kReferenceS = 1.5;
+  constexpr double kSameM = 0.5;  // well beyond the barometer's noise
+  constexpr double kAwayS = 0.7;  // from the last sign of motion
+  double sum = 0.0;
+  int count = 0;
+  const auto inside = [&](const HeightFix& h) {
+    return h.t_s >= interval.begin_s && h.t_s <= interval.end_s;
+  };
+  for (const HeightFix& h : heights) {
+    const double from_edge = flight_follows ? h.t_s - interval.begin_s : interval.end_s - h.t_s;
+    if (!inside(h) || from_edge > kReferenceS) continue;
+    sum += h.z_in_enu_m;
+    ++count;
+  }
+  StillInterval kept = interval;
+  // Settling onto the ground may take seconds that feel like rest.
+  if (!flight_follows) kept.begin_s = 0.5 * (interval.begin_s + interval.end_s);
+  for (const HeightFix& h : heights) {
+    if (count == 0 || !inside(h) || std::abs(h.z_in_enu_m - sum / count) < kSameM) continue;
+    if (flight_follows) {
+      kept.end_s = std::min(kept.end_s, h.t_s);
+    } else {
+      kept.begin_s = std::max(kept.begin_s, h.t_s);
+    }
+  }
+  (flight_follows ? kept.end_s : kept.begin_s) += flight_follows ? -kAwayS : kAwayS;
+  return kept;
 }
 
 class Preparation {
@@ -209,8 +246,7 @@ class Preparation {
 
   void StartWithoutPositions() {
     std::vector<StillInterval> still = FindStillness(out_.input.imu);
-    // A steady climb feels like rest.
-    std::erase_if(still, [&](const StillInterval& s) { return Climbs(out_.input.heights, s); });
+    std::erase_if(still, [&](const StillInterval& s) { return IsAloft(out_.input.heights, s); });
     Marker start;
     start.position_in_enu_m = from_.start_in_enu_m;
     start.yaw_rad = from_.start_yaw_rad;
@@ -223,7 +259,7 @@ class Preparation {
                                          [&](const StillInterval& s) { return s.begin_s > last_photo; });
     if (after_first != still.begin()) {
       start.t_s = (after_first - 1)->begin_s;
-      out_.input.still.push_back(*(after_first - 1));
+      out_.input.still.push_back(AtOneHeight(out_.input.heights, *(after_first - 1), true));
       Note("still on the ground before take-off");
     } else {
       start.t_s = first_photo;
@@ -232,7 +268,7 @@ class Preparation {
     }
     out_.input.markers.push_back(start);
     if (from_.ended_at_start && after_last != still.end()) {
-      out_.input.still.push_back(*after_last);
+      out_.input.still.push_back(AtOneHeight(out_.input.heights, *after_last, false));
       Marker end = start;
       end.t_s = after_last->end_s;
       end.yaw_rad.reset();

@@ -171,7 +171,8 @@ class Search {
 
   // What the range finder saw below the flight, against the barometer's zero.
   void GroundByRange() {
-    if (log_.range.empty() || log_.baro.empty()) return;
+    // Without positions the track itself hangs on the range finder's plane.
+    if (log_.range.empty() || log_.baro.empty() || !out_.middle) return;
     std::vector<double> grounds;
     for (const flight::RangeSample& echo : log_.range) {
       const auto height_m = BaroAt(echo.t_s);

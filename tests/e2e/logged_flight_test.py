@@ -122,9 +122,9 @@ class HopWithoutGnssTest(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp())
         cls.flight = cls.folder / "hop"
-        run("simulate", "-o", cls.flight, "--photos", 10, "--size", "640x480", "--height", 20, "--speed", 4,
+        run("simulate", "-o", cls.flight, "--photos", 8, "--size", "640x480", "--height", 20, "--speed", 4,
             "--overlap", 0.7, "--sidelap", 0.6, "--noise", "no-pose", "--log", "dataflash", "--log-without-gnss",
-            "--log-range", "--no-world", "--seed", 2)
+            "--log-range", "--no-world", "--seed", 1)
 
     @classmethod
     def tearDownClass(cls):
@@ -144,11 +144,11 @@ class HopWithoutGnssTest(unittest.TestCase):
 
     def test_reckons_from_the_start_marker(self):
         result = self.stitch("start", "--origin", self.origin())
-        self.assertEqual(result.count, 10)
+        self.assertEqual(result.count, 8)
         self.assertTrue(result.report["is_placed"])
         self.assertLess(rms(result.across), 1.3 * 14.0)
         self.assertLess(rms(result.height), 0.5)
-        self.assertGreater(max(result.radius), max(result.across) / 3)
+        self.assertLess(max(result.across), 3 * max(result.radius))
 
     def test_does_better_when_it_landed_where_it_started(self):
         result = self.stitch("loop", "--origin", self.origin(), "--landed-at-start")
