@@ -2,6 +2,7 @@
 
 #include "api/downloads/downloads.h"
 #include "api/flights/flights.h"
+#include "api/flights/verdict.h"
 #include "api/jobs/jobs.h"
 #include "api/ops/ops.h"
 #include "api/tiles/tiles.h"
@@ -13,6 +14,7 @@ Router BuildApi(Service& service) {
   Router router;
   AddOpsRoutes(router, service);
   AddFlightRoutes(router, service);
+  AddVerdictRoute(router, service);
   AddFileRoutes(router, service);
   AddMultipartRoutes(router, service);
   AddJobRoutes(router, service);

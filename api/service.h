@@ -2,9 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "api/ops/metrics.h"
+#include "core/base/result.h"
+#include "core/flight/input_file.h"
+#include "core/pipeline/mosaic_options.h"
 #include "storage/catalogue.h"
 #include "storage/job_queue.h"
 #include "storage/photo_store.h"
@@ -20,6 +25,10 @@ struct Service {
   Metrics& metrics;
   std::string version;
   std::atomic<bool> is_draining = false;
+  // What is in these files, as JSON, without making a map; reading them takes a second or two. The server gives it:
+  // the reading itself is the core's.
+  std::function<Result<std::string>(const std::vector<flight::InputFile>&, const pipeline::MosaicOptions&)> inspect =
+      nullptr;
 };
 
 }  // namespace skyquilt::api

@@ -29,6 +29,9 @@ Result<Kind> KindOf(const InputFile& file) {
   if (!source) return unknown;  // reading it as a photo tells why
   constexpr std::size_t kEnoughForMagic = 16;
   std::vector<std::uint8_t> head = (*source)->ReadUpTo(0, kEnoughForMagic);
+  if (head.empty() && unknown == Kind::kNothing) {
+    return Error{ErrorCode::kCorrupt, file.name + " is empty; copy it from the aircraft again", ""};
+  }
   if (head.empty()) return unknown;
   if (IsPictureOrFilm(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);

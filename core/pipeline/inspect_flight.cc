@@ -132,6 +132,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem}, progress);
   if (!posed) {
     verdict.left_out = flight->left_out;
+    verdict.warnings = flight->warnings;
     verdict.warnings.push_back(posed.error().message);
     return verdict;
   }

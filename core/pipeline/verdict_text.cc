@@ -40,6 +40,7 @@ nlohmann::ordered_json LogJson(const flight::LogFacts& log) {
   }
   nlohmann::ordered_json json{{"name", log.file_name}, {"format", log.format}, {"series", series}};
   json["begins_at"] = log.begins_at;
+  json["messages"] = log.message_counts;
   json["rows_by_name"] = log.events_by_name;
   json["mapping"] = log.mapping;
   json["advice"] = log.advice;

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "api/build_api.h"
+#include "core/pipeline/inspect_flight.h"
 #include "server/http_server.h"
 #include "server/request_log.h"
 #include "server/static_files.h"
@@ -150,6 +151,13 @@ void RunServer(const ServeOptions& options) {
   storage::TilesetCache tilesets(opened.dir, tiles_catalogue);
   api::Metrics metrics;
   api::Service service{catalogue, queue, store, tilesets, metrics, SKYQUILT_VERSION};
+  service.inspect = [](const std::vector<flight::InputFile>& files,
+                       const pipeline::MosaicOptions& mosaic) -> Result<std::string> {
+    SilentProgress progress;
+    const auto verdict = pipeline::InspectFlight(files, mosaic, progress);
+    if (!verdict) return verdict.error();
+    return pipeline::VerdictJson(*verdict);
+  };
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {

@@ -2,14 +2,15 @@
 held against the simulated truth; and the short hop without any GNSS that the source paper flies."""
 import json
 import math
-import os
 import pathlib
 import shutil
 import subprocess
 import tempfile
 import unittest
 
-PROGRAM = os.environ["SKYQUILT_BINARY"]
+from server_support import BINARY as PROGRAM
+from server_support import Server
+
 CLOCK_AHEAD_S = 3607.3
 RADIUS_M = 6371000.0
 
@@ -113,6 +114,25 @@ class LoggedFlightTest(unittest.TestCase):
         self.assertEqual(log["format"], "dataflash")
         self.assertGreater(log["series"]["imu"]["rate_hz"], 40)
         self.assertAlmostEqual(verdict["poses"]["camera_ahead_of_utc_s"], CLOCK_AHEAD_S, delta=0.05)
+
+
+    def test_takes_the_log_with_an_upload(self):
+        files = [(path.name, path.read_bytes()) for path in sorted((self.flight / "photos").iterdir())]
+        files.append(("flight.BIN", (self.flight / "logs/flight.BIN").read_bytes()))
+        server = Server(tempfile.mkdtemp(dir=self.folder))
+        try:
+            status, made = server.upload(files, options='{"method": "imu"}')
+            self.assertEqual(status, 202)
+            flight = made["flight"]["id"]
+            status, verdict = server.json("GET", f"/api/v1/flights/{flight}/verdict")
+            self.assertEqual((status, verdict["photos_placeable"]), (200, 60))
+            self.assertEqual(verdict["logs"][0]["format"], "dataflash")
+            job = server.wait_for_job(made["job"]["id"])
+            self.assertEqual(job["state"], "successful", job)
+            placed = server.json("GET", f"/api/v1/flights/{flight}")[1]["photos"]
+            self.assertEqual(placed["left_out"], 0)
+        finally:
+            server.stop()
 
 
 class HopWithoutGnssTest(unittest.TestCase):

@@ -77,6 +77,7 @@ LogFacts DescribeLog(const FlightLog& log) {
   facts.file_name = log.file_name;
   facts.format = log.format;
   facts.mapping = log.mapping;
+  facts.message_counts = log.message_counts;
   Add("imu", log.imu, facts);
   Add("attitude", log.attitude, facts);
   Add("gnss", log.gnss, facts);

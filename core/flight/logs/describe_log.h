@@ -2,6 +2,7 @@
 // was recorded. Seconds on the log's own clock. Pure; any thread.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct LogFacts {
   std::string file_name;
   std::string format;
   std::map<std::string, SeriesFacts> series;  // "imu", "attitude", "gnss", ...; only those that are there
+  std::map<std::string, std::uint64_t> message_counts;  // by the format's own names
   std::string begins_at;             // UTC of its first sample, ISO 8601; empty where it does not know
   int events_by_name = 0;            // rows that name a photo without saying when
   std::vector<std::string> mapping;  // of tolerant formats: what each column was taken for

@@ -58,9 +58,10 @@ def tlog(data):
     return counts
 
 
-for path in sys.argv[1:]:
-    with open(path, "rb") as file:
-        content = file.read()
-    reader = dataflash if content[:2] == b"\xa3\x95" else ulog if content[:4] == b"ULog" else tlog
-    result = reader(content)
-    print(path, sum(result.values()), dict(sorted(result.items())))
+if __name__ == "__main__":
+    for path in sys.argv[1:]:
+        with open(path, "rb") as file:
+            content = file.read()
+        reader = dataflash if content[:2] == b"\xa3\x95" else ulog if content[:4] == b"ULog" else tlog
+        result = reader(content)
+        print(path, sum(result.values()), dict(sorted(result.items())))
