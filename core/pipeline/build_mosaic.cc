@@ -14,7 +14,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/check_photos.h"
-#include "core/pipeline/read_control.h"
+#include "core/pipeline/control_points.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/estimate_exposure.h"
 #include "core/render/plan_mosaic.h"
@@ -97,13 +97,12 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin, options.landed_at_start, dem}, progress); });
   if (!posed) return posed.error();
 
-  ReadControlResult control = ReadControl(files);
   alignment::AlignReport align_report;
   auto aligned = stages.Run("align", [&]() -> Result<alignment::AlignedFlight> {
     if (options.method == AlignMethod::kImu) return alignment::AlignByPoseOnly(*posed);
     alignment::AlignOptions align_options;
     align_options.threads = options.threads;
-    align_options.control = std::move(control.points);
+    align_options.control = ControlPointsOf(checked->flight.gcp_lists);
     return alignment::AlignFlight(*posed, photo_source, align_options, align_report, progress);
   });
   if (!aligned) return aligned.error();
@@ -135,7 +134,6 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
 
   DescribePhotos(*aligned, report);
   report.warnings = aligned->warnings;
-  report.warnings.insert(report.warnings.end(), control.warnings.begin(), control.warnings.end());
   if (options.method != AlignMethod::kImu) report.alignment_json = alignment::AlignReportJson(align_report);
   report.ground_json = ground::ModelGroundReportJson(ground_report);
   report.height_rule = posed->report.height_rule;

@@ -313,7 +313,11 @@ class Synchroniser {
     for (int quarter = -56; quarter <= 56; ++quarter) {
       if (both_utc && quarter != 0) continue;
       const double offset = as_it_stands - quarter * 900.0;
-      if (offset > span->first - 5.0 && offset + last < span->second + 5.0) fitting.push_back(offset);
+      // A zone is guessed only where it puts all photos into the log; UTC holds for those that lie outside
+      // too.
+      const bool fits = both_utc ? offset < span->second && offset + last > span->first
+                                 : offset > span->first - 5.0 && offset + last < span->second + 5.0;
+      if (fits) fitting.push_back(offset);
     }
     if (fitting.empty()) return false;
     const auto nearest = std::min_element(fitting.begin(), fitting.end(), [&](double a, double b) {

@@ -1,0 +1,14 @@
+// ControlPointsOf: the ground control points of a flight (ODM's gcp_list format) as the alignment wants them.
+// None is not an error. Pure; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/ground_control.h"
+#include "core/flight/logs/gcp_list.h"
+
+namespace skyquilt::pipeline {
+
+std::vector<alignment::ControlPoint> ControlPointsOf(const std::vector<flight::GcpList>& lists);
+
+}  // namespace skyquilt::pipeline

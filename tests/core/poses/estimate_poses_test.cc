@@ -1,0 +1,244 @@
+#include "core/poses/estimate_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/geo/geoid.h"
+#include "core/poses/attitude_convention.h"
+#include "core/poses/join_logs.h"
+#include "core/poses/photo_rows.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::CameraEvent;
+using flight::Flight;
+using flight::FlightLog;
+using flight::Photo;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr flight::UtcTime kNoon{std::chrono::seconds(1717243200)};
+constexpr geo::LatLon kField{47.4, 8.5};
+constexpr double kGroundM = 450.0;
+
+flight::UtcTime After(double seconds) {
+  return kNoon + std::chrono::microseconds(std::llround(1e6 * seconds));
+}
+
+// North at 8 m/s, 60 m above the ground.
+geo::Wgs84 TrueAt(double t_s) {
+  const geo::LocalFrame frame({kField.lat_deg, kField.lon_deg, kGroundM});
+  return frame.Wgs84FromEnu({0.0, 8.0 * t_s, 60.0});
+}
+
+// A pause after the fifth: only so is a shift by one photo seen. Stamps in full milliseconds, as exact ones
+// are.
+double TimeOf(int k) { return 20.137 + 2.0 * k + (k > 4 ? 3.0 : 0.0); }
+
+std::vector<Photo> PhotosEvery2s(int count, double clock_ahead_s = 0.0) {
+  std::vector<Photo> photos;
+  for (int k = 0; k < count; ++k) {
+    Photo photo;
+    photo.name = "IMG_" + std::to_string(k) + ".JPG";
+    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3665.0);
+    photo.captured_at = After(TimeOf(k) + clock_ahead_s);
+    photos.push_back(photo);
+  }
+  return photos;
+}
+
+FlightLog Track(double begin_s, double end_s, double zero_s = 0.0) {
+  FlightLog log;
+  log.format = "test";
+  log.file_name = "track.log";
+  log.utc_at_zero = After(zero_s);
+  for (double t = begin_s; t <= end_s; t += 0.2) {
+    const geo::Wgs84 at = TrueAt(t);
+    flight::GnssSample fix;
+    fix.t_s = t - zero_s;
+    fix.position = {at.lat_deg, at.lon_deg};
+    fix.height_ellipsoid_m = at.height_ellipsoid_m;
+    fix.velocity_in_ned_mps = Eigen::Vector3d(8.0, 0.0, 0.0);
+    log.gnss.push_back(fix);
+    log.baro.push_back({t - zero_s, at.height_ellipsoid_m - kGroundM});
+    log.attitude.push_back({t - zero_s, NedFromBody(0.0, -0.1, 0.0), true});
+  }
+  return log;
+}
+
+Result<PosedFlight> Estimate(const Flight& flight, const EstimatePosesOptions& options = {}) {
+  SilentProgress progress;
+  return EstimatePoses(flight, options, progress);
+}
+
+double OffM(const PosedFlight& posed, const PosedPhoto& photo, double t_s) {
+  return (photo.cam_from_enu.TargetOriginInSource() - posed.frame.EnuFromWgs84(TrueAt(t_s))).head<2>().norm();
+}
+
+TEST(EstimatePoses, PlacesPhotosWithoutGpsByALogsTrack) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  flight.logs = {Track(0.0, 60.0)};
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok()) << posed.error().message;
+  ASSERT_EQ(posed->photos.size(), 10u);
+  EXPECT_EQ(posed->report.photos_by_log, 10);
+  for (int k = 0; k < 10; ++k) {
+    const PosedPhoto& photo = posed->photos[static_cast<std::size_t>(k)];
+    // Clocks as they stand: the camera's is held for good to two seconds, and the radius says so.
+    EXPECT_LT(OffM(*posed, photo, TimeOf(k)), 1.0);
+    EXPECT_GT(photo.error_radius_m, 8.0);
+    EXPECT_NEAR(photo.height_above_ground_m, 60.0, 0.5);
+  }
+}
+
+TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10, 3607.3);
+  FlightLog log = Track(0.0, 60.0);
+  for (const Photo& photo : PhotosEvery2s(10)) {
+    CameraEvent event;
+    event.t_s = std::chrono::duration<double>(*photo.captured_at - kNoon).count();
+    log.events.push_back(event);
+  }
+  flight.logs = {log};
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok());
+  ASSERT_EQ(posed->photos.size(), 10u);
+  EXPECT_NEAR(*posed->report.camera_ahead_of_utc_s, 3607.3, 0.02);
+  EXPECT_LT(OffM(*posed, posed->photos[9], TimeOf(9)), 0.5);
+  EXPECT_LT(posed->photos[9].error_radius_m, 6.0);
+}
+
+TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  flight.photos[9].position.emplace();
+  flight.photos[9].position->position = {TrueAt(TimeOf(9)).lat_deg, TrueAt(TimeOf(9)).lon_deg};
+  flight.photos[9].position->height_above_takeoff_m = 60.0;
+  flight.logs = {Track(0.0, 30.0)};
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok());
+  EXPECT_EQ(posed->report.photos_by_log, 5);
+  EXPECT_EQ(posed->report.photos_by_records, 1);
+  ASSERT_EQ(posed->left_out.size(), 4u);
+  EXPECT_THAT(posed->left_out[0].reason, HasSubstr("does not cover"));
+}
+
+TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(3);
+  FlightLog list;
+  list.format = "geo_txt";
+  list.file_name = "geo.txt";
+  for (int k = 0; k < 3; ++k) {
+    CameraEvent row;
+    row.has_time = false;
+    row.t_s = k;
+    row.image_name = "img_" + std::to_string(k) + ".jpg";
+    row.position = geo::LatLon{kField.lat_deg + 1e-4 * k, kField.lon_deg};
+    row.height_ellipsoid_m = kGroundM + 60.0;
+    row.height_above_takeoff_m = 60.0;
+    list.events.push_back(row);
+  }
+  flight.logs = {list};
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok());
+  ASSERT_EQ(posed->photos.size(), 3u);
+  EXPECT_EQ(posed->photos[0].photo.position->source, "geo.txt");
+  EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
+}
+
+TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(3);
+  const auto posed = Estimate(flight);
+  ASSERT_FALSE(posed.ok());
+  EXPECT_THAT(posed.error().message, HasSubstr("flight log"));
+}
+
+class Slope final : public pipeline::DemSource {
+ public:
+  // 100 m above the sea at the field, rising by 5 % to the north.
+  std::optional<double> GroundHeightM(const geo::LatLon& at) const override {
+    return 100.0 + 0.05 * (at.lat_deg - kField.lat_deg) * 111200.0;
+  }
+};
+
+TEST(EstimatePoses, CountsHeightsFromTheElevationModel) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  flight.logs = {Track(0.0, 60.0)};
+  const Slope dem;
+  EstimatePosesOptions options;
+  options.dem = &dem;
+  const auto posed = Estimate(flight, options);
+  ASSERT_TRUE(posed.ok());
+  for (int k = 0; k < 10; ++k) {
+    const double t = TimeOf(k);
+    EXPECT_NEAR(posed->photos[static_cast<std::size_t>(k)].height_above_ground_m, 60.0 - 0.05 * 8.0 * t, 0.6);
+  }
+  EXPECT_NEAR(posed->ground_z_in_enu_m, 0.05 * 8.0 * 30.0, 3.0);
+  EXPECT_THAT(posed->report.height_rule, HasSubstr("elevation model"));
+}
+
+TEST(EstimatePoses, TakesAbsoluteHeightsOverTheElevationModelWhereNoneIsRelative) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(4);
+  for (int k = 0; k < 4; ++k) {
+    Photo& photo = flight.photos[static_cast<std::size_t>(k)];
+    photo.position.emplace();
+    photo.position->position = {kField.lat_deg, kField.lon_deg + 1e-4 * k};
+    photo.position->height_amsl_m = 170.0;
+  }
+  const Slope dem;
+  EstimatePosesOptions options;
+  options.dem = &dem;
+  const auto posed = Estimate(flight, options);
+  ASSERT_TRUE(posed.ok());
+  EXPECT_NEAR(posed->photos[0].height_above_ground_m, 70.0, 0.5);
+}
+
+TEST(JoinLogs, LaysLogsOnOneClockAndFillsWhatTheLeaderLacks) {
+  FlightLog inertial = Track(0.0, 60.0, 5.0);
+  inertial.file_name = "a.bin";
+  inertial.baro.clear();
+  inertial.imu.push_back({1.0, {}, {}});
+  FlightLog other = Track(0.0, 60.0, -7.0);
+  other.file_name = "b.csv";
+  other.attitude.clear();
+  for (flight::GnssSample& fix : other.gnss) fix.is_rtk_fixed = true;
+  const auto joined = JoinLogs({other, inertial});
+  ASSERT_TRUE(joined.has_value());
+  EXPECT_THAT(joined->notes[0], HasSubstr("a.bin"));
+  EXPECT_TRUE(joined->log.gnss[0].is_rtk_fixed) << "the better track is taken";
+  ASSERT_FALSE(joined->log.baro.empty());
+  EXPECT_NEAR(joined->log.baro[0].t_s, -5.0, 1e-6) << "on the leader's clock";
+}
+
+TEST(JoinLogs, AppendsAnotherFlightWithItsOwnBarometersZero) {
+  FlightLog first = Track(0.0, 30.0);
+  FlightLog second = Track(40.0, 60.0, 40.0);
+  for (flight::BaroSample& sample : second.baro) sample.height_above_takeoff_m -= 60.0;
+  const auto joined = JoinLogs({first, second});
+  ASSERT_TRUE(joined.has_value());
+  EXPECT_NEAR(joined->log.gnss.back().t_s, 60.0, 0.3);
+  EXPECT_NEAR(joined->log.baro.back().height_above_takeoff_m, 60.0, 0.1);
+}
+
+TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
+  FlightLog first = Track(0.0, 30.0);
+  FlightLog second = Track(0.0, 30.0);
+  second.utc_at_zero.reset();
+  second.attitude.clear();
+  second.file_name = "loose.csv";
+  const auto joined = JoinLogs({first, second});
+  ASSERT_TRUE(joined.has_value());
+  EXPECT_THAT(joined->warnings, Contains(HasSubstr("loose.csv")));
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
