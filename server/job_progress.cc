@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
 
 // Shares of a flight of some hundred photos; they only shape the bar and its estimate.
-constexpr std::array<std::pair<std::string_view, double>, 10> kStages = {{{"read", 0.04},
+constexpr std::array<std::pair<std::string_view, double>, 11> kStages = {{{"read", 0.04},
                                                                          {"check", 0.01},
                                                                          {"pose", 0.01},
                                                                          {"align", 0.40},
@@ -24,7 +24,8 @@ constexpr std::array<std::pair<std::string_view, double>, 10> kStages = {{{"read
                                                                          {"plan", 0.01},
                                                                          {"expose", 0.02},
                                                                          {"seam", 0.04},
-                                                                         {"render", 0.36},
+                                                                         {"render", 0.34},
+                                                                         {"measure", 0.02},
                                                                          {"export", 0.10}}};
 
 }  // namespace

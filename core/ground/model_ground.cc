@@ -20,9 +20,8 @@ constexpr int kHoldBackEvery = 5;
 constexpr double kGridMustBeBetter = 0.75;  // its error as a share of the plane's
 constexpr double kLeastCellM = 1.0;
 constexpr double kCellGsds = 40.0;
-// Heights that would shift nothing by a pixel: baseline over height is seldom above this within one map
-// pixel.
-constexpr double kFlatWithinGsds = 1.0;
+// Heights that would shift nothing by a visible part of a pixel.
+constexpr double kFlatWithinGsds = 0.25;
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -17,6 +17,7 @@
 #include "core/pipeline/control_points.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/estimate_exposure.h"
+#include "core/render/measure_seams.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
 #include "core/render/seam_map.h"
@@ -132,7 +133,15 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     return Error{ErrorCode::kUnprocessable, "the photos were placed, but none of them shows any ground", ""};
   }
 
+  const render::SeamShift seam_shift = stages.Run("measure", [&] {
+    render::MeasureSeamsOptions measure;
+    measure.threads = options.threads;
+    measure.budget_bytes = options.max_memory_bytes / 4;
+    return render::MeasureSeams(*aligned, ground, photo_source, measure, progress);
+  });
+
   DescribePhotos(*aligned, report);
+  report.seams_json = render::SeamShiftJson(seam_shift);
   report.warnings = aligned->warnings;
   if (options.method != AlignMethod::kImu) report.alignment_json = alignment::AlignReportJson(align_report);
   report.ground_json = ground::ModelGroundReportJson(ground_report);

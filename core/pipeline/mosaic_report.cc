@@ -77,6 +77,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["warnings"] = report.warnings;
   json["poses"] = ParsedOrNull(report.poses_json);
   json["ground"] = ParsedOrNull(report.ground_json);
+  json["seams"] = ParsedOrNull(report.seams_json);
   json["alignment"] = ParsedOrNull(report.alignment_json);
   return Printed(json);
 }

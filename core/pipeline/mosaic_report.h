@@ -40,6 +40,7 @@ struct MosaicReport {
   std::vector<std::string> warnings;
   std::string alignment_json;  // a JSON object of the alignment's own figures; empty without alignment
   std::string ground_json;     // a JSON object of the ground model
+  std::string seams_json;      // a JSON object of how far photos disagree where they meet
   std::string poses_json;      // a JSON object of pose estimation's own figures; empty when none
 };
 

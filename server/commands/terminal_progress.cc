@@ -30,6 +30,7 @@ std::string StageWords(std::string_view stage) {
   if (stage == "expose") return "Matching exposure";
   if (stage == "seam") return "Placing the seams";
   if (stage == "render") return "Rendering";
+  if (stage == "measure") return "Measuring the seams";
   if (stage == "export") return "Writing the other formats";
   return std::string(stage);
 }

@@ -4,11 +4,13 @@
 
 #include <cstdlib>
 
+#include "core/alignment/align_by_pose.h"
 #include "core/alignment/align_flight.h"
 #include "core/flight/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
+#include "core/render/measure_seams.h"
 
 namespace {
 
@@ -45,23 +47,14 @@ int main(int argc, char** argv) {
   if (!aligned) return fmt::print(stderr, "{}\n", aligned.error().message), 1;
   fmt::print("{}\n", alignment::AlignReportJson(report));
   ground::ModelGroundReport ground_report;
-  ground::ModelGround(*aligned, ground_report);
+  const ground::GroundSurface surface = ground::ModelGround(*aligned, ground_report);
   fmt::print("{}\n", ground::ModelGroundReportJson(ground_report));
-  if (argc > 4) {
-    for (std::size_t i = 0; i < aligned->photos.size(); ++i) {
-      for (const auto& before : posed->photos) {
-        const auto& photo = aligned->photos[i];
-        if (before.photo.name != photo.photo.name) continue;
-        const Eigen::Vector3d turn = geo::VectorFromRotation(
-            (photo.cam_from_enu.rotation * before.cam_from_enu.rotation.conjugate()).normalized());
-        const Eigen::Vector3d moved =
-            photo.cam_from_enu.TargetOriginInSource() - before.cam_from_enu.TargetOriginInSource();
-        fmt::print("turned {:6.2f} {:6.2f} {:6.2f} deg in cam, moved {:6.2f} {:6.2f} {:6.2f} m  {} {}\n",
-                   57.3 * turn.x(), 57.3 * turn.y(), 57.3 * turn.z(), moved.x(), moved.y(), moved.z(),
-                   photo.photo.name, PlacementName(photo.placement));
-      }
-    }
-  }
+  const auto seams = [&](const alignment::AlignedFlight& flight, const ground::GroundSurface& on) {
+    return render::SeamShiftJson(render::MeasureSeams(flight, on, flight::FilePhotoSource(), {}, progress));
+  };
+  fmt::print("seams {}\n", seams(*aligned, surface));
+  fmt::print("seams by pose alone {}\n", seams(alignment::AlignByPoseOnly(*posed),
+                                               ground::GroundSurface::Plane(posed->ground_z_in_enu_m)));
   for (const std::string& warning : aligned->warnings) fmt::print("warning: {}\n", warning);
   fmt::print("cpu {:.2f} s, {:.3f} s a photo; {} of {} aligned; rms {:.2f} px; {} ground points\n", cpu_s,
              cpu_s / report.photos, report.aligned, report.photos, report.residual_rms_px,
