@@ -13,21 +13,25 @@ namespace {
 constexpr double kMarginS = 60.0;
 
 template <typename Sample>
-void Cut(double begin_s, double end_s, std::vector<Sample>& samples) {
-  std::erase_if(samples, [&](const Sample& s) { return s.t_s < begin_s || s.t_s > end_s; });
+std::vector<Sample> Part(const std::vector<Sample>& samples, double begin_s, double end_s) {
+  const auto before = [](const Sample& sample, double t_s) { return sample.t_s < t_s; };
+  const auto from = std::lower_bound(samples.begin(), samples.end(), begin_s, before);
+  return {from, std::lower_bound(from, samples.end(), end_s, before)};
 }
 
-// The part of a log that the photos need; all of its beginning where the flight is reckoned from its start.
+// The part of a log that the photos need; all of it where the flight is reckoned from its start.
 flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double last_s, bool has_positions) {
-  flight::FlightLog part = log;
   const double begin_s = has_positions ? first_s - kMarginS : -1e18;
   const double end_s = has_positions ? last_s + kMarginS : 1e18;
-  Cut(begin_s, end_s, part.imu);
-  Cut(begin_s, end_s, part.attitude);
-  Cut(begin_s, end_s, part.gnss);
-  Cut(begin_s, end_s, part.baro);
-  Cut(begin_s, end_s, part.range);
-  Cut(begin_s, end_s, part.gimbal);
+  flight::FlightLog part;
+  part.format = log.format;
+  part.file_name = log.file_name;
+  part.imu = Part(log.imu, begin_s, end_s);
+  part.attitude = Part(log.attitude, begin_s, end_s);
+  part.gnss = Part(log.gnss, begin_s, end_s);
+  part.baro = Part(log.baro, begin_s, end_s);
+  part.range = Part(log.range, begin_s, end_s);
+  part.gimbal = Part(log.gimbal, begin_s, end_s);
   return part;
 }
 

@@ -69,7 +69,7 @@ std::string Cell(double measured, double reference) {
 
 }  // namespace
 
-void PrintAccuracyTable(int seeds) {
+void PrintAccuracyTable(int seeds, const std::string& only) {
   fmt::print(
       "Accuracy of poses, 60 m above ground, 5 legs of 250 m, mean over {} flights of the RMS over photos.\n"
       "Each cell: measured/reference xratio. Covered: true correspondences inside their 99 % windows.\n\n",
@@ -78,6 +78,7 @@ void PrintAccuracyTable(int seeds) {
              "inputs", "position 2D m", "height m", "tilt deg", "yaw deg", "centre m", "corner m",
              "next photo m", "window px", "search px", "covered", "NEES p/R", "iter", "s");
   for (const Row& row : Rows()) {
+    if (!std::string(row.name).starts_with(only)) continue;
     PoseMetrics mean;
     double seconds = 0.0, iterations = 0.0;
     int failed = 0;

@@ -1,7 +1,8 @@
-// bench_poses [all|table|drift|integration|hop] [SEEDS [FOLDER_OF_LOGS]]: what the pose stage reaches,
-// printed as tables beside the figures it is measured against. table: accuracy by kind of record; drift: real
-// logs, dead reckoning and bridged holes; integration: trapezoid against Simpson; hop: a short flight without
-// GNSS. The folder of real DataFlash or ULog logs may also come from SKYQUILT_DATA (logs/dataflash under it).
+// bench_poses [all|table|drift|integration|hop] [SEEDS [FOLDER_OF_LOGS or, for table, THE ROW]]: what the
+// pose stage reaches, printed as tables beside the figures it is measured against. table: accuracy by kind of
+// record; drift: real logs, dead reckoning and bridged holes; integration: trapezoid against Simpson; hop: a
+// short flight without GNSS. The folder of real DataFlash or ULog logs may also come from SKYQUILT_DATA
+// (logs/dataflash under it).
 #include <cstdlib>
 #include <string>
 
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   if (all || what == "integration") skyquilt::bench::PrintIntegrationTable(seeds);
   if (all || what == "hop") skyquilt::bench::PrintPaperHop(seeds);
   if (all || what == "drift") skyquilt::bench::PrintRealLogs(folder);
-  if (all || what == "table") skyquilt::bench::PrintAccuracyTable(seeds);
+  if (all || what == "table")
+    skyquilt::bench::PrintAccuracyTable(seeds, what == "table" && argc > 3 ? argv[3] : "");
   return 0;
 }

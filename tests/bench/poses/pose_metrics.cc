@@ -1,9 +1,11 @@
 #include "tests/bench/poses/pose_metrics.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "core/camera/ground_homography.h"
 #include "core/geo/lat_lon.h"
@@ -43,24 +45,55 @@ std::optional<Vector2d> Carry(const geo::Rigid3& from, const geo::Rigid3& to, co
   return Camera().Project(in_cam);
 }
 
-// Covariance of a pixel of photo i carried to photo j, from the joint covariance of both poses.
-std::optional<Matrix2d> CarriedCovariance(const poses::SmoothedPose& i, const poses::SmoothedPose& j,
-                                          const Vector2d& pixel) {
+// A pixel of photo i carried to photo j with both poses uncertain: its mean and covariance by the unscented
+// transform, since a tilt of ten degrees bends the way of a pixel far beyond its slope.
+struct CarriedPixel {
+  Vector2d mean = Vector2d::Zero();
+  Matrix2d covariance = Matrix2d::Zero();
+};
+
+poses::SmoothedPose Moved(const poses::SmoothedPose& pose, const Eigen::Matrix<double, 6, 1>& by) {
+  poses::SmoothedPose moved = pose;
+  moved.enu_from_body = geo::RotationFromVector(by.head<3>()) * pose.enu_from_body;
+  moved.position_in_enu_m += by.tail<3>();
+  return moved;
+}
+
+std::optional<CarriedPixel> CarryUncertain(const poses::SmoothedPose& i, const poses::SmoothedPose& j,
+                                           const Vector2d& pixel) {
+  using Vector12d = Eigen::Matrix<double, 12, 1>;
   Eigen::Matrix<double, 12, 12> joint;
   joint << i.covariance, i.covariance_with_next, i.covariance_with_next.transpose(), j.covariance;
-  const geo::Rigid3 cam_i = CamFromEnu(i.enu_from_body, i.position_in_enu_m);
-  const geo::Rigid3 cam_j = CamFromEnu(j.enu_from_body, j.position_in_enu_m);
-  Eigen::Matrix<double, 2, 12> by_poses;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> axes(joint);
+  const auto carry = [&](const Vector12d& by) {
+    const poses::SmoothedPose a = Moved(i, by.head<6>());
+    const poses::SmoothedPose b = Moved(j, by.tail<6>());
+    return Carry(CamFromEnu(a.enu_from_body, a.position_in_enu_m),
+                 CamFromEnu(b.enu_from_body, b.position_in_enu_m), pixel);
+  };
+  // Symmetric points at sqrt(3) sigma with the weights that keep a Gaussian's fourth moments.
+  constexpr double kSpread = 3.0;
+  const auto middle = carry(Vector12d::Zero());
+  if (!middle) return std::nullopt;
+  std::vector<Vector2d> points;
   for (int axis = 0; axis < 12; ++axis) {
-    const double step = axis % 6 < 3 ? 1e-5 : 1e-3;
-    const auto plus = axis < 6 ? Carry(Shifted(i, axis, step), cam_j, pixel)
-                               : Carry(cam_i, Shifted(j, axis - 6, step), pixel);
-    const auto minus = axis < 6 ? Carry(Shifted(i, axis, -step), cam_j, pixel)
-                                : Carry(cam_i, Shifted(j, axis - 6, -step), pixel);
-    if (!plus || !minus) return std::nullopt;
-    by_poses.col(axis) = (*plus - *minus) / (2.0 * step);
+    const double sigma = std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
+    for (const double sign : {-1.0, 1.0}) {
+      const auto point = carry(sign * std::sqrt(kSpread) * sigma * axes.eigenvectors().col(axis));
+      if (!point) return std::nullopt;
+      points.push_back(*point);
+    }
   }
-  return Matrix2d(by_poses * joint * by_poses.transpose() + 0.25 * Matrix2d::Identity());
+  const double weight = 1.0 / (2.0 * kSpread);
+  CarriedPixel carried;
+  carried.mean = (1.0 - 12.0 / kSpread) * *middle;
+  for (const Vector2d& point : points) carried.mean += weight * point;
+  // About the middle point: the negative middle weight then cannot make it lose its sign.
+  for (const Vector2d& point : points) {
+    carried.covariance += weight * (point - carried.mean) * (point - carried.mean).transpose();
+  }
+  carried.covariance += 0.25 * Matrix2d::Identity();
+  return carried;
 }
 
 struct Sums {
@@ -133,8 +166,6 @@ void AddPair(const FlightTruth& truth_i, const FlightTruth& truth_j, const poses
              const poses::SmoothedPose& j, Sums& sums) {
   const geo::Rigid3 true_i = CamFromEnu(truth_i.enu_from_body, truth_i.position);
   const geo::Rigid3 true_j = CamFromEnu(truth_j.enu_from_body, truth_j.position);
-  const geo::Rigid3 cam_i = CamFromEnu(i.enu_from_body, i.position_in_enu_m);
-  const geo::Rigid3 cam_j = CamFromEnu(j.enu_from_body, j.position_in_enu_m);
   AddCenters(true_i, true_j, i, j, sums);
   // A grid over the overlap says whether the search windows hold.
   for (int cell = 0; cell < 13; ++cell) {
@@ -144,16 +175,15 @@ void AddPair(const FlightTruth& truth_i, const FlightTruth& truth_j, const poses
                                : Vector2d(5472.0 * (cell % 4 + 0.5) / 4.0, 3648.0 * (cell / 4 + 0.5) / 3.0);
     const auto truth = Carry(true_i, true_j, pixel);
     if (!truth || !Camera().IsInImage(*truth)) continue;
-    const auto guess = Carry(cam_i, cam_j, pixel);
-    const auto covariance = CarriedCovariance(i, j, pixel);
-    if (!guess || !covariance) continue;
-    const Vector2d error = *truth - *guess;
+    const auto guess = CarryUncertain(i, j, pixel);
+    if (!guess) continue;
+    const Vector2d error = *truth - guess->mean;
     // Inside the 99 % ellipse, widened by the 5 px that the matcher always adds.
     const Vector2d beyond = error * std::max(0.0, 1.0 - 5.0 / std::max(1e-9, error.norm()));
-    const bool inside = beyond.dot(covariance->inverse() * beyond) <= 9.21;
+    const bool inside = beyond.dot(guess->covariance.inverse() * beyond) <= 9.21;
     sums.covered += inside ? 1 : 0;
     ++sums.carried;
-    if (is_center) sums.search += 3.03 * std::sqrt(0.5 * covariance->trace());
+    if (is_center) sums.search += 3.03 * std::sqrt(0.5 * guess->covariance.trace());
     if (is_center) ++sums.centers;
   }
 }

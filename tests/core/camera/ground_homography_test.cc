@@ -57,36 +57,6 @@ TEST(GroundHomography, ComposesToTheTextbooksImageToImageForm) {
   EXPECT_LT((textbook - ours).cwiseAbs().maxCoeff() / ours.cwiseAbs().maxCoeff(), 1e-10);
 }
 
-// The paper scales by (h2/h1)(f/f) and shears for pitch; both are wrong, and this says by how much.
-TEST(PaperLiteralForm, ShearForPitchIsWorseThanDoingNothing) {
-  const Intrinsics lens = Intrinsics::Centered(5472, 3648, 3650.0);
-  const geo::Rigid3 level = Pose(0.0, -90.0, 0.0, {0, 0, 60.0});
-  const geo::Rigid3 pitched = Pose(0.0, -85.0, 0.0, {0, 0, 60.0});
-  const Eigen::Matrix3d truth = GroundHomography(lens, level, 0.0) * GroundHomography(lens, pitched, 0.0).inverse();
-  const double shear = std::tan(5.0 * kPi / 180);
-  double nothing = 0.0, paper = 0.0;
-  int count = 0;
-  for (int y = 0; y < lens.height_px; y += 200) {
-    for (int x = 0; x < lens.width_px; x += 200, ++count) {
-      const Eigen::Vector3d image = truth * Eigen::Vector3d(x, y, 1.0);
-      const Eigen::Vector2d exact = image.head<2>() / image.z();
-      nothing += (exact - Eigen::Vector2d(x, y)).squaredNorm();
-      paper += (exact - Eigen::Vector2d(x, y + shear * (x - lens.center_x_px))).squaredNorm();
-    }
-  }
-  nothing = std::sqrt(nothing / count), paper = std::sqrt(paper / count);
-  EXPECT_NEAR(nothing, 354.0, 12.0);
-  EXPECT_NEAR(paper, 382.0, 12.0);
-}
-
-TEST(PaperLiteralForm, ScaleFromHeightsIsTheWrongWayUp) {
-  const Intrinsics lens = Intrinsics::Centered(4000, 3000, 3000.0);
-  const geo::Rigid3 low = Pose(0, -90, 0, {0, 0, 20.0});
-  const geo::Rigid3 high = Pose(0, -90, 0, {0, 0, 25.0});
-  const Eigen::Matrix3d high_from_low = GroundHomography(lens, high, 0.0) * GroundHomography(lens, low, 0.0).inverse();
-  EXPECT_NEAR(high_from_low(0, 0) / high_from_low(2, 2), 0.8, 1e-12);  // the paper's eq. (8) says 1.25
-}
-
 TEST(GroundFromPixel, SeesNoGroundAtOrAboveTheHorizon) {
   const Intrinsics lens = Intrinsics::Centered(1000, 800, 900.0);
   const geo::Rigid3 pose = Pose(0.0, 5.0, 0.0, {0, 0, 50.0});
