@@ -69,7 +69,7 @@ std::optional<EncodedTile> EncodeTile(const RgbaImage& tile, const EncodeOptions
   }
   if (coverage == Coverage::kFull) return EncodedTile{pipeline::TileFormat::kJpeg, EncodeJpeg(tile, options.quality)};
   return EncodedTile{pipeline::TileFormat::kPng,
-                     EncodeByOpenCv(".png", StraightBgra(tile), {cv::IMWRITE_PNG_COMPRESSION, 4})};
+                     EncodeByOpenCv(".png", StraightBgra(tile), {cv::IMWRITE_PNG_COMPRESSION, 1})};
 }
 
 }  // namespace skyquilt::pyramid

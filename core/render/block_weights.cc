@@ -52,10 +52,10 @@ NodeCell NodeCellOf(const PhotoView& view, int nodes_per_side, int row, int colu
 
 // The labels of a cell and its neighbours.
 struct Neighbourhood {
-  std::array<std::int32_t, kTaps * kTaps> labels{};
   std::array<std::int32_t, kTaps * kTaps> distinct{};
-  int count = 0;         // of distinct photos
-  bool is_whole = true;  // no cell without a photo, no photo whose edge is near
+  std::array<int, kTaps * kTaps> slot{};  // of each label among the distinct ones; -1: no photo
+  int count = 0;                          // of distinct photos
+  bool is_whole = true;                   // no cell without a photo, no photo whose edge is near
 
   Neighbourhood(const BlockCells& cells, int column, int row) {
     const SeamMap& seams = cells.seams;
@@ -63,13 +63,15 @@ struct Neighbourhood {
       for (int dx = -1; dx <= 1; ++dx) {
         const std::int32_t label =
             seams.labels.At(cells.corner.x() + column + dx, cells.corner.y() + row + dy);
-        labels[static_cast<std::size_t>((dy + 1) * kTaps + dx + 1)] = label;
+        int& own_slot = slot[static_cast<std::size_t>((dy + 1) * kTaps + dx + 1)];
+        own_slot = -1;
         if (label == kNoPhoto) {
           is_whole = false;
           continue;
         }
-        if (std::find(distinct.begin(), distinct.begin() + count, label) != distinct.begin() + count)
-          continue;
+        own_slot =
+            static_cast<int>(std::find(distinct.begin(), distinct.begin() + count, label) - distinct.begin());
+        if (own_slot < count) continue;
         distinct[static_cast<std::size_t>(count++)] = label;
         is_whole &= seams.levels[static_cast<std::size_t>(label)].SeesWhole(cells.corner.x() + column,
                                                                             cells.corner.y() + row);
@@ -165,6 +167,12 @@ class Weigher {
         }
         return;
       }
+      if (around.count == 1) {
+        for (int dy = 0; dy < cell_px_; ++dy) {
+          std::fill_n(&WeightAt(places[0], column * cell_px_, row * cell_px_ + dy), cell_px_, 1.0f);
+        }
+        return;
+      }
       for (int dy = 0; dy < cell_px_; ++dy) {
         for (int dx = 0; dx < cell_px_; ++dx) {
           const auto weights = LabelWeights(around, dx, dy);
@@ -195,10 +203,8 @@ class Weigher {
     const auto& across = spline_[static_cast<std::size_t>(dx)];
     const auto& down = spline_[static_cast<std::size_t>(dy)];
     for (int tap = 0; tap < kTaps * kTaps; ++tap) {
-      const std::int32_t label = around.labels[static_cast<std::size_t>(tap)];
-      if (label == kNoPhoto) continue;
-      const auto at = std::find(around.distinct.begin(), around.distinct.begin() + around.count, label) -
-                      around.distinct.begin();
+      const int at = around.slot[static_cast<std::size_t>(tap)];
+      if (at < 0) continue;
       weights[static_cast<std::size_t>(at)] +=
           across[static_cast<std::size_t>(tap % kTaps)] * down[static_cast<std::size_t>(tap / kTaps)];
     }

@@ -13,20 +13,43 @@
 namespace skyquilt::render {
 namespace {
 
-// Where each pixel of the share's rectangle lies in the decoded (possibly smaller) image: bilinear between nodes.
+// Where each pixel of the share's rectangle lies in the decoded (possibly smaller) image: bilinear between
+// nodes.
 struct PixelMaps {
   cv::Mat1f x, y;
 };
 
-PixelMaps MapsFor(const PhotoShare& share, const PhotoView& view, int nodes_per_side, int denominator) {
-  PixelMaps maps{cv::Mat1f(share.height, share.width), cv::Mat1f(share.height, share.width)};
+// A part of a share: whole cells of nodes, so low that its maps stay in the processor's cache.
+constexpr int kStripRows = 2 * kNodeStepPx;
+
+// The columns of the share that some pixel of the strip is weighed in, out to whole cells of nodes; empty if
+// none.
+cv::Rect StripAt(const PhotoShare& share, int y) {
+  const int height = std::min(kStripRows, share.height - y);
+  int first = share.width, last = -1;
+  for (int row = y; row < y + height; ++row) {
+    const float* weight = share.weight.data() + static_cast<std::size_t>(row) * share.width;
+    int from = 0, to = share.width - 1;
+    while (from < first && weight[from] <= 0.0f) ++from;
+    while (to > last && weight[to] <= 0.0f) --to;
+    first = std::min(first, from), last = std::max(last, to);
+  }
+  if (last < first) return {};
+  first = first / kNodeStepPx * kNodeStepPx;
+  last = (last / kNodeStepPx + 1) * kNodeStepPx;
+  return {first, y, last - first, height};
+}
+
+void FillMaps(const PhotoShare& share, const cv::Rect& strip, const PhotoView& view, int nodes_per_side,
+              int denominator, PixelMaps& maps) {
   const float scale = 1.0f / static_cast<float>(denominator);
   const float shift = 0.5f * scale - 0.5f;  // pixel corners scale, centres carry the half pixel
   constexpr float kStep = 1.0f / kNodeStepPx;
-  for (int cell_y = 0; cell_y < share.height; cell_y += kNodeStepPx) {
-    for (int cell_x = 0; cell_x < share.width; cell_x += kNodeStepPx) {
-      const std::size_t k = static_cast<std::size_t>((share.y + cell_y) / kNodeStepPx) * nodes_per_side +
-                            static_cast<std::size_t>((share.x + cell_x) / kNodeStepPx);
+  for (int cell_y = 0; cell_y < strip.height; cell_y += kNodeStepPx) {
+    for (int cell_x = 0; cell_x < strip.width; cell_x += kNodeStepPx) {
+      const std::size_t k =
+          static_cast<std::size_t>((share.y + strip.y + cell_y) / kNodeStepPx) * nodes_per_side +
+          static_cast<std::size_t>((share.x + strip.x + cell_x) / kNodeStepPx);
       const Eigen::Vector2f nw = view.pixel_in_image[k];
       const Eigen::Vector2f ne = view.pixel_in_image[k + 1];
       const Eigen::Vector2f sw = view.pixel_in_image[k + nodes_per_side];
@@ -48,18 +71,20 @@ PixelMaps MapsFor(const PhotoShare& share, const PhotoView& view, int nodes_per_
       }
     }
   }
-  return maps;
 }
 
 // What the seam map adds to the photo, in grey levels: bilinear between the centres of the cells.
 class SeamLight {
  public:
   SeamLight(const PhotoShare& share, const BlockCells& cells)
-      : levels_(cells.seams.levels[share.photo]), cells_(cells), share_(share), row_(static_cast<std::size_t>(share.width)) {}
+      : levels_(cells.seams.levels[share.photo]),
+        cells_(cells),
+        share_(share),
+        row_(static_cast<std::size_t>(share.width)) {}
   bool IsEmpty() const { return levels_.eighths.empty(); }
 
-  // Of one row of the share.
-  const std::vector<std::array<float, 3>>& Row(int y) {
+  // Of one row of the share, from a column on.
+  const std::vector<std::array<float, 3>>& Row(int y, int first, int width) {
     const float cell_px = static_cast<float>(cells_.seams.grid.cell_px);
     const float v = (static_cast<float>(share_.y + y) + 0.5f) / cell_px - 0.5f;
     const int row = static_cast<int>(std::floor(v));
@@ -73,7 +98,7 @@ class SeamLight {
       for (std::size_t c = 0; c < 3; ++c) mixed[c] = upper[c] + fv * (lower[c] - upper[c]);
       return mixed;
     };
-    for (int x = 0; x < share_.width; ++x) {
+    for (int x = first; x < first + width; ++x) {
       const float u = (static_cast<float>(share_.x + x) + 0.5f) / cell_px - 0.5f;
       const int at = static_cast<int>(std::floor(u));
       if (at != column) {
@@ -82,7 +107,8 @@ class SeamLight {
         east = column_at(at + 1);
       }
       const float fu = u - static_cast<float>(at);
-      for (std::size_t c = 0; c < 3; ++c) row_[static_cast<std::size_t>(x)][c] = west[c] + fu * (east[c] - west[c]);
+      for (std::size_t c = 0; c < 3; ++c)
+        row_[static_cast<std::size_t>(x - first)][c] = west[c] + fu * (east[c] - west[c]);
     }
     return row_;
   }
@@ -94,37 +120,58 @@ class SeamLight {
   std::vector<std::array<float, 3>> row_;
 };
 
-void Accumulate(const PhotoShare& share, const cv::Mat3b& warped, const PixelMaps& maps, const PhotoTone& tone,
-                const camera::Intrinsics& lens, int denominator, int block_size_px, SeamLight light,
-                std::vector<float>& sum_rgb, std::vector<std::uint8_t>& covered) {
-  const std::vector<std::array<float, 3>> no_light(static_cast<std::size_t>(share.width));
-  const float center_x = static_cast<float>((lens.center_x_px + 0.5) / denominator - 0.5);
-  const float center_y = static_cast<float>((lens.center_y_px + 0.5) / denominator - 0.5);
-  const double half_diagonal_px = 0.5 * std::hypot(lens.width_px, lens.height_px) / denominator;
-  const float radius_scale = static_cast<float>(1.0 / (half_diagonal_px * half_diagonal_px));
-  const std::array<float, 3> gain{static_cast<float>(tone.gain[0]), static_cast<float>(tone.gain[1]),
-                                  static_cast<float>(tone.gain[2])};
-  const std::array<float, 3> a{static_cast<float>(tone.vignetting.a[0]), static_cast<float>(tone.vignetting.a[1]),
-                               static_cast<float>(tone.vignetting.a[2])};
-  for (int y = 0; y < share.height; ++y) {
-    const float* weight = share.weight.data() + static_cast<std::size_t>(y) * share.width;
-    const auto* rgb = warped.ptr<std::uint8_t>(y);
+// How a photo's values become the map's.
+struct Tone {
+  float center_x, center_y, radius_scale;
+  std::array<float, 3> gain, vignetting;
+
+  Tone(const PhotoTone& tone, const camera::Intrinsics& lens, int denominator)
+      : center_x(static_cast<float>((lens.center_x_px + 0.5) / denominator - 0.5)),
+        center_y(static_cast<float>((lens.center_y_px + 0.5) / denominator - 0.5)) {
+    const double half_diagonal_px = 0.5 * std::hypot(lens.width_px, lens.height_px) / denominator;
+    radius_scale = static_cast<float>(1.0 / (half_diagonal_px * half_diagonal_px));
+    for (std::size_t i = 0; i < 3; ++i) {
+      gain[i] = static_cast<float>(tone.gain[i]);
+      vignetting[i] = static_cast<float>(tone.vignetting.a[i]);
+    }
+  }
+  float Brighten(float x, float y) const {
+    const float dx = x - center_x, dy = y - center_y;
+    const float r2 = (dx * dx + dy * dy) * radius_scale;
+    return 1.0f / (1.0f + r2 * (vignetting[0] + r2 * (vignetting[1] + r2 * vignetting[2])));
+  }
+};
+
+// The block while photos are added: weighted sums, and whether anything was added.
+struct Sums {
+  int size_px;
+  std::vector<float> rgb;
+  std::vector<std::uint8_t> covered;
+};
+
+void Accumulate(const PhotoShare& share, const cv::Rect& strip, const cv::Mat3b& warped,
+                const PixelMaps& maps, const Tone& tone, SeamLight& light, Sums& sums) {
+  const std::vector<std::array<float, 3>> no_light(static_cast<std::size_t>(strip.width));
+  for (int y = 0; y < strip.height; ++y) {
+    const std::size_t row = static_cast<std::size_t>(strip.y + y);
+    const float* weight = share.weight.data() + row * static_cast<std::size_t>(share.width) + strip.x;
+    const std::uint8_t* rgb = warped.ptr<std::uint8_t>(y);
     const float* map_x = maps.x[y];
     const float* map_y = maps.y[y];
-    const std::vector<std::array<float, 3>>& added = light.IsEmpty() ? no_light : light.Row(y);
-    const std::size_t base = static_cast<std::size_t>(share.y + y) * block_size_px + share.x;
-    for (int x = 0; x < share.width; ++x) {
+    const std::array<float, 3>* added =
+        light.IsEmpty() ? no_light.data() : light.Row(strip.y + y, strip.x, strip.width).data();
+    const std::size_t base = (static_cast<std::size_t>(share.y) + row) * sums.size_px + share.x + strip.x;
+    float* out = sums.rgb.data() + base * 3;
+    for (int x = 0; x < strip.width; ++x, out += 3) {
       if (weight[x] <= 0.0f) continue;
-      const float dx = map_x[x] - center_x;
-      const float dy = map_y[x] - center_y;
-      const float r2 = (dx * dx + dy * dy) * radius_scale;
-      const float brighten = 1.0f / (1.0f + r2 * (a[0] + r2 * (a[1] + r2 * a[2])));
-      float* out = sum_rgb.data() + (base + x) * 3;
+      const float brighten = tone.Brighten(map_x[x], map_y[x]);
       for (int c = 0; c < 3; ++c) {
-        const float value = static_cast<float>(rgb[3 * x + c]) * gain[c] * brighten + added[static_cast<std::size_t>(x)][static_cast<std::size_t>(c)];
+        const auto channel = static_cast<std::size_t>(c);
+        const float value =
+            static_cast<float>(rgb[3 * x + c]) * tone.gain[channel] * brighten + added[x][channel];
         out[c] += weight[x] * std::clamp(value, 0.0f, 255.0f);
       }
-      covered[base + x] = 255;
+      sums.covered[base + x] = 255;
     }
   }
 }
@@ -153,8 +200,10 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
   if (shares.empty()) return image;
-  std::vector<float> sum_rgb(static_cast<std::size_t>(size_px) * size_px * 3, 0.0f);
-  std::vector<std::uint8_t> covered(static_cast<std::size_t>(size_px) * size_px, 0);
+  const auto pixels = static_cast<std::size_t>(size_px) * size_px;
+  Sums sums{size_px, std::vector<float>(pixels * 3, 0.0f), std::vector<std::uint8_t>(pixels, 0)};
+  PixelMaps whole_maps{cv::Mat1f(kStripRows, size_px), cv::Mat1f(kStripRows, size_px)};
+  cv::Mat3b whole_warped(kStripRows, size_px);
   const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px) *
                          geo::GroundMetresPerMercMetre(context.flight.frame.origin().lat_deg);
   for (const PhotoShare& share : shares) {
@@ -165,20 +214,25 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
     const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator);
     if (!decoded) return decoded.error();
     const pipeline::DecodedImage& source = **decoded;
-    const PixelMaps maps =
-        MapsFor(share, views[static_cast<std::size_t>(at)], geometry.nodes_per_side, denominator);
     const cv::Mat3b source_rgb(source.height_px, source.width_px,
                                reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(source.rgb.data())));
-    cv::Mat3b warped;
-    cv::remap(source_rgb, warped, maps.x, maps.y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-    Accumulate(share, warped, maps, context.exposure.photos[share.photo], photo.intrinsics, denominator, size_px,
-               SeamLight(share, cells), sum_rgb, covered);
+    const Tone tone(context.exposure.photos[share.photo], photo.intrinsics, denominator);
+    SeamLight light(share, cells);
+    for (int y = 0; y < share.height; y += kStripRows) {
+      const cv::Rect strip = StripAt(share, y);
+      if (strip.empty()) continue;
+      const cv::Rect room(0, 0, strip.width, strip.height);
+      PixelMaps maps{whole_maps.x(room), whole_maps.y(room)};
+      FillMaps(share, strip, views[static_cast<std::size_t>(at)], geometry.nodes_per_side, denominator, maps);
+      cv::Mat3b warped = whole_warped(room);
+      cv::remap(source_rgb, warped, maps.x, maps.y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+      Accumulate(share, strip, warped, maps, tone, light, sums);
+    }
   }
-  for (std::size_t i = 0; i < covered.size(); ++i) {
-    if (covered[i] == 0) continue;
-    for (int c = 0; c < 3; ++c) {
-      image.rgba[4 * i + static_cast<std::size_t>(c)] =
-          static_cast<std::uint8_t>(std::clamp(std::lround(sum_rgb[3 * i + static_cast<std::size_t>(c)]), 0L, 255L));
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (sums.covered[i] == 0) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      image.rgba[4 * i + c] = static_cast<std::uint8_t>(std::min(255.0f, sums.rgb[3 * i + c] + 0.5f));
     }
     image.rgba[4 * i + 3] = 255;
   }
