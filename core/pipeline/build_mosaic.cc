@@ -122,7 +122,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     return render::BuildSeamMap(*aligned, ground, *plan, exposure, thumbnails, {.threads = options.threads});
   });
   auto rendered = stages.Run("render", [&] {
-    render::PhotoCache cache(photo_source, options.max_memory_bytes / 2);
+    render::PhotoCache cache(photo_source, options.PhotoCacheBytes());
     const render::RenderContext context{*aligned, ground, exposure, seams, *plan, cache};
     const render::RenderOptions render_options{
         options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};

@@ -23,7 +23,7 @@ namespace {
 // promise.
 constexpr double kAlignSecondsPerPhoto = 0.45;
 constexpr double kDecodeSecondsPerMegapixel = 0.012;
-constexpr double kRenderSecondsPerMegapixel = 0.16;
+constexpr double kRenderSecondsPerMegapixel = 0.10;
 
 std::string IsoTime(const flight::UtcTime& time) {
   const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
@@ -168,10 +168,9 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
       (kAlignSecondsPerPhoto * verdict.photos_placeable + kDecodeSecondsPerMegapixel * input_megapixels +
        kRenderSecondsPerMegapixel * verdict.output_megapixels) /
       std::min(cores, 8);
-  verdict.expected_memory_mib =
-      150.0 +
-      std::min(0.5 * static_cast<double>(options.max_memory_bytes) / (1 << 20), 3.0 * input_megapixels) +
-      60.0 * cores;
+  constexpr double kMib = 1 << 20;
+  verdict.expected_memory_mib = static_cast<double>(FixedMemoryBytes(options.threads)) / kMib +
+                                std::min(static_cast<double>(options.PhotoCacheBytes()) / kMib, 3.0 * input_megapixels);
   AddAdvice(verdict);
   return verdict;
 }
