@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/geo/geoid.h"
+#include "core/poses/choose_convention.h"
 #include "core/poses/flight_heights.h"
 #include "core/poses/join_logs.h"
 #include "core/poses/photo_rows.h"
@@ -36,6 +37,7 @@ class Estimation {
     report.logs = ApplyPhotoRows(flight_.logs, photos_);
     log_ = JoinLogs(flight_.logs);
     if (log_) TieToLog();
+    ChooseReading();
     if (!by_log_.empty()) {
       if (auto placed = PlaceOnLog(); !placed) {
         Warn("The log could not be used: " + placed.error().message);
@@ -93,6 +95,26 @@ class Estimation {
     }
     std::stable_sort(by_log_.begin(), by_log_.end(),
                      [](const PhotoAtTime& a, const PhotoAtTime& b) { return a.t_s < b.t_s; });
+  }
+
+  void ChooseReading() {
+    std::vector<std::optional<double>> airframe_yaw(photos_.size());
+    for (const PhotoAtTime& p : by_log_) {
+      airframe_yaw[static_cast<std::size_t>(p.photo - photos_.data())] = AirframeYawAt(p.t_s);
+    }
+    const ConventionChoice choice = ChooseConvention(photos_, airframe_yaw);
+    posed_.report.convention = choice.words;
+    if (choice.is_changed)
+      Warn("As recorded, the camera angles would not show the ground: " + choice.words + ".");
+  }
+
+  std::optional<double> AirframeYawAt(double t_s) const {
+    const auto& samples = log_->log.attitude;
+    const auto next = std::lower_bound(samples.begin(), samples.end(), t_s,
+                                       [](const flight::AttitudeSample& s, double t) { return s.t_s < t; });
+    if (next == samples.end() || !next->has_yaw || next->t_s - t_s > 1.0) return std::nullopt;
+    const Eigen::Vector3d nose = next->ned_from_body * Eigen::Vector3d::UnitX();
+    return std::atan2(nose.y(), nose.x());
   }
 
   std::pair<double, double> LogSpan() const {
