@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "core/poses/attitude_convention.h"
@@ -39,6 +41,25 @@ Matrix6d PoseCovariance(const AttitudeChoice& attitude, double sigma_horizontal_
   covariance(3, 3) = covariance(4, 4) = sigma_horizontal_m * sigma_horizontal_m;
   covariance(5, 5) = sigma_vertical_m * sigma_vertical_m;
   return covariance;
+}
+
+// Receivers, compasses and barometers err slowly: two photos seconds apart err together, and their difference
+// is far better known than either. Only what they do not share is their own.
+void RelateToNext(PosedPhoto& here, const PosedPhoto& next) {
+  if (!here.photo.captured_at || !next.photo.captured_at) return;
+  constexpr double kPositionTimeS = 120.0, kAngleTimeS = 40.0;
+  constexpr double kPositionWhiteM = 0.15, kAngleWhiteRad = 0.0035;
+  const double apart_s =
+      std::abs(std::chrono::duration<double>(*next.photo.captured_at - *here.photo.captured_at).count());
+  for (int i = 0; i < 6; ++i) {
+    const double white =
+        i < 3 ? kAngleWhiteRad : std::min(kPositionWhiteM, 0.5 * std::sqrt(here.covariance(i, i)));
+    const auto slow = [&](const PosedPhoto& photo) {
+      return std::max(0.0, photo.covariance(i, i) - white * white);
+    };
+    here.covariance_with_next(i, i) =
+        std::sqrt(slow(here) * slow(next)) * std::exp(-apart_s / (i < 3 ? kAngleTimeS : kPositionTimeS));
+  }
 }
 
 }  // namespace
@@ -89,6 +110,8 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     pose.attitude_origin = attitude.origin;
     placed.photos.push_back(std::move(pose));
   }
+  for (std::size_t k = 0; k + 1 < placed.photos.size(); ++k)
+    RelateToNext(placed.photos[k], placed.photos[k + 1]);
   return placed;
 }
 

@@ -152,6 +152,29 @@ TEST(EstimatePoses, TakesPositionsFromAListThatNamesThePhotos) {
   EXPECT_THAT(posed->report.logs, Contains(HasSubstr("names 3 of 3 photos")));
 }
 
+TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(4);
+  for (int k = 0; k < 4; ++k) {
+    Photo& photo = flight.photos[static_cast<std::size_t>(k)];
+    photo.position.emplace();
+    photo.position->position = {TrueAt(TimeOf(k)).lat_deg, TrueAt(TimeOf(k)).lon_deg};
+    photo.position->height_above_takeoff_m = 60.0;
+  }
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok());
+  for (std::size_t k = 0; k + 1 < posed->photos.size(); ++k) {
+    const Matrix6d& cross = posed->photos[k].covariance_with_next;
+    const Matrix6d own = posed->photos[k].covariance;
+    const Matrix6d difference = own + posed->photos[k + 1].covariance - cross - cross.transpose();
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_GT(difference(i, i), 0.0);
+      EXPECT_LT(difference(i, i), (i < 3 ? 0.3 : 0.15) * own(i, i)) << i;
+    }
+  }
+  EXPECT_EQ(posed->photos.back().covariance_with_next, Matrix6d::Zero());
+}
+
 TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
   Flight flight;
   flight.photos = PhotosEvery2s(3);
