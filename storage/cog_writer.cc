@@ -50,13 +50,17 @@ class Export {
         Deflated(std::vector<std::uint8_t>(row_bytes * static_cast<std::size_t>(tile_size_px), 0xff));
   }
 
-  ReadyTile Prepare(const geo::TileId& tile) const {
+  ReadyTile Prepare(const GridLevel& level, std::int64_t cell) const {
+    return level.IsAligned() ? Copied(*level.TileOf(cell)) : Composed(level, cell);
+  }
+
+ private:
+  // The tileset's own tile.
+  ReadyTile Copied(const geo::TileId& tile) const {
     ReadyTile ready;
-    Result<std::optional<FoundTile>> found = tiles_.Find(tile);
-    if (!found) return Failed(found.error());
-    if (!*found) return ready;
-    Result<std::string> bytes = tiles_.Load(**std::move(found));
+    Result<std::string> bytes = Load(tile);
     if (!bytes) return Failed(bytes.error());
+    if (bytes->empty()) return ready;
     if (kind_ == TiffTiles::kWebp) {
       if (!IsWebp(*bytes))
         return Failed({ErrorCode::kCorrupt, "the tileset mixes WebP with other tiles", ""});
@@ -65,15 +69,55 @@ class Export {
       ready.image = *std::move(bytes);
       ready.mask = full_mask_;
     } else {
-      Result<FringeTile> fringe = SplitAlpha(*bytes, tile_size_px_, options_.jpeg_quality);
-      if (!fringe) return Failed(fringe.error());
-      ready.image = std::move(fringe->jpeg);
-      ready.mask = Deflated(fringe->mask_bits);
+      Result<TileCanvas> canvas = DecodeTile(*bytes, tile_size_px_);
+      if (!canvas) return Failed(canvas.error());
+      ready = Encoded(*std::move(canvas));
     }
     return ready;
   }
 
- private:
+  // A cell put together from the up to four tiles that it lies over.
+  ReadyTile Composed(const GridLevel& level, std::int64_t cell) const {
+    TileCanvas composed = TileCanvas::Transparent(tile_size_px_);
+    for (int south = 0; south <= (level.shift_y_px > 0 ? 1 : 0); ++south) {
+      for (int east = 0; east <= (level.shift_x_px > 0 ? 1 : 0); ++east) {
+        const std::optional<geo::TileId> tile = level.TileOf(cell, east, south);
+        if (!tile) continue;
+        Result<std::string> bytes = Load(*tile);
+        if (!bytes) return Failed(bytes.error());
+        if (bytes->empty()) continue;
+        Result<TileCanvas> canvas = DecodeTile(*bytes, tile_size_px_);
+        if (!canvas) return Failed(canvas.error());
+        // The tile's corner in the cell.
+        const int left = east * tile_size_px_ - level.shift_x_px,
+                  top = south * tile_size_px_ - level.shift_y_px;
+        const int from_x = std::max(0, left), to_x = std::min(tile_size_px_, left + tile_size_px_);
+        for (int y = std::max(0, top); y < std::min(tile_size_px_, top + tile_size_px_); ++y) {
+          std::memcpy(composed.At(from_x, y), canvas->At(from_x - left, y - top),
+                      4 * static_cast<std::size_t>(to_x - from_x));
+        }
+      }
+    }
+    return Encoded(std::move(composed));
+  }
+
+  ReadyTile Encoded(TileCanvas canvas) const {
+    ReadyTile ready;
+    FringeTile fringe = SplitAlpha(std::move(canvas), options_.jpeg_quality);
+    if (fringe.is_empty) return ready;
+    ready.image = std::move(fringe.jpeg);
+    ready.mask = Deflated(fringe.mask_bits);
+    return ready;
+  }
+
+  // Empty: the tileset has no such tile.
+  Result<std::string> Load(const geo::TileId& tile) const {
+    Result<std::optional<FoundTile>> found = tiles_.Find(tile);
+    if (!found) return found.error();
+    if (!*found) return std::string();
+    return tiles_.Load(**std::move(found));
+  }
+
   static ReadyTile Failed(Error error) {
     ReadyTile ready;
     ready.error = std::move(error);
@@ -120,7 +164,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
   {
     auto db = SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable);
     if (!db) return db.error();
-    auto made = GridOf(*db, tile_size_px);
+    auto made = GridOf(*db, tile_size_px, is_webp ? GridAlignment::kAllLevels : GridAlignment::kFineLevels);
     if (!made) return made.error();
     grid = *std::move(made);
   }
@@ -146,7 +190,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
         [&](std::size_t cell) {
           if (progress.IsCancelled())
             return ReadyTile{Error{ErrorCode::kCancelled, "the job was cancelled", ""}, {}, {}};
-          return work.Prepare(cells_of.TileOf(static_cast<std::int64_t>(cell)));
+          return work.Prepare(cells_of, static_cast<std::int64_t>(cell));
         },
         [&](std::size_t cell, ReadyTile&& ready) {
           if (failure) return;

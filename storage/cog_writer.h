@@ -1,8 +1,9 @@
 // WriteCog: a finished MBTiles as a cloud-optimised GeoTIFF in EPSG:3857, tiled like the web map (GDAL's
 // GoogleMapsCompatible). The tiles' own JPEG (or WebP) bytes are copied, overviews from the pyramid's own
-// levels; only the partly transparent tiles at the fringe are encoded anew as JPEG with a one-bit mask.
-// Streams: memory is the directories (16 bytes a tile) and a few tiles a thread. Published by rename.
-// Blocking. Errors: kIo, kOutOfSpace, kCorrupt, kCancelled.
+// levels; only the partly transparent tiles at the fringe, and those few of the coarsest overviews whose
+// corner is no tile's (see tile_grid.h), are encoded anew as JPEG with a one-bit mask. Streams: memory is the
+// directories (16 bytes a tile) and a few tiles a thread. Published by rename. Blocking. Errors: kIo,
+// kOutOfSpace, kCorrupt, kCancelled.
 #pragma once
 
 #include <filesystem>

@@ -12,28 +12,22 @@
 namespace skyquilt::storage {
 namespace {
 
-constexpr int kChannels = 4;
 constexpr std::uint8_t kCoveredAlpha = 128;
-
-struct Canvas {
-  int side_px = 0;
-  std::vector<std::uint8_t> rgba;
-  std::uint8_t* Row(int y) { return rgba.data() + static_cast<std::size_t>(y) * side_px * kChannels; }
-};
 
 // What JPEG codes together with 4:2:0.
 constexpr int kUnitPx = 16;
 
 // Beyond the edge, but within its JPEG unit, the mean of the covered pixels; black farther out.
-void FillOutside(Canvas& canvas) {
+void FillOutside(TileCanvas& canvas) {
   for (int top = 0; top < canvas.side_px; top += kUnitPx) {
     for (int left = 0; left < canvas.side_px; left += kUnitPx) {
-      const int bottom = std::min(top + kUnitPx, canvas.side_px), right = std::min(left + kUnitPx, canvas.side_px);
+      const int bottom = std::min(top + kUnitPx, canvas.side_px),
+                right = std::min(left + kUnitPx, canvas.side_px);
       std::array<int, 3> sum{};
       int covered = 0;
       const auto visit = [&](auto&& act) {
         for (int y = top; y < bottom; ++y) {
-          for (int x = left; x < right; ++x) act(canvas.Row(y) + x * kChannels);
+          for (int x = left; x < right; ++x) act(canvas.At(x, y));
         }
       };
       visit([&](const std::uint8_t* pixel) {
@@ -51,7 +45,7 @@ void FillOutside(Canvas& canvas) {
   }
 }
 
-std::string EncodeJpeg(const Canvas& canvas, int quality) {
+std::string EncodeJpeg(const TileCanvas& canvas, int quality) {
   const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
@@ -62,29 +56,59 @@ std::string EncodeJpeg(const Canvas& canvas, int quality) {
   return {reinterpret_cast<const char*>(bytes), size};
 }
 
-}  // namespace
+Error Damaged() { return {ErrorCode::kCorrupt, "a stored tile is damaged; stitch the flight again", ""}; }
 
-Result<FringeTile> SplitAlpha(std::string_view png, int tile_size_px, int jpeg_quality) {
-  const Error damaged{ErrorCode::kCorrupt, "a stored tile is damaged; stitch the flight again", ""};
+Result<TileCanvas> DecodePng(std::string_view bytes, int side_px) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&image, png.data(), png.size()) == 0) return damaged;
-  const auto side = static_cast<png_uint_32>(tile_size_px);
+  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return Damaged();
+  const auto side = static_cast<png_uint_32>(side_px);
   if (image.width != side || image.height != side) {
     png_image_free(&image);
-    return damaged;
+    return Damaged();
   }
   image.format = PNG_FORMAT_RGBA;
-  Canvas canvas{tile_size_px, std::vector<std::uint8_t>(static_cast<std::size_t>(side) * side * kChannels)};
-  if (png_image_finish_read(&image, nullptr, canvas.rgba.data(), 0, nullptr) == 0) return damaged;
+  TileCanvas canvas = TileCanvas::Transparent(side_px);
+  if (png_image_finish_read(&image, nullptr, canvas.rgba.data(), 0, nullptr) == 0) return Damaged();
+  return canvas;
+}
 
+Result<TileCanvas> DecodeJpeg(std::string_view bytes, int side_px) {
+  const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  int width_px = 0, height_px = 0, subsampling = 0, colors = 0;
+  if (tjDecompressHeader3(decoder.get(), data, bytes.size(), &width_px, &height_px, &subsampling, &colors) !=
+          0 ||
+      width_px != side_px || height_px != side_px) {
+    return Damaged();
+  }
+  TileCanvas canvas = TileCanvas::Transparent(side_px);
+  // Alpha is set to 255.
+  if (tjDecompress2(decoder.get(), data, bytes.size(), canvas.rgba.data(), side_px, 0, side_px, TJPF_RGBA,
+                    TJFLAG_ACCURATEDCT) != 0) {
+    return Damaged();
+  }
+  return canvas;
+}
+
+}  // namespace
+
+TileCanvas TileCanvas::Transparent(int side_px) {
+  return {side_px, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(side_px) * side_px)};
+}
+
+Result<TileCanvas> DecodeTile(std::string_view bytes, int tile_size_px) {
+  return bytes.starts_with("\x89PNG") ? DecodePng(bytes, tile_size_px) : DecodeJpeg(bytes, tile_size_px);
+}
+
+FringeTile SplitAlpha(TileCanvas canvas, int jpeg_quality) {
   FringeTile fringe;
-  const std::size_t row_bytes = (side + 7) / 8;
-  fringe.mask_bits.assign(row_bytes * side, 0);
-  for (int y = 0; y < tile_size_px; ++y) {
-    const std::uint8_t* row = canvas.Row(y);
-    for (int x = 0; x < tile_size_px; ++x) {
-      if (row[x * kChannels + 3] < kCoveredAlpha) continue;
+  const std::size_t row_bytes = (static_cast<std::size_t>(canvas.side_px) + 7) / 8;
+  fringe.mask_bits.assign(row_bytes * static_cast<std::size_t>(canvas.side_px), 0);
+  for (int y = 0; y < canvas.side_px; ++y) {
+    for (int x = 0; x < canvas.side_px; ++x) {
+      if (canvas.At(x, y)[3] < kCoveredAlpha) continue;
+      fringe.is_empty = false;
       fringe.mask_bits[static_cast<std::size_t>(y) * row_bytes + static_cast<std::size_t>(x) / 8] |=
           static_cast<std::uint8_t>(0x80 >> (x % 8));
     }

@@ -1,6 +1,6 @@
-// FringeTile: a partly transparent tile as formats without alpha hold it: opaque JPEG colours and one bit of
-// mask a pixel. Beyond the edge the colours go on, so that JPEG neither darkens nor rings at the map's
-// border. Pure; any thread. Errors: kCorrupt.
+// FringeTile: a tile as formats without alpha hold it: opaque JPEG colours and one bit of mask a pixel.
+// Beyond the edge the colours go on, so that JPEG neither darkens nor rings at the map's border. Pure; any
+// thread. Errors: kCorrupt.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,28 @@
 
 namespace skyquilt::storage {
 
+// A square of pixels, four bytes each: red, green, blue, alpha.
+struct TileCanvas {
+  int side_px = 0;
+  std::vector<std::uint8_t> rgba;
+
+  static TileCanvas Transparent(int side_px);
+  std::uint8_t* At(int x, int y) { return rgba.data() + 4 * (static_cast<std::size_t>(y) * side_px + x); }
+  const std::uint8_t* At(int x, int y) const {
+    return rgba.data() + 4 * (static_cast<std::size_t>(y) * side_px + x);
+  }
+};
+
+// A stored JPEG or PNG tile of tile_size_px a side.
+Result<TileCanvas> DecodeTile(std::string_view bytes, int tile_size_px);
+
 struct FringeTile {
   std::string jpeg;                     // 4:2:0
   std::vector<std::uint8_t> mask_bits;  // rows padded to bytes, the first pixel in the highest bit
+  bool is_empty = true;                 // nothing is covered
 };
 
-// From a PNG of tile_size_px a side.
-Result<FringeTile> SplitAlpha(std::string_view png, int tile_size_px, int jpeg_quality);
+// Pixels of at least half alpha count as covered.
+FringeTile SplitAlpha(TileCanvas canvas, int jpeg_quality);
 
 }  // namespace skyquilt::storage

@@ -22,16 +22,28 @@ Result<Extent> ExtentOf(SqliteDb& mbtiles, int zoom, std::int64_t turn) {
                 side - 1 - query->ColumnInt64(2)};
 }
 
+// How many levels above the finest may share its corner for the price of an eighth of the map.
+int AlignedLevels(const Extent& extent, int levels) {
+  const std::int64_t tiles =
+      std::min(extent.last_column - extent.first_column, extent.last_row - extent.first_row) + 1;
+  int aligned = 0;
+  while (aligned < levels && (std::int64_t{16} << aligned) <= tiles) ++aligned;
+  // Tiles have at least 2^8 pixels: so many levels beyond, the corner still lies between whole pixels.
+  return std::max(aligned, levels - 8);
+}
+
 std::int64_t RoundUp(std::int64_t value, std::int64_t step) { return (value + step - 1) / step * step; }
 
 }  // namespace
 
-geo::TileId GridLevel::TileOf(std::int64_t cell) const {
+std::optional<geo::TileId> GridLevel::TileOf(std::int64_t cell, int east, int south) const {
   const std::int64_t side = std::int64_t{1} << zoom;
-  return *geo::TileId::Make(zoom, (first_column + cell % columns) % side, first_row + cell / columns);
+  const std::int64_t row = first_row + cell / columns + south;
+  if (row >= side) return std::nullopt;
+  return *geo::TileId::Make(zoom, (first_column + cell % columns + east) % side, row);
 }
 
-Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px) {
+Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridAlignment alignment) {
   int finest = 0, coarsest = 0;
   {
     auto zooms = mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM tiles");
@@ -57,8 +69,9 @@ Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px) {
     if (is_small) break;
     ++levels;
   }
-  const std::int64_t first_column = extent->first_column >> levels << levels;
-  const std::int64_t first_row = extent->first_row >> levels << levels;
+  const int aligned = alignment == GridAlignment::kAllLevels ? levels : AlignedLevels(*extent, levels);
+  const std::int64_t first_column = extent->first_column >> aligned << aligned;
+  const std::int64_t first_row = extent->first_row >> aligned << aligned;
   // Whole pixels at every level: the width is a multiple of the coarsest level's pixel.
   const std::int64_t coarsest_pixel_px = std::int64_t{1} << levels;
   const std::int64_t width_px =
@@ -67,8 +80,16 @@ Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px) {
       RoundUp((extent->last_row + 1 - first_row) * tile_size_px, coarsest_pixel_px);
   std::vector<GridLevel> grid;
   for (int level = 0; level <= levels; ++level) {
-    GridLevel made{finest - level,    first_column >> level, first_row >> level, 0, 0,
-                   width_px >> level, height_px >> level};
+    const std::int64_t left_px = first_column * tile_size_px >> level;
+    const std::int64_t top_px = first_row * tile_size_px >> level;
+    GridLevel made;
+    made.zoom = finest - level;
+    made.first_column = left_px / tile_size_px;
+    made.first_row = top_px / tile_size_px;
+    made.shift_x_px = static_cast<int>(left_px % tile_size_px);
+    made.shift_y_px = static_cast<int>(top_px % tile_size_px);
+    made.width_px = width_px >> level;
+    made.height_px = height_px >> level;
     made.columns = (made.width_px + tile_size_px - 1) / tile_size_px;
     made.rows = (made.height_px + tile_size_px - 1) / tile_size_px;
     grid.push_back(made);

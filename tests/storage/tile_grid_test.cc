@@ -8,7 +8,8 @@
 namespace skyquilt::storage {
 namespace {
 
-std::vector<GridLevel> GridOfColumns(std::int64_t first, std::int64_t count, int zoom, int tile_size_px) {
+std::vector<GridLevel> GridOfColumns(std::int64_t first, std::int64_t count, int zoom, int tile_size_px,
+                                     GridAlignment alignment) {
   ScratchDir folder;
   auto writer = *MbtilesWriter::Create(folder.path() / "map.mbtiles");
   const std::vector<std::uint8_t> bytes{1};
@@ -20,13 +21,13 @@ std::vector<GridLevel> GridOfColumns(std::int64_t first, std::int64_t count, int
   }
   EXPECT_TRUE(writer->Publish({}));
   auto db = *SqliteDb::Open(folder.path() / "map.mbtiles", OpenMode::kReadOnlyImmutable);
-  return *GridOf(db, tile_size_px);
+  return *GridOf(db, tile_size_px, alignment);
 }
 
 TEST(TileGrid, HalvesExactlyFromLevelToLevel) {
   for (const std::int64_t first : {0, 1, 127, 128, 500}) {
     for (const std::int64_t count : {1, 2, 3, 9, 300}) {
-      const auto grid = GridOfColumns(first, count, 10, 256);
+      const auto grid = GridOfColumns(first, count, 10, 256, GridAlignment::kAllLevels);
       for (std::size_t i = 0; i < grid.size(); ++i) {
         EXPECT_EQ(grid[i].width_px << i, grid[0].width_px);
         EXPECT_EQ(grid[i].first_column << i, grid[0].first_column);
@@ -36,6 +37,24 @@ TEST(TileGrid, HalvesExactlyFromLevelToLevel) {
       EXPECT_LE(grid.back().columns, 3);
       // The room added for the alignment stays below the map's own size.
       EXPECT_LT(first - grid[0].first_column, count);
+    }
+  }
+}
+
+TEST(TileGrid, AddsLittleRoomWhereOnlyFineLevelsAreAligned) {
+  for (const std::int64_t first : {0, 1, 127, 500}) {
+    for (const std::int64_t count : {1, 2, 9, 300}) {
+      const auto grid = GridOfColumns(first, count, 10, 256, GridAlignment::kFineLevels);
+      EXPECT_TRUE(grid[0].IsAligned());
+      // One row of tiles: only the corner's own needs may move it, and those by whole pixels of the coarsest
+      // level.
+      EXPECT_EQ(grid[0].first_column, first);
+      for (std::size_t i = 0; i < grid.size(); ++i) {
+        EXPECT_EQ(grid[i].width_px << i, grid[0].width_px);
+        EXPECT_EQ((grid[i].first_column * 256 + grid[i].shift_x_px) << i, first * 256);
+        EXPECT_GE((grid[i].first_column * 256 + grid[i].shift_x_px + grid[i].columns * 256) << i,
+                  (first + count) * 256);
+      }
     }
   }
 }
