@@ -6,6 +6,7 @@
 #include "core/base/scoped_timer.h"
 #include "core/flight/photo_decoder.h"
 #include "core/pipeline/build_mosaic.h"
+#include "core/pipeline/odm_exports.h"
 #include "storage/cog_writer.h"
 #include "storage/geotiff_dem.h"
 #include "storage/mbtiles_writer.h"
@@ -84,6 +85,10 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
           storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight, built->ground));
       !written) {
     return written.error();
+  }
+  for (const auto& [name, text] : {std::pair{"cameras.json", pipeline::OdmCamerasJson(built->flight)},
+                                   std::pair{"geo.txt", pipeline::OdmGeoTxt(built->flight)}}) {
+    if (auto written = storage::WriteFileAtomically(out_dir / name, text); !written) return written.error();
   }
   if (auto written =
           storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));

@@ -1,5 +1,5 @@
 // StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
-// mosaic.tif (COG), report.json and photos.geojson, each written under a temporary name and published by
+// mosaic.tif (COG), report.json, photos.geojson, and for OpenDroneMap cameras.json and geo.txt, each written under a temporary name and published by
 // rename. What both the `stitch` command and the worker run. Blocking; one call at a time per process (it
 // uses all the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled,
 // kOutOfSpace, kIo.

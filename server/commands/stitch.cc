@@ -85,7 +85,7 @@ void AddStitchCommand(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("-o,--out", arguments->out_dir,
-                      "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json and photos.geojson; made if missing")
+                      "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, cameras.json and geo.txt; made if missing")
       ->required();
   command->add_option("--gsd", arguments->gsd_m,
                       "Ground size of a map pixel in metres (default: that of the photos)");
