@@ -142,6 +142,13 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
         "map's scale depends on it. Photos with a relative height (DJI RelativeAltitude) do better.",
         above_ground_m));
   }
+  // Surveyed heights differ from each other far more truly than a barometer's; it only sets their common
+  // zero.
+  for (std::size_t i = 0; known > 0 && takeoff_m && i < photos.size(); ++i) {
+    if (!photos[i].position || !photos[i].position->is_rtk_fixed || !photos[i].position->height_ellipsoid_m)
+      continue;
+    heights.above_ground_m[i] = *photos[i].position->height_ellipsoid_m - *takeoff_m;
+  }
   // Photos without a relative height are tied to the others through their absolute one.
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (heights.above_ground_m[i] || !photos[i].position) continue;

@@ -34,6 +34,9 @@ void JudgeSeries(const std::vector<bool>& rtk, const std::vector<double>& sigmas
 }
 
 Vector3d WhiteSigma(bool series_is_rtk, bool fix_is_rtk, double sigma_horizontal) {
+  // Positions written with few digits jump from one grid point to the next.
+  constexpr double kCoarseM = 3.0;
+  if (!series_is_rtk && sigma_horizontal > kCoarseM) return kConsumerWhite * (sigma_horizontal / 0.15);
   if (!series_is_rtk) return kConsumerWhite;
   // A float or single fix in a fixed flight carries its whole error, as the flight's slow error is a fixed
   // one's.

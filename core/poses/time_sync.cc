@@ -245,6 +245,11 @@ class Synchroniser {
     const std::vector<TrackPoint> track = Track();
     if (!track.empty() && (ByPositions(camera, track, stamps) || ByDistances(camera, track, stamps)))
       return true;
+    // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
+    // must not tie them to this one.
+    const auto placed = std::count_if(camera.photo.begin(), camera.photo.end(),
+                                      [&](std::size_t i) { return photos_[i].position.has_value(); });
+    if (!track.empty() && placed >= 3) return false;
     return ByClocks(stamps);
   }
 

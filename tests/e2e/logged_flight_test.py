@@ -1,5 +1,6 @@
 """Photos without GPS and a flight log, through the real program: every photo placed, the camera's clock found, poses
 held against the simulated truth; and the short hop without any GNSS that the source paper flies."""
+import datetime
 import json
 import math
 import pathlib
@@ -133,6 +134,30 @@ class LoggedFlightTest(unittest.TestCase):
             self.assertEqual(placed["left_out"], 0)
         finally:
             server.stop()
+
+
+class ExposureLogTest(unittest.TestCase):
+    """A consumer drone's photos beside the exposure log (MRK) of an RTK receiver."""
+
+    def test_surveyed_positions_overrule_those_of_the_photos(self):
+        with tempfile.TemporaryDirectory() as folder:
+            flight = pathlib.Path(folder)
+            run("simulate", "-o", flight, "--photos", 24, "--size", "320x240", "--noise", "xmp", "--no-world", "--seed", 4)
+            start = datetime.datetime(2024, 6, 1, 10, tzinfo=datetime.timezone.utc).timestamp()
+            rows = []
+            for row, photo in enumerate(json.loads((flight / "truth/poses.json").read_text())["photos"], 1):
+                gps_s = start + photo["t_s"] - 315964800 + 18  # GPS time began in 1980 and knows no leap seconds
+                rows.append(f"{row}\t{gps_s % 604800:.6f}\t[{int(gps_s // 604800)}]\t     0,N\t     0,E\t   190,V\t"
+                            f"{photo['lat_deg']:.9f},Lat\t{photo['lon_deg']:.9f},Lon\t"
+                            f"{photo['height_ellipsoid_m']:.3f},Ellh\t0.010000, 0.010000, 0.020000\t50,Q\n")
+            (flight / "photos/flight_Timestamp.MRK").write_text("".join(rows))
+            run("stitch", flight / "photos", "-o", flight / "map", "--method", "imu", "--no-cog")
+            result = Result(flight, flight / "map")
+            result.print("MRK")
+            self.assertEqual(result.count, 24)
+            self.assertLess(max(result.across), 0.01)
+            # The barometer sets the common zero; against each other the heights are the receiver's.
+            self.assertLess(max(result.height) - min(result.height), 0.02)
 
 
 class HopWithoutGnssTest(unittest.TestCase):

@@ -113,6 +113,24 @@ TEST(EstimatePoses, TiesPhotosToCameraEventsHoweverWrongTheClock) {
   EXPECT_LT(posed->photos[9].error_radius_m, 6.0);
 }
 
+TEST(EstimatePoses, LeavesALogOfAnotherFlightAlone) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(10);
+  for (int k = 0; k < 10; ++k) {
+    Photo& photo = flight.photos[static_cast<std::size_t>(k)];
+    photo.captured_at_is_local = true;
+    photo.position.emplace();
+    photo.position->position = {kField.lat_deg + 0.1 + 1e-4 * k, kField.lon_deg};  // 11 km from the log
+    photo.position->height_above_takeoff_m = 60.0;
+  }
+  flight.logs = {Track(0.0, 60.0)};
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok());
+  EXPECT_EQ(posed->report.photos_by_log, 0);
+  EXPECT_EQ(posed->report.photos_by_records, 10);
+  EXPECT_THAT(posed->warnings, Contains(HasSubstr("track.log")));
+}
+
 TEST(EstimatePoses, LeavesOutPhotosOutsideTheLogThatHaveNoPositionOfTheirOwn) {
   Flight flight;
   flight.photos = PhotosEvery2s(10);
@@ -173,6 +191,27 @@ TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
     }
   }
   EXPECT_EQ(posed->photos.back().covariance_with_next, Matrix6d::Zero());
+}
+
+TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZero) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(5);
+  for (int k = 0; k < 5; ++k) {
+    Photo& photo = flight.photos[static_cast<std::size_t>(k)];
+    photo.position.emplace();
+    photo.position->position = {kField.lat_deg + 1e-4 * k, kField.lon_deg};
+    photo.position->height_ellipsoid_m = 510.0 + 0.1 * k;
+    photo.position->is_rtk_fixed = true;
+    photo.position->height_above_takeoff_m =
+        60.0 + 0.1 * k + (k % 2 == 0 ? 0.4 : -0.4);  // a barometer's wander
+  }
+  const auto posed = Estimate(flight);
+  ASSERT_TRUE(posed.ok());
+  for (std::size_t k = 1; k < 5; ++k) {
+    EXPECT_NEAR(posed->photos[k].height_above_ground_m - posed->photos[0].height_above_ground_m,
+                0.1 * static_cast<double>(k), 0.01);
+  }
+  EXPECT_NEAR(posed->photos[0].height_above_ground_m, 60.0, 0.5);
 }
 
 TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
