@@ -12,6 +12,7 @@
 #include "storage/mbtiles_writer.h"
 #include "storage/pmtiles_writer.h"
 #include "storage/publish_file.h"
+#include "storage/utm_writer.h"
 
 namespace skyquilt::server {
 namespace {
@@ -41,7 +42,8 @@ storage::TilesetMetadata MetadataOf(const pipeline::MosaicReport& report) {
 
 // The tileset in the other formats that were asked for.
 Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
-                    const std::filesystem::path& out_dir, Progress& progress) {
+                    const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
+                    Progress& progress) {
   if (options.write_pmtiles) {
     if (auto written = storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress); !written)
       return written;
@@ -50,6 +52,14 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
     const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
     if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
       return written;
+  }
+  if (options.write_utm) {
+    const auto& b = report.bounds;
+    const storage::UtmOptions utm{{0.5 * (b[1] + b[3]), 0.5 * (b[0] + b[2])},
+                                  options.mosaic.gsd_m.value_or(report.gsd_m),
+                                  options.mosaic.jpeg_quality,
+                                  options.mosaic.threads};
+    return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", out_dir / "mosaic_utm.tif", utm, progress);
   }
   return {};
 }
@@ -78,11 +88,12 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   double export_s = 0.0;
   {
     ScopedTimer timer(export_s);
-    if (auto exported = Export(mbtiles, options, out_dir, progress); !exported) return exported.error();
+    if (auto exported = Export(mbtiles, options, built->report, out_dir, progress); !exported)
+      return exported.error();
   }
   built->report.timings.push_back({"export", export_s});
-  if (auto written =
-          storage::WriteFileAtomically(out_dir / "photos.geojson", pipeline::PhotosGeoJson(built->flight, built->ground));
+  if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",
+                                                  pipeline::PhotosGeoJson(built->flight, built->ground));
       !written) {
     return written.error();
   }

@@ -1,8 +1,8 @@
 // StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
-// mosaic.tif (COG), report.json, photos.geojson, and for OpenDroneMap cameras.json and geo.txt, each written under a temporary name and published by
-// rename. What both the `stitch` command and the worker run. Blocking; one call at a time per process (it
-// uses all the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled,
-// kOutOfSpace, kIo.
+// mosaic.tif (COG), mosaic_utm.tif by option, report.json, photos.geojson, and for OpenDroneMap cameras.json
+// and geo.txt, each written under a temporary name and published by rename. What both the `stitch` command
+// and the worker run. Blocking; one call at a time per process (it uses all the threads asked for). Errors:
+// kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>
@@ -20,6 +20,7 @@ struct StitchJobOptions {
   pipeline::MosaicOptions mosaic;
   bool write_cog = true;
   bool write_pmtiles = true;
+  bool write_utm = false;  // needs write_cog
 };
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,

@@ -24,6 +24,7 @@ struct StitchArguments {
   std::string origin;
   bool no_cog = false;
   bool no_pmtiles = false;
+  bool utm = false;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -60,6 +61,7 @@ void Run(StitchArguments& arguments) {
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   arguments.job.write_cog = !arguments.no_cog;
   arguments.job.write_pmtiles = !arguments.no_pmtiles;
+  arguments.job.write_utm = arguments.utm;
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail(files.error());
   if (arguments.job.mosaic.title.empty()) {
@@ -116,7 +118,10 @@ void AddStitchCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
       ->capture_default_str();
-  command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
+  CLI::Option* no_cog =
+      command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
+  command->add_flag("--utm", arguments->utm, "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
+      ->excludes(no_cog);
   command->add_flag("--no-pmtiles", arguments->no_pmtiles, "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
   command->footer(
       "Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  skyquilt stitch photos/ flight.BIN -o map\n  "

@@ -1,0 +1,49 @@
+#include "core/pipeline/preview_photo.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+#include "core/geo/web_mercator.h"
+#include "core/ground/ground_surface.h"
+#include "core/render/plan_mosaic.h"
+#include "core/render/render_tiles.h"
+
+namespace skyquilt::pipeline {
+
+Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::size_t photo,
+                                  const PhotoSource& source, const PreviewOptions& options, TileSink& sink) {
+  SKYQUILT_CHECK(photo < placed.photos.size(), "a preview of a photo that is not in the flight");
+  alignment::AlignedFlight one;
+  one.frame = placed.frame;
+  one.ground_z_in_enu_m = placed.ground_z_in_enu_m;
+  one.photos = {placed.photos[photo]};
+  const camera::Intrinsics& lens = one.photos[0].intrinsics;
+  const ground::GroundSurface ground = ground::GroundSurface::Plane(one.ground_z_in_enu_m);
+  const double shrink =
+      std::max(1.0, static_cast<double>(std::max(lens.width_px, lens.height_px)) / options.longer_side_px);
+  const double photo_pixel_m = std::max(1.0, one.photos[0].height_above_ground_m) / lens.MeanFocalPx();
+  const auto plan = render::PlanMosaic(one, ground, {shrink * photo_pixel_m, 0.0});
+  if (!plan) return plan.error();
+  const Result<render::Thumbnail> thumbnail = render::MakeThumbnail(source, one.photos[0].photo);
+  if (!thumbnail) return thumbnail.error();
+  const render::ExposureModel exposure{{render::PhotoTone{}}};
+  const render::SeamMap seams = render::BuildSeamMap(
+      one, ground, *plan, exposure, {*thumbnail}, {.moves_seams = false, .evens_light = false, .threads = 1});
+  render::PhotoCache cache(source, 0);  // the one photo is held while it is used
+  SilentProgress progress;
+  const auto rendered = render::RenderTiles({one, ground, exposure, seams, *plan, cache},
+                                            {1, {false, options.jpeg_quality}}, sink, progress);
+  if (!rendered) return rendered.error();
+  if (rendered->base_tiles == 0) {
+    return Error{ErrorCode::kUnprocessable, one.photos[0].photo.name + " shows no ground", ""};
+  }
+  const geo::LatLon south_west = geo::LatLonFromMerc(rendered->covered_in_merc.min);
+  const geo::LatLon north_east = geo::LatLonFromMerc(rendered->covered_in_merc.max);
+  return PhotoPreview{{south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg},
+                      plan->min_zoom,
+                      plan->base_zoom,
+                      plan->tile_size_px,
+                      rendered->tiles};
+}
+
+}  // namespace skyquilt::pipeline

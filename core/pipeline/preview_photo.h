@@ -1,0 +1,33 @@
+// PreviewPhoto: one photo on the map within a fraction of a second of its arrival: coarse, on a plane, placed
+// by its recorded pose alone. The same renderer as the map's, so a preview lies where the map will lie, up to
+// the pose. Blocking, one thread; any number of photos at a time. Errors: those of decoding and of the sink;
+// kUnprocessable when the photo does not look at the ground.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/base/result.h"
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::pipeline {
+
+struct PreviewOptions {
+  int longer_side_px = 1024;  // about so many map pixels across the photo
+  int jpeg_quality = 75;
+};
+
+struct PhotoPreview {
+  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  int min_zoom = 0;
+  int max_zoom = 0;
+  int tile_size_px = 256;
+  std::int64_t tiles = 0;
+};
+
+// `placed` is the flight so far (AlignByPoseOnly), `photo` an index into it.
+Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::size_t photo,
+                                  const PhotoSource& source, const PreviewOptions& options, TileSink& sink);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,126 @@
+"""The whole job, photos to finished products, beside its floor: python3 tests/bench/whole_job.py PROGRAM FOLDER_OF_PHOTOS
+[--runs N] [--threads N] [--peers]. Medians of the runs; per stage wall seconds and their share; processor time against one
+full decode of all photos in the same run; peak memory. With --peers whichever of gdal2tiles, GDAL's COG driver and
+Hugin's command line is installed, on the same photos."""
+import argparse
+import ctypes
+import ctypes.util
+import json
+import os
+import pathlib
+import platform
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+BAR_WALL_S, BAR_CPU_RATIO, BAR_PEAK_GIB = 8.0, 8.0, 1.0
+
+
+def timed(command, cwd=None):
+    """Wall seconds, processor seconds and peak bytes of one command, its children included."""
+    start = time.monotonic()
+    child = subprocess.Popen([str(word) for word in command], cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode != 0:
+        raise RuntimeError(f"{command[0]} ended with {child.returncode}")
+    return time.monotonic() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
+
+
+def decode_floor(photos):
+    """Processor seconds to decode every photo once at full size, by libjpeg-turbo in one thread."""
+    jpeg = ctypes.CDLL(ctypes.util.find_library("turbojpeg"))
+    jpeg.tjInitDecompress.restype = ctypes.c_void_p
+    handle = ctypes.c_void_p(jpeg.tjInitDecompress())
+    width, height, sampling, space = (ctypes.c_int() for _ in range(4))
+    pixels, total = None, 0.0
+    for photo in photos:
+        data = photo.read_bytes()
+        size = ctypes.c_ulong(len(data))
+        if jpeg.tjDecompressHeader3(handle, data, size, *(ctypes.byref(v) for v in (width, height, sampling, space))) != 0:
+            continue
+        needed = width.value * height.value * 3
+        if pixels is None or len(pixels) < needed:
+            pixels = ctypes.create_string_buffer(needed)
+        before = resource.getrusage(resource.RUSAGE_SELF)
+        jpeg.tjDecompress2(handle, data, size, pixels, width, 0, height, 0, 0)
+        after = resource.getrusage(resource.RUSAGE_SELF)
+        total += after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    jpeg.tjDestroy(handle)
+    return total
+
+
+def run_once(program, photos, threads):
+    with tempfile.TemporaryDirectory() as out:
+        wall_s, cpu_s, peak = timed([program, "stitch", photos, "-o", out, "--threads", threads])
+        report = json.loads(pathlib.Path(out, "report.json").read_text())
+        sizes = {path.name: path.stat().st_size for path in pathlib.Path(out).iterdir()}
+    return {"wall_s": wall_s, "cpu_s": cpu_s, "peak": peak, "report": report, "sizes": sizes}
+
+
+def hugin(folder, photos):
+    def step(*command):
+        return timed(command, cwd=folder)
+    steps = [step("pto_gen", "-o", "a.pto", *photos), step("cpfind", "--multirow", "-o", "b.pto", "a.pto"),
+             step("autooptimiser", "-a", "-l", "-s", "-o", "c.pto", "b.pto"), step("nona", "-m", "TIFF_m", "-o", "n", "c.pto")]
+    steps.append(step("enblend", "-o", "map.tif", *sorted(path.name for path in pathlib.Path(folder).glob("n*.tif"))))
+    return sum(s[0] for s in steps), sum(s[1] for s in steps), max(s[2] for s in steps)
+
+
+def measure_peers(program, photos, files, threads):
+    rows = []
+    with tempfile.TemporaryDirectory() as out:
+        timed([program, "stitch", photos, "-o", out, "--threads", threads])
+        if shutil.which("gdal2tiles.py"):
+            rows.append(("pyramid alone: gdal2tiles", *timed(["gdal2tiles.py", "-q", "--xyz", f"--processes={os.cpu_count()}",
+                                                             f"{out}/mosaic.tif", f"{out}/tiles"])))
+        if shutil.which("gdal_translate"):
+            zoom = json.loads(pathlib.Path(out, "report.json").read_text())["max_zoom"]
+            rows.append(("GeoTIFF alone: GDAL's COG driver", *timed(
+                ["gdal_translate", "-q", "-of", "COG", "-co", "COMPRESS=JPEG", "-co", "QUALITY=85", "-co",
+                 "TILING_SCHEME=GoogleMapsCompatible", "-co", "ADD_ALPHA=NO", "-co", "NUM_THREADS=ALL_CPUS", "-oo",
+                 f"ZOOM_LEVEL={zoom}", "-oo", "BAND_COUNT=4", f"{out}/mosaic.mbtiles", f"{out}/gdal.tif"])))
+        if all(shutil.which(tool) for tool in ("pto_gen", "cpfind", "autooptimiser", "nona", "enblend")):
+            rows.append(("whole job: Hugin", *hugin(out, [path.resolve() for path in files])))
+    return rows
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("program")
+    arguments.add_argument("photos", type=pathlib.Path)
+    arguments.add_argument("--runs", type=int, default=3)
+    arguments.add_argument("--threads", type=int, default=0)
+    arguments.add_argument("--peers", action="store_true")
+    asked = arguments.parse_args()
+    files = sorted(path for path in asked.photos.iterdir() if path.suffix.lower() in (".jpg", ".jpeg"))
+    print(f"{len(files)} photos, {os.cpu_count()} cores, {platform.machine()}, load before {os.getloadavg()[0]:.1f}")
+    floor_s = statistics.median(decode_floor(files) for _ in range(asked.runs))
+    runs = [run_once(asked.program, asked.photos, asked.threads) for _ in range(asked.runs)]
+    wall_s = statistics.median(run["wall_s"] for run in runs)
+    cpu_s = statistics.median(run["cpu_s"] for run in runs)
+    peak = max(run["peak"] for run in runs)
+    stages = [timing["stage"] for timing in runs[0]["report"]["timings"]]
+    for i, stage in enumerate(stages):
+        stage_s = statistics.median(run["report"]["timings"][i]["wall_s"] for run in runs)
+        print(f"  {stage:<10} {stage_s:7.2f} s  {100 * stage_s / wall_s:5.1f} %")
+    print(f"  one full decode of all photos: {floor_s:.2f} s of processor time")
+    for name, size in sorted(runs[0]["sizes"].items()):
+        print(f"  {name:<18} {size / 1e6:8.1f} MB")
+    good = True
+    for name, value, bar, unit in (("wall", wall_s, BAR_WALL_S, "s"), ("processor over decode", cpu_s / floor_s, BAR_CPU_RATIO, "x"),
+                                   ("peak memory", peak / (1 << 30), BAR_PEAK_GIB, "GiB")):
+        good &= value <= bar
+        print(f"{name:<24} {value:7.2f} {unit:<3} (bar {bar:g}) {'ok' if value <= bar else 'TOO MUCH'}")
+    if asked.peers:
+        for name, peer_wall_s, peer_cpu_s, peer_peak in measure_peers(asked.program, asked.photos, files, asked.threads):
+            print(f"{name:<34} wall {peer_wall_s:7.1f} s  cpu {peer_cpu_s:7.1f} s  peak {peer_peak / (1 << 30):5.2f} GiB", flush=True)
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
