@@ -1,12 +1,23 @@
 #include "api/build_api.h"
 
+#include "api/arcgis/arcgis.h"
+#include "api/connect/connect.h"
 #include "api/downloads/downloads.h"
+#include "api/events/events.h"
 #include "api/flights/flights.h"
 #include "api/flights/verdict.h"
+#include "api/flights/locate.h"
 #include "api/jobs/jobs.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/ogc/ogc.h"
 #include "api/ops/ops.h"
+#include "api/stac/stac.h"
 #include "api/tiles/tiles.h"
+#include "api/tms/tms.h"
 #include "api/uploads/files.h"
+#include "api/uploads/tus.h"
+#include "api/wms/wms.h"
+#include "api/wmts/wmts.h"
 
 namespace skyquilt::api {
 
@@ -15,12 +26,26 @@ Router BuildApi(Service& service) {
   AddOpsRoutes(router, service);
   AddFlightRoutes(router, service);
   AddVerdictRoute(router, service);
+  AddLocateRoutes(router, service);
   AddFileRoutes(router, service);
   AddMultipartRoutes(router, service);
+  AddTusRoutes(router, service);
   AddJobRoutes(router, service);
+  AddEventRoutes(router, service);
   AddDownloadRoutes(router, service);
   AddTileRoutes(router, service);
   AddTileJsonRoute(router, service);
+  AddTmsRoutes(router, service);
+  AddWmtsRoutes(router, service);
+  AddWmsRoutes(router, service);
+  AddOgcRoutes(router, service);
+  AddArcgisRoutes(router, service);
+  AddStacRoute(router, service);
+  AddConnectRoutes(router, service);
+  AddNodeRoutes(router, service);
+  AddNodeChangeRoutes(router, service);
+  AddNodeUploadRoutes(router, service);
+  AddNodeArchiveRoute(router, service);
   return router;
 }
 

@@ -18,7 +18,7 @@ bool EqualsIgnoringCase(std::string_view a, std::string_view b) {
 }
 
 const char* MethodName(Method method) {
-  constexpr std::array kNames = {"GET", "POST", "PUT", "PATCH", "DELETE"};
+  constexpr std::array kNames = {"GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
   return kNames[static_cast<std::size_t>(method)];
 }
 

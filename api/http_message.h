@@ -22,8 +22,9 @@ enum class Method {
   kPost,
   kPut,
   kPatch,
-  kDelete
-};  // HEAD comes as kGet; OPTIONS never reaches a handler
+  kDelete,
+  kOptions
+};  // HEAD comes as kGet; OPTIONS reaches a handler only where a route asks for it
 const char* MethodName(Method method);
 
 // Names compare without regard to case. Few, so a list.
@@ -64,11 +65,20 @@ class BodySource {
   virtual Result<std::size_t> Read(std::span<std::uint8_t> into) = 0;
 };
 
+// An answer without an end: asked again and again, a few times a second, until the client goes.
+class LiveSource {
+ public:
+  virtual ~LiveSource() = default;
+  // What is new; often nothing. May block on the disk.
+  virtual Result<std::string> Next() = 0;
+};
+
 struct Response {
   int status = 200;
   Headers headers;
   std::string body;
   std::unique_ptr<BodySource> source;  // instead of body
+  std::unique_ptr<LiveSource> live;    // instead of body
 };
 
 // Takes an upload piece by piece, in order, then answers. Destroyed without Finish: the upload broke, and

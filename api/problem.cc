@@ -135,6 +135,8 @@ const char* ReasonOf(int status) {
       return "Unprocessable Content";
     case 429:
       return "Too Many Requests";
+    case 460:
+      return "Checksum Mismatch";
     case 431:
       return "Request Header Fields Too Large";
     case 500:

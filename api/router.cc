@@ -96,6 +96,7 @@ std::string Router::Allowed(const std::vector<std::string>& segments) const {
   if (node == nullptr) return fallback_ ? "GET, HEAD, OPTIONS" : "";
   std::string allow;
   for (const auto& [method, route] : node->routes) {
+    if (method == Method::kOptions) continue;  // named at the end, with a route of its own or without
     allow += MethodName(method);
     allow += ", ";
     if (method == Method::kGet) allow += "HEAD, ";

@@ -6,14 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
 #include "core/base/result.h"
 #include "core/flight/input_file.h"
 #include "core/pipeline/mosaic_options.h"
 #include "storage/catalogue.h"
+#include "storage/event_log.h"
 #include "storage/job_queue.h"
+#include "storage/node_tasks.h"
 #include "storage/photo_store.h"
 #include "storage/tileset_cache.h"
+#include "storage/tokens.h"
+#include "storage/upload_spool.h"
 
 namespace skyquilt::api {
 
@@ -23,7 +28,14 @@ struct Service {
   storage::PhotoStore& store;
   storage::TilesetCache& tilesets;
   Metrics& metrics;
+  storage::CatalogueDb& db;
   std::string version;
+  int worker_count = 1;  // that stitch beside this server
+  storage::EventLog events{db};
+  storage::NodeTasks node_tasks{db};
+  storage::UploadSpool spool{db, catalogue, store};
+  storage::Tokens tokens{db};
+  EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
   // What is in these files, as JSON, without making a map; reading them takes a second or two. The server gives it:
   // the reading itself is the core's.

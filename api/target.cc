@@ -81,21 +81,28 @@ Result<Target> ParseTarget(std::string_view target) {
   Target parsed;
   parsed.segments = *std::move(segments);
   if (question == std::string_view::npos) return parsed;
-  std::string_view rest = target.substr(question + 1);
+  Result<std::vector<std::pair<std::string, std::string>>> query = ParseQuery(target.substr(question + 1));
+  if (!query) return query.error();
+  parsed.query = *std::move(query);
+  return parsed;
+}
+
+Result<std::vector<std::pair<std::string, std::string>>> ParseQuery(std::string_view rest) {
+  std::vector<std::pair<std::string, std::string>> query;
   while (!rest.empty()) {
     const std::string_view item = rest.substr(0, rest.find('&'));
     rest.remove_prefix(std::min(item.size() + 1, rest.size()));
     if (item.empty()) continue;
-    if (parsed.query.size() == kMaxQueryItems) return Refuse("the query has too many items");
+    if (query.size() == kMaxQueryItems) return Refuse("the query has too many items");
     const std::size_t equals = item.find('=');
     Result<std::string> name = Decode(item.substr(0, equals), "/?", true);
     if (!name) return name.error();
     Result<std::string> value =
         Decode(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1), "/?", true);
     if (!value) return value.error();
-    parsed.query.emplace_back(*std::move(name), *std::move(value));
+    query.emplace_back(*std::move(name), *std::move(value));
   }
-  return parsed;
+  return query;
 }
 
 }  // namespace skyquilt::api

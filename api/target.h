@@ -23,4 +23,7 @@ struct Target {
 // Errors: kInvalidArgument, with what is wrong.
 Result<Target> ParseTarget(std::string_view target);
 
+// What stands behind the "?", or a form of application/x-www-form-urlencoded: decoded, in order.
+Result<std::vector<std::pair<std::string, std::string>>> ParseQuery(std::string_view text);
+
 }  // namespace skyquilt::api

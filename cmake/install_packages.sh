@@ -9,7 +9,7 @@ build_packages=(
   zlib1g-dev
 )
 test_packages=(
-  libbenchmark-dev libgmock-dev libgtest-dev librapidcheck-dev gdal-bin python3-gdal python3-jsonschema libimage-exiftool-perl sqlite3
+  libbenchmark-dev libgmock-dev libgtest-dev librapidcheck-dev gdal-bin python3-gdal python3-jsonschema python3-jsonschema libimage-exiftool-perl sqlite3
   chromium
 )
 

@@ -11,6 +11,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
@@ -25,10 +26,10 @@
 #include <vector>
 
 #include "api/problem.h"
-#include "api/target.h"
 #include "server/request_head.h"
 #include "server/request_log.h"
 #include "server/response_head.h"
+#include "server/route_request.h"
 
 namespace skyquilt::server {
 namespace {
@@ -44,11 +45,12 @@ constexpr std::size_t kReceiveSliceBytes = 128 * 1024;
 constexpr std::size_t kSendSliceBytes = 256 * 1024;
 constexpr std::uint64_t kLingerBytes = 64 << 20;
 constexpr std::chrono::seconds kLingerTime{2};
+constexpr std::chrono::milliseconds kLivePause{200};  // between two looks for what is new
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
   Session(net::io_context& io, net::ip::tcp::socket socket, SessionContext& context)
-      : io_(io), stream_(std::move(socket)), context_(context) {}
+      : io_(io), stream_(std::move(socket)), context_(context), head_deadline_(io) {}
 
   ~Session() {
     context_.sessions.Remove(key_);
@@ -99,8 +101,8 @@ class Session : public std::enable_shared_from_this<Session> {
     is_head_ = false;
     head_ = RequestHead();
     bool has_begun = buffer_.size() > 0;
-    stream_.expires_after(has_begun || is_first_ ? context_.settings.header_deadline
-                                                 : context_.settings.idle_deadline);
+    const bool is_due = has_begun || is_first_;
+    SetHeadDeadline(is_due ? context_.settings.header_deadline : context_.settings.idle_deadline);
     std::size_t searched = 0;
     std::size_t end = std::string_view::npos;
     while (true) {
@@ -116,17 +118,37 @@ class Session : public std::enable_shared_from_this<Session> {
       SystemError error;
       const std::size_t got = co_await stream_.async_read_some(
           buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
-      // At a deadline the stream closes the socket itself: whoever is that slow gets no answer.
+      if (error && is_late_ && has_begun) co_return Refuse({408, "The request head came too slowly."});
       if (error) co_return Head::kClosed;
       buffer_.commit(got);
-      if (!has_begun && !is_first_) stream_.expires_after(context_.settings.header_deadline);
+      if (!has_begun && !is_first_) SetHeadDeadline(context_.settings.header_deadline);
       has_begun = true;
     }
+    EndHeadDeadline();
     is_idle_ = false;
     co_return ParseHead(end);
   }
 
+  // At the deadline the read is given up, but the socket stays: who sent a part of a head is told.
+  void SetHeadDeadline(std::chrono::seconds time) {
+    stream_.expires_never();
+    is_late_ = false;
+    head_deadline_.expires_after(time);
+    head_deadline_.async_wait([weak = weak_from_this(), round = ++deadline_round_](const SystemError& error) {
+      const std::shared_ptr<Session> self = weak.lock();
+      if (error || self == nullptr || round != self->deadline_round_) return;
+      self->is_late_ = true;
+      self->stream_.cancel();
+    });
+  }
+
+  void EndHeadDeadline() {
+    ++deadline_round_;  // one that has rung already, but was not heard, is too late
+    head_deadline_.cancel();
+  }
+
   Head Refuse(Refusal refusal) {
+    EndHeadDeadline();
     is_idle_ = false;
     refusal_ = std::move(refusal);
     return Head::kRefused;
@@ -167,7 +189,7 @@ class Session : public std::enable_shared_from_this<Session> {
     keep_alive_ = keep_alive_ && parser_->get().keep_alive();
     is_head_ = head_.method == "HEAD";
     const bool has_body = head_.is_chunked || head_.content_length.value_or(0) > 0;
-    Routed routed = Route();
+    Routed routed = RouteRequest(head_, context_.router, context_.settings, context_.service, request_id_);
     if (routed.route != nullptr && routed.route->upload) {
       co_await Receive(*routed.route, std::move(routed.request), has_body);
       co_return;
@@ -185,76 +207,6 @@ class Session : public std::enable_shared_from_this<Session> {
       }
     }
     co_await Send(std::move(response), routed.route != nullptr && routed.route->is_quick);
-  }
-
-  struct Routed {
-    const api::Route* route = nullptr;  // none: `response` is the answer already
-    api::Request request;
-    api::Response response;
-  };
-
-  Routed Route() {
-    Routed routed;
-    const auto answer = [&](api::Response response) {
-      routed.response = std::move(response);
-      return std::move(routed);
-    };
-    const auto problem = [&](ErrorCode code, const char* message) {
-      return api::Problem({code, message, ""}, PathOf(head_.target), request_id_);
-    };
-    if (head_.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));
-    Result<api::Target> target = api::ParseTarget(head_.target);
-    if (!target) return answer(api::Problem(target.error(), PathOf(head_.target), request_id_));
-    if (head_.method == "OPTIONS") {
-      const std::string allowed = context_.router.Allowed(target->segments);
-      return answer(allowed.empty() ? problem(ErrorCode::kNotFound, "There is nothing at this address.")
-                                    : Options(allowed));
-    }
-    const std::optional<api::Method> method = MethodFrom(is_head_ ? "GET" : head_.method);
-    if (!method) return answer(problem(ErrorCode::kNotImplemented, "This method is not known here."));
-    if (*method != api::Method::kGet && IsForeignOrigin(head_)) {
-      return answer(problem(ErrorCode::kForbidden, "Pages of other sites may not change anything here."));
-    }
-    api::Router::Match match = context_.router.Find(*method, target->segments);
-    if (match.route == nullptr) {
-      if (match.allow.empty())
-        return answer(problem(ErrorCode::kNotFound, "There is nothing at this address."));
-      api::Response response =
-          problem(ErrorCode::kMethodNotAllowed, "This address does not take this method.");
-      response.headers.Add("Allow", match.allow);
-      return answer(std::move(response));
-    }
-    routed.route = match.route;
-    routed.request.method = *method;
-    routed.request.path = PathOf(head_.target);
-    routed.request.parameters = std::move(match.parameters);
-    routed.request.query = std::move(target->query);
-    routed.request.content_length = head_.content_length;
-    routed.request.base_url = head_.host.empty() ? std::string() : "http://" + head_.host;
-    routed.request.request_id = request_id_;
-    routed.request.headers = std::move(head_.headers);
-    return routed;
-  }
-
-  static std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
-
-  static std::optional<api::Method> MethodFrom(std::string_view name) {
-    for (const api::Method method : {api::Method::kGet, api::Method::kPost, api::Method::kPut,
-                                     api::Method::kPatch, api::Method::kDelete}) {
-      if (name == api::MethodName(method)) return method;
-    }
-    return std::nullopt;
-  }
-
-  static api::Response Options(const std::string& allow) {
-    api::Response response;
-    response.status = 204;
-    response.headers.Add("Allow", allow);
-    response.headers.Add("Access-Control-Allow-Origin", "*");
-    response.headers.Add("Access-Control-Allow-Methods", "GET, HEAD");
-    response.headers.Add("Access-Control-Allow-Headers", "Range, If-None-Match");
-    response.headers.Add("Access-Control-Max-Age", "86400");
-    return response;
   }
 
   // What a handler throws (the machine is out of something) becomes a 500 of this one request.
@@ -327,12 +279,18 @@ class Session : public std::enable_shared_from_this<Session> {
       if (error) co_return false;
     }
     std::vector<std::uint8_t> slice(kReceiveSliceBytes);
+    std::size_t since_deadline = kReceiveSliceBytes;
     while (!parser_->is_done()) {
       parser_->get().body().data = slice.data();
       parser_->get().body().size = slice.size();
-      stream_.expires_after(context_.settings.slice_deadline);
+      // One deadline a slice, however many pieces it comes in: dripping does not help.
+      if (since_deadline >= kReceiveSliceBytes) {
+        stream_.expires_after(context_.settings.slice_deadline);
+        since_deadline = 0;
+      }
       SystemError error;
-      co_await http::async_read(stream_, buffer_, *parser_, net::redirect_error(net::use_awaitable, error));
+      co_await http::async_read_some(stream_, buffer_, *parser_,
+                                     net::redirect_error(net::use_awaitable, error));
       if (error == http::error::need_buffer) error = {};
       if (error == http::error::body_limit) {
         *response =
@@ -351,6 +309,8 @@ class Session : public std::enable_shared_from_this<Session> {
         co_return false;
       }
       const std::size_t size = slice.size() - parser_->get().body().size;
+      if (size == 0) continue;
+      since_deadline += size;
       context_.service.metrics.CountBytesIn(size);
       bool is_taken = false;
       co_await OnPool([&] {
@@ -366,7 +326,9 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
   net::awaitable<void> Send(api::Response response, bool is_quick) {
-    const bool has_length = response.status != 204 && response.status != 304;
+    const bool is_live = response.live != nullptr;
+    const bool has_length = response.status != 204 && response.status != 304 && !is_live;
+    if (is_live) keep_alive_ = false;  // the end of the connection is the only end it has
     const std::uint64_t length =
         response.source != nullptr ? response.source->length() : response.body.size();
     if (head_.version < 11) keep_alive_ = false;
@@ -381,6 +343,7 @@ class Session : public std::enable_shared_from_this<Session> {
     co_await net::async_write(stream_, buffers, net::redirect_error(net::use_awaitable, error));
     if (error) failed_ = true;
     if (!failed_ && has_body && response.source != nullptr) co_await SendSource(*response.source);
+    if (!failed_ && is_live && !is_head_) co_await SendLive(std::move(response.live));
     const auto route_class = is_quick                            ? api::RouteClass::kTile
                              : is_upload_                        ? api::RouteClass::kUpload
                              : head_.target.starts_with("/api/") ? api::RouteClass::kApi
@@ -413,6 +376,28 @@ class Session : public std::enable_shared_from_this<Session> {
     }
   }
 
+  // Until the client goes or the server stops.
+  net::awaitable<void> SendLive(std::unique_ptr<api::LiveSource> live) {
+    net::steady_timer pause(io_);
+    while (!failed_ && !context_.service.is_draining) {
+      std::string text;
+      co_await OnPool([&] {
+        Result<std::string> next = live->Next();
+        if (next) text = *std::move(next);
+        failed_ = !next;
+      });
+      SystemError error;
+      if (!text.empty()) {
+        stream_.expires_after(context_.settings.slice_deadline);
+        co_await net::async_write(stream_, net::buffer(text), net::redirect_error(net::use_awaitable, error));
+        if (error) failed_ = true;
+      }
+      if (failed_) co_return;
+      pause.expires_after(kLivePause);
+      co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
+    }
+  }
+
   // Closing with unread bytes would reset the connection under the answer, so these are read and dropped for
   // a while.
   net::awaitable<void> Linger() {
@@ -437,6 +422,9 @@ class Session : public std::enable_shared_from_this<Session> {
   Refusal refusal_;
   std::string request_id_;
   Clock::time_point started_;
+  net::steady_timer head_deadline_;
+  int deadline_round_ = 0;
+  bool is_late_ = false;
   bool is_idle_ = true;
   bool is_first_ = true;
   bool is_head_ = false;

@@ -10,9 +10,10 @@ namespace skyquilt::server {
 
 struct HttpSettings {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 8080;        // 0: any free one
-  int threads = 2;                  // that serve sockets
-  int disk_threads = 4;             // that wait for the disk
+  std::uint16_t port = 8080;  // 0: any free one
+  int threads = 2;            // that serve sockets
+  int disk_threads = 4;       // that wait for the disk
+  std::string public_url;     // "https://maps.example.org", for absolute links behind a proxy; empty: by Host
   bool loopback_names_only = true;  // refuse requests whose Host is not this machine (DNS rebinding)
   std::chrono::seconds header_deadline{
       10};                                 // from the first byte of a request (or the connection) to its last

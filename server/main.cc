@@ -2,9 +2,14 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "server/commands/commands.h"
+#include "server/commands/config_file.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Skyquilt: from a drone's SD card to a map in the browser"};
@@ -12,7 +17,13 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("skyquilt ") + SKYQUILT_VERSION);
   skyquilt::server::AddCommands(app);
   try {
-    app.parse(argc, argv);
+    auto words = skyquilt::server::ExpandConfig(std::vector<std::string>(argv + 1, argv + argc));
+    if (!words) {
+      fmt::print(stderr, "skyquilt: {}\n", words.error().message);
+      return 1;
+    }
+    std::reverse(words->begin(), words->end());  // as the library takes them
+    app.parse(*std::move(words));
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   } catch (const std::exception& error) {

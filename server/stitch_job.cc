@@ -6,6 +6,7 @@
 #include "core/base/scoped_timer.h"
 #include "core/flight/photo_decoder.h"
 #include "core/pipeline/build_mosaic.h"
+#include "core/pipeline/locate.h"
 #include "core/pipeline/odm_exports.h"
 #include "storage/cog_writer.h"
 #include "storage/geotiff_dem.h"
@@ -100,6 +101,11 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   for (const auto& [name, text] : {std::pair{"cameras.json", pipeline::OdmCamerasJson(built->flight)},
                                    std::pair{"geo.txt", pipeline::OdmGeoTxt(built->flight)}}) {
     if (auto written = storage::WriteFileAtomically(out_dir / name, text); !written) return written.error();
+  }
+  if (auto written = storage::WriteFileAtomically(out_dir / "locate.json",
+                                                  pipeline::LocateJson(built->flight, built->ground));
+      !written) {
+    return written.error();
   }
   if (auto written =
           storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));

@@ -202,7 +202,7 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
 }
 
 Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file,
-                                                   Time now) {
+                                                   Time now, const std::optional<std::string>& upload_id) {
   const auto db = db_.Lock();
   Result<Transaction> transaction = Transaction::Begin(*db);
   if (!transaction) return transaction.error();
@@ -222,6 +222,14 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
   }
   const Result<void> inserted = InsertFile(*db, flight_id, added, now);
   if (!inserted) return inserted.error();
+  if (upload_id) {
+    Result<Statement> update = db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0");
+    if (!update) return update.error();
+    const Result<void> updated = update->Bind(1, *upload_id).Run();
+    if (!updated) return updated.error();
+    if (db->Changes() == 0)
+      return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
+  }
   const Result<void> done = transaction->Commit();
   if (!done) return done.error();
   return added;

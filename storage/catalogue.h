@@ -72,8 +72,10 @@ class Catalogue {
 
   // Takes the place of a file of the same name; kConflict while a job reads the flight's files.
   Result<AddedFile> AddFile(const std::string& flight_id, const StoredFile& file, Time now);
-  // Never replaces: picks "a (2).jpg" for a second "a.jpg" and says so in the answer's name.
-  Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now);
+  // Never replaces: picks "a (2).jpg" for a second "a.jpg" and says so in the answer's name. With
+  // `upload_id`, that resumable upload is done in the same transaction.
+  Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,
+                                          const std::optional<std::string>& upload_id = std::nullopt);
   Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name);
   Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;
 

@@ -7,8 +7,7 @@ namespace skyquilt::storage {
 Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Open(const std::filesystem::path& path) {
   Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
   if (!db) return db.error();
-  const Result<void> tuned =
-      db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA trusted_schema=0;");
+  const Result<void> tuned = db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;");
   if (!tuned) return tuned.error();
   const Result<void> migrated = Migrate(*db);
   if (!migrated) return migrated.error();

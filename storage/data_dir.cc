@@ -18,7 +18,7 @@ std::string RevisionFolderName(std::int64_t revision) { return fmt::format("r{}"
 Result<DataDir> DataDir::Open(const std::filesystem::path& root) {
   std::error_code error;
   DataDir dir(std::filesystem::absolute(root).lexically_normal());
-  for (const auto& folder : {dir.root(), dir.Flights(), dir.Incoming(), dir.Work()}) {
+  for (const auto& folder : {dir.root(), dir.Flights(), dir.Uploads(), dir.Incoming(), dir.Work()}) {
     std::filesystem::create_directories(folder, error);
     if (error) {
       const bool is_full = error == std::errc::no_space_on_device;

@@ -2,6 +2,7 @@
 //   catalogue.db                    flights, files, revisions, jobs
 //   flights/<id>/files/<ours>       uploaded bytes, under names we made
 //   flights/<id>/r<revision>/       a finished map: mosaic.mbtiles, mosaic.tif, report.json, photos.geojson
+//   uploads/                        resumable uploads that are not complete
 //   incoming/                       uploads on their way in
 //   work/                           jobs on their way, and what is being deleted
 // Everything below incoming/ and work/ is garbage after a crash. A value; any thread.
@@ -26,6 +27,7 @@ class DataDir {
   std::filesystem::path Flight(const std::string& flight_id) const;
   std::filesystem::path Files(const std::string& flight_id) const;
   std::filesystem::path Revision(const std::string& flight_id, std::int64_t revision) const;
+  std::filesystem::path Uploads() const { return root_ / "uploads"; }
   std::filesystem::path Incoming() const { return root_ / "incoming"; }
   std::filesystem::path Work() const { return root_ / "work"; }
 

@@ -112,13 +112,25 @@ Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) cons
   return std::optional<Job>(JobFrom(*query));
 }
 
-Result<int> JobQueue::CountWaiting() const {
+Result<std::vector<Job>> JobQueue::ListRunning() const {
   const auto db = db_.Lock();
-  Result<Statement> query = db->Prepare("SELECT count(*) FROM job WHERE state='accepted'");
+  Result<Statement> query =
+      db->Prepare(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id");
+  if (!query) return query.error();
+  return JobsOf(*query);
+}
+
+Result<JobCounts> JobQueue::Count() const {
+  const auto db = db_.Lock();
+  Result<Statement> query = db->Prepare(
+      "SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
+      " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
+      " count(*) FILTER (WHERE state='dismissed') FROM job");
   if (!query) return query.error();
   const Result<bool> row = query->Step();
   if (!row) return row.error();
-  return static_cast<int>(query->ColumnInt64(0));
+  const auto column = [&](int i) { return static_cast<int>(query->ColumnInt64(i)); };
+  return JobCounts{column(0), column(1), column(2), column(3), column(4)};
 }
 
 Result<Job> JobQueue::Cancel(const std::string& id, Time now) {

@@ -64,6 +64,15 @@ struct JobProgress {
   std::string message;
 };
 
+// How many jobs there are of each state.
+struct JobCounts {
+  int accepted = 0;
+  int running = 0;
+  int successful = 0;
+  int failed = 0;
+  int dismissed = 0;
+};
+
 class JobQueue {
  public:
   explicit JobQueue(CatalogueDb& db) : db_(db) {}
@@ -73,7 +82,8 @@ class JobQueue {
   // Newest first; of one flight or of all.
   Result<std::vector<Job>> List(const std::optional<std::string>& flight_id, int limit) const;
   Result<std::optional<Job>> LatestOf(const std::string& flight_id) const;
-  Result<int> CountWaiting() const;
+  Result<std::vector<Job>> ListRunning() const;
+  Result<JobCounts> Count() const;
   // A waiting job ends at once; a running one when its worker sees the wish. Asking twice changes nothing.
   Result<Job> Cancel(const std::string& id, Time now);
 

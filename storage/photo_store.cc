@@ -128,7 +128,7 @@ Result<std::string> Upload::Finish() {
   return stored_name;
 }
 
-Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
+Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
   if (declared_bytes > kMaxFileBytes) {
     return Error{ErrorCode::kTooLarge, "This file is larger than 4 GiB, more than the server takes.", ""};
   }
@@ -139,6 +139,24 @@ Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t decl
     return Error{ErrorCode::kOutOfSpace,
                  "The server's disk has no room for this file. Free some space first.", ""};
   }
+  return {};
+}
+
+Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::filesystem::path& path) const {
+  std::error_code error;
+  std::filesystem::create_directories(dir_.Files(flight_id), error);
+  if (error) return OsError("make " + dir_.Files(flight_id).string(), error.value());
+  const std::string stored_name = NewId();
+  const std::filesystem::path stored = dir_.Files(flight_id) / stored_name;
+  if (link(path.c_str(), stored.c_str()) != 0) return OsError("link " + stored.string(), errno);
+  const Result<void> synced = SyncFolder(dir_.Files(flight_id));
+  if (!synced) return synced.error();
+  return stored_name;
+}
+
+Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
+  const Result<void> fits = CheckSpace(declared_bytes);
+  if (!fits) return fits.error();
   std::error_code error;
   const std::filesystem::path folder = dir_.Files(flight_id);
   std::filesystem::create_directories(folder, error);

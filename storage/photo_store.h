@@ -51,8 +51,12 @@ class PhotoStore {
  public:
   explicit PhotoStore(DataDir dir) : dir_(std::move(dir)) {}
 
-  // `declared_bytes` (0 when unknown) is held against the file limit and the free space of the disk.
+  // `declared_bytes`: 0 when unknown.
   Result<Upload> Begin(const std::string& flight_id, std::int64_t declared_bytes) const;
+  // Held against the file limit and the free space of the disk.
+  Result<void> CheckSpace(std::int64_t declared_bytes) const;
+  // A second name for a file of ours, in the flight's folder and durable; answers the stored name.
+  Result<std::string> Adopt(const std::string& flight_id, const std::filesystem::path& path) const;
   std::filesystem::path PathOf(const std::string& flight_id, const std::string& stored_name) const;
   void Remove(const std::string& flight_id, const std::string& stored_name) const;
   // Files and maps of a flight that the catalogue no longer knows.

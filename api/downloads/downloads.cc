@@ -15,17 +15,6 @@ struct Product {
   const char* extension;  // of the name offered for saving; none: shown in the browser
 };
 
-// The name for saving, in the form that every browser takes (RFC 6266 with RFC 8187).
-std::string Disposition(const std::string& flight_name, const char* extension) {
-  std::string encoded;
-  for (const unsigned char c : flight_name) {
-    const bool is_plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
-  }
-  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension, encoded);
-}
-
 Result<Response> Send(Service& service, const Request& request, const Product& product) {
   const std::string& id = request.Parameter("flight");
   const Result<void> checked = CheckId(id, "flight");
@@ -56,15 +45,7 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
 
 Response Answer(Service& service, const Request& request, const Product& product) {
   Result<Response> sent = Send(service, request, product);
-  if (sent) return *std::move(sent);
-  if (sent.error().code == ErrorCode::kRangeNotSatisfiable) {
-    // The error carries what Content-Range must say.
-    Response response =
-        Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file.", ""}, request);
-    response.headers.Add("Content-Range", sent.error().message);
-    return response;
-  }
-  return Problem(sent.error(), request);
+  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
 }
 
 }  // namespace

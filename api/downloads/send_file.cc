@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "api/etag.h"
+#include "api/problem.h"
 #include "api/range.h"
 
 namespace skyquilt::api {
@@ -61,18 +62,8 @@ class FileSource final : public BodySource {
 
 }  // namespace
 
-Result<Response> SendFile(const Request& request, const std::filesystem::path& path,
-                          const std::string& content_type, const std::string& etag) {
-  OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  struct stat status {};
-  if (file.fd() < 0 || fstat(file.fd(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    if (file.fd() >= 0 || errno == ENOENT || errno == ENOTDIR || errno == ELOOP) {
-      return Error{ErrorCode::kNotFound, "There is no such file.", path.string()};
-    }
-    return Error{ErrorCode::kIo, "The file could not be opened.",
-                 path.string() + ": " + std::strerror(errno)};
-  }
-  const auto size = static_cast<std::uint64_t>(status.st_size);
+Result<Response> SendParts(const Request& request, std::uint64_t size, const std::string& content_type,
+                           const std::string& etag, const OpenPart& open) {
   Response response;
   response.headers.Add("ETag", etag);
   response.headers.Add("Accept-Ranges", "bytes");
@@ -94,10 +85,47 @@ Result<Response> SendFile(const Request& request, const std::filesystem::path& p
     response.headers.Add("Content-Range",
                          fmt::format("bytes {}-{}/{}", range.first, range.first + range.length - 1, size));
   }
-  const std::uint64_t offset = range.kind == RangeKind::kPart ? range.first : 0;
-  const std::uint64_t length = range.kind == RangeKind::kPart ? range.length : size;
-  response.source = std::make_unique<FileSource>(std::move(file), offset, length);
+  Result<std::unique_ptr<BodySource>> source =
+      range.kind == RangeKind::kPart ? open(range.first, range.length) : open(0, size);
+  if (!source) return source.error();
+  response.source = *std::move(source);
   return response;
+}
+
+Response DownloadProblem(const Error& error, const Request& request) {
+  if (error.code != ErrorCode::kRangeNotSatisfiable) return Problem(error, request);
+  Response response =
+      Problem({ErrorCode::kRangeNotSatisfiable, "The range lies outside the file.", ""}, request);
+  response.headers.Add("Content-Range", error.message);
+  return response;
+}
+
+std::string Disposition(const std::string& stem, const char* extension) {
+  std::string encoded;
+  for (const unsigned char c : stem) {
+    const bool is_plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
+  }
+  return fmt::format("attachment; filename=\"mosaic.{0}\"; filename*=UTF-8''{1}.{0}", extension, encoded);
+}
+
+Result<Response> SendFile(const Request& request, const std::filesystem::path& path,
+                          const std::string& content_type, const std::string& etag) {
+  OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  struct stat status {};
+  if (file.fd() < 0 || fstat(file.fd(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    if (file.fd() >= 0 || errno == ENOENT || errno == ENOTDIR || errno == ELOOP) {
+      return Error{ErrorCode::kNotFound, "There is no such file.", path.string()};
+    }
+    return Error{ErrorCode::kIo, "The file could not be opened.",
+                 path.string() + ": " + std::strerror(errno)};
+  }
+  const OpenPart part = [&](std::uint64_t offset,
+                            std::uint64_t length) -> Result<std::unique_ptr<BodySource>> {
+    return std::unique_ptr<BodySource>(std::make_unique<FileSource>(std::move(file), offset, length));
+  };
+  return SendParts(request, static_cast<std::uint64_t>(status.st_size), content_type, etag, part);
 }
 
 }  // namespace skyquilt::api

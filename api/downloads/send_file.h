@@ -3,12 +3,25 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "api/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {
+
+// A body of `size` bytes that can be had in parts. Errors: kRangeNotSatisfiable, whose message is what
+// Content-Range must say; those of `open`.
+using OpenPart =
+    std::function<Result<std::unique_ptr<BodySource>>(std::uint64_t offset, std::uint64_t length)>;
+Result<Response> SendParts(const Request& request, std::uint64_t size, const std::string& content_type,
+                           const std::string& etag, const OpenPart& open);
+// The problem document of such an error, with Content-Range where it belongs.
+Response DownloadProblem(const Error& error, const Request& request);
+// "attachment" under a name for saving, in the form that every browser takes (RFC 6266 with RFC 8187).
+std::string Disposition(const std::string& stem, const char* extension);
 
 Result<Response> SendFile(const Request& request, const std::filesystem::path& path,
                           const std::string& content_type, const std::string& etag);

@@ -90,16 +90,27 @@ Response Patch(Service& service, const Request& request, const std::string& body
 }
 
 Response Delete(Service& service, const Request& request) {
-  const std::string& id = request.Parameter("flight");
-  // The catalogue first: what is then left on the disk is garbage that any start-up removes.
-  const Result<void> deleted = service.catalogue.DeleteFlight(id);
+  const Result<void> deleted = DeleteFlight(service, request.Parameter("flight"));
   if (!deleted) return Problem(deleted.error(), request);
-  service.tilesets.Forget(id);
-  service.store.RemoveFlight(id);
   return NoContent();
 }
 
 }  // namespace
+
+Result<void> DeleteFlight(Service& service, const std::string& id) {
+  // The catalogue first: what is then left on the disk is garbage that any start-up removes.
+  const Result<void> deleted = service.catalogue.DeleteFlight(id);
+  if (!deleted) return deleted.error();
+  service.tilesets.Forget(id);
+  service.store.RemoveFlight(id);
+  return {};
+}
+
+std::string DefaultFlightName(storage::Time now) {
+  std::string time = FormatTime(now).substr(0, 16);
+  time[10] = ' ';
+  return "Flight of " + time;
+}
 
 Result<FlightView> ViewFlight(Service& service, const std::string& id) {
   const Result<void> checked = CheckId(id, "flight");

@@ -25,7 +25,7 @@ void Metrics::CountRequest(RouteClass route_class, int status, std::chrono::nano
   bytes_out_.fetch_add(bytes_out, std::memory_order_relaxed);
 }
 
-std::string Metrics::Text(int jobs_waiting) const {
+std::string Metrics::Text(const storage::JobCounts& jobs) const {
   std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(
@@ -59,7 +59,15 @@ std::string Metrics::Text(int jobs_waiting) const {
   single("skyquilt_received_bytes_total", "counter", "Body bytes received.",
          bytes_in_.load(std::memory_order_relaxed));
   single("skyquilt_connections", "gauge", "Open connections.", connections_.load(std::memory_order_relaxed));
-  single("skyquilt_jobs_waiting", "gauge", "Jobs that wait for a worker.", jobs_waiting);
+  fmt::format_to(out, "# HELP skyquilt_jobs Jobs by state.\n# TYPE skyquilt_jobs gauge\n");
+  const auto state = [&](const char* name, int count) {
+    fmt::format_to(out, "skyquilt_jobs{{state=\"{}\"}} {}\n", name, count);
+  };
+  state("accepted", jobs.accepted);
+  state("running", jobs.running);
+  state("successful", jobs.successful);
+  state("failed", jobs.failed);
+  state("dismissed", jobs.dismissed);
   return text;
 }
 

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <string>
 
+#include "storage/job_queue.h"
+
 namespace skyquilt::api {
 
 enum class RouteClass { kTile, kApi, kUpload, kPage };
@@ -19,7 +21,7 @@ class Metrics {
   void CountBytesIn(std::uint64_t bytes) { bytes_in_.fetch_add(bytes, std::memory_order_relaxed); }
   void ConnectionOpened() { connections_.fetch_add(1, std::memory_order_relaxed); }
   void ConnectionClosed() { connections_.fetch_sub(1, std::memory_order_relaxed); }
-  std::string Text(int jobs_waiting) const;
+  std::string Text(const storage::JobCounts& jobs) const;
 
  private:
   static constexpr int kClasses = 4;

@@ -19,7 +19,7 @@ constexpr std::uint64_t kLeastFreeBytes = std::uint64_t{64} << 20;
 Response Ready(Service& service, const Request& request) {
   const auto refuse = [&](const char* why) { return Problem({ErrorCode::kUnavailable, why, ""}, request); };
   if (service.is_draining) return refuse("The server is shutting down.");
-  if (!service.queue.CountWaiting()) return refuse("The catalogue cannot be read.");
+  if (!service.queue.Count()) return refuse("The catalogue cannot be read.");
   struct statvfs disk {};
   const bool has_disk = statvfs(service.store.dir().root().c_str(), &disk) == 0;
   if (!has_disk || std::uint64_t{disk.f_bavail} * disk.f_frsize < kLeastFreeBytes) {
@@ -34,9 +34,9 @@ void AddOpsRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/healthz", [](const Request&) { return Json(200, R"({"status":"ok"})"); });
   router.Add(Method::kGet, "/readyz", [&](const Request& request) { return Ready(service, request); });
   router.Add(Method::kGet, "/metrics", [&](const Request& request) {
-    const Result<int> waiting = service.queue.CountWaiting();
-    if (!waiting) return Problem(waiting.error(), request);
-    return Text(200, service.metrics.Text(*waiting), "text/plain; version=0.0.4; charset=utf-8");
+    const Result<storage::JobCounts> jobs = service.queue.Count();
+    if (!jobs) return Problem(jobs.error(), request);
+    return Text(200, service.metrics.Text(*jobs), "text/plain; version=0.0.4; charset=utf-8");
   });
   router.AddQuick(Method::kGet, "/version", [&](const Request&) {
     return Json(200,

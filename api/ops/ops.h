@@ -8,5 +8,6 @@
 namespace skyquilt::api {
 
 void AddOpsRoutes(Router& router, Service& service);
+void AddDocsRoute(Router& router);
 
 }  // namespace skyquilt::api

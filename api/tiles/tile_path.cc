@@ -34,9 +34,13 @@ Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::stri
                    "A tile is asked for as .jpg, .png, .webp or without extension.", ""};
     }
   }
+  std::string_view y = y_and_extension.substr(0, dot);
+  constexpr std::string_view kDouble = "@2x";
+  path.is_double = y.ends_with(kDouble);
+  if (path.is_double) y.remove_suffix(kDouble.size());
   const std::optional<std::int64_t> zoom = ParseNumber(z);
   const std::optional<std::int64_t> column = ParseNumber(x);
-  const std::optional<std::int64_t> row = ParseNumber(y_and_extension.substr(0, dot));
+  const std::optional<std::int64_t> row = ParseNumber(y);
   if (!zoom || !column || !row) {
     return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row.",
                  ""};

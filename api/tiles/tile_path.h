@@ -1,6 +1,6 @@
-// ParseTilePath: z, x and "y.ext" of a tile's address, strictly: plain decimal digits, nothing before or
-// behind. Pure; any thread. Errors: kInvalidArgument (not a number, outside the zoom's square, an extension
-// that is not a tile's).
+// ParseTilePath: z, x and "y.ext" or "y@2x.ext" of a tile's address, strictly: plain decimal digits, nothing
+// before or behind. Pure; any thread. Errors: kInvalidArgument (not a number, outside the zoom's square, an
+// extension that is not a tile's).
 #pragma once
 
 #include <optional>
@@ -15,6 +15,7 @@ namespace skyquilt::api {
 struct TilePath {
   geo::TileId tile;
   std::optional<pipeline::TileFormat> format;  // absent: as stored
+  bool is_double = false;                      // "@2x"
 };
 
 Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::string_view y_and_extension);

@@ -7,6 +7,7 @@
 #include "api/etag.h"
 #include "api/problem.h"
 #include "api/responses.h"
+#include "api/tiles/map_window.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/transcode_tile.h"
 #include "core/geo/web_mercator.h"
@@ -14,14 +15,13 @@
 namespace skyquilt::api {
 namespace {
 
-enum class EmptyTile { kBlank, kNoContent, kNotFound };
-
 constexpr const char* kRevalidated = "public, max-age=60, must-revalidate";
 constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
-Result<EmptyTile> EmptyTileWish(const Request& request) {
+Result<EmptyTile> EmptyTileWish(const Request& request, EmptyTile otherwise) {
   const auto wish = request.Query("empty");
-  if (!wish || *wish == "blank") return EmptyTile::kBlank;
+  if (!wish) return otherwise;
+  if (*wish == "blank") return EmptyTile::kBlank;
   if (*wish == "204") return EmptyTile::kNoContent;
   if (*wish == "404") return EmptyTile::kNotFound;
   return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404.", ""};
@@ -51,8 +51,8 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
   return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
 }
 
-Result<Response> Blank(const Request& request, const storage::Tileset& tileset) {
-  const Result<EmptyTile> wish = EmptyTileWish(request);
+Result<Response> Blank(const Request& request, const storage::Tileset& tileset, const TileWish& tile_wish) {
+  const Result<EmptyTile> wish = EmptyTileWish(request, tile_wish.empty);
   if (!wish) return wish.error();
   if (*wish == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
   Response response;
@@ -61,7 +61,7 @@ Result<Response> Blank(const Request& request, const storage::Tileset& tileset) 
     response.status = 204;
     return response;
   }
-  const int side_px = TileSizePx(tileset);
+  const int side_px = TileSizePx(tileset) * (tile_wish.is_double ? 2 : 1);
   const std::string etag = "\"blank-" + std::to_string(side_px) + "\"";
   response.headers.Add("ETag", etag);
   if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
@@ -73,31 +73,79 @@ Result<Response> Blank(const Request& request, const storage::Tileset& tileset) 
   return response;
 }
 
+// Made of the four tiles below it, or enlarged where there are none.
+Result<Response> DoubleTile(const Request& request, const storage::Tileset& tileset, const TileWish& wish) {
+  const geo::Bounds2 bounds = wish.tile.BoundsInMerc();
+  MapWindow window;
+  window.width_px = window.height_px = 2 * TileSizePx(tileset);
+  window.pixel_m = (bounds.max.x() - bounds.min.x()) / window.width_px;
+  window.x_in_merc = [&](int column) { return bounds.min.x() + (column + 0.5) * window.pixel_m; };
+  window.y_in_merc = [&](int row) { return bounds.max.y() - (row + 0.5) * window.pixel_m; };
+  Result<Pixels> pixels = RenderWindow(tileset, window);
+  if (!pixels) return pixels.error();
+  const pipeline::TileFormat format = wish.format.value_or(pipeline::TileFormat::kPng);
+  Response response;
+  response.body = EncodeTile(*std::move(pixels), format);
+  const std::string etag = StrongEtag(std::hash<std::string>()(response.body), "2x");
+  response.headers.Add("Cache-Control", CacheControl(request, tileset));
+  response.headers.Add("ETag", etag);
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    response.body.clear();
+    return response;
+  }
+  response.headers.Add("Content-Type", ContentTypeOf(format));
+  return response;
+}
+
+// What Accept asks for, where the address does not say: an exact image type, or else as stored.
+std::optional<pipeline::TileFormat> FormatByAccept(const Request& request) {
+  const std::string_view accept = request.headers.Find("Accept");
+  for (const auto format :
+       {pipeline::TileFormat::kPng, pipeline::TileFormat::kJpeg, pipeline::TileFormat::kWebp}) {
+    if (EqualsIgnoringCase(accept, ContentTypeOf(format))) return format;
+  }
+  return std::nullopt;
+}
+
 Result<Response> Tile(Service& service, const Request& request) {
-  const std::string& id = request.Parameter("flight");
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return checked.error();
   const Result<TilePath> path =
       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
   if (!path) return path.error();
-  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(id);
+  TileWish wish;
+  wish.flight_id = request.Parameter("flight");
+  wish.tile = path->tile;
+  wish.format = path->format ? path->format : FormatByAccept(request);
+  wish.is_double = path->is_double;
+  Result<Response> answer = AnswerTile(service, request, wish);
+  if (answer && !path->format) answer->headers.Add("Vary", "Accept");
+  return answer;
+}
+
+}  // namespace
+
+Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish) {
+  const Result<void> checked = CheckId(wish.flight_id, "flight");
+  if (!checked) return checked.error();
+  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(wish.flight_id);
   if (!tileset) return tileset.error();
   const storage::Revision& revision = (*tileset)->revision;
-  if (path->tile.z() < revision.min_zoom || path->tile.z() > revision.max_zoom) {
+  if (wish.tile.z() < revision.min_zoom || wish.tile.z() > revision.max_zoom) {
     return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
   }
   storage::MbtilesReader& reader = *(*tileset)->reader;
-  Result<std::optional<storage::FoundTile>> found = reader.Find(path->tile);
+  Result<std::optional<storage::FoundTile>> found = reader.Find(wish.tile);
   if (!found) return found.error();
   if (!*found) {
-    if (!Touches(path->tile, revision))
+    if (!Touches(wish.tile, revision))
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
-    return Blank(request, **tileset);
+    return Blank(request, **tileset, wish);
   }
+  if (wish.is_double) return DoubleTile(request, **tileset, wish);
   Response response;
   response.headers.Add("Cache-Control", CacheControl(request, **tileset));
   // The format asked for is part of the tag: the same content has other bytes in another format.
-  std::string etag = StrongEtag((*found)->content_id, path->format ? ExtensionOf(*path->format) : "");
+  std::string etag = StrongEtag((*found)->content_id, wish.format ? ExtensionOf(*wish.format) : "");
   const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
   response.headers.Add("ETag", std::move(etag));
   if (is_known) {
@@ -107,10 +155,10 @@ Result<Response> Tile(Service& service, const Request& request) {
   Result<std::string> bytes = reader.Load(**std::move(found));
   if (!bytes) return bytes.error();
   const std::optional<pipeline::TileFormat> stored = TileFormatOf(*bytes);
-  if (path->format && stored && *path->format != *stored) {
-    Result<std::string> converted = TranscodeTile(*bytes, *path->format);
+  if (wish.format && stored && *wish.format != *stored) {
+    Result<std::string> converted = TranscodeTile(*bytes, *wish.format);
     if (!converted) return converted.error();
-    response.headers.Add("Content-Type", ContentTypeOf(*path->format));
+    response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
     response.body = *std::move(converted);
     return response;
   }
@@ -118,8 +166,6 @@ Result<Response> Tile(Service& service, const Request& request) {
   response.body = *std::move(bytes);
   return response;
 }
-
-}  // namespace
 
 int TileSizePx(const storage::Tileset& tileset) {
   const auto& metadata = tileset.reader->metadata();
@@ -131,13 +177,15 @@ int TileSizePx(const storage::Tileset& tileset) {
   return side_px >= 64 && side_px <= 4096 ? side_px : 256;
 }
 
+Response TileResponse(Result<Response> answer, const Request& request) {
+  Response response = answer ? *std::move(answer) : Problem(answer.error(), request);
+  response.headers.Add("Access-Control-Allow-Origin", "*");
+  return response;
+}
+
 void AddTileRoutes(Router& router, Service& service) {
-  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}", [&](const Request& request) {
-    Result<Response> answer = Tile(service, request);
-    Response response = answer ? *std::move(answer) : Problem(answer.error(), request);
-    response.headers.Add("Access-Control-Allow-Origin", "*");
-    return response;
-  });
+  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}",
+                  [&](const Request& request) { return TileResponse(Tile(service, request), request); });
 }
 
 }  // namespace skyquilt::api

@@ -2,13 +2,32 @@
 // https://github.com/mapbox/tilejson-spec/tree/master/3.0.0
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "api/router.h"
 #include "api/service.h"
+#include "core/geo/tile_id.h"
+#include "core/pipeline/ports.h"
 
 namespace skyquilt::api {
 
 void AddTileRoutes(Router& router, Service& service);
 void AddTileJsonRoute(Router& router, Service& service);
+
+enum class EmptyTile { kBlank, kNoContent, kNotFound };
+
+// One tile as an answer, whatever address it was asked by.
+struct TileWish {
+  std::string flight_id;
+  geo::TileId tile;
+  std::optional<pipeline::TileFormat> format;  // absent: as stored
+  bool is_double = false;                      // twice the side, for dense screens
+  EmptyTile empty = EmptyTile::kBlank;         // where the map has nothing, unless ?empty= says
+};
+Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish);
+// With the header that lets pages of other sites show it, and problems as documents.
+Response TileResponse(Result<Response> answer, const Request& request);
 
 // The side of a tileset's tiles, from its metadata; 256 where it does not say.
 int TileSizePx(const storage::Tileset& tileset);

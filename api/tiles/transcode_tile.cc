@@ -20,12 +20,6 @@ constexpr int kMaxSidePx = 4096;
 constexpr int kJpegQuality = 90;
 constexpr float kWebpQuality = 90.0F;
 
-struct Pixels {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> rgba;
-};
-
 const std::uint8_t* Raw(std::string_view bytes) {
   return reinterpret_cast<const std::uint8_t*>(bytes.data());
 }
@@ -144,7 +138,9 @@ std::string EncodeWebp(const Pixels& pixels) {
   return bytes;
 }
 
-Result<Pixels> Decode(std::string_view bytes) {
+}  // namespace
+
+Result<Pixels> DecodeTile(std::string_view bytes) {
   const std::optional<TileFormat> from = TileFormatOf(bytes);
   if (!from) return Damaged();
   switch (*from) {
@@ -157,8 +153,6 @@ Result<Pixels> Decode(std::string_view bytes) {
   }
   SKYQUILT_CHECK(false, "a tile format outside the list");
 }
-
-}  // namespace
 
 std::optional<TileFormat> TileFormatOf(std::string_view bytes) {
   if (bytes.starts_with("\xff\xd8\xff")) return TileFormat::kJpeg;
@@ -176,18 +170,22 @@ const char* ExtensionOf(TileFormat format) {
   return format == TileFormat::kJpeg ? "jpg" : format == TileFormat::kPng ? "png" : "webp";
 }
 
-Result<std::string> TranscodeTile(std::string_view bytes, TileFormat to) {
-  Result<Pixels> pixels = Decode(bytes);
-  if (!pixels) return pixels.error();
+std::string EncodeTile(Pixels pixels, TileFormat to) {
   switch (to) {
     case TileFormat::kJpeg:
-      return EncodeJpeg(*std::move(pixels));
+      return EncodeJpeg(std::move(pixels));
     case TileFormat::kPng:
-      return EncodePng(*pixels);
+      return EncodePng(pixels);
     case TileFormat::kWebp:
-      return EncodeWebp(*pixels);
+      return EncodeWebp(pixels);
   }
   SKYQUILT_CHECK(false, "a tile format outside the list");
+}
+
+Result<std::string> TranscodeTile(std::string_view bytes, TileFormat to) {
+  Result<Pixels> pixels = DecodeTile(bytes);
+  if (!pixels) return pixels.error();
+  return EncodeTile(*std::move(pixels), to);
 }
 
 std::string TransparentPng(int side_px) {
@@ -198,7 +196,7 @@ std::string TransparentPng(int side_px) {
 }
 
 std::optional<int> TileSidePx(std::string_view bytes) {
-  const Result<Pixels> pixels = Decode(bytes);
+  const Result<Pixels> pixels = DecodeTile(bytes);
   if (!pixels) return std::nullopt;
   return pixels->width;
 }

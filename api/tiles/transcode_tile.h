@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/pipeline/ports.h"
@@ -15,6 +16,16 @@ namespace skyquilt::api {
 std::optional<pipeline::TileFormat> TileFormatOf(std::string_view bytes);
 const char* ContentTypeOf(pipeline::TileFormat format);
 const char* ExtensionOf(pipeline::TileFormat format);
+
+// Straight alpha, rows without padding.
+struct Pixels {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+Result<Pixels> DecodeTile(std::string_view bytes);
+// JPEG is laid on white.
+std::string EncodeTile(Pixels pixels, pipeline::TileFormat to);
 
 Result<std::string> TranscodeTile(std::string_view bytes, pipeline::TileFormat to);
 std::string TransparentPng(int side_px);

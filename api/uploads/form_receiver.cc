@@ -1,10 +1,13 @@
 #include "api/uploads/form_receiver.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "api/json_text.h"
+#include "api/uploads/unpack.h"
 
 namespace skyquilt::api {
 
@@ -27,23 +30,29 @@ Result<void> FormReceiver::BeginPart(const PartHeader& header) {
   is_skipped_ = false;
   text_ = nullptr;
   if (is_file_) return BeginFile(*header.file_name);
-  text_ = header.field == "name" ? &name_ : header.field == "options" ? &options_ : nullptr;
-  if (text_ == nullptr) {
-    return Error{
-        ErrorCode::kUnprocessable,
-        fmt::format("The form field \"{}\" is not known; known are name, options and files.", header.field),
-        ""};
+  const bool is_known = std::find(rules_.text_fields.begin(), rules_.text_fields.end(), header.field) !=
+                        rules_.text_fields.end();
+  if (!is_known && rules_.ignores_other_fields) return {};
+  if (!is_known) {
+    return Error{ErrorCode::kUnprocessable,
+                 fmt::format("The form field \"{}\" is not known; known are {} and files.", header.field,
+                             fmt::join(rules_.text_fields, ", ")),
+                 ""};
   }
-  if (text_->has_value()) {
+  const auto [text, is_new] = texts_.try_emplace(header.field);
+  if (!is_new) {
     return Error{ErrorCode::kUnprocessable, fmt::format("The form field \"{}\" comes twice.", header.field),
                  ""};
   }
-  text_->emplace();
+  text_ = &text->second;
   return {};
 }
 
 Result<void> FormReceiver::BeginFile(const std::string& name) {
   file_name_ = name;
+  if (flight_id_.empty()) {
+    return Skip({ErrorCode::kUnprocessable, "No files can be sent with this form.", ""});
+  }
   // A form whose file box was left empty sends a part without a name; its bytes, if any, are refused at its
   // end.
   const Result<void> named = name.empty() ? Result<void>() : storage::CheckFileName(name);
@@ -60,10 +69,11 @@ Result<void> FormReceiver::PartBytes(std::span<const std::uint8_t> bytes) {
     const Result<void> written = upload_->Write(bytes);
     return written ? written : Skip(written.error());
   }
-  if ((*text_)->size() + bytes.size() > kMaxJsonBytes) {
+  if (text_ == nullptr) return {};
+  if (text_->size() + bytes.size() > kMaxJsonBytes) {
     return Error{ErrorCode::kTooLarge, "A text field of the form is longer than 64 KiB.", ""};
   }
-  (*text_)->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  text_->append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return {};
 }
 
@@ -72,6 +82,12 @@ Result<void> FormReceiver::EndPart() {
   const Result<void> ended = EndFile();
   upload_.reset();
   return ended;
+}
+
+std::optional<std::string> FormReceiver::Text(std::string_view field) const {
+  const auto found = texts_.find(field);
+  if (found == texts_.end()) return std::nullopt;
+  return found->second;
 }
 
 Result<void> FormReceiver::EndFile() {
@@ -88,15 +104,16 @@ Result<void> FormReceiver::EndFile() {
     service_.store.Remove(flight_id_, *stored);
     return added.error();
   }
-  FileOutcome outcome;
-  outcome.name = added->name;
-  outcome.bytes = bytes;
-  if (added->name != file_name_) {
-    outcome.note =
-        fmt::format("\"{}\" was there already, so this one is kept as \"{}\".", file_name_, added->name);
+  Result<std::vector<FileOutcome>> outcomes = UnpackStored(service_, flight_id_, *added);
+  if (!outcomes) return Skip(outcomes.error());
+  for (FileOutcome& outcome : *outcomes) {
+    if (outcome.name == added->name && added->name != file_name_) {
+      outcome.note =
+          fmt::format("\"{}\" was there already, so this one is kept as \"{}\".", file_name_, added->name);
+    }
+    stored_count_ += outcome.error ? 0 : 1;
+    files_.push_back(std::move(outcome));
   }
-  files_.push_back(std::move(outcome));
-  ++stored_count_;
   return {};
 }
 

@@ -1,10 +1,12 @@
-// FormReceiver: the parts of an upload form, as they come: files go to the photo store and the catalogue, the
-// text fields "name" and "options" are collected. A file that cannot be taken is noted and skipped; a machine
-// that is full stops the form. One thread at a time.
+// FormReceiver: the parts of an upload form, as they come: files go to the photo store and the catalogue,
+// text fields are collected. A file that cannot be taken is noted and skipped; a machine that is full stops
+// the form. One thread at a time.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/json_codec.h"
@@ -13,10 +15,16 @@
 
 namespace skyquilt::api {
 
+struct FormRules {
+  std::vector<std::string_view> text_fields = {"name", "options"};
+  bool ignores_other_fields = false;  // else they are refused
+};
+
 class FormReceiver final : public PartReceiver {
  public:
-  FormReceiver(Service& service, std::string flight_id)
-      : service_(service), flight_id_(std::move(flight_id)) {}
+  // Without a flight, files are refused.
+  FormReceiver(Service& service, std::string flight_id, FormRules rules = {})
+      : service_(service), flight_id_(std::move(flight_id)), rules_(std::move(rules)) {}
 
   Result<void> BeginPart(const PartHeader& header) override;
   Result<void> PartBytes(std::span<const std::uint8_t> bytes) override;
@@ -24,8 +32,8 @@ class FormReceiver final : public PartReceiver {
 
   const std::vector<FileOutcome>& files() const { return files_; }
   int stored_count() const { return stored_count_; }
-  const std::optional<std::string>& name() const { return name_; }
-  const std::optional<std::string>& options() const { return options_; }
+  // A text field as sent; absent when the form has none of this name.
+  std::optional<std::string> Text(std::string_view field) const;
 
  private:
   Result<void> BeginFile(const std::string& name);
@@ -35,15 +43,15 @@ class FormReceiver final : public PartReceiver {
 
   Service& service_;
   std::string flight_id_;
+  FormRules rules_;
   std::optional<storage::Upload> upload_;
-  std::optional<std::string>* text_ = nullptr;
+  std::string* text_ = nullptr;  // the field that is coming in; none: dropped
   bool is_file_ = false;
   bool is_skipped_ = false;
   std::string file_name_;
   std::vector<FileOutcome> files_;
   int stored_count_ = 0;
-  std::optional<std::string> name_;
-  std::optional<std::string> options_;
+  std::map<std::string, std::string, std::less<>> texts_;
 };
 
 }  // namespace skyquilt::api

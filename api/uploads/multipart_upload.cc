@@ -83,15 +83,16 @@ class NewFlight final : public BodySink {
 
  private:
   Result<storage::Job> Start() {
-    std::vector<std::pair<std::string_view, std::string>> members;
-    const bool has_name =
-        receiver_.name() && !receiver_.name()->empty();  // an empty box of a form means no name
-    if (receiver_.options()) {
-      const Result<pipeline::MosaicOptions> options = ParseJobOptions(*receiver_.options());
+    const std::optional<std::string> name = receiver_.Text("name");
+    const std::optional<std::string> chosen = receiver_.Text("options");
+    if (chosen) {
+      const Result<pipeline::MosaicOptions> options = ParseJobOptions(*chosen);
       if (!options) return options.error();
     }
-    if (has_name) members.emplace_back("name", JsonString(*receiver_.name()));
-    if (receiver_.options()) members.emplace_back("options", *receiver_.options());
+    std::vector<std::pair<std::string_view, std::string>> members;
+    if (name && !name->empty())
+      members.emplace_back("name", JsonString(*name));  // an empty box means no name
+    if (chosen) members.emplace_back("options", *chosen);
     const Result<FlightFields> fields = ParseFlightFields(JsonObject(members));
     if (!fields) return fields.error();
     if (fields->name) {
@@ -113,18 +114,11 @@ class NewFlight final : public BodySink {
   bool is_kept_ = false;
 };
 
-// "Flight of 2026-11-21 04:55" for whoever gave no name.
-std::string DefaultName(storage::Time now) {
-  std::string time = FormatTime(now).substr(0, 16);
-  time[10] = ' ';
-  return "Flight of " + time;
-}
-
 Response MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
   const Result<FlightFields> fields = ParseFlightFields(body);
   if (!fields) return Problem(fields.error(), request);
   const storage::Time now = storage::Now();
-  Result<storage::Flight> flight = service.catalogue.AddFlight(fields->name.value_or(DefaultName(now)),
+  Result<storage::Flight> flight = service.catalogue.AddFlight(fields->name.value_or(DefaultFlightName(now)),
                                                                fields->options.value_or("{}"), now);
   if (!flight) return Problem(flight.error(), request);
   FlightView view;
@@ -144,7 +138,7 @@ Begun BeginFlight(Service& service, const Request& request) {
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return Problem(boundary.error(), request);
   const storage::Time now = storage::Now();
-  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultName(now), "{}", now);
+  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now);
   if (!flight) return Problem(flight.error(), request);
   return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
 }

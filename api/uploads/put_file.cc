@@ -1,10 +1,13 @@
 #include <memory>
 #include <utility>
 
+#include "api/digest.h"
 #include "api/json_codec.h"
 #include "api/problem.h"
 #include "api/responses.h"
 #include "api/uploads/files.h"
+#include "api/uploads/unpack.h"
+#include "storage/unpack_archive.h"
 
 namespace skyquilt::api {
 namespace {
@@ -12,14 +15,26 @@ namespace {
 // One raw body into one file of a flight.
 class PutFile final : public BodySink {
  public:
-  PutFile(Service& service, Request request, storage::Upload upload)
-      : service_(service), request_(std::move(request)), upload_(std::move(upload)) {}
+  // `sha256`: what Content-Digest says of the bytes, if it came.
+  PutFile(Service& service, Request request, storage::Upload upload, std::optional<std::string> sha256)
+      : service_(service),
+        request_(std::move(request)),
+        upload_(std::move(upload)),
+        sha256_(std::move(sha256)) {}
 
-  Result<void> Write(std::span<const std::uint8_t> bytes) override { return upload_.Write(bytes); }
+  Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (sha256_) digest_.Add(bytes);
+    return upload_.Write(bytes);
+  }
 
   Response Finish() override {
     const std::string& flight_id = request_.Parameter("flight");
     const std::int64_t bytes = upload_.bytes();
+    if (sha256_ && digest_.Finish() != *sha256_) {
+      return Problem({ErrorCode::kDigestMismatch,
+                      "The bytes are not those that Content-Digest says. Send them again.", ""},
+                     request_);
+    }
     Result<std::string> stored = upload_.Finish();
     if (!stored) return Problem(stored.error(), request_);
     const storage::StoredFile file{request_.Parameter("name"), *stored, bytes};
@@ -29,13 +44,18 @@ class PutFile final : public BodySink {
       return Problem(added.error(), request_);
     }
     if (added->replaced) service_.store.Remove(flight_id, added->replaced_stored_name);
-    return Json(added->replaced ? 200 : 201, FileJson(file));
+    if (!storage::IsArchiveName(file.name)) return Json(added->replaced ? 200 : 201, FileJson(file));
+    const Result<std::vector<FileOutcome>> outcomes = UnpackStored(service_, flight_id, file);
+    if (!outcomes) return Problem(outcomes.error(), request_);
+    return Json(201, JsonObject({{"files", FileOutcomesJson(*outcomes)}}));
   }
 
  private:
   Service& service_;
   Request request_;
   storage::Upload upload_;
+  std::optional<std::string> sha256_;
+  Digest digest_{DigestAlgorithm::kSha256};
 };
 
 std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, const Request& request) {
@@ -51,7 +71,15 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
       service.store.Begin(flight_id, static_cast<std::int64_t>(std::min<std::uint64_t>(
                                          request.content_length.value_or(0), storage::kMaxFileBytes + 1)));
   if (!upload) return Problem(upload.error(), request);
-  return std::make_unique<PutFile>(service, request, *std::move(upload));
+  std::optional<std::string> sha256;
+  if (request.headers.Has("Content-Digest")) {
+    sha256 = Sha256OfContentDigest(request.headers.Find("Content-Digest"));
+    if (!sha256) {
+      return Problem({ErrorCode::kInvalidArgument, "Content-Digest has no sha-256 that can be read.", ""},
+                     request);
+    }
+  }
+  return std::make_unique<PutFile>(service, request, *std::move(upload), std::move(sha256));
 }
 
 Response List(Service& service, const Request& request) {

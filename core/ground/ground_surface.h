@@ -21,6 +21,11 @@ class GroundSurface {
   double MinHeight() const { return min_z_m_; }
   double MaxHeight() const { return max_z_m_; }
   double CellSize() const { return cell_m_; }
+  // Of a grid, as given to Grid.
+  const Eigen::Vector2d& SouthWest() const { return south_west_; }
+  int Columns() const { return columns_; }
+  int Rows() const { return rows_; }
+  const std::vector<float>& Heights() const { return heights_m_; }
 
  private:
   double mean_z_m_ = 0.0, min_z_m_ = 0.0, max_z_m_ = 0.0;

@@ -1,9 +1,11 @@
 #include "server/commands/commands.h"
 
 #include "server/commands/inspect.h"
+#include "server/commands/locate.h"
 #include "server/commands/serve.h"
 #include "server/commands/simulate.h"
 #include "server/commands/stitch.h"
+#include "server/commands/token.h"
 #include "server/commands/worker.h"
 
 namespace skyquilt::server {
@@ -11,8 +13,10 @@ namespace skyquilt::server {
 void AddCommands(CLI::App& app) {
   AddStitchCommand(app);
   AddServeCommand(app);
+  AddLocateCommand(app);
   AddInspectCommand(app);
   AddSimulateCommand(app);
+  AddTokenCommand(app);
   AddWorkerCommand(app);
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <ctime>
@@ -13,7 +15,9 @@
 #include <thread>
 
 #include "api/build_api.h"
+#include "api/uploads/unpack.h"
 #include "core/pipeline/inspect_flight.h"
+#include "server/commands/config_file.h"
 #include "server/http_server.h"
 #include "server/request_log.h"
 #include "server/static_files.h"
@@ -31,6 +35,8 @@ struct ServeOptions {
   std::string data_dir;
   std::string listen = "127.0.0.1:8080";
   std::string web_dir;
+  std::string public_url;
+  std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   bool open = false;
 };
@@ -41,7 +47,7 @@ struct ServeOptions {
 }
 
 // "127.0.0.1:8080", "localhost:0", "[::1]:8080".
-Result<HttpSettings> SettingsFrom(const ServeOptions& options) {
+Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) {
   const std::string& text = options.listen;
   const std::size_t colon = text.rfind(':');
   const Error bad{ErrorCode::kInvalidArgument, fmt::format("--listen {}: give it as ADDRESS:PORT.", text),
@@ -55,16 +61,20 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options) {
   const auto parsed = std::from_chars(text.data() + colon + 1, end, settings.port);
   if (parsed.ec != std::errc() || parsed.ptr != end || address.empty()) return bad;
   const bool is_loopback = address.starts_with("127.") || address == "::1";
-  if (!is_loopback && !options.open) {
+  if (!is_loopback && !options.open && !has_tokens) {
     return Error{
         ErrorCode::kForbidden,
-        fmt::format("{} can be reached by others, who could upload and delete. Add --open if that is what "
-                    "you want.",
-                    address),
+        fmt::format(
+            "{} can be reached by others, who could upload and delete. Make a token with \"skyquilt token "
+            "add\", or add --open if that is what you want.",
+            address),
         ""};
   }
   settings.address = address;
-  settings.loopback_names_only = !options.open;
+  // With tokens a page that got hold of our address by a name of its own (DNS rebinding) still has none.
+  settings.loopback_names_only = !options.open && !has_tokens;
+  settings.public_url = options.public_url;
+  while (settings.public_url.ends_with('/')) settings.public_url.pop_back();
   settings.threads = std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
   return settings;
 }
@@ -137,12 +147,24 @@ void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage
   }
 }
 
+// Resumable uploads that were complete when an earlier run ended.
+void FinishUploads(api::Service& service) {
+  const Result<std::vector<storage::SpooledUpload>> finished = service.spool.FinishComplete(storage::Now());
+  if (!finished) Fail(finished.error());
+  for (const storage::SpooledUpload& upload : *finished) {
+    const auto unpacked = api::UnpackStored(service, upload.flight_id, *upload.file);
+    if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error().message);
+  }
+}
+
 void RunServer(const ServeOptions& options) {
-  const Result<HttpSettings> settings = SettingsFrom(options);
-  if (!settings) Fail(settings.error());
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
   Storage opened = OpenStorage(options);
+  const Result<std::vector<storage::Token>> tokens = storage::Tokens(*opened.db).List();
+  if (!tokens) Fail(tokens.error());
+  const Result<HttpSettings> settings = SettingsFrom(options, !tokens->empty());
+  if (!settings) Fail(settings.error());
   storage::Catalogue catalogue(*opened.db);
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
@@ -150,7 +172,8 @@ void RunServer(const ServeOptions& options) {
   storage::PhotoStore store(opened.dir);
   storage::TilesetCache tilesets(opened.dir, tiles_catalogue);
   api::Metrics metrics;
-  api::Service service{catalogue, queue, store, tilesets, metrics, SKYQUILT_VERSION};
+  api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
+                       SKYQUILT_VERSION, options.workers};
   service.inspect = [](const std::vector<flight::InputFile>& files,
                        const pipeline::MosaicOptions& mosaic) -> Result<std::string> {
     SilentProgress progress;
@@ -158,6 +181,9 @@ void RunServer(const ServeOptions& options) {
     if (!verdict) return verdict.error();
     return pipeline::VerdictJson(*verdict);
   };
+  const Result<int> expired = service.spool.RemoveExpired(storage::Now());
+  if (!expired) Fail(expired.error());
+  FinishUploads(service);
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {
@@ -181,21 +207,63 @@ void RunServer(const ServeOptions& options) {
   workers.Stop(kWorkerGrace);
 }
 
+std::string IsHttpUrl(const std::string& text) {
+  const bool is_http = text.starts_with("http://") || text.starts_with("https://");
+  return is_http && text.find_first_of(" \"<>?#") == std::string::npos ? ""
+                                                                       : "must be an http or https address";
+}
+
+// A variable that is misspelt would otherwise do nothing, silently.
+void RefuseUnknownVariables() {
+  const std::string prefix = VariableOf("");
+  constexpr std::string_view kOptions[] = {"data", "listen", "workers", "web", "public-url", "open"};
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    std::string_view name(*variable);
+    name = name.substr(0, name.find('='));
+    if (!name.starts_with(prefix)) continue;
+    const bool is_known = std::any_of(std::begin(kOptions), std::end(kOptions),
+                                      [&](std::string_view option) { return VariableOf(option) == name; });
+    if (!is_known) {
+      Fail({ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
+    }
+  }
+}
+
 }  // namespace
 
 void AddServeCommand(CLI::App& app) {
   const auto options = std::make_shared<ServeOptions>();
   CLI::App* command =
       app.add_subcommand("serve", "Serve the web page, the API and the tiles, and stitch uploads");
-  command->add_option("--data", options->data_dir, "Data folder; made when missing")->required();
+  command->add_option("--data", options->data_dir, "Data folder; made when missing")
+      ->required()
+      ->envname(VariableOf("data"));
   command->add_option("--listen", options->listen, "ADDRESS:PORT; port 0 picks a free one")
+      ->envname(VariableOf("listen"))
       ->capture_default_str();
   command->add_option("--workers", options->workers, "Worker processes that stitch")
       ->check(CLI::Range(0, 64))
+      ->envname(VariableOf("workers"))
       ->capture_default_str();
-  command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one");
-  command->add_flag("--open", options->open, "Permit an address that other machines can reach");
-  command->callback([options] { RunServer(*options); });
+  command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one")
+      ->envname(VariableOf("web"));
+  command
+      ->add_option("--public-url", options->public_url,
+                   "How others reach this server, where a proxy is before it")
+      ->check(IsHttpUrl)
+      ->envname(VariableOf("public-url"));
+  command
+      ->add_flag("--open", options->open,
+                 "Permit an address that other machines can reach, without any token")
+      ->envname(VariableOf("open"));
+  command->add_option("--config", options->config, "File with these options, one \"name = value\" a line");
+  // A file's options come before those of the command line.
+  for (CLI::Option* option : command->get_options())
+    option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  command->callback([options] {
+    RefuseUnknownVariables();
+    RunServer(*options);
+  });
 }
 
 }  // namespace skyquilt::server

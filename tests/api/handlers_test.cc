@@ -215,7 +215,7 @@ TEST(Ops, AnswerMonitors) {
   EXPECT_EQ(sample.Get("/healthz").status, 200);
   EXPECT_EQ(sample.Get("/readyz").status, 200);
   EXPECT_EQ(JsonOf(sample.Get("/version"))["version"], "1.2.3");
-  EXPECT_NE(sample.Get("/metrics").body.find("skyquilt_jobs_waiting 0"), std::string::npos);
+  EXPECT_NE(sample.Get("/metrics").body.find("skyquilt_jobs{state=\"accepted\"} 0"), std::string::npos);
 }
 
 TEST(OpenApi, DescribesEveryRouteAndNoOther) {

@@ -24,7 +24,7 @@ class SampleService {
         queue(*db_),
         store_(dir_),
         tilesets_(dir_, catalogue),
-        service_{catalogue, queue, store_, tilesets_, metrics_, "1.2.3"},
+        service_{catalogue, queue, store_, tilesets_, metrics_, *db_, "1.2.3"},
         router_(BuildApi(service_)) {}
 
   // One request with its whole body, as a session would make it.
@@ -60,6 +60,7 @@ class SampleService {
   }
   const storage::DataDir& dir() const { return dir_; }
   const Router& router() const { return router_; }
+  Service& service() { return service_; }
 
  private:
   static Response Status(int status) {

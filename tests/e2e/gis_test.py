@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import xml.etree.ElementTree as xml_parser
 
 from server_support import Server, ServerTestCase
 
@@ -110,6 +111,142 @@ class Gis(ServerTestCase):
         self.assertEqual(int(abs(served.astype(int) - want).max()), 0)
         cog = self.pixels(self.gdal.Open(str(self.path("tif"))), west, north, pixel_m, side)
         self.assertLess(abs(cog.astype(int) - want).mean(), 2.0)
+
+    def check_against_mbtiles(self, dataset, bands=3):
+        """Some program's dataset of the finest zoom has the MBTiles' own pixels."""
+        _, _, west, north, pixel_m, side = self.inner_window()
+        want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
+        self.assertAlmostEqual(dataset.GetGeoTransform()[1], pixel_m, delta=pixel_m * 1e-6)
+        got = self.pixels(dataset, west, north, pixel_m, side)
+        self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
+
+    def address(self, path):
+        return f"http://127.0.0.1:{self.server.port}{path}"
+
+    def test_gdals_wmts_driver_reads_both_bindings(self):
+        capabilities = self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml")
+        self.check_against_mbtiles(self.gdal.Open(f"WMTS:{capabilities},layer=map"))
+        # Without ResourceURL the driver goes by parameters.
+        _, _, xml = self.server.request("GET", f"/wmts/{self.flight_id}?SERVICE=WMTS&REQUEST=GetCapabilities")
+        without = pathlib.Path(self.data, "kvp.xml")
+        without.write_bytes(b"\n".join(line for line in xml.splitlines() if b"<ResourceURL" not in line))
+        self.check_against_mbtiles(self.gdal.Open(f"WMTS:{without},layer=map"))
+
+    def test_gdals_wms_driver_reads_both_versions(self):
+        for version, crs in (("1.1.1", "SRS"), ("1.3.0", "CRS")):
+            west, south, east, north, size_x, size_y = self.whole_window()
+            xml = (f'<GDAL_WMS><Service name="WMS"><Version>{version}</Version><ServerUrl>{self.address("/wms/" + self.flight_id)}?'
+                   f"</ServerUrl><{crs}>EPSG:3857</{crs}><ImageFormat>image/png</ImageFormat><Transparent>TRUE</Transparent>"
+                   f"<Layers>map</Layers></Service><DataWindow><UpperLeftX>{west!r}</UpperLeftX><UpperLeftY>{north!r}</UpperLeftY>"
+                   f"<LowerRightX>{east!r}</LowerRightX><LowerRightY>{south!r}</LowerRightY><SizeX>{size_x}</SizeX>"
+                   f"<SizeY>{size_y}</SizeY></DataWindow><Projection>EPSG:3857</Projection><BandsCount>4</BandsCount></GDAL_WMS>")
+            self.check_against_mbtiles(self.gdal.Open(xml))
+
+    def whole_window(self):
+        mbtiles = self.gdal.Open(str(self.path("mbtiles")))
+        west, pixel_m, _, north, _, _ = mbtiles.GetGeoTransform()
+        return (west, north - mbtiles.RasterYSize * pixel_m, west + mbtiles.RasterXSize * pixel_m, north,
+                mbtiles.RasterXSize, mbtiles.RasterYSize)
+
+    def test_gdals_tms_driver_reads_the_tile_map(self):
+        xml = self.server.request("GET", f"/tms/1.0.0/{self.flight_id}")[2]
+        self.assertIn(b"units-per-pixel", xml)
+        xml = GDAL_XYZ.format(url=self.address(f"/tms/1.0.0/{self.flight_id}/${{z}}/${{x}}/${{y}}.png"), w=WORLD_M,
+                              zoom=self.tilejson["maxzoom"], size=self.tilejson.get("tileSize", 256))
+        xml = xml.replace("<YOrigin>top</YOrigin>", "<YOrigin>bottom</YOrigin>")
+        self.check_against_mbtiles(self.gdal.Open(xml))
+
+    def test_gdals_ogcapi_driver_reads_the_collection(self):
+        dataset = self.gdal.OpenEx(f"OGCAPI:{self.address('/ogc/collections/' + self.flight_id)}", open_options=["API=TILES"])
+        self.check_against_mbtiles(dataset)
+
+    def test_the_files_to_connect_open(self):
+        _, _, xml = self.server.request("GET", f"/connect/{self.flight_id}/gdal.xml")
+        self.check_against_mbtiles(self.gdal.Open(xml.decode()))
+        _, _, web_map = self.server.request("GET", f"/connect/{self.flight_id}/arcgis.json")
+        service = json.loads(web_map)["operationalLayers"][0]["url"]
+        status, described = self.server.json("GET", service.removeprefix(self.address("")))
+        self.assertEqual((status, described["tileInfo"]["lods"][-1]["level"]), (200, self.tilejson["maxzoom"]))
+        for file in ("josm.xml", "qgis.qlr"):
+            xml = self.server.request("GET", f"/connect/{self.flight_id}/{file}")[2]
+            xml_parser.fromstring(xml)
+
+    def test_owslib_reads_the_capabilities(self):
+        try:
+            from owslib.wms import WebMapService
+            from owslib.wmts import WebMapTileService
+        except ImportError:
+            self.skipTest("python3-owslib is not here")
+        wmts = WebMapTileService(self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml"))
+        set_name = list(wmts.tilematrixsets)[0]
+        column, row, *_ = self.inner_window()
+        tile = wmts.gettile(layer="map", tilematrixset=set_name, tilematrix=str(self.tilejson["maxzoom"]), row=row,
+                            column=column, format="image/png")
+        self.assertTrue(tile.read().startswith(b"\x89PNG"))
+        for version in ("1.1.1", "1.3.0"):
+            wms = WebMapService(self.address(f"/wms/{self.flight_id}"), version=version)
+            self.assertEqual(list(wms.contents), ["map"])
+            box = wms["map"].boundingBoxWGS84
+            for ours, theirs in zip(self.tilejson["bounds"], box):
+                self.assertAlmostEqual(ours, theirs, places=6)
+            picture = wms.getmap(layers=["map"], srs="EPSG:4326", bbox=box, size=(300, 200), format="image/png")
+            self.assertTrue(picture.read().startswith(b"\x89PNG"))
+
+    def test_the_versions_of_wms_agree_on_where_north_is(self):
+        west, south, east, north = self.tilejson["bounds"]
+        base = f"/wms/{self.flight_id}?SERVICE=WMS&REQUEST=GetMap&LAYERS=map&STYLES=&FORMAT=image/png&WIDTH=200&HEIGHT=150&TRANSPARENT=TRUE"
+        old = self.server.request("GET", f"{base}&VERSION=1.1.1&SRS=EPSG:4326&BBOX={west},{south},{east},{north}")[2]
+        new = self.server.request("GET", f"{base}&VERSION=1.3.0&CRS=EPSG:4326&BBOX={south},{west},{north},{east}")[2]
+        same = self.server.request("GET", f"{base}&VERSION=1.3.0&CRS=CRS:84&BBOX={west},{south},{east},{north}")[2]
+        self.assertEqual(old, new)
+        self.assertEqual(old, same)
+
+    def test_double_tiles_are_made_of_the_four_below(self):
+        column, row, west, north, pixel_m, _ = self.inner_window()
+        zoom, size = self.tilejson["maxzoom"], self.tilejson.get("tileSize", 256)
+        column, row = column // 2, row // 2
+        _, headers, png = self.server.request("GET", f"/tiles/{self.flight_id}/{zoom - 1}/{column}/{row}@2x.png")
+        self.assertEqual(headers["Content-Type"], "image/png")
+        path = pathlib.Path(self.data, "double.png")
+        path.write_bytes(png)
+        got = self.gdal.Open(str(path)).ReadAsArray()[:3]
+        self.assertEqual(got.shape, (3, 2 * size, 2 * size))
+        tile_m = 2 * WORLD_M / 2 ** (zoom - 1)
+        want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), column * tile_m - WORLD_M, WORLD_M - row * tile_m,
+                           pixel_m, 2 * size)
+        self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
+
+    def test_every_refusal_of_the_standards_is_said_their_way(self):
+        wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
+        for path, status, word in ((wmts, 400, b"MissingParameterValue"), (wmts + "?service=wms", 400, b"InvalidParameterValue"),
+                                   (wmts + "?request=GetFeatureInfo", 501, b"OperationNotSupported"),
+                                   (wmts + "?request=GetTile&layer=map", 400, b"MissingParameterValue"),
+                                   (wmts + "/map/default/WebMercatorQuad/1/9/9.png", 400, b"TileOutOfRange"),
+                                   (wmts + "/other/default/WebMercatorQuad/1/0/0.png", 404, b"NotFound"),
+                                   ("/wmts/nobody?request=GetCapabilities", 404, b"NotFound"),
+                                   (wms, 400, b"OperationNotSupported"), (wms + "?request=GetMap", 400, b"LayerNotDefined"),
+                                   (wms + "?request=GetMap&layers=map&crs=EPSG:4326&bbox=1,2,3,4&width=100000&height=100000&format=image/png",
+                                    400, b"WIDTH"),
+                                   (wms + "?request=GetMap&layers=map&crs=EPSG:1&bbox=1,2,3,4&width=1&height=1", 400, b"InvalidCRS"),
+                                   (wms + "?request=GetMap&layers=map&crs=CRS:84&bbox=1,2,nan,4&width=1&height=1", 400, b"BBOX")):
+            got, _, body = self.server.request("GET", path)
+            self.assertEqual(got, status, path)
+            self.assertIn(word, body, path)
+
+    def test_a_photos_pixel_and_its_place_find_each_other(self):
+        west, south, east, north = self.tilejson["bounds"]
+        lon, lat = (west + east) / 2, (south + north) / 2
+        status, seen = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon={lon}&lat={lat}")
+        self.assertEqual(status, 200)
+        self.assertTrue(seen["photos"])
+        for photo in seen["photos"]:
+            path = f"/api/v1/flights/{self.flight_id}/photos/{photo['name']}/ground?x={photo['x']}&y={photo['y']}"
+            status, ground = self.server.json("GET", path)
+            self.assertEqual(status, 200)
+            self.assertAlmostEqual(ground["lon"], lon, places=8)
+            self.assertAlmostEqual(ground["lat"], lat, places=8)
+        self.assertEqual(self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon=x&lat=1")[0], 400)
+        self.assertEqual(self.server.json("GET", f"/api/v1/flights/{self.flight_id}/photos/no/ground?x=1&y=1")[0], 404)
 
     def test_gdal_translate_cuts_a_piece_of_the_mbtiles(self):
         out = pathlib.Path(self.data, "piece.png")

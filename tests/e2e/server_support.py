@@ -12,6 +12,8 @@ import time
 import unittest
 import urllib.parse
 
+import contract
+
 BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
 PATIENCE_S = 240  # machines that test are slow and shared; nothing here measures time
 
@@ -19,11 +21,11 @@ PATIENCE_S = 240  # machines that test are slow and shared; nothing here measure
 class Server:
     """`skyquilt serve` over one data folder."""
 
-    def __init__(self, data, *arguments):
+    def __init__(self, data, *arguments, listen="127.0.0.1:0"):
         self.data = pathlib.Path(data)
         self.log = tempfile.NamedTemporaryFile("w+", suffix=".log")
         self.process = subprocess.Popen(
-            [BINARY, "serve", "--data", str(data), "--listen", "127.0.0.1:0", *arguments],
+            [BINARY, "serve", "--data", str(data), "--listen", listen, *arguments],
             stdout=subprocess.PIPE, stderr=self.log, text=True)
         line = self.process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
@@ -36,14 +38,16 @@ class Server:
         return self.log.read()
 
     def request(self, method, path, body=None, headers=None):
-        """(status, headers, bytes) of one request."""
+        """(status, headers, bytes) of one request, held against the contract."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_S)
         try:
             connection.request(method, path, body=body, headers=headers or {})
             response = connection.getresponse()
-            return response.status, response.headers, response.read()
+            answer = response.status, response.headers, response.read()
         finally:
             connection.close()
+        contract.check(method, path, *answer)
+        return answer
 
     def json(self, method, path, value=None):
         body = None if value is None else json.dumps(value)

@@ -22,7 +22,7 @@ class HttpServerTest : public testing::Test {
         queue_(*db_),
         store_(dir_),
         tilesets_(dir_, catalogue_),
-        service_{catalogue_, queue_, store_, tilesets_, metrics_, "test"},
+        service_{catalogue_, queue_, store_, tilesets_, metrics_, *db_, "test"},
         router_(api::BuildApi(service_)) {
     settings_.port = 0;
     settings_.header_deadline = std::chrono::seconds(1);
@@ -174,6 +174,7 @@ TEST_F(HttpServerTest, ClosesWhoeverSendsAHeadTooSlowly) {
   RawClient silent(port());
   RawClient slow(port());
   slow.Send("GET /healthz HT");
+  EXPECT_EQ(slow.Receive().status, 408);
   EXPECT_TRUE(slow.IsClosed());
   EXPECT_TRUE(silent.IsClosed());
 }

@@ -1,0 +1,96 @@
+#include "api/arcgis/arcgis.h"
+
+#include <nlohmann/json.hpp>
+
+#include "api/ogc/map_view.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "api/tiles/tile_path.h"
+#include "api/tiles/tiles.h"
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Value = nlohmann::ordered_json;
+
+Response MapServer(Service& service, const Request& request) {
+  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+  if (!map) return Problem(map.error(), request);
+  const auto& [west, south, east, north] = map->revision().bounds;
+  const Eigen::Vector2d low = geo::MercFromLatLon({.lat_deg = south, .lon_deg = west});
+  const Eigen::Vector2d high = geo::MercFromLatLon({.lat_deg = north, .lon_deg = east});
+  const Value reference = {{"wkid", 102100}, {"latestWkid", 3857}};
+  const Value extent = {{"xmin", low.x()},
+                        {"ymin", low.y()},
+                        {"xmax", high.x()},
+                        {"ymax", high.y()},
+                        {"spatialReference", reference}};
+  // Scales are of ArcGIS' 96 pixels an inch.
+  constexpr double kPixelsPerMetre = 96.0 / 0.0254;
+  Value levels = Value::array();
+  for (const TileMatrix& matrix : MatricesOf(*map)) {
+    levels.push_back({{"level", matrix.zoom},
+                      {"resolution", matrix.pixel_m},
+                      {"scale", matrix.pixel_m * kPixelsPerMetre}});
+  }
+  Value answer;
+  answer["currentVersion"] = 10.91;
+  answer["serviceDescription"] = map->name;
+  answer["mapName"] = map->name;
+  answer["description"] = "";
+  answer["copyrightText"] = "";
+  answer["supportsDynamicLayers"] = false;
+  answer["layers"] = Value::array({{{"id", 0},
+                                    {"name", map->name},
+                                    {"parentLayerId", -1},
+                                    {"defaultVisibility", true},
+                                    {"subLayerIds", nullptr},
+                                    {"minScale", 0},
+                                    {"maxScale", 0}}});
+  answer["tables"] = Value::array();
+  answer["spatialReference"] = reference;
+  answer["singleFusedMapCache"] = true;
+  answer["tileInfo"] = {{"rows", map->tile_size_px()},
+                        {"cols", map->tile_size_px()},
+                        {"dpi", 96},
+                        {"format", "MIXED"},
+                        {"compressionQuality", 85},
+                        {"origin", {{"x", -geo::kMercHalfWidthM}, {"y", geo::kMercHalfWidthM}}},
+                        {"spatialReference", reference},
+                        {"lods", levels}};
+  answer["initialExtent"] = extent;
+  answer["fullExtent"] = extent;
+  answer["minScale"] = levels.front()["scale"];
+  answer["maxScale"] = levels.back()["scale"];
+  answer["units"] = "esriMeters";
+  answer["supportedImageFormatTypes"] = "PNG,JPG";
+  answer["capabilities"] = "Map";
+  answer["exportTilesAllowed"] = false;
+  std::string text = answer.dump(-1, ' ', false, Value::error_handler_t::replace);
+  Response response = Text(200, std::move(text), "application/json");
+  response.headers.Add("Access-Control-Allow-Origin", "*");
+  response.headers.Add("Cache-Control", "no-cache");
+  return response;
+}
+
+Result<Response> Tile(Service& service, const Request& request) {
+  const Result<TilePath> path =
+      ParseTilePath(request.Parameter("z"), request.Parameter("column"), request.Parameter("row"));
+  if (!path) return path.error();
+  TileWish wish;
+  wish.flight_id = request.Parameter("flight");
+  wish.tile = path->tile;
+  return AnswerTile(service, request, wish);
+}
+
+}  // namespace
+
+void AddArcgisRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/arcgis/rest/services/{flight}/MapServer",
+             [&](const Request& r) { return MapServer(service, r); });
+  router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/tile/{z}/{row}/{column}",
+                  [&](const Request& r) { return TileResponse(Tile(service, r), r); });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,161 @@
+#include "api/auth/access.h"
+
+#include <openssl/crypto.h>
+#include <sys/random.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "api/digest.h"
+#include "api/json_codec.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/problem.h"
+
+namespace skyquilt::api {
+namespace {
+
+using storage::Scope;
+
+struct Rule {
+  Method method;
+  std::string_view pattern;  // a '*' at the end stands for anything
+  std::optional<Scope> scope;
+};
+
+// The first rule that fits counts.
+constexpr Rule kRules[] = {
+    {Method::kGet, "/healthz", std::nullopt},
+    {Method::kGet, "/readyz", std::nullopt},
+    {Method::kGet, "/version", std::nullopt},
+    {Method::kGet, "/openapi.json", std::nullopt},
+    {Method::kGet, "/docs", std::nullopt},
+    {Method::kGet, "/auth/info", std::nullopt},
+    {Method::kGet, "(page)", std::nullopt},
+    {Method::kGet, "/metrics", Scope::kAdmin},
+    {Method::kGet, "/api/v1/*", Scope::kRead},
+    {Method::kGet, "/tiles/*", Scope::kRead},
+    {Method::kGet, "/tms*", Scope::kRead},
+    {Method::kGet, "/wmts*", Scope::kRead},
+    {Method::kGet, "/wms*", Scope::kRead},
+    {Method::kGet, "/ogc*", Scope::kRead},
+    {Method::kGet, "/arcgis/*", Scope::kRead},
+    {Method::kGet, "/stac/*", Scope::kRead},
+    {Method::kGet, "/connect/*", Scope::kRead},
+    {Method::kGet, "/info", Scope::kRead},
+    {Method::kGet, "/options", Scope::kRead},
+    {Method::kGet, "/task/*", Scope::kRead},
+    {Method::kDelete, "/api/v1/flights/{flight}", Scope::kAdmin},
+    {Method::kDelete, "/api/v1/*", Scope::kUpload},
+    {Method::kPost, "/api/v1/*", Scope::kUpload},
+    {Method::kPut, "/api/v1/*", Scope::kUpload},
+    {Method::kPatch, "/api/v1/*", Scope::kUpload},
+    {Method::kOptions, "/api/v1/*", std::nullopt},
+    {Method::kPost, "/task/*", Scope::kUpload},
+};
+
+const Rule* FindRule(Method method, std::string_view pattern) {
+  for (const Rule& rule : kRules) {
+    if (rule.method != method) continue;
+    const bool fits = rule.pattern.ends_with('*')
+                          ? pattern.starts_with(rule.pattern.substr(0, rule.pattern.size() - 1))
+                          : pattern == rule.pattern;
+    if (fits) return &rule;
+  }
+  return nullptr;
+}
+
+bool IsNode(std::string_view pattern) {
+  return pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
+}
+
+struct Shown {
+  std::string_view text;
+  bool is_in_query = false;
+};
+
+Shown ShownBy(const Request& request) {
+  const std::string_view header = request.headers.Find("Authorization");
+  constexpr std::string_view kBearer = "Bearer ";
+  if (header.size() > kBearer.size() && EqualsIgnoringCase(header.substr(0, kBearer.size()), kBearer)) {
+    return {header.substr(kBearer.size()), false};
+  }
+  if (!header.empty()) return {header, false};
+  return {request.Query("token").value_or(""), true};
+}
+
+// Every token is compared whole, whatever the outcome: the time taken tells nothing.
+const storage::Token* Recognise(const std::vector<storage::Token>& tokens, std::string_view text) {
+  const std::string hash = HashToken(text);
+  const storage::Token* found = nullptr;
+  for (const storage::Token& token : tokens) {
+    if (token.hash.size() == hash.size() && CRYPTO_memcmp(token.hash.data(), hash.data(), hash.size()) == 0) {
+      found = &token;
+    }
+  }
+  if (found != nullptr && found->expires && *found->expires <= storage::Now()) return nullptr;
+  return found;
+}
+
+Response Unauthorized(const Request& request, std::string_view pattern) {
+  if (IsNode(pattern)) {
+    return NodeAnswer(
+        R"({"error":"Invalid authentication token: give one that this node's operator made."})");
+  }
+  Response response =
+      Problem({ErrorCode::kUnauthorized,
+               "This server asks for a token. Its operator makes one with \"skyquilt token add\".", ""},
+              request);
+  response.headers.Add("WWW-Authenticate", "Bearer realm=\"skyquilt\"");
+  return response;
+}
+
+Response Forbidden(const Request& request, std::string_view pattern, Scope asked) {
+  const Error error{
+      ErrorCode::kForbidden,
+      std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(asked) + "\".",
+      ""};
+  return IsNode(pattern) ? NodeRefusal(error.message) : Problem(error, request);
+}
+
+}  // namespace
+
+std::optional<Scope> ScopeOf(Method method, std::string_view pattern) {
+  const Rule* rule = FindRule(method, pattern);
+  return rule == nullptr ? Scope::kAdmin : rule->scope;
+}
+
+bool IsListed(Method method, std::string_view pattern) { return FindRule(method, pattern) != nullptr; }
+
+std::optional<Response> CheckAccess(Service& service, const Request& request, std::string_view pattern) {
+  const std::optional<Scope> asked = ScopeOf(request.method, pattern);
+  if (!asked) return std::nullopt;
+  const auto tokens = service.tokens.Known();
+  if (!tokens) return Problem(tokens.error(), request);
+  if ((*tokens)->empty()) return std::nullopt;
+  const Shown shown = ShownBy(request);
+  const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
+  if (token == nullptr) return Unauthorized(request, pattern);
+  // What stands in an address gets into histories and logs of others: it opens nothing but reading.
+  const Scope granted = shown.is_in_query && !IsNode(pattern) ? Scope::kRead : token->scope;
+  if (granted < *asked) return Forbidden(request, pattern, *asked);
+  return std::nullopt;
+}
+
+std::string NewTokenText() {
+  std::array<std::uint8_t, 32> random{};
+  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+    throw std::runtime_error("the kernel gave no random bytes");
+  }
+  std::string text = EncodeBase64({reinterpret_cast<const char*>(random.data()), random.size()});
+  for (char& c : text) c = c == '+' ? '-' : c == '/' ? '_' : c;
+  while (text.ends_with('=')) text.pop_back();
+  return "sq_" + text;
+}
+
+std::string HashToken(std::string_view text) {
+  Digest digest(DigestAlgorithm::kSha256);
+  digest.Add({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  return digest.Finish();
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,29 @@
+// Access: may this request do what its route does? Without any token in the catalogue everything is open (the
+// server then listens to its own machine, or was told to be open). With one, each route asks for a scope,
+// shown as "Authorization: Bearer ..."; "?token=" serves clients that cannot set headers, for reading, and
+// for the node's clients, whose contract has it so. Any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/http_message.h"
+#include "api/service.h"
+#include "storage/tokens.h"
+
+namespace skyquilt::api {
+
+// What a route asks for; absent: nothing. A route that is not in the list asks for everything.
+std::optional<storage::Scope> ScopeOf(Method method, std::string_view pattern);
+// True when the list names the route: the test that walks all routes asks it.
+bool IsListed(Method method, std::string_view pattern);
+
+// The refusal, if the request may not pass.
+std::optional<Response> CheckAccess(Service& service, const Request& request, std::string_view pattern);
+
+// 256 random bits as text. Shown once, stored nowhere.
+std::string NewTokenText();
+std::string HashToken(std::string_view text);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,153 @@
+#include "api/connect/connect.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/ogc/map_view.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::api {
+namespace {
+
+// "{z}" and its kin as a program writes them.
+std::string Tiles(const MapView& map, const char* z, const char* x, const char* y) {
+  return map.Link(fmt::format("/tiles/{}/{}/{}/{}.png", map.id, z, x, y));
+}
+
+std::string PercentEncoded(std::string_view text) {
+  std::string encoded;
+  for (const unsigned char c : text) {
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                          c == '-' || c == '_' || c == '.' || c == '/' || c == ':';
+    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
+  }
+  return encoded;
+}
+
+std::string Qgis(const MapView& map) {
+  const std::string source = fmt::format(
+      "type=xyz&url={}&zmin={}&zmax={}{}", PercentEncoded(Tiles(map, "{z}", "{x}", "{y}")),
+      map.revision().min_zoom, map.revision().max_zoom, map.tile_size_px() == 256 ? "" : "&tilePixelRatio=2");
+  const std::string id = "skyquilt_" + map.id;
+  return fmt::format(
+      R"(<!DOCTYPE qgis-layer-definition>
+<qlr>
+  <layer-tree-group name="" checked="Qt::Checked" expanded="1">
+    <layer-tree-layer id="{0}" name="{1}" source="{2}" providerKey="wms" checked="Qt::Checked" expanded="1"/>
+  </layer-tree-group>
+  <maplayers>
+    <maplayer type="raster" hasScaleBasedVisibilityFlag="0">
+      <id>{0}</id>
+      <datasource>{2}</datasource>
+      <layername>{1}</layername>
+      <provider>wms</provider>
+      <srs><spatialrefsys><authid>EPSG:3857</authid></spatialrefsys></srs>
+      <pipe><rasterrenderer type="singlebandcolordata" band="1" opacity="1"/></pipe>
+    </maplayer>
+  </maplayers>
+</qlr>
+)",
+      id, XmlText(map.name), XmlText(source));
+}
+
+std::string Josm(const MapView& map) {
+  const auto& [west, south, east, north] = map.revision().bounds;
+  return fmt::format(
+      R"(<imagery xmlns="http://josm.openstreetmap.de/maps-1.0">
+  <entry>
+    <name>{}</name>
+    <id>skyquilt-{}</id>
+    <type>tms</type>
+    <url>{}</url>
+    <min-zoom>{}</min-zoom>
+    <max-zoom>{}</max-zoom>
+    <tile-size>{}</tile-size>
+    <bounds min-lat="{:.7f}" min-lon="{:.7f}" max-lat="{:.7f}" max-lon="{:.7f}"/>
+  </entry>
+</imagery>
+)",
+      XmlText(map.name), map.id, XmlText(Tiles(map, "{zoom}", "{x}", "{y}")), map.revision().min_zoom,
+      map.revision().max_zoom, map.tile_size_px(), south, west, north, east);
+}
+
+// The window is the map's own, cut at the coarsest zoom's tiles, so that every zoom is an overview: the whole
+// world at this resolution is beyond GDAL's counters.
+std::string Gdal(const MapView& map) {
+  const std::vector<TileMatrix> matrices = MatricesOf(map);
+  const TileMatrix& coarse = matrices.front();
+  const int finest_zoom = matrices.back().zoom;
+  const int overviews = finest_zoom - coarse.zoom;
+  const double side_m = geo::TileSizeInMercM(coarse.zoom);
+  const auto x = [&](std::uint64_t column) {
+    return -geo::kMercHalfWidthM + static_cast<double>(column) * side_m;
+  };
+  const auto y = [&](std::uint64_t row) { return geo::kMercHalfWidthM - static_cast<double>(row) * side_m; };
+  const auto pixels = [&](std::uint32_t first, std::uint32_t last) {
+    return (std::uint64_t{last - first + 1} << overviews) * static_cast<std::uint64_t>(map.tile_size_px());
+  };
+  return fmt::format(
+      R"(<GDAL_WMS>
+  <Service name="TMS"><ServerUrl>{}</ServerUrl></Service>
+  <DataWindow>
+    <UpperLeftX>{:.9f}</UpperLeftX><UpperLeftY>{:.9f}</UpperLeftY>
+    <LowerRightX>{:.9f}</LowerRightX><LowerRightY>{:.9f}</LowerRightY>
+    <SizeX>{}</SizeX><SizeY>{}</SizeY>
+    <TileLevel>{}</TileLevel><TileX>{}</TileX><TileY>{}</TileY><YOrigin>top</YOrigin>
+  </DataWindow>
+  <Projection>EPSG:3857</Projection>
+  <BlockSizeX>{}</BlockSizeX><BlockSizeY>{}</BlockSizeY>
+  <BandsCount>4</BandsCount>
+  <OverviewCount>{}</OverviewCount>
+  <ZeroBlockHttpCodes>204,404</ZeroBlockHttpCodes>
+  <Cache/>
+</GDAL_WMS>
+)",
+      XmlText(Tiles(map, "${z}", "${x}", "${y}")), x(coarse.min_column), y(coarse.min_row),
+      x(coarse.max_column + 1), y(coarse.max_row + 1), pixels(coarse.min_column, coarse.max_column),
+      pixels(coarse.min_row, coarse.max_row), finest_zoom, std::uint64_t{coarse.min_column} << overviews,
+      std::uint64_t{coarse.min_row} << overviews, map.tile_size_px(), map.tile_size_px(), overviews);
+}
+
+std::string Arcgis(const MapView& map) {
+  using Value = nlohmann::ordered_json;
+  Value layer;
+  layer["id"] = "skyquilt-" + map.id;
+  layer["title"] = map.name;
+  layer["layerType"] = "ArcGISTiledMapServiceLayer";
+  layer["url"] = map.Link("/arcgis/rest/services/" + map.id + "/MapServer");
+  layer["visibility"] = true;
+  layer["opacity"] = 1;
+  Value web_map;
+  web_map["operationalLayers"] = Value::array({layer});
+  web_map["baseMap"] = {{"title", "None"}, {"baseMapLayers", Value::array()}};
+  web_map["spatialReference"] = {{"wkid", 102100}, {"latestWkid", 3857}};
+  web_map["version"] = "2.25";
+  return web_map.dump(1, ' ', false, Value::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+void AddConnectRoutes(Router& router, Service& service) {
+  const auto add = [&](const char* file, const char* type, std::string (*write)(const MapView&)) {
+    router.Add(Method::kGet, std::string("/connect/{flight}/") + file,
+               [&service, file, type, write](const Request& request) {
+                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+                 if (!map) return Problem(map.error(), request);
+                 Response response = Text(200, write(*map), type);
+                 response.headers.Add("Content-Disposition",
+                                      std::string("attachment; filename=\"") + file + "\"");
+                 response.headers.Add("Cache-Control", "no-cache");
+                 return response;
+               });
+  };
+  add("qgis.qlr", "application/x-qgis-layer-definition", Qgis);
+  add("josm.xml", "application/xml", Josm);
+  add("gdal.xml", "application/xml", Gdal);
+  add("arcgis.json", "application/json", Arcgis);
+}
+
+}  // namespace skyquilt::api

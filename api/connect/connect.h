@@ -1,0 +1,12 @@
+// Files that other programs open to have the map at once: a QGIS layer, JOSM imagery, a GDAL description, an
+// ArcGIS web map.
+#pragma once
+
+#include "api/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+void AddConnectRoutes(Router& router, Service& service);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,270 @@
+#include "api/downloads/zip_layout.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <tuple>
+#include <utility>
+
+#include "core/base/check.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::uint32_t kBig = 0xffffffff;  // "see the Zip64 field"
+constexpr std::uint16_t kVersion = 45;      // Zip64
+constexpr std::uint16_t kUtf8 = 1 << 11;
+constexpr std::uint16_t kDosDate = (1 << 5) | 1;  // 1980-01-01: no clock, so that the bytes repeat
+constexpr std::size_t kSlice = 256 * 1024;
+
+class OpenedFile {
+ public:
+  explicit OpenedFile(const std::filesystem::path& path)
+      : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
+  ~OpenedFile() {
+    if (fd_ >= 0) close(fd_);
+  }
+  OpenedFile(OpenedFile&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  OpenedFile(const OpenedFile&) = delete;
+  OpenedFile& operator=(const OpenedFile&) = delete;
+  OpenedFile& operator=(OpenedFile&&) = delete;
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+Error ReadError(const std::filesystem::path& path) {
+  return {errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo, "A file of the archive could not be read.",
+          path.string() + ": " + std::strerror(errno)};
+}
+
+struct Measured {
+  std::uint64_t size = 0;
+  std::uint32_t crc = 0;
+};
+
+Result<Measured> MeasureFile(const std::filesystem::path& path) {
+  const OpenedFile file(path);
+  struct stat status {};
+  if (file.fd() < 0 || fstat(file.fd(), &status) != 0) return ReadError(path);
+  // Finished maps never change, and no inode is reused at the same nanosecond with the same size.
+  using Identity = std::tuple<dev_t, ino_t, off_t, time_t, long>;
+  static std::mutex mutex;
+  static std::map<Identity, std::uint32_t> known;
+  const Identity identity{status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec,
+                          status.st_mtim.tv_nsec};
+  Measured measured;
+  measured.size = static_cast<std::uint64_t>(status.st_size);
+  {
+    const std::lock_guard lock(mutex);
+    const auto found = known.find(identity);
+    if (found != known.end()) measured.crc = found->second;
+    if (found != known.end()) return measured;
+  }
+  std::vector<std::uint8_t> slice(kSlice);
+  uLong crc = crc32(0, nullptr, 0);
+  std::uint64_t total = 0;
+  while (true) {
+    const ssize_t got = read(file.fd(), slice.data(), slice.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return ReadError(path);
+    if (got == 0) break;
+    crc = crc32(crc, slice.data(), static_cast<uInt>(got));
+    total += static_cast<std::uint64_t>(got);
+  }
+  if (total != measured.size)
+    return Error{ErrorCode::kIo, "A file of the archive changed meanwhile.", path.string()};
+  measured.crc = static_cast<std::uint32_t>(crc);
+  constexpr std::size_t kMostKnown = 4096;
+  const std::lock_guard lock(mutex);
+  if (known.size() >= kMostKnown) known.clear();
+  known[identity] = measured.crc;
+  return measured;
+}
+
+void Put(std::string& out, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
+}
+
+struct Placed {
+  std::string name;
+  Measured content;
+  std::uint64_t offset = 0;
+};
+
+// The fields that local and central headers share.
+void PutCommon(std::string& out, const Placed& entry, std::uint16_t extra_bytes) {
+  Put(out, kVersion, 2);
+  Put(out, kUtf8, 2);
+  Put(out, 0, 2);  // stored
+  Put(out, 0, 2);
+  Put(out, kDosDate, 2);
+  Put(out, entry.content.crc, 4);
+  Put(out, kBig, 4);
+  Put(out, kBig, 4);
+  Put(out, entry.name.size(), 2);
+  Put(out, extra_bytes, 2);
+}
+
+std::string LocalHeader(const Placed& entry) {
+  std::string out("PK\3\4");
+  PutCommon(out, entry, 20);
+  out += entry.name;
+  Put(out, 1, 2);  // Zip64
+  Put(out, 16, 2);
+  Put(out, entry.content.size, 8);
+  Put(out, entry.content.size, 8);
+  return out;
+}
+
+void PutCentral(std::string& out, const Placed& entry) {
+  out += "PK\1\2";
+  Put(out, (3 << 8) | kVersion, 2);  // made on Unix
+  PutCommon(out, entry, 28);
+  Put(out, 0, 2);                             // comment
+  Put(out, 0, 2);                             // disk
+  Put(out, 0, 2);                             // internal attributes
+  Put(out, std::uint64_t{0100644} << 16, 4);  // a plain file
+  Put(out, kBig, 4);
+  out += entry.name;
+  Put(out, 1, 2);
+  Put(out, 24, 2);
+  Put(out, entry.content.size, 8);
+  Put(out, entry.content.size, 8);
+  Put(out, entry.offset, 8);
+}
+
+std::string Directory(const std::vector<Placed>& placed, std::uint64_t offset) {
+  std::string out;
+  for (const Placed& entry : placed) PutCentral(out, entry);
+  const std::uint64_t size = out.size();
+  out += "PK\6\6";
+  Put(out, 44, 8);
+  Put(out, (3 << 8) | kVersion, 2);
+  Put(out, kVersion, 2);
+  Put(out, 0, 8);  // disks
+  Put(out, placed.size(), 8);
+  Put(out, placed.size(), 8);
+  Put(out, size, 8);
+  Put(out, offset, 8);
+  out += "PK\6\7";
+  Put(out, 0, 4);
+  Put(out, offset + size, 8);
+  Put(out, 1, 4);
+  out += "PK\5\6";
+  Put(out, 0, 4);
+  const std::uint64_t count = std::min<std::uint64_t>(placed.size(), 0xffff);
+  Put(out, count, 2);
+  Put(out, count, 2);
+  Put(out, std::min<std::uint64_t>(size, kBig), 4);
+  Put(out, std::min<std::uint64_t>(offset, kBig), 4);
+  Put(out, 0, 2);
+  return out;
+}
+
+class ZipSource final : public BodySource {
+ public:
+  // `files` are those of the pieces from `first_piece` on, as far as the range goes.
+  ZipSource(std::shared_ptr<const ZipLayout> layout, std::size_t first_piece, std::vector<OpenedFile> files,
+            std::uint64_t offset, std::uint64_t length)
+      : layout_(std::move(layout)),
+        first_piece_(first_piece),
+        piece_(first_piece),
+        files_(std::move(files)),
+        at_(offset),
+        end_(offset + length),
+        length_(length) {}
+  std::uint64_t length() const override { return length_; }
+
+  Result<std::size_t> Read(std::span<std::uint8_t> into) override {
+    if (at_ == end_) return std::size_t{0};
+    while (at_ >= layout_->pieces[piece_].offset + layout_->pieces[piece_].length) ++piece_;
+    const ZipPiece& piece = layout_->pieces[piece_];
+    const std::uint64_t inside = at_ - piece.offset;
+    const auto wanted =
+        static_cast<std::size_t>(std::min<std::uint64_t>({into.size(), piece.length - inside, end_ - at_}));
+    std::size_t got = wanted;
+    if (piece.path.empty()) {
+      std::memcpy(into.data(), piece.bytes.data() + inside, wanted);
+    } else {
+      ssize_t read = -1;
+      do {
+        read = pread(files_[piece_ - first_piece_].fd(), into.data(), wanted, static_cast<off_t>(inside));
+      } while (read < 0 && errno == EINTR);
+      if (read <= 0) return ReadError(piece.path);
+      got = static_cast<std::size_t>(read);
+    }
+    at_ += got;
+    return got;
+  }
+
+ private:
+  std::shared_ptr<const ZipLayout> layout_;
+  std::size_t first_piece_;
+  std::size_t piece_;
+  std::vector<OpenedFile> files_;
+  std::uint64_t at_;
+  std::uint64_t end_;
+  std::uint64_t length_;
+};
+
+}  // namespace
+
+Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries) {
+  ZipLayout layout;
+  std::vector<Placed> placed;
+  const auto add = [&](ZipPiece piece) {
+    piece.offset = layout.length;
+    layout.length += piece.length;
+    if (piece.length > 0) layout.pieces.push_back(std::move(piece));
+  };
+  for (const ZipEntry& entry : entries) {
+    SKYQUILT_CHECK(!entry.name.empty() && entry.name.size() < 0xffff, "an entry needs a name");
+    Measured content;
+    if (entry.path.empty()) {
+      content.size = entry.bytes.size();
+      content.crc = static_cast<std::uint32_t>(crc32_z(
+          crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(entry.bytes.data()), entry.bytes.size()));
+    } else {
+      const Result<Measured> measured = MeasureFile(entry.path);
+      if (!measured) return measured.error();
+      content = *measured;
+    }
+    placed.push_back({entry.name, content, layout.length});
+    std::string header = LocalHeader(placed.back());
+    const std::uint64_t header_bytes = header.size();
+    add({std::move(header), {}, 0, header_bytes});
+    add({entry.path.empty() ? entry.bytes : std::string(), entry.path, 0, content.size});
+  }
+  std::string directory = Directory(placed, layout.length);
+  const std::uint64_t directory_bytes = directory.size();
+  add({std::move(directory), {}, 0, directory_bytes});
+  return layout;
+}
+
+Result<std::unique_ptr<BodySource>> ReadZip(std::shared_ptr<const ZipLayout> layout, std::uint64_t offset,
+                                            std::uint64_t length) {
+  SKYQUILT_CHECK(offset < layout->length && length <= layout->length - offset, "a range outside the archive");
+  const std::vector<ZipPiece>& pieces = layout->pieces;
+  const auto first =
+      std::upper_bound(pieces.begin(), pieces.end(), offset,
+                       [](std::uint64_t value, const ZipPiece& piece) { return value < piece.offset; });
+  const auto first_piece = static_cast<std::size_t>(first - pieces.begin() - 1);
+  std::vector<OpenedFile> files;
+  for (std::size_t i = first_piece; i < pieces.size() && pieces[i].offset < offset + length; ++i) {
+    files.emplace_back(pieces[i].path);
+    if (!pieces[i].path.empty() && files.back().fd() < 0) return ReadError(pieces[i].path);
+  }
+  return std::unique_ptr<BodySource>(
+      std::make_unique<ZipSource>(std::move(layout), first_piece, std::move(files), offset, length));
+}
+
+}  // namespace skyquilt::api

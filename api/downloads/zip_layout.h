@@ -1,0 +1,44 @@
+// ZipLayout: a zip archive of stored (not compressed) entries as a plan: where every byte of it comes from,
+// before any byte is sent. So the archive has a length, an entity tag and byte ranges like any file, and is
+// never on the disk. What it holds is compressed already. Zip64 where a size asks for it. APPNOTE 6.3.10. A
+// value once made; any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "api/http_message.h"
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+struct ZipEntry {
+  std::string name;            // "folder/file.ext" in the archive
+  std::string bytes;           // its content, or
+  std::filesystem::path path;  // the file with its content, when not empty
+};
+
+struct ZipPiece {
+  std::string bytes;           // headers and small entries
+  std::filesystem::path path;  // or a whole file
+  std::uint64_t offset = 0;    // in the archive
+  std::uint64_t length = 0;
+};
+
+struct ZipLayout {
+  std::vector<ZipPiece> pieces;  // without gaps, in order
+  std::uint64_t length = 0;
+};
+
+// Reads every file once for its checksum; those of unchanged files are remembered. Errors: kNotFound, kIo.
+Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries);
+
+// A part of the archive as a body. Its files are open before the first byte, so that they may be unlinked
+// meanwhile. Errors: kNotFound, kIo.
+Result<std::unique_ptr<BodySource>> ReadZip(std::shared_ptr<const ZipLayout> layout, std::uint64_t offset,
+                                            std::uint64_t length);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,96 @@
+#include "api/flights/locate.h"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "api/problem.h"
+#include "api/responses.h"
+#include "core/pipeline/locate.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Value = nlohmann::ordered_json;
+
+Result<double> Number(const Request& request, const char* name) {
+  const std::string_view text = request.Query(name).value_or("");
+  double number = 0.0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() ||
+      !std::isfinite(number)) {
+    return Error{ErrorCode::kInvalidArgument, std::string("The parameter \"") + name + "\" must be a number.",
+                 ""};
+  }
+  return number;
+}
+
+Result<pipeline::LocatedMap> ReadMap(Service& service, const std::string& id) {
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return checked.error();
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(id);
+  if (!flight) return flight.error();
+  if (!flight->active_revision) {
+    return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
+  }
+  const auto path = service.store.dir().Revision(id, *flight->active_revision) / "locate.json";
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",
+                 path.string()};
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return pipeline::ParseLocateJson(text.str());
+}
+
+Response Answer(const Value& value) {
+  return Json(200, value.dump(-1, ' ', false, Value::error_handler_t::replace));
+}
+
+Response At(Service& service, const Request& request) {
+  const Result<double> lon_deg = Number(request, "lon");
+  if (!lon_deg) return Problem(lon_deg.error(), request);
+  const Result<double> lat_deg = Number(request, "lat");
+  if (!lat_deg) return Problem(lat_deg.error(), request);
+  const Result<geo::LatLon> position = geo::LatLon::Make(*lat_deg, *lon_deg);
+  if (!position) return Problem(position.error(), request);
+  const Result<pipeline::LocatedMap> map = ReadMap(service, request.Parameter("flight"));
+  if (!map) return Problem(map.error(), request);
+  Value photos = Value::array();
+  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
+    photos.push_back({{"name", sighting.photo},
+                      {"x", sighting.pixel_in_image.x()},
+                      {"y", sighting.pixel_in_image.y()},
+                      {"off_nadir_deg", geo::RadToDeg(sighting.off_nadir_rad)},
+                      {"placement", alignment::PlacementName(sighting.placement)},
+                      {"sigma_m", sighting.sigma_m}});
+  }
+  return Answer({{"lon", *lon_deg}, {"lat", *lat_deg}, {"photos", photos}});
+}
+
+Response GroundOf(Service& service, const Request& request) {
+  const Result<double> x = Number(request, "x");
+  if (!x) return Problem(x.error(), request);
+  const Result<double> y = Number(request, "y");
+  if (!y) return Problem(y.error(), request);
+  const Result<pipeline::LocatedMap> map = ReadMap(service, request.Parameter("flight"));
+  if (!map) return Problem(map.error(), request);
+  const Result<pipeline::GroundPoint> point =
+      pipeline::GroundAtPixel(*map, request.Parameter("name"), {*x, *y});
+  if (!point) return Problem(point.error(), request);
+  return Answer(
+      {{"lon", point->position.lon_deg}, {"lat", point->position.lat_deg}, {"sigma_m", point->sigma_m}});
+}
+
+}  // namespace
+
+void AddLocateRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/at", [&](const Request& r) { return At(service, r); });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/photos/{name}/ground",
+             [&](const Request& r) { return GroundOf(service, r); });
+}
+
+}  // namespace skyquilt::api

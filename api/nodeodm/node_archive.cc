@@ -1,0 +1,170 @@
+// all.zip: the map under the names that the node's clients know.
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "api/downloads/send_file.h"
+#include "api/downloads/zip_layout.h"
+#include "api/etag.h"
+#include "api/json_codec.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/problem.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+std::string Dump(const Json& value) {
+  return value.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<Json> ReadJson(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{ErrorCode::kNotFound, "Asset not ready", path.string()};
+  Json parsed = Json::parse(file, nullptr, false);
+  if (parsed.is_discarded())
+    return Error{ErrorCode::kCorrupt, "A file of the map is damaged.", path.string()};
+  return parsed;
+}
+
+// Camera positions as the clients' map shows them.
+Json Shots(const Json& photos) {
+  Json features = Json::array();
+  for (const Json& photo : photos.value("features", Json::array())) {
+    const Json& from = photo.at("properties");
+    Json properties;
+    properties["filename"] = from.value("name", "");
+    properties["camera"] = from.value("camera", "");
+    properties["capture_time"] = from.contains("captured_at") ? from["captured_at"] : Json(nullptr);
+    properties["placement"] = from.value("placement", "");
+    properties["yaw_deg"] = from.value("yaw_deg", 0.0);
+    properties["pitch_deg"] = from.value("pitch_deg", 0.0);
+    properties["roll_deg"] = from.value("roll_deg", 0.0);
+    const Json position = {from.value("camera_lon", 0.0), from.value("camera_lat", 0.0),
+                           from.value("camera_height_above_ground_m", 0.0)};
+    features.push_back({{"type", "Feature"},
+                        {"properties", properties},
+                        {"geometry", {{"type", "Point"}, {"coordinates", position}}}});
+  }
+  return {{"type", "FeatureCollection"}, {"features", features}};
+}
+
+Json Stats(const Json& report, const Json& photos) {
+  Json first = nullptr;
+  Json last = nullptr;
+  for (const Json& photo : photos.value("features", Json::array())) {
+    const Json& time = photo.at("properties").at("captured_at");
+    if (!time.is_string()) continue;
+    if (first.is_null() || time < first) first = time;
+    if (last.is_null() || last < time) last = time;
+  }
+  double total_s = 0.0;
+  Json steps = Json::object();
+  for (const Json& timing : report.value("timings", Json::array())) {
+    steps[timing.value("stage", "")] = timing.value("wall_s", 0.0);
+    total_s += timing.value("wall_s", 0.0);
+  }
+  Json stats;
+  stats["processing_statistics"] = {{"area", report.value("area_m2", 0.0)},
+                                    {"start_date", first},
+                                    {"end_date", last},
+                                    {"date", last},
+                                    {"steps_times", steps}};
+  stats["odm_processing_statistics"] = {{"total_time", total_s},
+                                        {"average_gsd", report.value("gsd_m", 0.0) * 100.0}};  // cm
+  const Json& counts = report.at("photos");
+  stats["reconstruction_statistics"] = {
+      {"has_gps", true},
+      {"has_gcp", false},
+      {"initial_shots_count", counts.value("total", 0)},
+      {"reconstructed_shots_count", counts.value("aligned", 0) + counts.value("pose_only", 0)},
+      {"reconstructed_points_count", 0}};
+  return stats;
+}
+
+// Ours, and where the clients look for it. What a revision does not have is left out.
+constexpr std::pair<const char*, const char*> kFiles[] = {
+    {"mosaic.tif", "odm_orthophoto/odm_orthophoto.tif"},
+    {"mosaic.mbtiles", "odm_orthophoto/odm_orthophoto.mbtiles"},
+    {"mosaic.pmtiles", "odm_orthophoto/odm_orthophoto.pmtiles"},
+    {"cameras.json", "cameras.json"},
+    {"geo.txt", "geo.txt"},
+    {"report.html", "odm_report/report.html"},
+    {"report.json", "odm_report/report.json"},
+    {"photos.geojson", "odm_report/footprints.geojson"},
+};
+
+Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTask& task,
+                                        const fs::path& folder) {
+  std::vector<ZipEntry> entries;
+  for (const auto& [ours, theirs] : kFiles) {
+    std::error_code error;
+    if (fs::is_regular_file(folder / ours, error)) entries.push_back({theirs, "", folder / ours});
+  }
+  const Result<Json> report = ReadJson(folder / "report.json");
+  if (!report) return report.error();
+  const Result<Json> photos = ReadJson(folder / "photos.geojson");
+  if (!photos) return photos.error();
+  const Result<std::vector<storage::StoredFile>> files = service.catalogue.ListFiles(task.flight_id);
+  if (!files) return files.error();
+  const Result<std::vector<std::string>> lines = NodeOutput(service, task.flight_id);
+  if (!lines) return lines.error();
+  Json images = Json::array();
+  for (const storage::StoredFile& file : *files)
+    images.push_back({{"filename", file.name}, {"size", file.bytes}});
+  std::string output;
+  for (const std::string& line : *lines) output += line + "\n";
+  entries.push_back({"odm_report/shots.geojson", Dump(Shots(*photos)), {}});
+  entries.push_back({"odm_report/stats.json", Dump(Stats(*report, *photos)), {}});
+  entries.push_back({"images.json", Dump(images), {}});
+  entries.push_back({"task_output.txt", output, {}});
+  entries.push_back({"log.json",
+                     Dump({{"options", Json::parse(task.options, nullptr, false)},
+                           {"timings", report->value("timings", Json::array())}}),
+                     {}});
+  return entries;
+}
+
+Result<Response> Archive(Service& service, const Request& request, const storage::NodeTask& task) {
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
+  if (!flight) return flight.error();
+  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
+  if (!job) return job.error();
+  const bool is_done = *job && (*job)->state == storage::JobState::kSuccessful;
+  if (!flight->active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready", ""};
+  const Result<std::vector<ZipEntry>> entries =
+      EntriesOf(service, task, service.store.dir().Revision(task.flight_id, *flight->active_revision));
+  if (!entries) return entries.error();
+  Result<ZipLayout> planned = PlanZip(*entries);
+  if (!planned) return planned.error();
+  const auto layout = std::make_shared<const ZipLayout>(*std::move(planned));
+  // The directory at the end has every name, size and checksum.
+  const std::string etag = StrongEtag(std::hash<std::string>()(layout->pieces.back().bytes), "zip");
+  return SendParts(
+      request, layout->length, "application/zip", etag,
+      [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
+}
+
+Response Download(Service& service, const Request& request) {
+  const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
+  if (!task) return NodeProblem(task.error(), request);
+  if (request.Parameter("asset") != "all.zip") return NodeRefusal("Invalid asset");
+  Result<Response> sent = Archive(service, request, *task);
+  if (!sent && sent.error().code == ErrorCode::kRangeNotSatisfiable)
+    return DownloadProblem(sent.error(), request);
+  if (!sent) return NodeProblem(sent.error(), request);
+  sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
+  sent->headers.Add("Access-Control-Allow-Origin", "*");
+  return *std::move(sent);
+}
+
+}  // namespace
+
+void AddNodeArchiveRoute(Router& router, Service& service) {
+  router.Add(Method::kGet, "/task/{uuid}/download/{asset}",
+             [&](const Request& r) { return Download(service, r); });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,120 @@
+#include <nlohmann/json.hpp>
+
+#include "api/flights/flights.h"
+#include "api/json_text.h"
+#include "api/nodeodm/node_options.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/responses.h"
+#include "api/target.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Wish {
+  std::string uuid;
+  std::optional<std::string> options;  // JSON list
+};
+
+// Clients send these as a form or as JSON.
+Result<Wish> ParseWish(const Request& request, const std::string& body) {
+  Wish wish;
+  const std::string_view type = request.headers.Find("Content-Type");
+  if (EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json")) {
+    const Result<void> fit = CheckJsonText(body);
+    if (!fit) return fit.error();
+    const Json parsed = Json::parse(body, nullptr, false);
+    if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
+    if (parsed.contains("uuid") && parsed["uuid"].is_string()) wish.uuid = parsed["uuid"];
+    if (parsed.contains("options")) {
+      const Json& options = parsed["options"];
+      wish.options = options.is_string() ? options.get<std::string>() : options.dump();
+    }
+  } else {
+    const auto fields = ParseQuery(body);
+    if (!fields) return fields.error();
+    for (const auto& [name, value] : *fields) {
+      if (name == "uuid") wish.uuid = value;
+      if (name == "options" && !value.empty()) wish.options = value;
+    }
+  }
+  if (wish.uuid.empty()) return Error{ErrorCode::kInvalidArgument, "uuid param missing.", ""};
+  return wish;
+}
+
+Response Outcome(const Result<void>& done, const Request& request) {
+  if (done) return NodeAnswer(R"({"success":true})");
+  Response response = NodeProblem(done.error(), request);
+  if (response.status == 200) {
+    response.body = Json{{"success", false}, {"error", done.error().message}}.dump(
+        -1, ' ', false, Json::error_handler_t::replace);
+  }
+  return response;
+}
+
+Result<void> CancelTask(Service& service, const storage::NodeTask& task) {
+  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
+  if (!job) return job.error();
+  if (!*job) return {};
+  const Result<storage::Job> cancelled = service.queue.Cancel((*job)->id, storage::Now());
+  // A task that has ended cannot be stopped any more; asking is no mistake.
+  if (!cancelled && cancelled.error().code != ErrorCode::kConflict) return cancelled.error();
+  return {};
+}
+
+Result<void> RemoveTask(Service& service, const storage::NodeTask& task) {
+  return DeleteFlight(service, task.flight_id);
+}
+
+Result<void> RestartTask(Service& service, const storage::NodeTask& task,
+                         const std::optional<std::string>& options) {
+  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
+  if (!job) return job.error();
+  if (!*job || !(*job)->finished) {
+    return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended.", ""};
+  }
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
+  if (!flight) return flight.error();
+  NodeChoice choice{flight->options, task.options};
+  if (options) {
+    const Result<NodeChoice> parsed = ParseNodeOptions(*options);
+    if (!parsed) return parsed.error();
+    choice = *parsed;
+    const Result<void> set = service.catalogue.SetFlightOptions(task.flight_id, choice.job_options);
+    if (!set) return set.error();
+  }
+  const Result<storage::Job> queued = service.queue.Add(task.flight_id, choice.job_options, storage::Now());
+  if (!queued) return queued.error();
+  return service.node_tasks.Restart(task.uuid, choice.shown, NodeNowMs());
+}
+
+using Change = std::function<Result<void>(const storage::NodeTask&, const Wish&)>;
+
+void AddChange(Router& router, Service& service, const char* pattern, Change change) {
+  router.AddUpload(Method::kPost, pattern,
+                   [&service, change = std::move(change)](
+                       const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     return CollectBody([&service, change, request](const std::string& body) {
+                       const Result<Wish> wish = ParseWish(request, body);
+                       if (!wish) return NodeProblem(wish.error(), request);
+                       const Result<storage::NodeTask> task = FindNodeTask(service, wish->uuid);
+                       if (!task) return Outcome(task.error(), request);
+                       return Outcome(change(*task, *wish), request);
+                     });
+                   });
+}
+
+}  // namespace
+
+void AddNodeChangeRoutes(Router& router, Service& service) {
+  AddChange(router, service, "/task/cancel",
+            [&](const storage::NodeTask& task, const Wish&) { return CancelTask(service, task); });
+  AddChange(router, service, "/task/remove",
+            [&](const storage::NodeTask& task, const Wish&) { return RemoveTask(service, task); });
+  AddChange(router, service, "/task/restart", [&](const storage::NodeTask& task, const Wish& wish) {
+    return RestartTask(service, task, wish.options);
+  });
+}
+
+}  // namespace skyquilt::api

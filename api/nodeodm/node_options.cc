@@ -1,0 +1,128 @@
+#include "api/nodeodm/node_options.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "api/job_options.h"
+#include "api/json_text.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What a job option is called here, and how its value is written.
+struct Offer {
+  const char* name;
+  const char* job_option;
+  const char* type;
+  const char* value;   // the default, always a text
+  const char* domain;  // JSON
+  const char* help;
+};
+
+constexpr std::array<Offer, 4> kOffers = {{
+    {"orthophoto-resolution", "gsd_m", "float", "0", R"("float: 0 <= x <= 10000")",
+     "Ground size of an orthophoto pixel in cm. 0 means as fine as the photos. Default: %(default)s"},
+    {"orthophoto-quality", "quality", "int", "85", R"("integer: 1 <= x <= 100")",
+     "JPEG quality of the orthophoto's tiles. Default: %(default)s"},
+    {"tile-format", "format", "enum", "auto", R"(["auto","webp"])",
+     "Format of the map's tiles: JPEG with PNG at the fringe (auto), or WebP. One of: %(choices)s. Default: "
+     "%(default)s"},
+    {"align-method", "method", "enum", "auto", R"(["auto","imu","features","direct"])",
+     "How photos are placed: by what suits (auto), by their recorded poses alone (imu), by matching "
+     "features, or "
+     "directly by brightness. One of: %(choices)s. Default: %(default)s"},
+}};
+
+const Offer* FindOffer(std::string_view name) {
+  for (const Offer& offer : kOffers) {
+    if (name == offer.name) return &offer;
+  }
+  return nullptr;
+}
+
+std::optional<double> NumberFrom(const Json& value) {
+  if (value.is_number()) return value.get<double>();
+  if (!value.is_string()) return std::nullopt;
+  const auto& text = value.get_ref<const std::string&>();
+  double number = 0.0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+    return std::nullopt;
+  return number;
+}
+
+// The value as the job's option has it; null keeps the default.
+Result<Json> JobValue(const Offer& offer, const Json& value) {
+  const std::string_view type = offer.type;
+  if (type == "enum") return value;
+  const std::optional<double> number = NumberFrom(value);
+  if (!number) return Error{ErrorCode::kUnprocessable, "must be a number", ""};
+  if (std::string_view(offer.job_option) == "gsd_m") {
+    return *number == 0.0 ? Json(nullptr) : Json(*number / 100.0);  // centimetres to metres
+  }
+  const auto whole = static_cast<std::int64_t>(std::clamp(*number, -1e9, 1e9));
+  if (static_cast<double>(whole) != *number)
+    return Error{ErrorCode::kUnprocessable, "must be a whole number", ""};
+  return Json(whole);
+}
+
+std::string Shown(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+}  // namespace
+
+std::string NodeOptionsJson() {
+  Json list = Json::array();
+  for (const Offer& offer : kOffers) {
+    list.push_back({{"name", offer.name},
+                    {"type", offer.type},
+                    {"value", offer.value},
+                    {"domain", Json::parse(offer.domain)},
+                    {"help", offer.help}});
+  }
+  return list.dump();
+}
+
+Result<NodeChoice> ParseNodeOptions(std::string_view text) {
+  if (text.empty()) return NodeChoice{"{}", "[]"};
+  const Result<void> fit = CheckJsonText(text);
+  if (!fit) return fit.error();
+  const Json list = Json::parse(text, nullptr, false);
+  if (!list.is_array()) {
+    return Error{ErrorCode::kInvalidArgument, "Invalid options: give a JSON list of {name, value}.", ""};
+  }
+  Json job_options = Json::object();
+  Json shown = Json::array();
+  Json errors = Json::array();
+  for (const Json& item : list) {
+    if (!item.is_object() || !item.contains("name") || !item["name"].is_string() || !item.contains("value")) {
+      return Error{ErrorCode::kInvalidArgument, "Invalid options: every item needs a name and a value.", ""};
+    }
+    const Offer* offer = FindOffer(item["name"].get_ref<const std::string&>());
+    if (offer == nullptr) continue;
+    Result<Json> value = JobValue(*offer, item["value"]);
+    // The job's own rules are the last word.
+    if (value) {
+      const Result<pipeline::MosaicOptions> checked = ParseJobOptions(
+          Json{{offer->job_option, *value}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+      if (!checked) value = checked.error();
+    }
+    if (!value) {
+      errors.push_back({{"name", offer->name}, {"error", value.error().message}});
+      continue;
+    }
+    job_options[offer->job_option] = *value;
+    shown.push_back({{"name", offer->name}, {"value", Shown(item["value"])}});
+  }
+  if (!errors.empty()) {
+    return Error{ErrorCode::kUnprocessable, errors.dump(-1, ' ', false, Json::error_handler_t::replace), ""};
+  }
+  return NodeChoice{job_options.dump(), shown.dump(-1, ' ', false, Json::error_handler_t::replace)};
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+#include <sys/random.h>
+#include <sys/sysinfo.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <thread>
+
+#include "api/json_codec.h"
+#include "api/nodeodm/node_options.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Value = nlohmann::ordered_json;
+using storage::JobState;
+
+constexpr const char* kApiVersion = "2.2.4";  // of the contract; clients choose their way by it
+
+std::string Dump(const Value& value) { return value.dump(-1, ' ', false, Value::error_handler_t::replace); }
+
+int StatusCode(const std::optional<storage::Job>& job) {
+  if (!job) return 10;
+  switch (job->state) {
+    case JobState::kAccepted:
+      return 10;
+    case JobState::kRunning:
+      return 20;
+    case JobState::kFailed:
+      return 30;
+    case JobState::kSuccessful:
+      return 40;
+    case JobState::kDismissed:
+      return 50;
+  }
+  return 30;
+}
+
+std::int64_t ProcessingMs(const std::optional<storage::Job>& job) {
+  if (!job || !job->started) return -1;
+  const storage::Time end = job->finished.value_or(storage::Now());
+  return std::chrono::duration_cast<std::chrono::milliseconds>(end - *job->started).count();
+}
+
+// Linux's own figure counts what caches would give back.
+std::uint64_t AvailableMemoryBytes() {
+  std::ifstream meminfo("/proc/meminfo");
+  std::string name;
+  std::uint64_t kib = 0;
+  std::string unit;
+  while (meminfo >> name >> kib) {
+    if (name == "MemAvailable:") return kib * 1024;
+    std::getline(meminfo, unit);
+  }
+  return 0;
+}
+
+Response Info(Service& service, const Request& request) {
+  const Result<storage::JobCounts> jobs = service.queue.Count();
+  if (!jobs) return Problem(jobs.error(), request);
+  struct sysinfo machine {};
+  sysinfo(&machine);
+  Value answer;
+  answer["version"] = kApiVersion;
+  answer["taskQueueCount"] = jobs->accepted + jobs->running;
+  answer["totalMemory"] = std::uint64_t{machine.totalram} * machine.mem_unit;
+  answer["availableMemory"] = AvailableMemoryBytes();
+  answer["cpuCores"] = std::max(1U, std::thread::hardware_concurrency());
+  answer["maxImages"] = nullptr;
+  answer["maxParallelTasks"] = std::max(1, service.worker_count);
+  answer["engineVersion"] = service.version;
+  answer["engine"] = "skyquilt";
+  return NodeAnswer(Dump(answer));
+}
+
+Response List(Service& service, const Request& request) {
+  const Result<std::vector<std::string>> uuids = service.node_tasks.List();
+  if (!uuids) return NodeProblem(uuids.error(), request);
+  Value list = Value::array();
+  for (const std::string& uuid : *uuids) list.push_back({{"uuid", uuid}});
+  return NodeAnswer(Dump(list));
+}
+
+std::optional<std::int64_t> WholeNumber(std::string_view text) {
+  std::int64_t number = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+    return std::nullopt;
+  return number;
+}
+
+// From line `from` on; a negative one counts from the end.
+Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
+  const auto count = static_cast<std::int64_t>(lines.size());
+  if (from < 0) from = std::max<std::int64_t>(0, count + from);
+  Value list = Value::array();
+  for (std::int64_t i = from; i < count; ++i) list.push_back(lines[static_cast<std::size_t>(i)]);
+  return list;
+}
+
+Response TaskInfo(Service& service, const Request& request) {
+  const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
+  if (!task) return NodeProblem(task.error(), request);
+  const Result<std::string> told = NodeTaskJson(service, *task);
+  if (!told) return NodeProblem(told.error(), request);
+  const auto wish = request.Query("with_output");
+  if (!wish) return NodeAnswer(*told);
+  const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
+  if (!lines) return NodeProblem(lines.error(), request);
+  Value answer = Value::parse(*told);
+  answer["output"] = LinesFrom(*lines, WholeNumber(*wish).value_or(0));
+  return NodeAnswer(Dump(answer));
+}
+
+Response TaskOutput(Service& service, const Request& request) {
+  const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
+  if (!task) return NodeProblem(task.error(), request);
+  const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
+  if (!lines) return NodeProblem(lines.error(), request);
+  return NodeAnswer(Dump(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
+}
+
+std::string LineOf(const storage::Event& event) {
+  const Value body = Value::parse(event.body, nullptr, false);
+  const std::string state = body.value("state", "");
+  const std::string stage = body.value("stage", "");
+  std::string text = "job " + state;
+  if (state == "running" && !stage.empty()) text = "stage " + stage;
+  if (body.contains("error") && body["error"].is_string()) text += ": " + body["error"].get<std::string>();
+  return fmt::format("[{}] {}", FormatTime(event.at), text);
+}
+
+}  // namespace
+
+Response NodeAnswer(std::string json) {
+  Response response = Json(200, std::move(json));
+  response.headers.Add("Access-Control-Allow-Origin", "*");
+  return response;
+}
+
+Response NodeRefusal(std::string_view message, bool no_retry) {
+  Value answer;
+  answer["error"] = message;
+  if (no_retry) answer["noRetry"] = true;
+  return NodeAnswer(Dump(answer));
+}
+
+Response NodeProblem(const Error& error, const Request& request) {
+  if (StatusOf(error.code) >= 500) return Problem(error, request);
+  return NodeRefusal(error.message);
+}
+
+std::optional<std::string> NodeUuid(std::string_view text) {
+  if (text.size() != 36) return std::nullopt;
+  std::string uuid(text);
+  for (std::size_t i = 0; i < uuid.size(); ++i) {
+    const bool is_dash = i == 8 || i == 13 || i == 18 || i == 23;
+    if (uuid[i] >= 'A' && uuid[i] <= 'F') uuid[i] = static_cast<char>(uuid[i] - 'A' + 'a');
+    const bool is_hex = (uuid[i] >= '0' && uuid[i] <= '9') || (uuid[i] >= 'a' && uuid[i] <= 'f');
+    if (is_dash ? uuid[i] != '-' : !is_hex) return std::nullopt;
+  }
+  const bool has_version = uuid[14] >= '1' && uuid[14] <= '7';
+  const bool has_variant = std::string_view("89ab").find(uuid[19]) != std::string_view::npos;
+  if (!has_version || !has_variant) return std::nullopt;
+  return uuid;
+}
+
+std::string NewNodeUuid() {
+  std::array<std::uint8_t, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    throw std::runtime_error("the kernel gave no random bytes");
+  }
+  bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x40);
+  bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);
+  std::string uuid;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (i == 4 || i == 6 || i == 8 || i == 10) uuid += '-';
+    uuid += fmt::format("{:02x}", bytes[i]);
+  }
+  return uuid;
+}
+
+Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
+  const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
+  const std::optional<std::string> uuid = NodeUuid(text);
+  if (!uuid) return unknown;
+  Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
+  if (!task && task.error().code != ErrorCode::kNotFound) return task.error();
+  if (!task || !task->is_committed) return unknown;
+  return task;
+}
+
+Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id) {
+  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(flight_id);
+  if (!job) return job.error();
+  std::vector<std::string> lines;
+  if (!*job) return lines;
+  constexpr int kMostLines = 1000;
+  storage::EventFilter filter;
+  filter.job_id = (*job)->id;
+  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMostLines);
+  if (!events) return events.error();
+  for (const storage::Event& event : *events) lines.push_back(LineOf(event));
+  return lines;
+}
+
+std::int64_t NodeNowMs() { return storage::ToUs(storage::Now()) / 1000; }
+
+Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
+  if (!flight) return flight.error();
+  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
+  if (!job) return job.error();
+  Value answer;
+  answer["uuid"] = task.uuid;
+  answer["name"] = flight->name;
+  answer["dateCreated"] = task.created_ms;
+  answer["processingTime"] = ProcessingMs(*job);
+  const int code = StatusCode(*job);
+  answer["status"] = {{"code", code}};
+  if (code == 30)
+    answer["status"]["errorMessage"] = (*job)->error ? (*job)->error->message : "Processing failed";
+  answer["options"] = Value::parse(task.options, nullptr, false);
+  answer["imagesCount"] = flight->file_count;
+  answer["progress"] = code == 40 ? 100.0 : *job ? std::min(99.0, (*job)->progress * 100.0) : 0.0;
+  return Dump(answer);
+}
+
+void AddNodeRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/info", [&](const Request& r) { return Info(service, r); });
+  router.AddQuick(Method::kGet, "/options", [](const Request&) { return NodeAnswer(NodeOptionsJson()); });
+  router.Add(Method::kGet, "/task/list", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
+  router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
+  router.AddQuick(Method::kGet, "/auth/info", [](const Request&) {
+    return NodeAnswer(
+        R"({"message":"Skyquilt takes the tokens that its operator gives out.","loginUrl":null,"registerUrl":null})");
+  });
+}
+
+}  // namespace skyquilt::api

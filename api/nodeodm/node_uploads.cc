@@ -1,0 +1,236 @@
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "api/flights/flights.h"
+#include "api/multipart.h"
+#include "api/nodeodm/node_options.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/responses.h"
+#include "api/uploads/form_receiver.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
+
+const FormRules kNodeForm = {
+    {"name", "options", "skipPostProcessing", "webhook", "outputs", "dateCreated", "zipurl"}, true};
+
+std::string UuidAnswer(const std::string& uuid) { return R"({"uuid":")" + uuid + "\"}"; }
+
+// A form that the node reads to its end whatever is wrong with it: a client that is cut off in the middle of
+// its upload takes that for a passing fault and sends everything again.
+class NodeForm : public BodySink {
+ public:
+  NodeForm(Service& service, Request request, const std::string& boundary, const std::string& flight_id)
+      : service_(service),
+        request_(std::move(request)),
+        receiver_(service, flight_id, kNodeForm),
+        parser_(boundary, receiver_) {}
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (failure_) return {};
+    const Result<void> pushed = parser_.Push(bytes);
+    if (!pushed) failure_ = pushed.error();
+    return {};
+  }
+
+  Response Finish() override {
+    if (!failure_) {
+      const Result<void> whole = parser_.Finish();
+      if (!whole) failure_ = whole.error();
+    }
+    if (failure_) return NodeProblem(*failure_, request_);
+    return Taken();
+  }
+
+ protected:
+  virtual Response Taken() = 0;
+
+  // The files' trouble in one sentence, if none could be taken.
+  std::optional<std::string> NoFile() const {
+    if (receiver_.stored_count() > 0) return std::nullopt;
+    if (receiver_.files().empty()) return "Need at least 1 file.";
+    return receiver_.files().front().name + ": " + receiver_.files().front().error->message;
+  }
+
+  Service& service_;
+  Request request_;
+  FormReceiver receiver_;
+
+ private:
+  MultipartParser parser_;
+  std::optional<Error> failure_;
+};
+
+// What init and new have in common: the fields, checked.
+struct NewTask {
+  std::string uuid;
+  std::string name;
+  NodeChoice choice;
+  std::int64_t created_ms = 0;
+};
+
+Result<NewTask> NewTaskFrom(Service& service, const Request& request, const FormReceiver& form) {
+  NewTask task;
+  const std::string_view wanted = request.headers.Find("set-uuid");
+  task.uuid = NewNodeUuid();
+  if (!wanted.empty()) {
+    const std::optional<std::string> uuid = NodeUuid(wanted);
+    if (!uuid)
+      return Error{ErrorCode::kInvalidArgument, "Invalid uuid: set-uuid must be a UUID of version 1 to 7.",
+                   ""};
+    const Result<storage::NodeTask> taken = service.node_tasks.Find(*uuid);
+    if (taken) return Error{ErrorCode::kConflict, "Invalid uuid: it is in use.", ""};
+    if (taken.error().code != ErrorCode::kNotFound) return taken.error();
+    task.uuid = *uuid;
+  }
+  if (form.Text("zipurl").value_or("") != "") {
+    return Error{ErrorCode::kUnprocessable,
+                 "This node fetches nothing by itself (zipurl). Upload the photos.", ""};
+  }
+  const Result<NodeChoice> choice = ParseNodeOptions(form.Text("options").value_or(""));
+  if (!choice) return choice.error();
+  task.choice = *choice;
+  task.name = form.Text("name").value_or("");
+  if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
+  const Result<FlightFields> checked = ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
+  if (!checked) return checked.error();
+  const std::string date = form.Text("dateCreated").value_or("");
+  task.created_ms = NodeNowMs();
+  if (!date.empty()) {
+    const auto parsed = std::from_chars(date.data(), date.data() + date.size(), task.created_ms);
+    if (parsed.ec != std::errc() || parsed.ptr != date.data() + date.size()) task.created_ms = NodeNowMs();
+  }
+  return task;
+}
+
+class InitForm final : public NodeForm {
+ public:
+  using NodeForm::NodeForm;
+
+ private:
+  Response Taken() override {
+    const Result<NewTask> task = NewTaskFrom(service_, request_, receiver_);
+    if (!task) return NodeProblem(task.error(), request_);
+    const Result<storage::Flight> flight =
+        service_.catalogue.AddFlight(task->name, task->choice.job_options, storage::Now());
+    if (!flight) return NodeProblem(flight.error(), request_);
+    const Result<void> added =
+        service_.node_tasks.Add({task->uuid, flight->id, task->choice.shown, task->created_ms, false});
+    if (!added) {
+      const Result<void> undone = DeleteFlight(service_, flight->id);
+      return NodeProblem(undone ? added.error() : undone.error(), request_);
+    }
+    return NodeAnswer(UuidAnswer(task->uuid));
+  }
+};
+
+class UploadForm final : public NodeForm {
+ public:
+  using NodeForm::NodeForm;
+
+ private:
+  Response Taken() override {
+    if (const auto trouble = NoFile()) return NodeRefusal(*trouble, true);
+    return NodeAnswer(R"({"success":true})");
+  }
+};
+
+// All at once: the flight is there before its fields are known, and goes again if they are not good.
+class WholeForm final : public NodeForm {
+ public:
+  WholeForm(Service& service, Request request, const std::string& boundary, const std::string& flight_id)
+      : NodeForm(service, std::move(request), boundary, flight_id), flight_id_(flight_id) {}
+  ~WholeForm() override {
+    // A flight that cannot be deleted now shows as one without a job; its owner can delete it.
+    if (!is_kept_) (void)DeleteFlight(service_, flight_id_).ok();
+  }
+
+ private:
+  Response Taken() override {
+    const Result<NewTask> task = NewTaskFrom(service_, request_, receiver_);
+    if (!task) return NodeProblem(task.error(), request_);
+    if (const auto trouble = NoFile()) return NodeRefusal(*trouble, true);
+    const Result<void> started = Start(*task);
+    if (!started) return NodeProblem(started.error(), request_);
+    is_kept_ = true;
+    return NodeAnswer(UuidAnswer(task->uuid));
+  }
+
+  Result<void> Start(const NewTask& task) {
+    Result<void> done = service_.catalogue.RenameFlight(flight_id_, task.name);
+    if (done) done = service_.catalogue.SetFlightOptions(flight_id_, task.choice.job_options);
+    if (done)
+      done = service_.node_tasks.Add({task.uuid, flight_id_, task.choice.shown, task.created_ms, true});
+    if (!done) return done.error();
+    const Result<storage::Job> job = service_.queue.Add(flight_id_, task.choice.job_options, storage::Now());
+    if (!job) return job.error();
+    return {};
+  }
+
+  std::string flight_id_;
+  bool is_kept_ = false;
+};
+
+Begun BeginInit(Service& service, const Request& request) {
+  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
+  if (!boundary) return NodeProblem(boundary.error(), request);
+  return std::make_unique<InitForm>(service, request, *boundary, "");
+}
+
+Begun BeginUpload(Service& service, const Request& request) {
+  const Error unknown{ErrorCode::kNotFound, "Invalid uuid (not found)", ""};
+  const std::optional<std::string> uuid = NodeUuid(request.Parameter("uuid"));
+  if (!uuid) return NodeProblem(unknown, request);
+  const Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
+  if (!task && task.error().code != ErrorCode::kNotFound) return NodeProblem(task.error(), request);
+  if (!task || task->is_committed) return NodeProblem(unknown, request);
+  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
+  if (!boundary) return NodeRefusal("Need at least 1 file.", true);
+  return std::make_unique<UploadForm>(service, request, *boundary, task->flight_id);
+}
+
+Begun BeginWhole(Service& service, const Request& request) {
+  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
+  if (!boundary) return NodeProblem(boundary.error(), request);
+  const storage::Time now = storage::Now();
+  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now);
+  if (!flight) return NodeProblem(flight.error(), request);
+  return std::make_unique<WholeForm>(service, request, *boundary, flight->id);
+}
+
+Response Commit(Service& service, const Request& request) {
+  const Error unknown{ErrorCode::kNotFound, "Invalid uuid (not found)", ""};
+  const std::optional<std::string> uuid = NodeUuid(request.Parameter("uuid"));
+  if (!uuid) return NodeProblem(unknown, request);
+  const Result<storage::NodeTask> task = service.node_tasks.Find(*uuid);
+  if (!task) return NodeProblem(task.error().code == ErrorCode::kNotFound ? unknown : task.error(), request);
+  if (!task->is_committed) {
+    const Result<storage::Flight> flight = service.catalogue.GetFlight(task->flight_id);
+    if (!flight) return NodeProblem(flight.error(), request);
+    if (flight->file_count == 0) return NodeRefusal("Need at least 1 file.", true);
+    // The job first: a commit that breaks in between is made good by the client's next try.
+    const Result<storage::Job> job = service.queue.Add(task->flight_id, flight->options, storage::Now());
+    if (!job && job.error().code != ErrorCode::kConflict) return NodeProblem(job.error(), request);
+    const Result<void> committed = service.node_tasks.Commit(*uuid);
+    if (!committed) return NodeProblem(committed.error(), request);
+  }
+  return NodeAnswer(UuidAnswer(*uuid));
+}
+
+}  // namespace
+
+void AddNodeUploadRoutes(Router& router, Service& service) {
+  router.AddUpload(Method::kPost, "/task/new/init", [&](const Request& r) { return BeginInit(service, r); });
+  router.AddUpload(Method::kPost, "/task/new/upload/{uuid}",
+                   [&](const Request& r) { return BeginUpload(service, r); });
+  router.AddUpload(Method::kPost, "/task/new", [&](const Request& r) { return BeginWhole(service, r); });
+  router.AddUpload(Method::kPost, "/task/new/commit/{uuid}", [&](const Request& request) -> Begun {
+    return CollectBody([&service, request](const std::string&) { return Commit(service, request); });
+  });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,38 @@
+// The NodeODM-compatible node at the root paths, so that WebODM, PyODM, CloudODM and ClusterODM work with
+// Skyquilt unmodified. Its contract differs from our own API's: refusals are 200 with {"error": text}
+// (clients take any other status for a passing fault and try again).
+// https://github.com/OpenDroneMap/NodeODM/blob/master/docs
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+void AddNodeRoutes(Router& router, Service& service);        // questions: /info /options /task/...
+void AddNodeChangeRoutes(Router& router, Service& service);  // cancel, remove, restart
+void AddNodeUploadRoutes(Router& router, Service& service);  // new, init, upload, commit
+void AddNodeArchiveRoute(Router& router, Service& service);  // all.zip
+
+// What these files share.
+Response NodeAnswer(std::string json);
+Response NodeRefusal(std::string_view message, bool no_retry = false);
+// An error as the contract has it: trouble that may pass is a 5xx, all else a refusal.
+Response NodeProblem(const Error& error, const Request& request);
+// UUID of versions 1 to 7 in the usual form, any case; answers it in lower case.
+std::optional<std::string> NodeUuid(std::string_view text);
+std::string NewNodeUuid();
+// The committed task of this name. Errors: kNotFound with the contract's text.
+Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view uuid);
+// What the task's latest job went through, one line each.
+Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id);
+std::int64_t NodeNowMs();
+// {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
+Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task);
+
+}  // namespace skyquilt::api

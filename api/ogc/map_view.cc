@@ -1,0 +1,112 @@
+#include "api/ogc/map_view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "api/responses.h"
+#include "api/tiles/tiles.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::api {
+namespace {
+
+// A token goes on in links only when it is one of ours: nothing from outside gets into our documents
+// unchecked.
+std::string TokenOf(const Request& request) {
+  const std::string_view token = request.Query("token").value_or("");
+  const bool is_plain = std::all_of(token.begin(), token.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  });
+  return token.empty() || !is_plain ? std::string() : "token=" + std::string(token);
+}
+
+}  // namespace
+
+int MapView::tile_size_px() const { return TileSizePx(*tileset); }
+
+std::string MapView::matrix_set() const {
+  return tile_size_px() == 256 ? "WebMercatorQuad" : fmt::format("WebMercatorQuad{}", tile_size_px());
+}
+
+std::string MapView::Link(std::string_view path) const {
+  if (token.empty()) return fmt::format("{}{}", base_url, path);
+  return fmt::format("{}{}{}{}", base_url, path, path.find('?') == std::string_view::npos ? '?' : '&', token);
+}
+
+Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id) {
+  const Result<void> checked = CheckId(flight_id, "flight");
+  if (!checked) return checked.error();
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(flight_id);
+  if (!flight) return flight.error();
+  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight_id);
+  if (!tileset) return tileset.error();
+  return MapView{flight_id, flight->name, *tileset, request.base_url, TokenOf(request)};
+}
+
+std::vector<TileMatrix> MatricesOf(const MapView& map) {
+  constexpr double kOgcPixelM = 0.00028;
+  const auto& [west, south, east, north] = map.revision().bounds;
+  const Eigen::Vector2d north_west = geo::MercFromLatLon({.lat_deg = north, .lon_deg = west});
+  const Eigen::Vector2d south_east = geo::MercFromLatLon({.lat_deg = south, .lon_deg = east});
+  std::vector<TileMatrix> matrices;
+  for (int zoom = map.revision().min_zoom; zoom <= map.revision().max_zoom; ++zoom) {
+    TileMatrix matrix;
+    matrix.zoom = zoom;
+    matrix.pixel_m = geo::PixelSizeInMercM(zoom, map.tile_size_px());
+    matrix.scale_denominator = matrix.pixel_m / kOgcPixelM;
+    const geo::TileId first = geo::TileId::AtMerc(zoom, north_west);
+    const geo::TileId last = geo::TileId::AtMerc(zoom, south_east);
+    matrix.min_column = first.x();
+    matrix.max_column = last.x();
+    matrix.min_row = first.y();
+    matrix.max_row = last.y();
+    matrices.push_back(matrix);
+  }
+  return matrices;
+}
+
+std::string XmlText(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&apos;";
+        break;
+      default:
+        // XML 1.0 has no way to say a control character.
+        escaped += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
+    }
+  }
+  return escaped;
+}
+
+Response Xml(std::string body, const char* content_type) {
+  Response response =
+      Text(200, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + std::move(body), content_type);
+  response.headers.Add("Cache-Control", "no-cache");
+  response.headers.Add("Access-Control-Allow-Origin", "*");
+  return response;
+}
+
+std::optional<std::string> Parameter(const Request& request, std::string_view name) {
+  for (const auto& [known, value] : request.query) {
+    if (EqualsIgnoringCase(known, name)) return value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace skyquilt::api

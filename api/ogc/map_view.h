@@ -1,0 +1,49 @@
+// MapView: what every description of a map for other programs says: its name, bounds, zooms, tile size and
+// where its tiles are; and the small pieces of XML and links that these share. Any thread.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/http_message.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+struct MapView {
+  std::string id;  // of the flight
+  std::string name;
+  std::shared_ptr<const storage::Tileset> tileset;
+  std::string base_url;
+  std::string token;  // "token=..." where the request came with one: links go on with it
+
+  const storage::Revision& revision() const { return tileset->revision; }
+  int tile_size_px() const;
+  // "WebMercatorQuad", or with the side of its tiles where that is not 256.
+  std::string matrix_set() const;
+  // base_url + path, with the token.
+  std::string Link(std::string_view path) const;
+};
+
+// Errors: kNotFound (no such flight, or no map yet) and the catalogue's.
+Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id);
+
+// One zoom of the square that all Web Mercator tilings share.
+struct TileMatrix {
+  int zoom = 0;
+  double scale_denominator = 0.0;  // of OGC's 0.28 mm pixel
+  double pixel_m = 0.0;            // in merc
+  // The tiles that the map's bounds touch.
+  std::uint32_t min_column = 0, max_column = 0, min_row = 0, max_row = 0;
+};
+std::vector<TileMatrix> MatricesOf(const MapView& map);
+
+std::string XmlText(std::string_view text);
+Response Xml(std::string body, const char* content_type = "application/xml");
+
+// An OWS or WMS parameter by its name, whatever its case.
+std::optional<std::string> Parameter(const Request& request, std::string_view name);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,291 @@
+#include "api/ogc/ogc.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include "api/json_codec.h"
+#include "api/ogc/map_view.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "api/tiles/tile_path.h"
+#include "api/tiles/tiles.h"
+#include "core/geo/web_mercator.h"
+#include "storage/ids.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Value = nlohmann::ordered_json;
+
+constexpr const char* kRel = "http://www.opengis.net/def/rel/ogc/1.0/";
+constexpr const char* kMercator = "http://www.opengis.net/def/crs/EPSG/0/3857";
+constexpr const char* kCrs84 = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
+
+Response Document(const Value& value) {
+  Response response =
+      Text(200, value.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
+  response.headers.Add("Cache-Control", "no-cache");
+  response.headers.Add("Access-Control-Allow-Origin", "*");
+  return response;
+}
+
+Value Link(const std::string& href, const std::string& rel, const char* type, const char* title) {
+  return {{"href", href}, {"rel", rel}, {"type", type}, {"title", title}};
+}
+
+// A map whose answers need no tileset opened: for links alone.
+MapView Anywhere(const Request& request) {
+  MapView view;
+  view.base_url = request.base_url;
+  const auto token = request.Query("token");
+  if (token && token->find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
+                   std::string_view::npos) {
+    view.token = "token=" + std::string(*token);
+  }
+  return view;
+}
+
+Response Landing(const Request& request) {
+  const MapView at = Anywhere(request);
+  Value links = Value::array();
+  links.push_back(Link(at.Link("/ogc"), "self", "application/json", "This document"));
+  links.push_back(Link(at.Link("/openapi.json"), "service-desc",
+                       "application/vnd.oai.openapi+json;version=3.1", "The API"));
+  links.push_back(Link(at.Link("/docs"), "service-doc", "text/html", "The API, to read"));
+  links.push_back(
+      Link(at.Link("/ogc/conformance"), "conformance", "application/json", "Conformance classes"));
+  links.push_back(Link(at.Link("/ogc/conformance"), std::string(kRel) + "conformance", "application/json",
+                       "Conformance classes"));
+  links.push_back(Link(at.Link("/ogc/collections"), "data", "application/json", "Maps"));
+  links.push_back(Link(at.Link("/ogc/collections"), std::string(kRel) + "data", "application/json", "Maps"));
+  links.push_back(Link(at.Link("/ogc/tileMatrixSets"), std::string(kRel) + "tiling-schemes",
+                       "application/json", "Tile matrix sets"));
+  return Document({{"title", "Skyquilt"}, {"description", "Maps made of aerial photos"}, {"links", links}});
+}
+
+Response Conformance(const Request&) {
+  Value classes = Value::array();
+  for (const char* name : {"ogcapi-common-1/1.0/conf/core", "ogcapi-common-1/1.0/conf/json",
+                           "ogcapi-common-2/1.0/conf/collections", "ogcapi-tiles-1/1.0/conf/core",
+                           "ogcapi-tiles-1/1.0/conf/tileset", "ogcapi-tiles-1/1.0/conf/tilesets-list",
+                           "ogcapi-tiles-1/1.0/conf/geodata-tilesets", "ogcapi-tiles-1/1.0/conf/png",
+                           "ogcapi-tiles-1/1.0/conf/jpeg", "tms/2.0/conf/tilematrixset"}) {
+    classes.push_back(std::string("http://www.opengis.net/spec/") + name);
+  }
+  return Document({{"conformsTo", classes}});
+}
+
+Value Collection(const MapView& map) {
+  Value links = Value::array();
+  const std::string at = "/ogc/collections/" + map.id;
+  links.push_back(Link(map.Link(at), "self", "application/json", "This map"));
+  links.push_back(Link(map.Link(at + "/map/tiles"), std::string(kRel) + "tilesets-map", "application/json",
+                       "Its tilesets"));
+  links.push_back(Link(map.Link("/stac/" + map.id), "describedby", "application/geo+json", "STAC item"));
+  Value collection;
+  collection["id"] = map.id;
+  collection["title"] = map.name;
+  collection["extent"] = {{"spatial", {{"bbox", Value::array({map.revision().bounds})}, {"crs", kCrs84}}}};
+  collection["dataType"] = "map";
+  collection["crs"] = {kMercator};
+  collection["links"] = links;
+  return collection;
+}
+
+Response Collections(Service& service, const Request& request) {
+  int limit = 50;
+  if (const auto text = request.Query("limit")) {
+    const auto parsed = std::from_chars(text->data(), text->data() + text->size(), limit);
+    if (parsed.ec != std::errc() || parsed.ptr != text->data() + text->size() || limit < 1 || limit > 200) {
+      return Problem(
+          {ErrorCode::kInvalidArgument, "The parameter \"limit\" must be a whole number from 1 to 200.", ""},
+          request);
+    }
+  }
+  std::optional<std::string> cursor;
+  if (const auto given = request.Query("cursor")) cursor = *given;
+  if (cursor && !storage::IsId(*cursor)) {
+    return Problem({ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
+                   request);
+  }
+  const Result<storage::FlightPage> page = service.catalogue.ListFlights(limit, cursor);
+  if (!page) return Problem(page.error(), request);
+  Value collections = Value::array();
+  for (const storage::Flight& flight : page->flights) {
+    if (!flight.active_revision) continue;
+    const Result<MapView> map = FindMap(service, request, flight.id);
+    if (map) collections.push_back(Collection(*map));  // one that was deleted meanwhile is left out
+  }
+  const MapView at = Anywhere(request);
+  Value links = Value::array({Link(at.Link("/ogc/collections"), "self", "application/json", "This list")});
+  if (page->next_cursor) {
+    links.push_back(
+        Link(at.Link(fmt::format("/ogc/collections?limit={}&cursor={}", limit, *page->next_cursor)), "next",
+             "application/json", "The next maps"));
+  }
+  return Document({{"links", links}, {"collections", collections}});
+}
+
+Value TilesetSummary(const MapView& map) {
+  const std::string at = fmt::format("/ogc/collections/{}/map/tiles/{}", map.id, map.matrix_set());
+  Value tileset;
+  tileset["title"] = map.name;
+  tileset["dataType"] = "map";
+  tileset["crs"] = kMercator;
+  if (map.tile_size_px() == 256) {
+    tileset["tileMatrixSetURI"] = "http://www.opengis.net/def/tilematrixset/OGC/1.0/WebMercatorQuad";
+  }
+  Value links = Value::array();
+  links.push_back(Link(map.Link(at), "self", "application/json", "This tileset"));
+  links.push_back(Link(map.Link("/ogc/tileMatrixSets/" + map.matrix_set()),
+                       std::string(kRel) + "tiling-scheme", "application/json", "Its tile matrix set"));
+  for (const auto& [type, extension] : {std::pair{"image/png", "png"}, std::pair{"image/jpeg", "jpg"}}) {
+    Value item = Link(map.Link(at + "/{tileMatrix}/{tileRow}/{tileCol}." + extension), "item", type, "Tiles");
+    item["templated"] = true;
+    links.push_back(item);
+  }
+  tileset["links"] = links;
+  return tileset;
+}
+
+Response Tilesets(const MapView& map) {
+  Value links = Value::array(
+      {Link(map.Link("/ogc/collections/" + map.id + "/map/tiles"), "self", "application/json", "This list")});
+  return Document({{"links", links}, {"tilesets", Value::array({TilesetSummary(map)})}});
+}
+
+Response TilesetDocument(const MapView& map) {
+  Value tileset = TilesetSummary(map);
+  Value limits = Value::array();
+  for (const TileMatrix& matrix : MatricesOf(map)) {
+    limits.push_back({{"tileMatrix", std::to_string(matrix.zoom)},
+                      {"minTileRow", matrix.min_row},
+                      {"maxTileRow", matrix.max_row},
+                      {"minTileCol", matrix.min_column},
+                      {"maxTileCol", matrix.max_column}});
+  }
+  tileset["tileMatrixSetLimits"] = limits;
+  const auto& [west, south, east, north] = map.revision().bounds;
+  tileset["boundingBox"] = {{"lowerLeft", {west, south}}, {"upperRight", {east, north}}, {"crs", kCrs84}};
+  tileset["centerPoint"] = {{"coordinates", {(west + east) / 2, (south + north) / 2}},
+                            {"crs", kCrs84},
+                            {"tileMatrix", std::to_string(map.revision().max_zoom)}};
+  return Document(tileset);
+}
+
+// "WebMercatorQuad" has tiles of 256 pixels; a number behind it is another side.
+std::optional<int> SideOf(std::string_view set) {
+  constexpr std::string_view kName = "WebMercatorQuad";
+  if (!set.starts_with(kName)) return std::nullopt;
+  if (set == kName) return 256;
+  for (const int side_px : {512, 1024, 2048, 4096}) {
+    if (set.substr(kName.size()) == std::to_string(side_px)) return side_px;
+  }
+  return std::nullopt;
+}
+
+Response MatrixSets(const Request& request) {
+  const MapView at = Anywhere(request);
+  Value sets = Value::array();
+  for (const char* id : {"WebMercatorQuad", "WebMercatorQuad512", "WebMercatorQuad1024"}) {
+    sets.push_back({{"id", id},
+                    {"links", Value::array({Link(at.Link(std::string("/ogc/tileMatrixSets/") + id), "self",
+                                                 "application/json", "Definition")})}});
+  }
+  return Document({{"tileMatrixSets", sets}});
+}
+
+Response MatrixSet(const Request& request) {
+  const std::string& id = request.Parameter("set");
+  const std::optional<int> side_px = SideOf(id);
+  if (!side_px) return Problem({ErrorCode::kNotFound, "There is no such tile matrix set.", ""}, request);
+  Value matrices = Value::array();
+  Value older = Value::array();
+  constexpr int kFinest = 24;
+  for (int zoom = 0; zoom <= kFinest; ++zoom) {
+    const double cell_m = geo::PixelSizeInMercM(zoom, *side_px);
+    matrices.push_back({{"id", std::to_string(zoom)},
+                        {"scaleDenominator", cell_m / 0.00028},
+                        {"cellSize", cell_m},
+                        {"cornerOfOrigin", "topLeft"},
+                        {"pointOfOrigin", {-geo::kMercHalfWidthM, geo::kMercHalfWidthM}},
+                        {"tileWidth", *side_px},
+                        {"tileHeight", *side_px},
+                        {"matrixWidth", std::uint64_t{1} << zoom},
+                        {"matrixHeight", std::uint64_t{1} << zoom}});
+    older.push_back({{"type", "TileMatrixType"},
+                     {"identifier", std::to_string(zoom)},
+                     {"scaleDenominator", cell_m / 0.00028},
+                     {"topLeftCorner", {-geo::kMercHalfWidthM, geo::kMercHalfWidthM}},
+                     {"tileWidth", *side_px},
+                     {"tileHeight", *side_px},
+                     {"matrixWidth", std::uint64_t{1} << zoom},
+                     {"matrixHeight", std::uint64_t{1} << zoom}});
+  }
+  Value set;
+  set["id"] = id;
+  set["title"] = "Google Maps Compatible for the World";
+  if (*side_px == 256) {
+    set["uri"] = "http://www.opengis.net/def/tilematrixset/OGC/1.0/WebMercatorQuad";
+    set["wellKnownScaleSet"] = "http://www.opengis.net/def/wkss/OGC/1.0/GoogleMapsCompatible";
+  }
+  set["crs"] = kMercator;
+  set["orderedAxes"] = {"E", "N"};
+  set["tileMatrices"] = matrices;
+  // The same in the words of the standard's first version, which programs still go by (GDAL 3.6, and QGIS with it).
+  set["type"] = "TileMatrixSetType";
+  set["identifier"] = id;
+  set["supportedCRS"] = kMercator;
+  set["tileMatrix"] = older;
+  return Document(set);
+}
+
+Result<Response> Tile(Service& service, const Request& request, const MapView& map) {
+  if (request.Parameter("set") != map.matrix_set()) {
+    return Error{ErrorCode::kNotFound, "This map's only tile matrix set is " + map.matrix_set() + ".", ""};
+  }
+  // OGC has the row before the column.
+  const std::string& last = request.Parameter("column");
+  const std::size_t dot = std::min(last.find('.'), last.size());
+  const Result<TilePath> path = ParseTilePath(request.Parameter("matrix"), last.substr(0, dot),
+                                              request.Parameter("row") + last.substr(dot));
+  if (!path) return path.error();
+  TileWish wish;
+  wish.flight_id = map.id;
+  wish.tile = path->tile;
+  wish.format = path->format;
+  wish.empty = EmptyTile::kNoContent;
+  return AnswerTile(service, request, wish);
+}
+
+using OfMap = std::function<Response(const MapView&, const Request&)>;
+
+}  // namespace
+
+void AddOgcRoutes(Router& router, Service& service) {
+  router.AddQuick(Method::kGet, "/ogc", Landing);
+  router.AddQuick(Method::kGet, "/ogc/conformance", Conformance);
+  router.AddQuick(Method::kGet, "/ogc/tileMatrixSets", MatrixSets);
+  router.AddQuick(Method::kGet, "/ogc/tileMatrixSets/{set}", MatrixSet);
+  router.Add(Method::kGet, "/ogc/collections", [&](const Request& r) { return Collections(service, r); });
+  const auto add = [&](const char* rest, OfMap answer) {
+    router.Add(Method::kGet, std::string("/ogc/collections/{flight}") + rest,
+               [&service, answer = std::move(answer)](const Request& request) {
+                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+                 return map ? answer(*map, request) : Problem(map.error(), request);
+               });
+  };
+  add("", [](const MapView& map, const Request&) { return Document(Collection(map)); });
+  add("/map/tiles", [](const MapView& map, const Request&) { return Tilesets(map); });
+  add("/map/tiles/{set}", [](const MapView& map, const Request& request) {
+    if (request.Parameter("set") == map.matrix_set()) return TilesetDocument(map);
+    return Problem({ErrorCode::kNotFound, "This map has no such tileset.", ""}, request);
+  });
+  add("/map/tiles/{set}/{matrix}/{row}/{column}", [&](const MapView& map, const Request& request) {
+    return TileResponse(Tile(service, request, map), request);
+  });
+}
+
+}  // namespace skyquilt::api

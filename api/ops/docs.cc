@@ -1,0 +1,74 @@
+// The contract as a page to read: made from openapi.json, without a script.
+#include <nlohmann/json.hpp>
+
+#include "api/ogc/map_view.h"
+#include "api/ops/ops.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+
+extern const std::string_view kOpenApi;  // api/openapi.json
+
+namespace {
+
+using Value = nlohmann::ordered_json;
+
+constexpr const char* kHead = R"(<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Skyquilt API</title></head><body>
+<h1>Skyquilt API</h1>
+<p>The same for programs: <a href="/openapi.json">openapi.json</a> (OpenAPI 3.1). Errors are problem documents (RFC 9457).</p>
+)";
+
+std::string Parameters(const Value& operation) {
+  std::string rows;
+  for (const Value& parameter : operation.value("parameters", Value::array())) {
+    rows += "<tr><td><code>" + XmlText(parameter.value("name", "")) + "</code></td><td>" +
+            XmlText(parameter.value("in", "")) + "</td><td>" + XmlText(parameter.value("description", "")) + "</td></tr>\n";
+  }
+  if (rows.empty()) return "";
+  return "<table><tr><th>Parameter</th><th>In</th><th>What</th></tr>\n" + rows + "</table>\n";
+}
+
+std::string Responses(const Value& operation) {
+  std::string items;
+  for (const auto& [status, response] : operation.at("responses").items()) {
+    if (status == "default") continue;
+    std::string types;
+    const Value content = response.value("content", Value::object());
+    for (const auto& [type, media] : content.items()) types += " <code>" + XmlText(type) + "</code>";
+    items += "<li>" + XmlText(status) + " " + XmlText(response.value("description", "")) + types + "</li>\n";
+  }
+  return "<ul>" + items + "</ul>\n";
+}
+
+std::string Page() {
+  const Value contract = Value::parse(kOpenApi);
+  std::string page = kHead;
+  for (const Value& tag : contract.at("tags")) {
+    page += "<h2>" + XmlText(tag.value("description", "")) + "</h2>\n";
+    for (const auto& [path, item] : contract.at("paths").items()) {
+      for (const auto& [method, operation] : item.items()) {
+        if (!operation.is_object() || operation.value("tags", Value::array()) != Value::array({tag.at("name")})) continue;
+        std::string upper = method;
+        for (char& c : upper) c = static_cast<char>(c - 'a' + 'A');
+        page += "<h3><code>" + upper + " " + XmlText(path) + "</code></h3>\n<p>" +
+                XmlText(operation.value("summary", "")) + "</p>\n" + Parameters(operation) + Responses(operation);
+      }
+    }
+  }
+  return page + "</body></html>\n";
+}
+
+}  // namespace
+
+void AddDocsRoute(Router& router) {
+  router.AddQuick(Method::kGet, "/docs", [](const Request&) {
+    static const std::string kPage = Page();
+    Response response = Text(200, kPage, "text/html; charset=utf-8");
+    response.headers.Add("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'");
+    return response;
+  });
+}
+
+}  // namespace skyquilt::api

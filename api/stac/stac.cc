@@ -1,0 +1,77 @@
+#include "api/stac/stac.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/json_codec.h"
+#include "api/ogc/map_view.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Value = nlohmann::ordered_json;
+
+Value Link(const std::string& href, const char* rel, const char* type) {
+  return {{"rel", rel}, {"href", href}, {"type", type}};
+}
+
+Value Item(const MapView& map) {
+  const auto& [west, south, east, north] = map.revision().bounds;
+  Value ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
+  Value item;
+  item["type"] = "Feature";
+  item["stac_version"] = "1.0.0";
+  item["stac_extensions"] = {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
+                             "https://stac-extensions.github.io/web-map-links/v1.1.0/schema.json"};
+  item["id"] = fmt::format("{}-r{}", map.id, map.revision().revision);
+  item["bbox"] = map.revision().bounds;
+  item["geometry"] = {{"type", "Polygon"}, {"coordinates", Value::array({ring})}};
+  item["properties"] = {{"title", map.name},
+                        {"datetime", FormatTime(map.revision().created)},
+                        {"created", FormatTime(map.revision().created)},
+                        {"gsd", map.revision().gsd_m},
+                        {"proj:epsg", 3857}};
+  Value links = Value::array();
+  links.push_back(Link(map.Link("/stac/" + map.id), "self", "application/geo+json"));
+  links.push_back(Link(map.Link("/ogc/collections/" + map.id), "related", "application/json"));
+  Value xyz = Link(map.Link(fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}.png", map.id)), "xyz", "image/png");
+  links.push_back(xyz);
+  links.push_back(Link(map.Link(fmt::format("/tiles/{}.json", map.id)), "tilejson", "application/json"));
+  Value wmts = Link(map.Link("/wmts/" + map.id + "/1.0.0/WMTSCapabilities.xml"), "wmts", "application/xml");
+  wmts["wmts:layer"] = "map";
+  links.push_back(wmts);
+  Value wms = Link(map.Link("/wms/" + map.id), "wms", "image/png");
+  wms["wms:layers"] = {"map"};
+  links.push_back(wms);
+  item["links"] = links;
+  const std::string api = "/api/v1/flights/" + map.id;
+  const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
+    return Value{{"href", map.Link(api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
+  };
+  item["assets"] = {
+      {"cog",
+       asset("/download.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "Map", "data")},
+      {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
+      {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
+      {"report", asset("/report", "application/json", "How it was made", "metadata")}};
+  return item;
+}
+
+}  // namespace
+
+void AddStacRoute(Router& router, Service& service) {
+  router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
+    const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+    if (!map) return Problem(map.error(), request);
+    Response response =
+        Text(200, Item(*map).dump(-1, ' ', false, Value::error_handler_t::replace), "application/geo+json");
+    response.headers.Add("Access-Control-Allow-Origin", "*");
+    response.headers.Add("Cache-Control", "no-cache");
+    return response;
+  });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,85 @@
+#include "api/tms/tms.h"
+
+#include <fmt/format.h>
+
+#include "api/ogc/map_view.h"
+#include "api/problem.h"
+#include "api/tiles/tile_path.h"
+#include "api/tiles/tiles.h"
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr int kMostMaps = 200;
+
+Response Root(const Request& request) {
+  return Xml(fmt::format(
+      "<Services><TileMapService title=\"Skyquilt\" version=\"1.0.0\" href=\"{}/tms/1.0.0\"/></Services>\n",
+      XmlText(request.base_url)));
+}
+
+Response Maps(Service& service, const Request& request) {
+  const Result<storage::FlightPage> page = service.catalogue.ListFlights(kMostMaps, std::nullopt);
+  if (!page) return Problem(page.error(), request);
+  std::string maps;
+  for (const storage::Flight& flight : page->flights) {
+    if (!flight.active_revision) continue;
+    maps +=
+        fmt::format("<TileMap title=\"{}\" srs=\"EPSG:3857\" profile=\"none\" href=\"{}/tms/1.0.0/{}\"/>\n",
+                    XmlText(flight.name), XmlText(request.base_url), flight.id);
+  }
+  return Xml(fmt::format(
+      "<TileMapService version=\"1.0.0\"><Title>Skyquilt</Title><TileMaps>\n{}</TileMaps></TileMapService>\n",
+      maps));
+}
+
+Response TileMap(Service& service, const Request& request) {
+  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+  if (!map) return Problem(map.error(), request);
+  const auto& [west, south, east, north] = map->revision().bounds;
+  const Eigen::Vector2d low = geo::MercFromLatLon({.lat_deg = south, .lon_deg = west});
+  const Eigen::Vector2d high = geo::MercFromLatLon({.lat_deg = north, .lon_deg = east});
+  std::string sets;
+  // "order" counts from 0; the zoom is in the address.
+  for (const TileMatrix& matrix : MatricesOf(*map)) {
+    sets +=
+        fmt::format("<TileSet href=\"{0}/tms/1.0.0/{1}/{2}\" units-per-pixel=\"{3:.15g}\" order=\"{2}\"/>\n",
+                    XmlText(map->base_url), map->id, matrix.zoom, matrix.pixel_m);
+  }
+  return Xml(fmt::format(
+      R"(<TileMap version="1.0.0" tilemapservice="{0}/tms/1.0.0/"><Title>{1}</Title><Abstract/><SRS>EPSG:3857</SRS>
+<BoundingBox minx="{2:.9f}" miny="{3:.9f}" maxx="{4:.9f}" maxy="{5:.9f}"/><Origin x="-{6:.9f}" y="-{6:.9f}"/>
+<TileFormat width="{7}" height="{7}" mime-type="image/png" extension="png"/>
+<TileSets profile="none">
+{8}</TileSets></TileMap>
+)",
+      XmlText(map->base_url), XmlText(map->name), low.x(), low.y(), high.x(), high.y(), geo::kMercHalfWidthM,
+      map->tile_size_px(), sets));
+}
+
+Result<Response> Tile(Service& service, const Request& request) {
+  const Result<TilePath> path =
+      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
+  if (!path) return path.error();
+  const Result<geo::TileId> tile = geo::TileId::Make(path->tile.z(), path->tile.x(), path->tile.TmsRow());
+  if (!tile) return tile.error();
+  TileWish wish;
+  wish.flight_id = request.Parameter("flight");
+  wish.tile = *tile;
+  wish.format = path->format;
+  wish.is_double = path->is_double;
+  return AnswerTile(service, request, wish);
+}
+
+}  // namespace
+
+void AddTmsRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/tms", Root);
+  router.Add(Method::kGet, "/tms/1.0.0", [&](const Request& r) { return Maps(service, r); });
+  router.Add(Method::kGet, "/tms/1.0.0/{flight}", [&](const Request& r) { return TileMap(service, r); });
+  router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{z}/{x}/{y}",
+                  [&](const Request& r) { return TileResponse(Tile(service, r), r); });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,266 @@
+#include "api/uploads/tus.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "api/json_codec.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "api/uploads/tus_headers.h"
+#include "api/uploads/unpack.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
+using storage::SpooledUpload;
+
+constexpr int kChecksumMismatch = 460;  // tus' own
+constexpr const char* kChunkType = "application/offset+octet-stream";
+
+Response WithVersion(Response response) {
+  response.headers.Add("Tus-Resumable", kTusVersion);
+  return response;
+}
+
+Response Refuse(const Error& error, const Request& request) { return WithVersion(Problem(error, request)); }
+
+Response Refuse(int status, std::string_view why, const Request& request) {
+  return WithVersion(ProblemWithStatus(status, why, request.path, request.request_id));
+}
+
+std::string HttpDate(storage::Time time) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%a, %d %b %Y %H:%M:%S} GMT",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
+}
+
+void Describe(const SpooledUpload& upload, Response& response) {
+  response.headers.Add("Upload-Offset", std::to_string(upload.offset));
+  if (!upload.is_done) response.headers.Add("Upload-Expires", HttpDate(upload.expires));
+}
+
+std::optional<Response> CheckVersion(const Request& request) {
+  if (request.headers.Find("Tus-Resumable") == kTusVersion) return std::nullopt;
+  Response response = Refuse(412, "Say Tus-Resumable: 1.0.0.", request);
+  response.headers.Add("Tus-Version", kTusVersion);
+  return response;
+}
+
+bool IsChunk(const Request& request) {
+  return EqualsIgnoringCase(request.headers.Find("Content-Type"), kChunkType);
+}
+
+// Bytes of one request, behind what the upload has.
+class Chunk final : public BodySink {
+ public:
+  // `answer` turns the upload as it is then into the response.
+  using Answer = std::function<Response(const SpooledUpload&)>;
+  Chunk(Service& service, Request request, std::unique_ptr<storage::UploadSpool::Append> append,
+        std::optional<TusChecksum> checksum, Answer answer)
+      : service_(service),
+        request_(std::move(request)),
+        append_(std::move(append)),
+        checksum_(std::move(checksum)),
+        answer_(std::move(answer)) {
+    if (checksum_) digest_.emplace(checksum_->algorithm);
+  }
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (digest_) digest_->Add(bytes);
+    return append_->Write(bytes);
+  }
+
+  Response Finish() override {
+    if (digest_ && digest_->Finish() != checksum_->digest) {
+      return Refuse(kChecksumMismatch,
+                    "The checksum is another. Nothing of this request was kept: send it again.", request_);
+    }
+    const Result<SpooledUpload> upload = append_->Commit(storage::Now());
+    if (!upload) return Refuse(upload.error(), request_);
+    if (upload->file) {
+      const auto unpacked = UnpackStored(service_, upload->flight_id, *upload->file);
+      if (!unpacked) return Refuse(unpacked.error(), request_);
+    }
+    return answer_(*upload);
+  }
+
+ private:
+  Service& service_;
+  Request request_;
+  std::unique_ptr<storage::UploadSpool::Append> append_;
+  std::optional<TusChecksum> checksum_;
+  std::optional<Digest> digest_;
+  Answer answer_;
+};
+
+Result<std::optional<TusChecksum>> ChecksumOf(const Request& request) {
+  if (!request.headers.Has("Upload-Checksum")) return std::optional<TusChecksum>();
+  std::optional<TusChecksum> checksum = ParseTusChecksum(request.headers.Find("Upload-Checksum"));
+  if (!checksum) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "Upload-Checksum must be sha1 or sha256 with its digest in base64.", ""};
+  }
+  return checksum;
+}
+
+Begun BeginChunk(Service& service, const Request& request, const std::string& id, std::int64_t offset,
+                 Chunk::Answer answer) {
+  const Result<std::optional<TusChecksum>> checksum = ChecksumOf(request);
+  if (!checksum) return Refuse(checksum.error(), request);
+  const storage::Time now = storage::Now();
+  Result<std::unique_ptr<storage::UploadSpool::Append>> append =
+      service.spool.Begin(id, offset, checksum->has_value(), now);
+  if (!append) return Refuse(append.error(), request);
+  return std::make_unique<Chunk>(service, request, *std::move(append), *checksum, std::move(answer));
+}
+
+// What a creation asks for.
+Result<SpooledUpload> WishOf(const Request& request) {
+  SpooledUpload wish;
+  const bool has_length = request.headers.Has("Upload-Length");
+  const bool is_deferred = request.headers.Has("Upload-Defer-Length");
+  const auto bad = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why, ""}; };
+  if (has_length == is_deferred) return bad("Say either Upload-Length or Upload-Defer-Length: 1.");
+  if (is_deferred && request.headers.Find("Upload-Defer-Length") != "1")
+    return bad("Upload-Defer-Length must be 1.");
+  if (has_length) {
+    wish.length = ParseTusNumber(request.headers.Find("Upload-Length"));
+    if (!wish.length) return bad("Upload-Length is not a number.");
+    if (*wish.length == 0) {
+      return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?",
+                   ""};
+    }
+  }
+  wish.metadata = request.headers.Find("Upload-Metadata");
+  const auto metadata = ParseTusMetadata(wish.metadata);
+  if (!metadata) return bad("Upload-Metadata is not a list of keys with base64 values.");
+  const auto value = [&](const char* key) {
+    const auto found = metadata->find(key);
+    return found == metadata->end() ? std::string() : found->second;
+  };
+  wish.flight_id = value("flight");
+  wish.name = value("filename");
+  if (wish.flight_id.empty() || wish.name.empty()) {
+    return bad("Upload-Metadata must have \"flight\" (the flight's id) and \"filename\".");
+  }
+  const Result<void> checked = CheckId(wish.flight_id, "flight");
+  if (!checked) return checked.error();
+  return wish;
+}
+
+Begun BeginCreation(Service& service, const Request& request) {
+  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  const Result<SpooledUpload> wish = WishOf(request);
+  if (!wish) return Refuse(wish.error(), request);
+  const bool has_body = request.content_length.value_or(1) > 0 && request.headers.Has("Content-Type");
+  if (has_body && !IsChunk(request)) {
+    return Refuse(415, "The first bytes of an upload come as application/offset+octet-stream.", request);
+  }
+  const storage::Time now = storage::Now();
+  const Result<int> expired = service.spool.RemoveExpired(now);
+  if (!expired) return Refuse(expired.error(), request);
+  const Result<SpooledUpload> upload = service.spool.Create(*wish, now);
+  if (!upload) return Refuse(upload.error(), request);
+  const auto created = [](const SpooledUpload& made) {
+    Response response = WithVersion(Response());
+    response.status = 201;
+    response.headers.Add("Location", "/api/v1/uploads/" + made.id);
+    Describe(made, response);
+    return response;
+  };
+  if (has_body) return BeginChunk(service, request, upload->id, 0, created);
+  return CollectBody([created, made = *upload](const std::string&) { return created(made); });
+}
+
+Begun BeginPatch(Service& service, const Request& request) {
+  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  const std::string& id = request.Parameter("upload");
+  const std::optional<std::int64_t> offset = ParseTusNumber(request.headers.Find("Upload-Offset"));
+  if (!offset) return Refuse(400, "Upload-Offset is missing or not a number.", request);
+  if (!IsChunk(request)) return Refuse(415, "Bytes come as application/offset+octet-stream.", request);
+  if (request.headers.Has("Upload-Length")) {
+    const std::optional<std::int64_t> length = ParseTusNumber(request.headers.Find("Upload-Length"));
+    if (!length) return Refuse(400, "Upload-Length is not a number.", request);
+    const Result<void> declared = service.spool.DeclareLength(id, *length, storage::Now());
+    if (!declared) return Refuse(declared.error(), request);
+  }
+  return BeginChunk(service, request, id, *offset, [](const SpooledUpload& upload) {
+    Response response = WithVersion(NoContent());
+    Describe(upload, response);
+    return response;
+  });
+}
+
+Response Get(Service& service, const Request& request) {
+  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  const Result<SpooledUpload> upload = service.spool.Find(request.Parameter("upload"), storage::Now());
+  if (!upload) {
+    Response response = Refuse(upload.error(), request);
+    response.headers.Set("Cache-Control", "no-store");
+    return response;
+  }
+  if (upload->file) {
+    const auto unpacked = UnpackStored(service, upload->flight_id, *upload->file);
+    if (!unpacked) return Refuse(unpacked.error(), request);
+  }
+  Response response = WithVersion(Json(
+      200, JsonObject({{"id", JsonString(upload->id)},
+                       {"flight_id", JsonString(upload->flight_id)},
+                       {"name", JsonString(upload->name)},
+                       {"offset", std::to_string(upload->offset)},
+                       {"length", upload->length ? std::to_string(*upload->length) : std::string("null")},
+                       {"is_done", upload->is_done ? "true" : "false"}})));
+  Describe(*upload, response);
+  if (upload->length) {
+    response.headers.Add("Upload-Length", std::to_string(*upload->length));
+  } else {
+    response.headers.Add("Upload-Defer-Length", "1");
+  }
+  response.headers.Add("Upload-Metadata", upload->metadata);
+  return response;
+}
+
+Response Delete(Service& service, const Request& request) {
+  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  const Result<void> removed = service.spool.Remove(request.Parameter("upload"), storage::Now());
+  if (!removed) return Refuse(removed.error(), request);
+  return WithVersion(NoContent());
+}
+
+Response Options(const Request&) {
+  Response response = WithVersion(NoContent());
+  response.headers.Add("Tus-Version", kTusVersion);
+  response.headers.Add("Tus-Extension",
+                       "creation,creation-with-upload,creation-defer-length,expiration,checksum,termination");
+  response.headers.Add("Tus-Max-Size", std::to_string(storage::kMaxFileBytes));
+  response.headers.Add("Tus-Checksum-Algorithm", "sha1,sha256");
+  return response;
+}
+
+// For clients whose way lets only GET and POST through.
+Begun Overridden(Service& service, const Request& request) {
+  const std::string_view method = request.headers.Find("X-HTTP-Method-Override");
+  if (method == "PATCH") return BeginPatch(service, request);
+  if (method == "DELETE") return Delete(service, request);
+  return Refuse(405, "An upload takes PATCH, HEAD and DELETE.", request);
+}
+
+}  // namespace
+
+void AddTusRoutes(Router& router, Service& service) {
+  constexpr const char* kOne = "/api/v1/uploads/{upload}";
+  router.AddUpload(Method::kPost, "/api/v1/uploads",
+                   [&](const Request& r) { return BeginCreation(service, r); });
+  router.AddQuick(Method::kOptions, "/api/v1/uploads", Options);
+  router.AddQuick(Method::kOptions, kOne, Options);
+  router.Add(Method::kGet, kOne, [&](const Request& r) { return Get(service, r); });
+  router.AddUpload(Method::kPatch, kOne, [&](const Request& r) { return BeginPatch(service, r); });
+  router.AddUpload(Method::kPost, kOne, [&](const Request& r) { return Overridden(service, r); });
+  router.Add(Method::kDelete, kOne, [&](const Request& r) { return Delete(service, r); });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,69 @@
+#include "api/uploads/tus_headers.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::size_t kMaxMetadataBytes = 8192;
+
+bool IsKeyCharacter(char c) { return c > ' ' && c < 0x7f && c != ','; }
+
+}  // namespace
+
+std::optional<std::int64_t> ParseTusNumber(std::string_view text) {
+  constexpr std::size_t kMostDigits = 16;
+  constexpr std::int64_t kLargest = std::int64_t{1} << 53;
+  if (text.empty() || text.size() > kMostDigits) return std::nullopt;
+  std::int64_t number = 0;
+  for (const char c : text) {
+    if (c < '0' || c > '9') return std::nullopt;
+    number = number * 10 + (c - '0');
+  }
+  if (number > kLargest) return std::nullopt;
+  return number;
+}
+
+std::optional<std::map<std::string, std::string>> ParseTusMetadata(std::string_view text) {
+  std::map<std::string, std::string> metadata;
+  if (text.size() > kMaxMetadataBytes) return std::nullopt;
+  while (!text.empty()) {
+    std::string_view item = text.substr(0, text.find(','));
+    const bool has_more = item.size() < text.size();
+    text.remove_prefix(std::min(item.size() + 1, text.size()));
+    if (has_more && text.empty()) return std::nullopt;
+    while (item.starts_with(' ')) item.remove_prefix(1);
+    while (item.ends_with(' ')) item.remove_suffix(1);
+    const std::string_view key = item.substr(0, item.find(' '));
+    if (key.empty()) return std::nullopt;
+    for (const char c : key) {
+      if (!IsKeyCharacter(c)) return std::nullopt;
+    }
+    std::string value;
+    if (key.size() < item.size()) {
+      std::optional<std::string> decoded = DecodeBase64(item.substr(key.size() + 1));
+      if (!decoded) return std::nullopt;
+      value = *std::move(decoded);
+    }
+    if (!metadata.emplace(key, std::move(value)).second) return std::nullopt;
+  }
+  return metadata;
+}
+
+std::optional<TusChecksum> ParseTusChecksum(std::string_view text) {
+  const std::size_t space = text.find(' ');
+  if (space == std::string_view::npos) return std::nullopt;
+  const std::string_view name = text.substr(0, space);
+  TusChecksum checksum;
+  std::size_t size = 20;
+  if (name == "sha256") {
+    checksum.algorithm = DigestAlgorithm::kSha256;
+    size = 32;
+  } else if (name != "sha1") {
+    return std::nullopt;
+  }
+  std::optional<std::string> digest = DecodeBase64(text.substr(space + 1));
+  if (!digest || digest->size() != size) return std::nullopt;
+  checksum.digest = *std::move(digest);
+  return checksum;
+}
+
+}  // namespace skyquilt::api

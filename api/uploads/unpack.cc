@@ -1,0 +1,56 @@
+#include "api/uploads/unpack.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "storage/unpack_archive.h"
+
+namespace skyquilt::api {
+namespace {
+
+FileOutcome Outcome(std::string name, std::int64_t bytes) {
+  FileOutcome outcome;
+  outcome.name = std::move(name);
+  outcome.bytes = bytes;
+  return outcome;
+}
+
+Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& flight_id,
+                                        const std::vector<storage::UnpackedFile>& files) {
+  std::vector<FileOutcome> outcomes;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    outcomes.push_back(Outcome(files[i].file.name, files[i].file.bytes));
+    outcomes.back().error = files[i].error;
+    if (files[i].error) continue;
+    const auto added = service.catalogue.AddFileUnderFreeName(flight_id, files[i].file, storage::Now());
+    if (!added) {
+      // Those that the catalogue has stay; the others are taken back.
+      for (std::size_t rest = i; rest < files.size(); ++rest) {
+        if (!files[rest].error) service.store.Remove(flight_id, files[rest].file.stored_name);
+      }
+      return added.error();
+    }
+    if (added->name != files[i].file.name) {
+      outcomes.back().name = added->name;
+      outcomes.back().note = fmt::format("\"{}\" was there already, so this one is kept as \"{}\".",
+                                         files[i].file.name, added->name);
+    }
+  }
+  return outcomes;
+}
+
+}  // namespace
+
+Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
+                                              const storage::StoredFile& file) {
+  if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
+  const Result<std::vector<storage::UnpackedFile>> unpacked =
+      storage::UnpackArchive(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name));
+  const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
+  if (removed) service.store.Remove(flight_id, removed->stored_name);
+  if (!unpacked) return unpacked.error();
+  return AddAll(service, flight_id, *unpacked);
+}
+
+}  // namespace skyquilt::api

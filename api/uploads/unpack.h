@@ -1,0 +1,18 @@
+// UnpackStored: an archive that was uploaded becomes the files in it. What every door for uploads does with
+// what it has stored. Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/json_codec.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+// One outcome a file: the file itself, or those of the archive that it was. Errors: those of the store and of
+// UnpackArchive; then the archive is gone too.
+Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
+                                              const storage::StoredFile& file);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,55 @@
+// Locate: which photos see a point of the ground, and where; and where a pixel of a photo lies. From the
+// exact cameras and ground that a finished map was rendered with, kept beside it as locate.json. Values; any
+// thread. Errors: kNotFound (no such photo), kUnprocessable (the pixel shows no ground), kCorrupt (the file).
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/base/result.h"
+#include "core/geo/lat_lon.h"
+#include "core/geo/local_frame.h"
+#include "core/ground/ground_surface.h"
+
+namespace skyquilt::pipeline {
+
+struct LocatedCamera {
+  std::string name;
+  camera::Intrinsics intrinsics;
+  geo::Rigid3 cam_from_enu;
+  alignment::Placement placement = alignment::Placement::kPoseOnly;
+  double error_radius_m = 0.0;
+};
+
+struct LocatedMap {
+  geo::LocalFrame frame{geo::Wgs84{}};
+  ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
+  std::vector<LocatedCamera> cameras;
+};
+
+// Numbers are written so that they are read again exactly.
+std::string LocateJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground);
+Result<LocatedMap> ParseLocateJson(std::string_view text);
+
+struct GroundPoint {
+  geo::LatLon position;
+  double sigma_m = 0.0;  // of the camera's placement, seen under this ray's angle
+};
+// Where the ray through a pixel (the centre of the first is (0,0)) first meets the ground.
+Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
+                                  const Eigen::Vector2d& pixel_in_image);
+
+struct Sighting {
+  std::string photo;
+  Eigen::Vector2d pixel_in_image = Eigen::Vector2d::Zero();
+  double off_nadir_rad = 0.0;  // between the view and the vertical
+  alignment::Placement placement = alignment::Placement::kPoseOnly;
+  double sigma_m = 0.0;
+};
+// The photos that have the point in their image, the most nearly vertical view first.
+std::vector<Sighting> PhotosAtPoint(const LocatedMap& map, const geo::LatLon& position);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,73 @@
+#include "server/commands/config_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+namespace skyquilt::server {
+namespace {
+
+std::string Trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
+
+std::string Unquoted(std::string text) {
+  const bool is_quoted =
+      text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front();
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
+Result<std::vector<std::string>> WordsOf(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return Error{ErrorCode::kNotFound, fmt::format("--config {}: there is no such file.", path), ""};
+  std::vector<std::string> words;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::string text = Trimmed(line);
+    if (text.empty() || text.front() == '#') continue;
+    const std::size_t equals = text.find('=');
+    const std::string name = Trimmed(text.substr(0, equals));
+    const bool is_name = !name.empty() && name != "config" &&
+                         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string::npos;
+    if (equals == std::string::npos || !is_name) {
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format("{} line {}: it must be \"name = value\", with an option of serve as the name.", path,
+                      number),
+          ""};
+    }
+    if (std::getenv(VariableOf(name).c_str()) != nullptr) continue;
+    words.push_back(fmt::format("--{}={}", name, Unquoted(Trimmed(text.substr(equals + 1)))));
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string VariableOf(std::string_view option) {
+  std::string name = "SKYQUILT_SERVE_";
+  for (const char c : option) name.push_back(c == '-' ? '_' : static_cast<char>(c - 'a' + 'A'));
+  return name;
+}
+
+Result<std::vector<std::string>> ExpandConfig(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "serve") return words;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    std::string path;
+    constexpr std::string_view kJoined = "--config=";
+    if (words[i] == "--config" && i + 1 < words.size()) path = words[i + 1];
+    if (words[i].starts_with(kJoined)) path = words[i].substr(kJoined.size());
+    if (path.empty()) continue;
+    const Result<std::vector<std::string>> from_file = WordsOf(path);
+    if (!from_file) return from_file.error();
+    words.insert(words.begin() + 1, from_file->begin(), from_file->end());
+    return words;
+  }
+  return words;
+}
+
+}  // namespace skyquilt::server

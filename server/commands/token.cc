@@ -1,0 +1,99 @@
+#include "server/commands/token.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "api/auth/access.h"
+#include "api/json_codec.h"
+#include "storage/data_dir.h"
+#include "storage/ids.h"
+#include "storage/tokens.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct TokenOptions {
+  std::string data_dir;
+  std::string name;
+  std::string scope = "read";
+  int days = 0;  // 0: for ever
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt token: {}\n", error.message);
+  throw CLI::RuntimeError(1);
+}
+
+std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
+  const Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
+  if (!dir) Fail(dir.error());
+  Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::Open(dir->Catalogue());
+  if (!db) Fail(db.error());
+  return *std::move(db);
+}
+
+void Add(const TokenOptions& options) {
+  const auto db = OpenCatalogue(options);
+  const std::string text = api::NewTokenText();
+  storage::Token token;
+  token.id = storage::NewId();
+  token.name = options.name;
+  token.hash = api::HashToken(text);
+  token.scope = storage::ScopeFrom(options.scope).value_or(storage::Scope::kRead);
+  token.created = storage::Now();
+  if (options.days > 0) token.expires = token.created + std::chrono::hours(24) * options.days;
+  const Result<void> added = storage::Tokens(*db).Add(token);
+  if (!added) Fail(added.error());
+  // The token alone on the standard output, for scripts; it is never shown again.
+  fmt::print("{}\n", text);
+}
+
+void List(const TokenOptions& options) {
+  const auto db = OpenCatalogue(options);
+  const Result<std::vector<storage::Token>> tokens = storage::Tokens(*db).List();
+  if (!tokens) Fail(tokens.error());
+  for (const storage::Token& token : *tokens) {
+    fmt::print("{:<20} {:<7} made {} {}\n", token.name, storage::ScopeName(token.scope),
+               api::FormatTime(token.created),
+               token.expires ? "ends " + api::FormatTime(*token.expires) : std::string("never ends"));
+  }
+}
+
+void Revoke(const TokenOptions& options) {
+  const auto db = OpenCatalogue(options);
+  const Result<void> revoked = storage::Tokens(*db).Revoke(options.name);
+  if (!revoked) Fail(revoked.error());
+}
+
+}  // namespace
+
+void AddTokenCommand(CLI::App& app) {
+  const auto options = std::make_shared<TokenOptions>();
+  CLI::App* command = app.add_subcommand("token", "Say who may use a server: add, list or revoke tokens");
+  command->require_subcommand(1);
+  const auto with_data = [&](CLI::App* sub) {
+    sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
+    return sub;
+  };
+  const auto with_name = [&](CLI::App* sub) {
+    sub->add_option("name", options->name, "What to call the token")->required();
+    return sub;
+  };
+  CLI::App* add = with_name(with_data(command->add_subcommand("add", "Make a token and print it, once")));
+  add->add_option("--scope", options->scope, "What it may do; each includes those before")
+      ->check(CLI::IsMember({"read", "upload", "admin"}))
+      ->capture_default_str();
+  add->add_option("--days", options->days, "Days until it ends (0: never)")
+      ->check(CLI::Range(0, 36500))
+      ->capture_default_str();
+  add->callback([options] { Add(*options); });
+  with_data(command->add_subcommand("list", "List the tokens"))->callback([options] { List(*options); });
+  with_name(
+      with_data(command->add_subcommand("revoke", "End a token; a running server knows within a second")))
+      ->callback([options] { Revoke(*options); });
+}
+
+}  // namespace skyquilt::server

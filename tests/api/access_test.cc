@@ -1,0 +1,98 @@
+// Who may do what: every route of the API against every scope.
+#include "api/auth/access.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/api/sample_service.h"
+
+namespace skyquilt::api {
+namespace {
+
+using storage::Scope;
+
+std::string MakeToken(SampleService& sample, const std::string& name, Scope scope,
+                      std::optional<storage::Time> expires = {}) {
+  const std::string text = NewTokenText();
+  EXPECT_TRUE(sample.service().tokens.Add({name, name, HashToken(text), scope, storage::Now(), expires}));
+  return text;
+}
+
+int StatusFor(SampleService& sample, Method method, const std::string& pattern, const std::string& token,
+              bool in_query = false) {
+  Request request;
+  request.method = method;
+  if (in_query) {
+    request.query.emplace_back("token", token);
+  } else if (!token.empty()) {
+    request.headers.Add("Authorization", "Bearer " + token);
+  }
+  const std::optional<Response> refused = CheckAccess(sample.service(), request, pattern);
+  if (!refused) return 0;
+  // The node's clients get their refusals as answers.
+  return refused->status == 200
+             ? (refused->body.find("Invalid authentication") == std::string::npos ? 403 : 401)
+             : refused->status;
+}
+
+TEST(Access, EveryRouteIsListedAndAsksForWhatItDoes) {
+  SampleService sample;
+  for (const auto& [method, pattern] : sample.router().Routes()) {
+    EXPECT_TRUE(IsListed(method, pattern)) << MethodName(method) << " " << pattern;
+    const std::optional<Scope> scope = ScopeOf(method, pattern);
+    if (method != Method::kGet && method != Method::kOptions) {
+      EXPECT_GE(scope, Scope::kUpload) << pattern;
+    }
+    if (!scope) {
+      EXPECT_EQ(pattern.find("{flight}"), std::string::npos) << pattern;
+    }
+  }
+  EXPECT_EQ(ScopeOf(Method::kPost, "/something/new"), Scope::kAdmin);
+}
+
+TEST(Access, WithoutTokensAllIsOpen) {
+  SampleService sample;
+  for (const auto& [method, pattern] : sample.router().Routes())
+    EXPECT_EQ(StatusFor(sample, method, pattern, ""), 0);
+}
+
+TEST(Access, EveryRouteAgainstEveryToken) {
+  SampleService sample;
+  const std::string read = MakeToken(sample, "read", Scope::kRead);
+  const std::string upload = MakeToken(sample, "upload", Scope::kUpload);
+  const std::string admin = MakeToken(sample, "admin", Scope::kAdmin);
+  const std::string ended = MakeToken(sample, "ended", Scope::kAdmin, storage::FromUs(1));
+  for (const auto& [method, pattern] : sample.router().Routes()) {
+    const std::optional<Scope> scope = ScopeOf(method, pattern);
+    const std::string what = std::string(MethodName(method)) + " " + pattern;
+    const int refused = scope ? 401 : 0;
+    EXPECT_EQ(StatusFor(sample, method, pattern, ""), refused) << what;
+    EXPECT_EQ(StatusFor(sample, method, pattern, "sq_wrong"), refused) << what;
+    EXPECT_EQ(StatusFor(sample, method, pattern, ended), refused) << what;
+    EXPECT_EQ(StatusFor(sample, method, pattern, admin), 0) << what;
+    EXPECT_EQ(StatusFor(sample, method, pattern, upload), scope == Scope::kAdmin ? 403 : 0) << what;
+    EXPECT_EQ(StatusFor(sample, method, pattern, read), scope > Scope::kRead ? 403 : 0) << what;
+    // In the address a token opens reading alone, but for the node's clients, who know no other way.
+    const bool is_node = pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
+    EXPECT_EQ(StatusFor(sample, method, pattern, admin, true), scope > Scope::kRead && !is_node ? 403 : 0)
+        << what;
+  }
+}
+
+TEST(Access, ARevokedTokenEnds) {
+  SampleService sample;
+  const std::string token = MakeToken(sample, "one", Scope::kRead);
+  MakeToken(sample, "other", Scope::kRead);
+  EXPECT_EQ(StatusFor(sample, Method::kGet, "/api/v1/flights", token), 0);
+  ASSERT_TRUE(sample.service().tokens.Revoke("one"));
+  storage::Tokens fresh(sample.service().db);
+  EXPECT_EQ((*fresh.Known())->size(), 1u);
+}
+
+TEST(Access, TokensAreLongAndNeverTheSame) {
+  EXPECT_GE(NewTokenText().size(), 46u);
+  EXPECT_NE(NewTokenText(), NewTokenText());
+  EXPECT_EQ(HashToken("a").size(), 32u);
+}
+
+}  // namespace
+}  // namespace skyquilt::api

@@ -1,0 +1,138 @@
+// Photos and points against simulated truth: no tolerance but that of arithmetic.
+#include "core/pipeline/locate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace skyquilt::pipeline {
+namespace {
+
+using geo::DegToRad;
+
+// A camera with a bent lens that looks down, turned and tilted a little.
+alignment::AlignedPhoto PhotoAt(const std::string& name, double east_m, double north_m, double tilt_rad) {
+  alignment::AlignedPhoto photo;
+  photo.photo.name = name;
+  photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3200.0);
+  photo.intrinsics.k1 = -0.08;
+  photo.intrinsics.k2 = 0.01;
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(geo::kPi, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond tilted(Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitX()));
+  photo.cam_from_enu =
+      geo::Rigid3::FromRotationAndTargetOrigin(tilted * turned * down, {east_m, north_m, 120.0});
+  photo.placement = alignment::Placement::kAligned;
+  photo.error_radius_m = 0.5;
+  return photo;
+}
+
+alignment::AlignedFlight Flight() {
+  alignment::AlignedFlight flight;
+  flight.frame = geo::LocalFrame({.lat_deg = 47.3, .lon_deg = 8.5, .height_ellipsoid_m = 450.0});
+  for (int i = 0; i < 5; ++i) flight.photos.push_back(PhotoAt("p" + std::to_string(i), 30.0 * i, 10.0 * i, 0.1 * i));
+  return flight;
+}
+
+ground::GroundSurface Hills() {
+  std::vector<float> heights;
+  for (int row = 0; row < 60; ++row) {
+    for (int column = 0; column < 60; ++column) {
+      heights.push_back(static_cast<float>(10.0 * std::sin(0.2 * column) * std::cos(0.15 * row)));
+    }
+  }
+  return ground::GroundSurface::Grid({-200.0, -200.0}, 10.0, 60, 60, heights, 0.0);
+}
+
+LocatedMap Read(const ground::GroundSurface& ground) {
+  const Result<LocatedMap> map = ParseLocateJson(LocateJson(Flight(), ground));
+  EXPECT_TRUE(map);
+  return *map;
+}
+
+class LocateTest : public testing::TestWithParam<bool> {
+ protected:
+  ground::GroundSurface Ground() const { return GetParam() ? Hills() : ground::GroundSurface::Plane(12.5); }
+};
+
+TEST_P(LocateTest, APixelsGroundIsSeenAtThatPixel) {
+  const LocatedMap map = Read(Ground());
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> x(0.0, 3999.0);
+  std::uniform_real_distribution<double> y(0.0, 2999.0);
+  for (int i = 0; i < 500; ++i) {
+    const std::string name = "p" + std::to_string(i % 5);
+    const Eigen::Vector2d pixel(x(random), y(random));
+    const Result<GroundPoint> point = GroundAtPixel(map, name, pixel);
+    ASSERT_TRUE(point) << point.error().message;
+    EXPECT_GE(point->sigma_m, 0.5);
+    bool is_seen = false;
+    for (const Sighting& sighting : PhotosAtPoint(map, point->position)) {
+      if (sighting.photo != name) continue;
+      is_seen = true;
+      EXPECT_LT((sighting.pixel_in_image - pixel).norm(), 1e-3);
+    }
+    EXPECT_TRUE(is_seen);
+  }
+}
+
+TEST_P(LocateTest, TheTruePointIsWhereThePhotoShowsIt) {
+  const ground::GroundSurface ground = Ground();
+  const LocatedMap map = Read(ground);
+  const alignment::AlignedFlight flight = Flight();
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    // Straight below the camera, and somewhat aside.
+    for (const Eigen::Vector2d& aside : {Eigen::Vector2d(0, 0), Eigen::Vector2d(14, -9), Eigen::Vector2d(-20, 11)}) {
+      const Eigen::Vector2d at = photo.cam_from_enu.TargetOriginInSource().head<2>() + aside;
+      const Eigen::Vector3d truth(at.x(), at.y(), ground.HeightAt(at));
+      const auto pixel = photo.intrinsics.Project(photo.cam_from_enu * truth);
+      ASSERT_TRUE(pixel);
+      if (!photo.intrinsics.IsInImage(*pixel)) continue;
+      const Result<GroundPoint> point = GroundAtPixel(map, photo.photo.name, *pixel);
+      ASSERT_TRUE(point);
+      const Eigen::Vector3d found =
+          flight.frame.EnuFromWgs84({point->position.lat_deg, point->position.lon_deg,
+                                     flight.frame.Wgs84FromEnu(truth).height_ellipsoid_m});
+      EXPECT_LT((found - truth).norm(), 1e-4);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Grounds, LocateTest, testing::Bool());
+
+TEST(Locate, TheMostVerticalViewComesFirst) {
+  const LocatedMap map = Read(ground::GroundSurface::Plane(0.0));
+  const geo::Wgs84 below = map.frame.Wgs84FromEnu({31.0, 10.0, 0.0});
+  const std::vector<Sighting> sightings = PhotosAtPoint(map, {below.lat_deg, below.lon_deg});
+  ASSERT_GE(sightings.size(), 2u);
+  EXPECT_EQ(sightings.front().photo, "p1");
+  for (std::size_t i = 1; i < sightings.size(); ++i) {
+    EXPECT_LE(sightings[i - 1].off_nadir_rad, sightings[i].off_nadir_rad);
+  }
+  EXPECT_TRUE(PhotosAtPoint(map, {48.0, 9.0}).empty());
+}
+
+TEST(Locate, WhatShowsNoGroundIsRefused) {
+  alignment::AlignedFlight flight = Flight();
+  flight.photos.push_back(PhotoAt("horizon", 0.0, 0.0, 1.5));
+  const Result<LocatedMap> map = ParseLocateJson(LocateJson(flight, Hills()));
+  ASSERT_TRUE(map);
+  EXPECT_EQ(GroundAtPixel(*map, "horizon", {2000, 1500}).error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(GroundAtPixel(*map, "p0", {4000, 10}).error().code, ErrorCode::kUnprocessable);
+  EXPECT_EQ(GroundAtPixel(*map, "unknown", {1, 1}).error().code, ErrorCode::kNotFound);
+}
+
+TEST(Locate, DamagedFilesAreRefused) {
+  const std::string good = LocateJson(Flight(), Hills());
+  for (std::size_t size = 0; size < good.size(); size += good.size() / 50) {
+    EXPECT_FALSE(ParseLocateJson(good.substr(0, size)));
+  }
+  EXPECT_FALSE(ParseLocateJson(R"({"version":2})"));
+  EXPECT_FALSE(ParseLocateJson(R"({"version":1,"origin":[1,2],"ground":{"z_m":0},"cameras":[]})"));
+  EXPECT_FALSE(ParseLocateJson(
+      R"({"version":1,"origin":[1,2,3],"ground":{"z_m":0,"heights_m":[1],"columns":2,"rows":2,"cell_m":1},"cameras":[]})"));
+}
+
+}  // namespace
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,121 @@
+"""Archives as uploads: the good ones become their files, the bad ones become an answer and nothing else."""
+import base64
+import hashlib
+import io
+import json
+import struct
+import tarfile
+import unittest
+import zipfile
+
+from server_support import ServerTestCase
+
+
+def zip_of(*entries, method=zipfile.ZIP_STORED):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", method) as archive:
+        for name, content in entries:
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+def tar_of(*entries, mode="w"):
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode=mode) as archive:
+        for entry, content in entries:
+            entry = entry if isinstance(entry, tarfile.TarInfo) else tarfile.TarInfo(entry)
+            entry.size = len(content)
+            archive.addfile(entry, io.BytesIO(content))
+    return buffer.getvalue()
+
+
+def link(name, target):
+    entry = tarfile.TarInfo(name)
+    entry.type, entry.linkname = tarfile.SYMTYPE, target
+    return entry
+
+
+class Archives(ServerTestCase):
+    def setUp(self):
+        super().setUp()
+        self.server = self.serve("--workers", "0")
+        _, flight = self.server.json("POST", "/api/v1/flights", {})
+        self.files = f"/api/v1/flights/{flight['id']}/files"
+
+    def put(self, name, content, headers=None):
+        status, _, body = self.server.request("PUT", f"{self.files}/{name}", content, headers)
+        return status, json.loads(body)
+
+    def listed(self):
+        return {file["name"]: file["bytes"] for file in self.server.json("GET", self.files)[1]["files"]}
+
+    def test_zip_and_tar_become_their_files(self):
+        photos = [(f"DCIM/100MEDIA/{name}", content) for name, content in self.photos]
+        clutter = [("__MACOSX/DCIM/._a.jpg", b"x"), (".DS_Store", b"x")]
+        status, told = self.put("flight.zip", zip_of(*photos, *clutter))
+        self.assertEqual((status, len(told["files"])), (201, 6))
+        self.assertEqual(self.listed(), {name: len(content) for name, content in self.photos})
+        status, told = self.put("more.tar.gz", tar_of(("logs/a.csv", b"1,2"), ("b.txt", b"hello"), mode="w:gz"))
+        self.assertEqual((status, len(self.listed())), (201, 8))
+        status, told = self.put("again.tar", tar_of(("b.txt", b"hello"),))
+        self.assertIn("note", told["files"][0])
+
+    def test_archives_come_through_every_door(self):
+        archive = zip_of(("a.jpg", b"aa"), ("b.jpg", b"bb"))
+        status, made = self.server.upload([("flight.zip", archive), ("c.jpg", b"cc")])
+        self.assertEqual((status, sorted(file["name"] for file in made["files"])), (202, ["a.jpg", "b.jpg", "c.jpg"]))
+        flight = self.files.split("/")[4]
+        encoded = lambda text: base64.b64encode(text.encode()).decode()
+        status, _, _ = self.server.request("POST", "/api/v1/uploads", archive, {
+            "Tus-Resumable": "1.0.0", "Content-Type": "application/offset+octet-stream", "Upload-Length": str(len(archive)),
+            "Upload-Metadata": f"flight {encoded(flight)},filename {encoded('flight.zip')}"})
+        self.assertEqual((status, self.listed()), (201, {"a.jpg": 2, "b.jpg": 2}))
+
+    def test_what_is_wrong_inside_is_said_and_skipped(self):
+        entries = [("../../evil.jpg", b"x"), ("/etc/passwd", b"x"), ("C:/x.jpg", b"x"), ("good.jpg", b"x"),
+                   ("inner.zip", zip_of(("a", b"x"))), ("empty.jpg", b""), ("n" * 300, b"x")]
+        status, told = self.put("mixed.zip", zip_of(*entries))
+        self.assertEqual(status, 201)
+        taken = {file["name"] for file in told["files"] if "error" not in file}
+        self.assertEqual(taken, {"good.jpg"})
+        self.assertEqual(len(told["files"]), len(entries))
+        status, told = self.put("links.tar", tar_of((link("a.jpg", "/etc/passwd"), b""), ("good2.jpg", b"x")))
+        self.assertEqual({file["name"] for file in told["files"] if "error" not in file}, {"good2.jpg"})
+        self.assertEqual(self.listed(), {"good.jpg": 1, "good2.jpg": 1})
+
+    def test_archives_made_to_harm_leave_nothing(self):
+        bomb = zip_of(("a.jpg", bytes(64 << 20)), method=zipfile.ZIP_DEFLATED)
+        good = zip_of(("a.jpg", b"x" * 1000), ("b.jpg", b"y" * 1000))
+        directory = good.index(b"PK\1\2")
+        encrypted = bytearray(good)
+        encrypted[6] |= 1
+        encrypted[directory + 8] |= 1
+        wrong_sum = bytearray(good)
+        wrong_sum[40] ^= 1
+        lying = bytearray(good)
+        for offset in (18, 22):
+            struct.pack_into("<I", lying, offset, 0xFFFFFF)
+        many = zip_of(*((f"{number}.jpg", b"") for number in range(20_100)))
+        for name, content in (("bomb", bomb), ("cut", good[: len(good) // 2]), ("nonsense", b"PK\3\4" + b"\xff" * 500),
+                              ("encrypted", bytes(encrypted)), ("sum", bytes(wrong_sum)), ("many", many)):
+            status, problem = self.put(f"{name}.zip", content)
+            self.assertEqual(status, 422, (name, problem))
+            self.assertIn("archive", problem["detail"], name)
+            self.assertEqual(self.listed(), {}, name)
+        self.put("lying.zip", bytes(lying))  # taken or refused: what counts is that no more comes out than went in
+        self.assertLessEqual(sum(self.listed().values()), 2000)
+        self.assertEqual(self.server.garbage(), [])
+        flight = self.files.split("/")[4]
+        on_disk = list((self.server.data / "flights" / flight / "files").iterdir())
+        self.assertEqual(len(on_disk), len(self.listed()))
+
+    def test_a_digest_is_checked(self):
+        digest = lambda content: {"Content-Digest": f"sha-256=:{base64.b64encode(hashlib.sha256(content).digest()).decode()}:"}
+        self.assertEqual(self.put("a.jpg", b"hello", digest(b"hello"))[0], 201)
+        self.assertEqual(self.put("b.jpg", b"hellO", digest(b"hello"))[0], 422)
+        self.assertEqual(self.put("b.jpg", b"hello", {"Content-Digest": "sha-256=nonsense"})[0], 400)
+        self.assertEqual(self.listed(), {"a.jpg": 5})
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,189 @@
+"""The NodeODM-compatible node, call by call as its clients make them: a photo folder in, all.zip out."""
+import io
+import json
+import re
+import subprocess
+import sys
+import unittest
+import uuid as uuids
+import zipfile
+
+from server_support import BINARY, ServerTestCase, wait_until
+
+BOUNDARY = "node-test-boundary"
+FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
+UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
+
+
+def form(fields=(), files=()):
+    parts = [f'--{BOUNDARY}\r\nContent-Disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode()
+             for name, value in dict(fields).items()]
+    for name, content in files:
+        head = (f'--{BOUNDARY}\r\nContent-Disposition: form-data; name="images"; filename="{name}"\r\n'
+                "Content-Type: application/octet-stream\r\n\r\n")
+        parts.append(head.encode() + content + b"\r\n")
+    return b"".join(parts) + f"--{BOUNDARY}--\r\n".encode()
+
+
+class Node(ServerTestCase):
+    def ask(self, server, method, path, body=None, headers=None):
+        """What a client sees: always 200 with JSON."""
+        status, got, answer = server.request(method, path, body, headers)
+        self.assertEqual((status, got["Content-Type"]), (200, "application/json"), answer)
+        return json.loads(answer)
+
+    def start(self, server, fields=(), headers=None):
+        made = self.ask(server, "POST", "/task/new/init", form(fields), {**FORM, **(headers or {})})
+        uuid = made["uuid"]
+        for photo in self.photos:
+            answer = self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[photo]), FORM)
+            self.assertEqual(answer, {"success": True})
+        self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})
+        return uuid
+
+    def wait(self, server, uuid, code):
+        told = {}
+
+        def is_there():
+            told.update(self.ask(server, "GET", f"/task/{uuid}/info"))
+            return told["status"]["code"] in (30, 40, 50)
+        wait_until(is_there, f"the task did not end: {told}")
+        self.assertEqual(told["status"]["code"], code, f"{told} {server.errors()}")
+        return told
+
+    def test_what_a_client_asks_first(self):
+        server = self.serve("--workers", "2")
+        told = self.ask(server, "GET", "/info")
+        self.assertRegex(told["version"], r"^\d+\.\d+\.\d+$")
+        self.assertGreaterEqual([int(n) for n in told["version"].split(".")], [1, 5, 1])
+        self.assertEqual((told["taskQueueCount"], told["maxImages"], told["maxParallelTasks"], told["engine"]),
+                         (0, None, 2, "skyquilt"))
+        for option in self.ask(server, "GET", "/options"):
+            self.assertEqual(sorted(option), ["domain", "help", "name", "type", "value"])  # clients unpack exactly these
+            self.assertIsInstance(option["value"], str)
+            self.assertIn(option["type"], ("int", "float", "string", "bool", "enum"))
+        self.assertEqual(self.ask(server, "GET", "/task/list"), [])
+        self.assertIsNone(self.ask(server, "GET", "/auth/info")["loginUrl"])
+
+    def test_a_task_goes_from_init_to_all_zip(self):
+        server = self.serve()
+        wanted = str(uuids.uuid4())
+        options = [{"name": "orthophoto-quality", "value": "80"}, {"name": "fast-orthophoto", "value": True}]
+        uuid = self.start(server, {"name": "North field", "options": json.dumps(options), "skipPostProcessing": "true",
+                                   "dateCreated": "1700000000000"}, {"set-uuid": wanted})
+        self.assertEqual(uuid, wanted)
+        self.assertEqual(self.ask(server, "GET", "/task/list"), [{"uuid": uuid}])
+        self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/download/orthophoto.tif"), {"error": "Invalid asset"})
+        told = self.wait(server, uuid, 40)
+        self.assertEqual((told["name"], told["dateCreated"], told["imagesCount"], told["progress"]),
+                         ("North field", 1700000000000, len(self.photos), 100))
+        self.assertEqual(told["options"], [{"name": "orthophoto-quality", "value": "80"}])
+        self.assertGreater(told["processingTime"], 0)
+        lines = self.ask(server, "GET", f"/task/{uuid}/output?line=0")
+        self.assertTrue(any("stage align" in line for line in lines), lines)
+        self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/output?line=-1"), lines[-1:])
+        self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info?with_output=1")["output"], lines[1:])
+        self.check_archive(server, uuid)
+        # A restart of the server loses nothing, whichever way it went down.
+        server.kill()
+        again = self.serve()
+        self.assertEqual(self.ask(again, "GET", f"/task/{uuid}/info")["status"]["code"], 40)
+
+    def check_archive(self, server, uuid):
+        path = f"/task/{uuid}/download/all.zip"
+        status, headers, whole = server.request("GET", path)
+        self.assertEqual((status, headers["Accept-Ranges"], int(headers["Content-Length"])), (200, "bytes", len(whole)))
+        # 16 connections, as the clients do it.
+        step = len(whole) // 16 + 1
+        parts = b""
+        for first in range(0, len(whole), step):
+            last = min(first + step, len(whole)) - 1
+            status, headers, part = server.request("GET", path, headers={"Range": f"bytes={first}-{last}"})
+            self.assertEqual((status, headers["Content-Range"]), (206, f"bytes {first}-{last}/{len(whole)}"))
+            parts += part
+        self.assertEqual(parts, whole)
+        archive = zipfile.ZipFile(io.BytesIO(whole))
+        self.assertIsNone(archive.testzip())
+        names = set(archive.namelist())
+        self.assertLessEqual({"odm_orthophoto/odm_orthophoto.tif", "odm_orthophoto/odm_orthophoto.mbtiles",
+                              "odm_report/shots.geojson", "odm_report/stats.json", "images.json", "task_output.txt"}, names)
+        shots = json.loads(archive.read("odm_report/shots.geojson"))
+        self.assertEqual(sorted(shot["properties"]["filename"] for shot in shots["features"]),
+                         sorted(name for name, _ in self.photos))
+        stats = json.loads(archive.read("odm_report/stats.json"))
+        self.assertGreater(stats["processing_statistics"]["area"], 0)
+        self.check_cog(archive.extract("odm_orthophoto/odm_orthophoto.tif", self.data))
+
+    def check_cog(self, path):
+        try:
+            from osgeo import gdal  # noqa: F401
+        except ImportError:
+            self.skipTest("python3-gdal is not here")
+        said = subprocess.run([sys.executable, "-m", "osgeo_utils.samples.validate_cloud_optimized_geotiff", path],
+                              capture_output=True, text=True)
+        self.assertIn("is a valid cloud optimized GeoTIFF", said.stdout, said.stdout + said.stderr)
+
+    def test_all_in_one_form(self):
+        server = self.serve()
+        uuid = self.ask(server, "POST", "/task/new", form({"name": "One form"}, self.photos), FORM)["uuid"]
+        self.assertRegex(uuid, UUID)
+        self.assertEqual(self.wait(server, uuid, 40)["imagesCount"], len(self.photos))
+
+    def test_refusals_are_answers(self):
+        server = self.serve("--workers", "0")
+        nobody = "11111111-2222-4333-8444-555555555555"
+        self.assertIn("not found", self.ask(server, "GET", f"/task/{nobody}/info")["error"])
+        self.assertIn("not found", self.ask(server, "GET", "/task/nonsense/output")["error"])
+        self.assertEqual(self.ask(server, "POST", f"/task/new/upload/{nobody}", form(files=self.photos[:1]), FORM),
+                         {"error": "Invalid uuid (not found)"})
+        self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{nobody}"), {"error": "Invalid uuid (not found)"})
+        for bad in ("x", "11111111-2222-0333-8444-555555555555", "../../etc"):
+            self.assertIn("Invalid uuid", self.ask(server, "POST", "/task/new/init", form(), {**FORM, "set-uuid": bad})["error"])
+        for options, name in (([{"name": "orthophoto-quality", "value": "0"}], "orthophoto-quality"),
+                              ([{"name": "tile-format", "value": "bmp"}], "tile-format"),
+                              ([{"name": "orthophoto-resolution", "value": "fine"}], "orthophoto-resolution")):
+            answer = self.ask(server, "POST", "/task/new/init", form({"options": json.dumps(options)}), FORM)
+            self.assertEqual(json.loads(answer["error"])[0]["name"], name)
+        for options in ("{", "{}", '[{"name":1}]', "[" * 100):
+            self.assertIn("error", self.ask(server, "POST", "/task/new/init", form({"options": options}), FORM))
+        self.assertIn("error", self.ask(server, "POST", "/task/new", form({"zipurl": "http://example.org/a.zip"}), FORM))
+        self.assertIn("error", self.ask(server, "POST", "/task/new", b"not a form", FORM))
+        self.assertIn("error", self.ask(server, "POST", "/task/new/init", b"{}", {"Content-Type": "application/json"}))
+        for call in ("cancel", "remove", "restart"):
+            self.assertEqual(self.ask(server, "POST", f"/task/{call}", b""), {"error": "uuid param missing."})
+            answer = self.ask(server, "POST", f"/task/{call}", f"uuid={nobody}")
+            self.assertFalse(answer["success"])
+        empty = self.ask(server, "POST", "/task/new/init", form(), FORM)["uuid"]
+        for body in (form(), form(files=[("a.jpg", b"")])):
+            self.assertTrue(self.ask(server, "POST", f"/task/new/upload/{empty}", body, FORM)["noRetry"])
+        self.assertIn("at least 1 file", self.ask(server, "POST", f"/task/new/commit/{empty}")["error"])
+        self.assertEqual(self.ask(server, "GET", "/task/list"), [])
+        self.assertEqual(server.garbage(), [])
+
+    def test_cancel_restart_remove(self):
+        server = self.serve("--workers", "0")
+        uuid = self.start(server)
+        self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info")["status"], {"code": 10})
+        self.assertEqual(self.ask(server, "GET", "/info")["taskQueueCount"], 1)
+        self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/download/all.zip"), {"error": "Asset not ready"})
+        self.assertFalse(self.ask(server, "POST", "/task/restart", f"uuid={uuid}")["success"])
+        self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})  # a client that heard nothing
+        as_json = {"Content-Type": "application/json"}
+        for _ in range(2):
+            answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), as_json)
+            self.assertEqual(answer, {"success": True})
+        self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info")["status"], {"code": 50})
+        options = [{"name": "orthophoto-quality", "value": "70"}]
+        answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), as_json)
+        self.assertEqual(answer, {"success": True})
+        told = self.ask(server, "GET", f"/task/{uuid}/info")
+        self.assertEqual((told["status"], told["options"]), ({"code": 10}, options))
+        subprocess.run([BINARY, "worker", "--data", self.data, "--once"], check=True, capture_output=True)
+        self.wait(server, uuid, 40)
+        self.assertEqual(self.ask(server, "POST", "/task/remove", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(self.ask(server, "GET", "/task/list"), [])
+        self.assertEqual(list((server.data / "flights").iterdir()), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

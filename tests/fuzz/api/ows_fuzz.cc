@@ -1,0 +1,29 @@
+// The parameters of WMS and of tile addresses, as they come in a query.
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "api/target.h"
+#include "api/tiles/tile_path.h"
+#include "api/wms/wms.h"
+#include "core/base/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace skyquilt::api;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  auto query = ParseQuery(text);
+  if (!query) return 0;
+  Request request;
+  request.query = *std::move(query);
+  if (const auto map = ParseGetMap(request)) {
+    SKYQUILT_CHECK(map->width_px >= 1 && map->height_px >= 1 && map->width_px * map->height_px <= (8 << 20),
+                   "a picture beyond the limit");
+    SKYQUILT_CHECK(std::isfinite(map->east - map->west) && map->west < map->east && map->south < map->north,
+                   "a window that is none");
+  }
+  if (request.query.size() >= 3) {
+    const auto path = ParseTilePath(request.query[0].second, request.query[1].second, request.query[2].second);
+    if (path) SKYQUILT_CHECK(path->tile.z() <= 30, "a zoom beyond the last");
+  }
+  return 0;
+}
