@@ -24,6 +24,7 @@ namespace skyquilt::api {
 Router BuildApi(Service& service) {
   Router router;
   AddOpsRoutes(router, service);
+  AddDocsRoute(router);
   AddFlightRoutes(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);

@@ -12,7 +12,9 @@ namespace {
 
 constexpr std::size_t kLongestKey = 255;
 
-std::string RouteOf(const Request& request) { return std::string(MethodName(request.method)) + " " + request.path; }
+std::string RouteOf(const Request& request) {
+  return std::string(MethodName(request.method)) + " " + request.path;
+}
 
 std::string FingerprintOf(std::string_view body) {
   Digest digest(DigestAlgorithm::kSha256);
@@ -39,10 +41,10 @@ Result<void> Keep(Service& service, const std::string& key, const Request& reque
                   const Response& response) {
   // What the machine could not do may be tried again.
   if (response.status >= 500) return {};
-  return service.idempotent_answers.Keep(key, RouteOf(request),
-                                         {FingerprintOf(body), response.status,
-                                          std::string(response.headers.Find("Location")), response.body},
-                                         storage::Now());
+  return service.idempotent_answers.Keep(
+      key, RouteOf(request),
+      {FingerprintOf(body), response.status, std::string(response.headers.Find("Location")), response.body},
+      storage::Now());
 }
 
 }  // namespace
@@ -56,7 +58,8 @@ Response Once(Service& service, const Request& request, std::string_view body,
   const auto known = service.idempotent_answers.Find(*key, RouteOf(request), storage::Now());
   if (!known) return Problem(known.error(), request);
   if (*known && (*known)->fingerprint != FingerprintOf(body)) {
-    return Problem({ErrorCode::kUnprocessable, "This Idempotency-Key was used for another request.", ""}, request);
+    return Problem({ErrorCode::kUnprocessable, "This Idempotency-Key was used for another request.", ""},
+                   request);
   }
   if (*known) return Replay(**known);
   Response response = carry_out();

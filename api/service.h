@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "core/pipeline/mosaic_options.h"
 #include "storage/catalogue.h"
 #include "storage/event_log.h"
+#include "storage/idempotent_answers.h"
 #include "storage/job_queue.h"
 #include "storage/node_tasks.h"
 #include "storage/photo_store.h"
@@ -35,6 +37,8 @@ struct Service {
   storage::NodeTasks node_tasks{db};
   storage::UploadSpool spool{db, catalogue, store};
   storage::Tokens tokens{db};
+  storage::IdempotentAnswers idempotent_answers{db};
+  std::mutex once_mutex;  // held while a request with an Idempotency-Key is carried out
   EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
   // What is in these files, as JSON, without making a map; reading them takes a second or two. The server gives it:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "server/request_log.h"
@@ -14,6 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
+constexpr std::chrono::milliseconds kHearWithin{500};
 
 // Shares of a flight of some hundred photos; they only shape the bar and its estimate.
 constexpr std::array<std::pair<std::string_view, double>, 11> kStages = {{{"read", 0.04},
@@ -39,8 +41,13 @@ double WholeJobFraction(std::string_view stage, double stage_fraction) {
   return 0.0;
 }
 
-JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping)
-    : queue_(queue), lease_(std::move(lease)), is_stopping_(is_stopping), thread_([this] { Beat(); }) {}
+JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
+                         std::function<void()> on_deaf)
+    : queue_(queue),
+      lease_(std::move(lease)),
+      is_stopping_(is_stopping),
+      on_deaf_(std::move(on_deaf)),
+      thread_([this] { Beat(); }) {}
 
 JobProgress::~JobProgress() {
   {
@@ -70,6 +77,7 @@ bool JobProgress::IsCancelled() const { return is_stopping_ || state_ != LeaseSt
 
 void JobProgress::Beat() {
   std::unique_lock lock(mutex_);
+  std::optional<Clock::time_point> cancelled_at;
   while (!is_ended_) {
     end_.wait_for(lock, kBeat, [this] { return is_ended_; });
     if (is_ended_) return;
@@ -78,6 +86,9 @@ void JobProgress::Beat() {
     lock.unlock();
     const LeaseState state = TellQueue(is_changed, progress);
     if (state != LeaseState::kHeld) state_ = state;
+    if (state == LeaseState::kCancelRequested && !cancelled_at) cancelled_at = Clock::now();
+    if (cancelled_at && on_deaf_ && Clock::now() - *cancelled_at >= kHearWithin)
+      std::exchange(on_deaf_, nullptr)();
     lock.lock();
   }
 }

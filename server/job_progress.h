@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -22,7 +23,10 @@ double WholeJobFraction(std::string_view stage, double stage_fraction);
 class JobProgress final : public Progress {
  public:
   // `is_stopping` is the worker's own wish to end.
-  JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping);
+  // `on_deaf` is called, once and from another thread, when the work goes on for long after the wish to
+  // cancel.
+  JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
+              std::function<void()> on_deaf = nullptr);
   ~JobProgress() override;
 
   void BeginStage(std::string_view stage) override;
@@ -42,6 +46,7 @@ class JobProgress final : public Progress {
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;
   std::condition_variable end_;
+  std::function<void()> on_deaf_;
   bool is_ended_ = false;
   bool is_changed_ = false;
   storage::JobProgress latest_;

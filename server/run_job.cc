@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -176,7 +177,13 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   LeaseState state = LeaseState::kHeld;
   {
     const WorkFolder work(context.dir.Work() / storage::WorkName(lease));
-    JobProgress progress(context.queue, lease, context.is_stopping);
+    const auto leave = [&] {
+      TellUntilHeard(lease, [&] { return context.queue.Dismiss(lease, storage::Now()); });
+      LogEvent(fmt::format("job {} is cancelled in the middle of a stage", lease.job_id));
+      _exit(kCancelledExitCode);
+    };
+    JobProgress progress(context.queue, lease, context.is_stopping,
+                         context.may_exit ? std::function<void()>(leave) : nullptr);
     try {
       const Result<pipeline::MosaicReport> report = Stitch(context, lease, work.path(), progress);
       if (!report) failure = report.error();

@@ -17,7 +17,13 @@ struct WorkerContext {
   storage::Catalogue& catalogue;
   storage::JobQueue& queue;
   const std::atomic<bool>& is_stopping;
+  // This process is one of a server's own, which starts another: a cancelled job that does not stop in time
+  // may end it. What it leaves behind the server removes.
+  bool may_exit = false;
 };
+
+// How such a process ends.
+inline constexpr int kCancelledExitCode = 3;
 
 void RunJob(WorkerContext& context, const storage::Lease& lease);
 

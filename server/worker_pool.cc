@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/request_log.h"
+#include "server/run_job.h"
 #include "storage/sweep.h"
 
 extern char** environ;
@@ -93,7 +94,8 @@ void WorkerPool::Ended(Slot& slot, int status) {
   const Result<int> released = queue_.ReleaseWorker(slot.name, storage::Now());
   if (!released) LogFailure("-", "worker", released.error().detail);
   const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  if (!is_stopping_ && !is_well) {
+  const bool is_cancelled = WIFEXITED(status) && WEXITSTATUS(status) == kCancelledExitCode;
+  if (!is_stopping_ && !is_well && !is_cancelled) {
     LogFailure("-", "worker",
                fmt::format("{} (process {}) ended {}", slot.name, slot.pid, HowItEnded(status)));
     if (Clock::now() - slot.started < kYoung) slot.not_before = Clock::now() + kBackoff;

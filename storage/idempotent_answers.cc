@@ -2,11 +2,12 @@
 
 namespace skyquilt::storage {
 
-Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const std::string& key, const std::string& route,
-                                                                Time now) const {
+Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const std::string& key,
+                                                                const std::string& route, Time now) const {
   const auto db = db_.Lock();
   Result<Statement> query = db->Prepare(
-      "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE key=? AND route=? AND created_us>?");
+      "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE key=? AND route=? AND "
+      "created_us>?");
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, key).Bind(2, route).Bind(3, ToUs(now - kKeptFor)).Step();
   if (!row) return row.error();
@@ -20,8 +21,8 @@ Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const std::strin
   return std::optional<IdempotentAnswer>(std::move(answer));
 }
 
-Result<void> IdempotentAnswers::Keep(const std::string& key, const std::string& route, const IdempotentAnswer& answer,
-                                     Time now) {
+Result<void> IdempotentAnswers::Keep(const std::string& key, const std::string& route,
+                                     const IdempotentAnswer& answer, Time now) {
   const auto db = db_.Lock();
   Result<Statement> forget = db->Prepare("DELETE FROM idempotent_answer WHERE created_us<=?");
   if (!forget) return forget.error();
@@ -29,8 +30,8 @@ Result<void> IdempotentAnswers::Keep(const std::string& key, const std::string& 
   if (!forgotten) return forgotten.error();
   Result<Statement> insert = db->Prepare("INSERT OR REPLACE INTO idempotent_answer VALUES(?,?,?,?,?,?,?)");
   if (!insert) return insert.error();
-  const std::span<const std::uint8_t> fingerprint(reinterpret_cast<const std::uint8_t*>(answer.fingerprint.data()),
-                                                  answer.fingerprint.size());
+  const std::span<const std::uint8_t> fingerprint(
+      reinterpret_cast<const std::uint8_t*>(answer.fingerprint.data()), answer.fingerprint.size());
   return insert->Bind(1, key)
       .Bind(2, route)
       .Bind(3, fingerprint)

@@ -1,6 +1,6 @@
-// IdempotentAnswers: what was answered to a request under a key that its client chose, so that the same request sent
-// again (the answer got lost) is answered the same and does nothing twice. Kept for a day. Any thread.
-// Errors: kUnavailable, kOutOfSpace, kIo.
+// IdempotentAnswers: what was answered to a request under a key that its client chose, so that the same
+// request sent again (the answer got lost) is answered the same and does nothing twice. Kept for a day. Any
+// thread. Errors: kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
 #include <chrono>
@@ -24,9 +24,11 @@ class IdempotentAnswers {
  public:
   static constexpr std::chrono::hours kKeptFor{24};
   explicit IdempotentAnswers(CatalogueDb& db) : db_(db) {}
-  Result<std::optional<IdempotentAnswer>> Find(const std::string& key, const std::string& route, Time now) const;
+  Result<std::optional<IdempotentAnswer>> Find(const std::string& key, const std::string& route,
+                                               Time now) const;
   // Also forgets those that are too old.
-  Result<void> Keep(const std::string& key, const std::string& route, const IdempotentAnswer& answer, Time now);
+  Result<void> Keep(const std::string& key, const std::string& route, const IdempotentAnswer& answer,
+                    Time now);
 
  private:
   CatalogueDb& db_;

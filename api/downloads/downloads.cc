@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "api/downloads/send_file.h"
+#include "api/downloads/zip_layout.h"
 #include "api/problem.h"
 #include "api/responses.h"
 
@@ -43,6 +47,38 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
   }
 }
 
+// Everything that the map's folder has, as one archive.
+Result<Response> SendAll(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return checked.error();
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(id);
+  if (!flight) return flight.error();
+  if (!flight->active_revision) {
+    return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
+  }
+  std::vector<ZipEntry> entries;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           service.store.dir().Revision(id, *flight->active_revision), error)) {
+    if (entry.is_regular_file(error)) entries.push_back({entry.path().filename().string(), "", entry.path()});
+  }
+  if (error)
+    return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", error.message()};
+  std::sort(entries.begin(), entries.end(),
+            [](const ZipEntry& a, const ZipEntry& b) { return a.name < b.name; });
+  Result<ZipLayout> planned = PlanZip(entries);
+  if (!planned) return planned.error();
+  const auto layout = std::make_shared<const ZipLayout>(*std::move(planned));
+  Result<Response> sent = SendParts(
+      request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, *flight->active_revision),
+      [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
+  if (!sent) return sent.error();
+  sent->headers.Add("Content-Disposition", Disposition(flight->name, "zip"));
+  sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
+}
+
 Response Answer(Service& service, const Request& request, const Product& product) {
   Result<Response> sent = Send(service, request, product);
   return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
@@ -56,9 +92,15 @@ void AddDownloadRoutes(Router& router, Service& service) {
                [&service, product](const Request& request) { return Answer(service, request, product); });
   };
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/download.tif",
       {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
+  add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
+  add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
+  add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {
+    Result<Response> sent = SendAll(service, request);
+    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  });
   add("/api/v1/flights/{flight}/report", {"report.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/photos.geojson", {"photos.geojson", "application/geo+json", nullptr});
 }

@@ -1,6 +1,7 @@
 #include "api/jobs/jobs.h"
 
 #include "api/json_codec.h"
+#include "api/once.h"
 #include "api/problem.h"
 #include "api/responses.h"
 
@@ -52,21 +53,43 @@ Response Cancel(Service& service, const Request& request) {
   return Json(200, JobJson(*job, storage::Now()));
 }
 
+// The same again: a new job with the options of one that has ended.
+Response Retry(Service& service, const Request& request) {
+  const Result<void> checked = CheckId(request.Parameter("job"), "job");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<storage::Job> ended = service.queue.Get(request.Parameter("job"));
+  if (!ended) return Problem(ended.error(), request);
+  if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
+  const storage::Time now = storage::Now();
+  const Result<storage::Job> job = service.queue.Add(ended->flight_id, ended->options, now);
+  if (!job) return Problem(job.error(), request);
+  Response response = Json(202, JobJson(*job, now));
+  response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+  return response;
+}
+
 }  // namespace
 
 void AddJobRoutes(Router& router, Service& service) {
-  router.AddUpload(
-      Method::kPost, "/api/v1/flights/{flight}/jobs",
-      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-        const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
-        if (!checked) return Problem(checked.error(), request);
-        if (!IsJson(request)) {
-          return Problem({ErrorCode::kUnsupportedFormat, "Send the options as application/json.", ""},
-                         request);
-        }
-        return CollectBody(
-            [&service, request](const std::string& body) { return Queue(service, request, body); });
-      });
+  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/jobs",
+                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
+                     if (!checked) return Problem(checked.error(), request);
+                     if (!IsJson(request)) {
+                       return Problem(
+                           {ErrorCode::kUnsupportedFormat, "Send the options as application/json.", ""},
+                           request);
+                     }
+                     return CollectBody([&service, request](const std::string& body) {
+                       return Once(service, request, body, [&] { return Queue(service, request, body); });
+                     });
+                   });
+  router.AddUpload(Method::kPost, "/api/v1/jobs/{job}/retry",
+                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     return CollectBody([&service, request](const std::string& body) {
+                       return Once(service, request, body, [&] { return Retry(service, request); });
+                     });
+                   });
   router.Add(Method::kGet, "/api/v1/jobs", [&](const Request& r) { return List(service, r); });
   router.Add(Method::kGet, "/api/v1/jobs/{job}", [&](const Request& r) { return Get(service, r); });
   router.Add(Method::kDelete, "/api/v1/jobs/{job}", [&](const Request& r) { return Cancel(service, r); });

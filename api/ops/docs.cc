@@ -24,7 +24,8 @@ std::string Parameters(const Value& operation) {
   std::string rows;
   for (const Value& parameter : operation.value("parameters", Value::array())) {
     rows += "<tr><td><code>" + XmlText(parameter.value("name", "")) + "</code></td><td>" +
-            XmlText(parameter.value("in", "")) + "</td><td>" + XmlText(parameter.value("description", "")) + "</td></tr>\n";
+            XmlText(parameter.value("in", "")) + "</td><td>" + XmlText(parameter.value("description", "")) +
+            "</td></tr>\n";
   }
   if (rows.empty()) return "";
   return "<table><tr><th>Parameter</th><th>In</th><th>What</th></tr>\n" + rows + "</table>\n";
@@ -49,11 +50,14 @@ std::string Page() {
     page += "<h2>" + XmlText(tag.value("description", "")) + "</h2>\n";
     for (const auto& [path, item] : contract.at("paths").items()) {
       for (const auto& [method, operation] : item.items()) {
-        if (!operation.is_object() || operation.value("tags", Value::array()) != Value::array({tag.at("name")})) continue;
+        if (!operation.is_object() ||
+            operation.value("tags", Value::array()) != Value::array({tag.at("name")}))
+          continue;
         std::string upper = method;
         for (char& c : upper) c = static_cast<char>(c - 'a' + 'A');
         page += "<h3><code>" + upper + " " + XmlText(path) + "</code></h3>\n<p>" +
-                XmlText(operation.value("summary", "")) + "</p>\n" + Parameters(operation) + Responses(operation);
+                XmlText(operation.value("summary", "")) + "</p>\n" + Parameters(operation) +
+                Responses(operation);
       }
     }
   }

@@ -5,6 +5,7 @@
 #include "api/job_options.h"
 #include "api/json_codec.h"
 #include "api/multipart.h"
+#include "api/once.h"
 #include "api/problem.h"
 #include "api/responses.h"
 #include "api/uploads/files.h"
@@ -78,6 +79,7 @@ class NewFlight final : public BodySink {
                                               {"job", JobJson(*job, now)},
                                               {"files", FileOutcomesJson(receiver_.files())}}));
     response.headers.Add("Location", "/api/v1/jobs/" + job->id);
+    if (request_.headers.Has("Idempotency-Key")) KeepAnswer(service_, request_, response);
     return response;
   }
 
@@ -132,9 +134,11 @@ using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
 
 Begun BeginFlight(Service& service, const Request& request) {
   if (IsJson(request)) {
-    return CollectBody(
-        [&service, request](const std::string& body) { return MakeEmptyFlight(service, request, body); });
+    return CollectBody([&service, request](const std::string& body) {
+      return Once(service, request, body, [&] { return MakeEmptyFlight(service, request, body); });
+    });
   }
+  if (auto kept = KeptAnswer(service, request)) return *std::move(kept);
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return Problem(boundary.error(), request);
   const storage::Time now = storage::Now();

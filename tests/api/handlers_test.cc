@@ -210,6 +210,44 @@ TEST(Flights, ShowTheirMapOnceThereIsOne) {
   EXPECT_EQ(flight["bounds"].size(), 4u);
 }
 
+TEST(IdempotencyKeys, CarryARequestOutOnce) {
+  SampleService sample;
+  Headers headers = Typed("application/json");
+  headers.Add("Idempotency-Key", "k1");
+  const Response first = sample.Send(Method::kPost, "/api/v1/flights", R"({"name":"A"})", headers);
+  const Response again = sample.Send(Method::kPost, "/api/v1/flights", R"({"name":"A"})", headers);
+  EXPECT_EQ(first.status, 201);
+  EXPECT_EQ(again.status, 201);
+  EXPECT_EQ(again.body, first.body);
+  EXPECT_EQ(again.headers.Find("Location"), first.headers.Find("Location"));
+  EXPECT_EQ(again.headers.Find("Idempotency-Replayed"), "true");
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", R"({"name":"B"})", headers).status, 422);
+  EXPECT_EQ(JsonOf(sample.Get("/api/v1/flights"))["flights"].size(), 1u);
+  Headers form = Typed(kForm);
+  form.Add("Idempotency-Key", "k2");
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", Form({{"a.jpg", "x"}}), form).status, 202);
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", Form({{"a.jpg", "x"}}), form)
+                .headers.Find("Idempotency-Replayed"),
+            "true");
+  EXPECT_EQ(JsonOf(sample.Get("/api/v1/flights"))["flights"].size(), 2u);
+  headers.Set("Idempotency-Key", std::string(300, 'k'));
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/flights", "{}", headers).status, 400);
+}
+
+TEST(Jobs, AreRetriedOnceTheyHaveEnded) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  EXPECT_EQ(sample.Send(Method::kPut, "/api/v1/flights/" + flight + "/files/a.jpg", "x").status, 201);
+  const json job = JsonOf(sample.Send(Method::kPost, "/api/v1/flights/" + flight + "/jobs",
+                                      R"({"options":{"quality":70}})", Typed("application/json")));
+  const std::string at = "/api/v1/jobs/" + job["id"].get<std::string>();
+  EXPECT_EQ(sample.Send(Method::kPost, at + "/retry").status, 409);
+  EXPECT_EQ(sample.Send(Method::kDelete, at).status, 200);
+  const Response retried = sample.Send(Method::kPost, at + "/retry");
+  EXPECT_EQ(retried.status, 202);
+  EXPECT_EQ(sample.queue.Get(JsonOf(retried)["id"])->options, R"({"quality":70})");
+}
+
 TEST(Ops, AnswerMonitors) {
   SampleService sample;
   EXPECT_EQ(sample.Get("/healthz").status, 200);
