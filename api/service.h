@@ -38,7 +38,7 @@ struct Service {
   storage::UploadSpool spool{db, catalogue, store};
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};
-  std::mutex once_mutex;  // held while a request with an Idempotency-Key is carried out
+  std::mutex once_mutex{};  // held while a request with an Idempotency-Key is carried out
   EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
   // What is in these files, as JSON, without making a map; reading them takes a second or two. The server gives it:

@@ -35,7 +35,8 @@ constexpr std::array<std::pair<std::string_view, double>, 11> kStages = {{{"read
 double WholeJobFraction(std::string_view stage, double stage_fraction) {
   double before = 0.0;
   for (const auto& [name, share] : kStages) {
-    if (name == stage) return before + share * std::clamp(stage_fraction, 0.0, 1.0);
+    // The shares' sum is one but for rounding.
+    if (name == stage) return std::min(1.0, before + share * std::clamp(stage_fraction, 0.0, 1.0));
     before += share;
   }
   return 0.0;
