@@ -3,6 +3,7 @@
 #include "api/arcgis/arcgis.h"
 #include "api/connect/connect.h"
 #include "api/downloads/downloads.h"
+#include "api/downloads/original_file.h"
 #include "api/events/events.h"
 #include "api/flights/flights.h"
 #include "api/flights/verdict.h"
@@ -34,6 +35,7 @@ Router BuildApi(Service& service) {
   AddJobRoutes(router, service);
   AddEventRoutes(router, service);
   AddDownloadRoutes(router, service);
+  AddOriginalFileRoutes(router, service);
   AddTileRoutes(router, service);
   AddTileJsonRoute(router, service);
   AddTmsRoutes(router, service);

@@ -75,6 +75,14 @@ class Flow(ServerTestCase):
         for name, content in self.photos:
             self.assertEqual(server.request("PUT", f"{files}/{name}", content)[0], 201)
         self.assertEqual(server.request("PUT", f"{files}/{self.photos[0][0]}", self.photos[0][1])[0], 200)
+        name, content = self.photos[1]
+        status, headers, body = server.request("GET", f"{files}/{name}")
+        self.assertEqual((status, headers["Content-Type"], body), (200, "image/jpeg", content))
+        server.request("PUT", f"{files}/page.html", b"<script>alert(1)</script>")
+        _, headers, _ = server.request("GET", f"{files}/page.html")
+        self.assertEqual((headers["Content-Type"], headers["Content-Disposition"]), ("application/octet-stream", "attachment"))
+        self.assertEqual(server.request("DELETE", f"{files}/page.html")[0], 204)
+        self.assertEqual(server.request("GET", f"{files}/page.html")[0], 404)
         status, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {"options": {"gsd_m": 0.5}})
         self.assertEqual(status, 202)
         job = server.wait_for_job(job["id"])

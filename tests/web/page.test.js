@@ -92,6 +92,23 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   assert.equal(await page.textContent('#photo-card .card-title'), 'DJI_0009.JPG');
   assert.match(await page.textContent('#photo-card'), /270\.0°, -0\.4°, 0\.7°/);
 
+  // The next one opens at the pixel that shows the place: it lies in the middle, under the mark.
+  await page.click('#photo-card .step-next');
+  await page.click('#photo-open');
+  await page.waitForSelector('.viewer-mark:not([hidden])');
+  await assertAccessible(page, 'photo viewer');
+  const spot = await page.evaluate(() => {
+    const middle = (/** @type {string} */ selector) => {
+      const box = /** @type {Element} */ (document.querySelector(selector)).getBoundingClientRect();
+      return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    };
+    return { view: middle('.viewer-view'), mark: middle('.viewer-mark') };
+  });
+  assert.ok(Math.hypot(spot.view.x - spot.mark.x, spot.view.y - spot.mark.y) < 1, JSON.stringify(spot));
+  await page.keyboard.press('+');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#photo-viewer', { state: 'detached' });
+
   // The report in words.
   assert.match(await page.textContent('#report'), /18 \/ 19/);
   assert.match(await page.textContent('#report'), /DJI_0999\.JPGIt has no GPS position/);

@@ -1,4 +1,4 @@
-// Copies the map library out of node_modules into web/vendor, so that the page loads everything from its own host,
+// Copies the page's libraries out of node_modules into web/vendor, so that the page loads everything from its own host,
 // and beside each large file its gzip, which the server sends instead where the browser takes it.
 // Run by `npm run vendor` (the build does it after `npm ci`). Fails with a message when a package is missing.
 import { createHash } from 'node:crypto';
@@ -18,7 +18,14 @@ const copies = [
   ['maplibre-gl/dist/maplibre-gl.css', 'maplibre-gl.css'],
   ['maplibre-gl/dist/maplibre-gl.d.ts', 'maplibre-gl.d.mts'],
   ['maplibre-gl/LICENSE.txt', 'maplibre-gl.LICENSE.txt'],
+  ['tus-js-client/dist/tus.min.js', 'tus.mjs'],
+  ['tus-js-client/lib/index.d.ts', 'tus.d.mts'],
+  ['tus-js-client/LICENSE', 'tus.LICENSE.txt'],
 ];
+
+/** tus-js-client comes for browsers as a CommonJS bundle: this makes a module of it. */
+const asModule = (/** @type {string} */ text) =>
+  `const module = { exports: {} };\nconst { exports } = module;\n${text}\nexport const { DetailedError, Upload } = module.exports;\n`;
 
 for (const [from] of copies) {
   if (!existsSync(join(web, 'node_modules', from))) {
@@ -32,7 +39,8 @@ for (const [from, to] of copies) {
   const source = join(web, 'node_modules', from);
   if (to.endsWith('.mjs')) {
     // The source maps stay behind, so their names must not be asked for.
-    writeFileSync(join(vendor, to), readFileSync(source, 'utf8').replace(/\n\/\/# sourceMappingURL=.*\s*$/, '\n'));
+    const text = readFileSync(source, 'utf8').replace(/\n\/\/# sourceMappingURL=.*\s*$/, '\n');
+    writeFileSync(join(vendor, to), to === 'tus.mjs' ? asModule(text) : text);
   } else {
     cpSync(source, join(vendor, to));
   }
@@ -43,4 +51,4 @@ for (const name of ['package-lock.json', 'scripts/vendor.js']) {
   stamp.update(createHash('sha256').update(readFileSync(join(web, name))).digest('hex'));
 }
 writeFileSync(join(vendor, 'made_of.sha256'), stamp.digest('hex'));
-console.log(`web/vendor: ${copies.length} files of the map library`);
+console.log(`web/vendor: ${copies.length} files of the page's libraries`);

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Flight, Job, PhotoCollection, Report, StoredFile, TileJson } from './types.js' */
+/** @import { Flight, Job, PhotoCollection, Report, Sighting, StoredFile, TileJson } from './types.js' */
 import { strings } from './strings.js';
 
 /** What went wrong, in the server's words where it gave some (RFC 9457). */
@@ -23,10 +23,10 @@ export class ApiError extends Error {
 
 /**
  * @param {number} status
- * @param {string} text
+ * @param {string} text the answer's body
  * @returns {ApiError}
  */
-function problem(status, text) {
+export function problem(status, text) {
   try {
     const body = JSON.parse(text);
     if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', body.detail ?? '');
@@ -122,6 +122,20 @@ export const getReport = (id, signal) => request('GET', `${flight_path(id)}/repo
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<PhotoCollection>} */
 export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, signal);
 
+/**
+ * The photos that see a place, the best view first.
+ * @param {string} id
+ * @param {number} lon
+ * @param {number} lat
+ * @returns {Promise<Sighting[]>}
+ */
+export async function getSightings(id, lon, lat) {
+  return (await request('GET', `${flight_path(id)}/at?lon=${lon}&lat=${lat}`)).photos;
+}
+
+/** @param {string} id @param {string} name @returns {string} where the photo itself can be read */
+export const photoPath = (id, name) => `${flight_path(id)}/files/${encodeURIComponent(name)}`;
+
 /** @param {string} path @param {AbortSignal} [signal] @returns {Promise<TileJson>} */
 export const getTileJson = (path, signal) => request('GET', path, undefined, signal);
 
@@ -137,32 +151,4 @@ export async function downloadSize(id, kind) {
   const response = await fetch(downloadPath(id, kind), { method: 'HEAD' });
   const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
   return Number.isFinite(length) ? length : null;
-}
-
-/**
- * Sends one file. XMLHttpRequest, since fetch cannot tell how much has been sent.
- * @param {string} flight_id
- * @param {string} name
- * @param {Blob} file
- * @param {(sent_bytes: number) => void} on_progress
- * @param {AbortSignal} signal
- * @returns {Promise<void>}
- */
-export function putFile(flight_id, name, file, on_progress, signal) {
-  return new Promise((resolve, reject) => {
-    const xhr = new XMLHttpRequest();
-    xhr.open('PUT', `${flight_path(flight_id)}/files/${encodeURIComponent(name)}`);
-    xhr.setRequestHeader('Content-Type', 'application/octet-stream');
-    const abort = () => xhr.abort();
-    signal.addEventListener('abort', abort, { once: true });
-    xhr.upload.addEventListener('progress', (event) => on_progress(event.loaded));
-    xhr.addEventListener('loadend', () => signal.removeEventListener('abort', abort));
-    xhr.addEventListener('load', () => {
-      if (xhr.status >= 200 && xhr.status < 300) resolve();
-      else reject(problem(xhr.status, xhr.responseText));
-    });
-    xhr.addEventListener('error', () => reject(new ApiError(0, strings.errors.unreachable)));
-    xhr.addEventListener('abort', () => reject(new DOMException('upload stopped', 'AbortError')));
-    xhr.send(file);
-  });
 }

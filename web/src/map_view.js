@@ -194,27 +194,33 @@ export class MapView {
   }
 
   /**
-   * The photos that see a place, best first: a camera under the pointer, then the nearest to being straight above.
-   * @param {maplibre.LngLat} place
-   * @param {maplibre.Point} [point] of the pointer
+   * The photos whose footprint holds a place, the nearest to being straight above first.
+   * @param {{lng: number, lat: number}} place
    * @returns {PhotoRecord[]}
    */
-  photosAt(place, point) {
+  photosAt(place) {
     const squeeze = Math.cos((place.lat * Math.PI) / 180);
     const distance = (/** @type {PhotoRecord} */ r) => Math.hypot((r.camera_lon - place.lng) * squeeze, r.camera_lat - place.lat);
-    const seeing = (this.photos?.features ?? [])
+    return (this.photos?.features ?? [])
       .filter(({ geometry }) => geometry && isInside([place.lng, place.lat], geometry.coordinates[0]))
       .map(({ properties }) => properties)
       .sort((a, b) => distance(a) - distance(b));
-    if (point && this.map.getLayer('cameras') && this.shows_footprints) {
-      const box = /** @type {[[number, number], [number, number]]} */ ([
-        [point.x - 6, point.y - 6],
-        [point.x + 6, point.y + 6],
-      ]);
-      const hit = this.map.queryRenderedFeatures(box, { layers: ['cameras'] })[0]?.properties.name;
-      const record = this.photos?.features.find(({ properties }) => properties.name === hit)?.properties;
-      if (record) return [record, ...seeing.filter((other) => other !== record)];
-    }
-    return seeing;
+  }
+
+  /** @param {string[]} names @returns {PhotoRecord[]} in the order of the names */
+  recordsOf(names) {
+    const by_name = new Map((this.photos?.features ?? []).map(({ properties }) => [properties.name, properties]));
+    return names.flatMap((name) => by_name.get(name) ?? []);
+  }
+
+  /** @param {maplibre.Point} point of the pointer @returns {PhotoRecord|null} the camera drawn there */
+  cameraAt(point) {
+    if (!this.map.getLayer('cameras') || !this.shows_footprints) return null;
+    const box = /** @type {[[number, number], [number, number]]} */ ([
+      [point.x - 6, point.y - 6],
+      [point.x + 6, point.y + 6],
+    ]);
+    const hit = this.map.queryRenderedFeatures(box, { layers: ['cameras'] })[0]?.properties.name;
+    return this.recordsOf(hit ? [hit] : [])[0] ?? null;
   }
 }

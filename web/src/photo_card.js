@@ -1,10 +1,11 @@
-// The card of a photo: its record, and stepping through all photos that see the clicked place.
+// The card of a photo: its record, stepping through all photos that see the clicked place, and opening them there.
 /** @import { PhotoRecord } from './types.js' */
 import { announce } from './announce.js';
 import { formatCoordinates } from './coordinates.js';
 import { h, put } from './dom.js';
 import { formatDate, formatLength } from './format.js';
 import { icon } from './icons.js';
+import { openPhoto } from './photo_viewer.js';
 import { strings } from './strings.js';
 
 /** @param {string} name @param {string} label @param {() => void} run */
@@ -31,29 +32,34 @@ function facts(record) {
 }
 
 /**
+ * A photo of the card: its record, where its bytes are, and the pixel that shows the place where it is known.
+ * @typedef {{record: PhotoRecord, url: string, pixel: {x: number, y: number}|null}} SeenPhoto
+ */
+
+/**
  * @param {{on_show: (record: PhotoRecord|null) => void}} listener
- * @returns {{element: HTMLElement, show: (records: PhotoRecord[]) => void, close: () => void}}
+ * @returns {{element: HTMLElement, show: (photos: SeenPhoto[]) => void, close: () => void}}
  */
 export function photoCard(listener) {
   const words = strings.photo;
   const element = h('section', { class: 'photo-card floating', 'aria-label': words.placement, id: 'photo-card', hidden: true });
-  /** @type {PhotoRecord[]} */
-  let records = [];
+  /** @type {SeenPhoto[]} */
+  let photos = [];
   let shown = 0;
 
   const close = () => {
     if (element.hidden) return;
     element.hidden = true;
-    records = [];
+    photos = [];
     listener.on_show(null);
   };
   const step = (/** @type {number} */ by) => {
-    shown = (shown + by + records.length) % records.length;
+    shown = (shown + by + photos.length) % photos.length;
     draw();
     /** @type {HTMLElement|null} */ (element.querySelector(by > 0 ? '.step-next' : '.step-back'))?.focus();
   };
   const draw = () => {
-    const record = records[shown];
+    const { record, url, pixel } = photos[shown];
     const back = iconButton('back', words.previous, () => step(-1));
     const next = iconButton('next', words.next, () => step(1));
     back.classList.add('step-back');
@@ -67,7 +73,9 @@ export function photoCard(listener) {
         iconButton('close', words.close, close),
       ),
       h('dl', { class: 'record' }, ...facts(record).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
-      records.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, records.length)), next),
+      h('button', { type: 'button', class: 'button small', id: 'photo-open', on: { click: () => openPhoto({ name: record.name, url, pixel }) } },
+        icon('photo'), pixel ? words.open_here : words.open),
+      photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
     );
     element.hidden = false;
     element.setAttribute('aria-label', record.name);
@@ -79,10 +87,10 @@ export function photoCard(listener) {
   });
   return {
     element,
-    show(next_records) {
-      records = next_records;
+    show(next_photos) {
+      photos = next_photos;
       shown = 0;
-      if (records.length > 0) draw();
+      if (photos.length > 0) draw();
       else close();
     },
     close,

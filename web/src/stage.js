@@ -3,7 +3,7 @@
 /** @import { Flight, PhotoCollection, TileJson } from './types.js' */
 /** @import { MapView } from './map_view.js' */
 import { showNote } from './announce.js';
-import { getPhotos, getTileJson, listFlights } from './api.js';
+import { getPhotos, getSightings, getTileJson, listFlights, photoPath } from './api.js';
 import { byId, h, put } from './dom.js';
 import { go } from './router.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
@@ -31,6 +31,7 @@ export class Stage {
   /** @type {(() => void)|null} */
   #endCompare = null;
   #turn = 0;
+  #place_turn = 0;
 
   constructor() {
     this.area = byId('map-area');
@@ -82,7 +83,7 @@ export class Stage {
 
     view.map.on('click', (event) => {
       if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
-      else card.show(view.photosAt(event.lngLat, event.point));
+      else void this.#showPlace(view, event.lngLat, event.point);
     });
     view.map.getCanvas().addEventListener('keydown', (event) => {
       if (event.key === 'Escape') {
@@ -95,10 +96,34 @@ export class Stage {
         measure.add([centre.lng, centre.lat]);
         return;
       }
-      const photos = view.photosAt(centre);
-      card.show(photos);
-      if (photos.length === 0) showNote(strings.photo.none, { duration_ms: 3000 });
+      void this.#showPlace(view, centre).then((count) => {
+        if (count === 0) showNote(strings.photo.none, { duration_ms: 3000 });
+      });
     });
+  }
+
+  /**
+   * Shows the card of the photos that see a place.
+   * @param {MapView} view
+   * @param {{lng: number, lat: number}} place
+   * @param {import('maplibre-gl').Point} [point] of the pointer: a camera there comes first
+   * @returns {Promise<number>} how many photos see it
+   */
+  async #showPlace(view, place, point) {
+    const flight = this.#flight;
+    const turn = (this.#place_turn += 1);
+    if (!flight) return 0;
+    // The server knows lens and ground; without its answer the footprints tell which photos, but not where in them.
+    const sightings = await getSightings(flight.id, place.lng, place.lat).catch(() => null);
+    if (turn !== this.#place_turn || flight !== this.#flight) return 0;
+    const pixels = new Map((sightings ?? []).map(({ name, x, y }) => [name, { x, y }]));
+    const records = sightings ? view.recordsOf([...pixels.keys()]) : view.photosAt(place);
+    const camera = point ? view.cameraAt(point) : null;
+    const ordered = camera ? [camera, ...records.filter((record) => record !== camera)] : records;
+    this.#parts?.card.show(
+      ordered.map((record) => ({ record, url: photoPath(flight.id, record.name), pixel: pixels.get(record.name) ?? null })),
+    );
+    return ordered.length;
   }
 
   /** Room that the tools take from the map. */

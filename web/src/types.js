@@ -88,6 +88,11 @@
  */
 
 /**
+ * A photo that sees a place, and the pixel that shows it (the centre of the first one is (0, 0)).
+ * @typedef {{name: string, x: number, y: number}} Sighting
+ */
+
+/**
  * @typedef {{name: string, bytes: number}} StoredFile
  */
 

@@ -5,6 +5,7 @@
 /** @import { Verdict } from './verdict.js' */
 import * as api from './api.js';
 import { announce, showError } from './announce.js';
+import { sendFile } from './send_file.js';
 import { strings } from './strings.js';
 import { UploadQueue } from './upload_queue.js';
 import { judge } from './verdict.js';
@@ -26,7 +27,7 @@ export class UploadSession extends EventTarget {
     super();
     this.flight_id = flight_id;
     this.queue = new UploadQueue([], (item, on_progress, signal) =>
-      api.putFile(flight_id, item.name, item.file, on_progress, signal),
+      sendFile(flight_id, item.name, item.file, on_progress, signal),
     );
     this.queue.addEventListener('change', () => {
       this.dispatchEvent(new Event('change'));

@@ -8,6 +8,7 @@ import { createServer } from 'node:http';
 import { dirname, extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { boundsOf, photosGeoJson, reportOf } from './mock_flight.js';
+import { mockTus } from './mock_tus.js';
 import { countrysideTile } from './tile_picture.js';
 
 export const web_root = join(dirname(fileURLToPath(import.meta.url)), '../../../web');
@@ -109,6 +110,22 @@ export async function startMockServer(options = {}) {
     };
   }
 
+  const uploads = mockTus(async ({ flight: flight_id, name, length }, isGone) => {
+    await gate;
+    if (isGone()) return null;
+    if (options.upload_ms) await new Promise((resolve) => setTimeout(resolve, options.upload_ms));
+    const refusal = (status, title, detail) => ({ type: 'about:blank', title, status, detail });
+    if (name.includes('refused')) return refusal(422, 'Not a photo', 'The photo is cut off after 12 kB; copy it from the card again.');
+    if (name.includes('flaky') && !refused_once.has(name)) {
+      refused_once.add(name);
+      return refusal(503, 'Busy', 'Try again in a moment.');
+    }
+    const flight = flights.get(flight_id);
+    if (!flight) return refusal(404, 'No such flight', 'This flight does not exist.');
+    flight.files.set(name, length);
+    return null;
+  });
+
   const server = createServer(async (request, response) => {
     const url = new URL(request.url ?? '/', 'http://mock');
     const path = decodeURI(url.pathname);
@@ -124,6 +141,9 @@ export async function startMockServer(options = {}) {
       return Buffer.concat(parts);
     };
 
+    const answered = await uploads(path, request, readBody, () => response.destroyed);
+    if (answered && response.destroyed) return undefined;
+    if (answered) return send(answered.status, answered.body ?? null, answered.body ? 'application/problem+json' : 'text/plain', answered.headers);
     let match;
     if (path === '/api/v1/flights' && request.method === 'POST') {
       const { name } = JSON.parse((await readBody()).toString());
@@ -159,19 +179,10 @@ export async function startMockServer(options = {}) {
       }
       if (rest === '') return send(200, flightJson(flight));
       if (rest === '/files') return send(200, { files: [...flight.files].map(([name, bytes]) => ({ name, bytes })) });
-      if (rest.startsWith('/files/') && request.method === 'PUT') {
-        const name = rest.slice('/files/'.length);
-        const body = await readBody();
-        await gate;
-        if (response.destroyed) return undefined;  // given up while it waited
-        if (options.upload_ms) await new Promise((resolve) => setTimeout(resolve, options.upload_ms));
-        if (name.includes('refused')) return problem(422, 'Not a photo', 'The photo is cut off after 12 kB; copy it from the card again.');
-        if (name.includes('flaky') && !refused_once.has(name)) {
-          refused_once.add(name);
-          return problem(503, 'Busy', 'Try again in a moment.');
-        }
-        flight.files.set(name, body.length);
-        return send(201, { name, bytes: body.length });
+      if (rest.startsWith('/files/') && request.method === 'GET') return send(200, countrysideTile(flight.place, 16, 34140, 23150), 'image/png');
+      if (rest === '/at') {
+        const names = [...flight.files.keys()].slice(2, 5);
+        return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60 })) });
       }
       if (rest === '/jobs' && request.method === 'POST') {
         await readBody();

@@ -1,0 +1,64 @@
+#include "api/downloads/original_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "api/downloads/send_file.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, const char*>, 6> kShown = {{
+    {".jpg", "image/jpeg"},
+    {".jpeg", "image/jpeg"},
+    {".png", "image/png"},
+    {".webp", "image/webp"},
+    {".tif", "image/tiff"},
+    {".tiff", "image/tiff"},
+}};
+
+const char* ImageTypeOf(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  for (const auto& [extension, type] : kShown) {
+    if (name.ends_with(extension)) return type;
+  }
+  return nullptr;
+}
+
+Result<Response> Send(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const std::string& name = request.Parameter("name");
+  if (auto checked = CheckId(flight_id, "flight"); !checked) return checked.error();
+  const Result<std::vector<storage::StoredFile>> files = service.catalogue.ListFiles(flight_id);
+  if (!files) return files.error();
+  const auto file = std::find_if(files->begin(), files->end(),
+                                 [&](const storage::StoredFile& stored) { return stored.name == name; });
+  if (file == files->end()) return Error{ErrorCode::kNotFound, "This flight has no file of this name.", name};
+  const char* image_type = ImageTypeOf(name);
+  // Stored names are never used again: the bytes behind one never change.
+  Result<Response> sent = SendFile(request, service.store.PathOf(flight_id, file->stored_name),
+                                   image_type != nullptr ? image_type : "application/octet-stream",
+                                   "\"" + file->stored_name + "\"");
+  if (!sent) return sent.error();
+  if (image_type == nullptr) sent->headers.Add("Content-Disposition", "attachment");
+  sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
+}
+
+}  // namespace
+
+void AddOriginalFileRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/files/{name}", [&](const Request& request) {
+    Result<Response> sent = Send(service, request);
+    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  });
+}
+
+}  // namespace skyquilt::api
