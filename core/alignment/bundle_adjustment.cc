@@ -14,6 +14,7 @@ constexpr std::size_t kBiasSize = 3;
 constexpr std::size_t kPointSize = 3;
 
 constexpr double kLossSigmas = 2.5;
+constexpr double kOutlierSigmas = 3.5;
 constexpr double kReferenceWidthPx = 4000.0;
 constexpr int kDenseUpToPhotos = 25;
 constexpr double kControlLossSigmas = 5.0;
@@ -42,15 +43,35 @@ geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
       rotation, start.TargetOriginInSource() + Eigen::Vector3d(pose[3], pose[4], pose[5]));
 }
 
+// Half of all observations miss by less, in their sigmas.
+double MedianMissSigmas(const std::vector<View>& views, const std::vector<Track>& tracks) {
+  std::vector<double> misses;
+  for (const Track& track : tracks) {
+    for (const Observation& seen : track.observations) {
+      misses.push_back(ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu) / seen.sigma_px);
+    }
+  }
+  if (misses.empty()) return 1.0;
+  const auto middle = misses.begin() + static_cast<std::ptrdiff_t>(misses.size() / 2);
+  std::nth_element(misses.begin(), middle, misses.end());
+  return *middle;
+}
+
 // Drops what lies too far off, and points that then hang on one ray; returns the number dropped.
 int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Track>& tracks) {
   int dropped = 0;
+  // Where the others agree better than was assumed of keypoints, a miss that was assumed usual is none. Not
+  // less than this: photos that are less sharp than the others miss by more and are needed all the same.
+  constexpr double kLeastSpread = 0.7;
+  constexpr double kMedianOfNormalPlane = 1.177;
+  const double spread = std::clamp(MedianMissSigmas(views, tracks) / kMedianOfNormalPlane, kLeastSpread, 1.0);
   for (Track& track : tracks) {
     auto& seen = track.observations;
     const std::size_t before = seen.size();
     std::erase_if(seen, [&](const Observation& one) {
       const double scale = views[one.photo].intrinsics.width_px / kReferenceWidthPx;
-      const double cut = std::max(cut_px * scale, 3.5 * one.sigma_px);
+      const double cut = cut_px > 0.0 ? std::max(cut_px * scale, kOutlierSigmas * one.sigma_px)
+                                      : kOutlierSigmas * spread * one.sigma_px;
       return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) > cut;
     });
     dropped += static_cast<int>(before - seen.size());

@@ -9,6 +9,9 @@
 namespace skyquilt::alignment {
 namespace {
 
+constexpr double kFineScales = 60.0;  // sizes up to this many sigmas are located alike
+constexpr double kMostCoarseness = 2.5;
+
 class Sets {
  public:
   explicit Sets(std::size_t count) : root_(count) { std::iota(root_.begin(), root_.end(), 0); }
@@ -134,9 +137,15 @@ std::vector<Track> BuildTracks(const std::vector<PairLink>& links,
       sets.Join(first_of[link.first] + match.first, first_of[link.second] + match.second);
     }
   }
+  const auto coarseness = [&](std::size_t photo, int keypoint) {
+    return std::max(
+        1.0, features[photo]->keypoints[keypoint].scale_px / (features[photo]->sigma_px * kFineScales));
+  };
   std::vector<std::vector<std::pair<int, int>>> members(first_of.back());  // photo, keypoint
   for (std::size_t i = 0; i < features.size(); ++i) {
     for (int k = first_of[i]; k < first_of[i + 1]; ++k) {
+      // What is as large as a house has no place to within pixels.
+      if (coarseness(i, k - first_of[i]) > kMostCoarseness) continue;
       members[sets.Find(k)].emplace_back(static_cast<int>(i), k - first_of[i]);
     }
   }
@@ -154,7 +163,7 @@ std::vector<Track> BuildTracks(const std::vector<PairLink>& links,
         if (std::hypot(seen.x_px - before.x_px, seen.y_px - before.y_px) > 1.0F) contradictory = true;
         continue;
       }
-      const double coarse = std::max(1.0, seen.scale_px / (features[photo]->sigma_px * 60.0));
+      const double coarse = coarseness(photo, keypoint);
       track.observations.push_back(
           {photo, Eigen::Vector2d(seen.x_px, seen.y_px), features[photo]->sigma_px * coarse});
     }
