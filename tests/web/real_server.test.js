@@ -40,8 +40,8 @@ function findPhotos(root) {
 }
 
 /** Starts the server and waits for the line that tells its address. */
-async function startServer(listen = '127.0.0.1:0') {
-  const child = spawn(binary, ['serve', '--data', join(folder, 'data'), '--listen', listen], { stdio: ['ignore', 'pipe', 'pipe'] });
+async function startServer(listen = '127.0.0.1:0', data = join(folder, 'data')) {
+  const child = spawn(binary, ['serve', '--data', data, '--listen', listen], { stdio: ['ignore', 'pipe', 'pipe'] });
   let output = '';
   const url = await new Promise((resolve, reject) => {
     const read = (chunk) => {
@@ -90,6 +90,35 @@ async function assertGdalSeesTheSame(page, url, id, [west, south, east, north]) 
   assert.ok(mean > 20, 'the window shows ground, not the outside');
 }
 
+test('a server with tokens opens to the one that was typed, and to a share link', options, async () => {
+  const data = join(folder, 'guarded');
+  const tokenOf = (/** @type {string} */ scope) => {
+    const made = spawnSync(binary, ['token', 'add', scope, '--data', data, '--scope', scope], { encoding: 'utf8' });
+    assert.equal(made.status, 0, made.stderr);
+    return /** @type {RegExpMatchArray} */ (made.stdout.match(/sq_\S+/))[0];
+  };
+  const [upload, read] = [tokenOf('upload'), tokenOf('read')];
+  const server = await startServer('127.0.0.1:0', data);
+  const { page, context } = await openPage(browser, server.url);
+  try {
+    await page.fill('#token-input', upload);
+    await page.keyboard.press('Enter');
+    await page.waitForSelector('#token-dialog', { state: 'detached' });
+    await page.setInputFiles('#files-input', photos);
+    await page.waitForSelector('#report', { timeout: 240_000 });
+    const id = /** @type {RegExpMatchArray} */ (page.url().match(/flights\/(\w+)/))[1];
+    const shared = await context.newPage();
+    await shared.goto(`${server.url}?token=${read}#/flights/${id}`);
+    await shared.waitForSelector('#report');
+    await mapIdle(shared);
+    assert.ok(!shared.url().includes('token'), 'the address does not keep the token');
+    assert.equal(await shared.locator('#token-dialog').count(), 0);
+  } finally {
+    await context.close();
+    await server.stop();
+  }
+});
+
 test('an upload outlives the server and, chosen again, a reload', options, async () => {
   let server = await startServer();
   const { page, context, foreign_requests } = await openPage(browser, server.url);
@@ -104,8 +133,8 @@ test('an upload outlives the server and, chosen again, a reload', options, async
   };
   try {
     let sent = 0;
-    await page.route('**/files/*', async (route) => {
-      if (route.request().method() === 'PUT') {
+    await page.route('**/api/v1/uploads', async (route) => {
+      if (route.request().method() === 'POST') {
         sent += 1;
         await page.waitForTimeout(sent * 250);
       }

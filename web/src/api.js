@@ -1,5 +1,6 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
 /** @import { Flight, Job, PhotoCollection, Report, Sighting, StoredFile, TileJson } from './types.js' */
+import { askForToken, authorization, readable } from './access.js';
 import { strings } from './strings.js';
 
 /** What went wrong, in the server's words where it gave some (RFC 9457). */
@@ -50,7 +51,7 @@ async function request(method, path, body, signal) {
     response = await fetch(path, {
       method,
       signal,
-      headers: body ? { 'Content-Type': 'application/json' } : {},
+      headers: { ...authorization(), ...(body ? { 'Content-Type': 'application/json' } : {}) },
       body: body ? JSON.stringify(body) : undefined,
     });
   } catch (error) {
@@ -58,6 +59,7 @@ async function request(method, path, body, signal) {
     throw new ApiError(0, strings.errors.unreachable);
   }
   const text = await response.text();
+  if (response.status === 401) askForToken();
   if (!response.ok) throw problem(response.status, text);
   if (text === '') return null;
   try {
@@ -134,7 +136,7 @@ export async function getSightings(id, lon, lat) {
 }
 
 /** @param {string} id @param {string} name @returns {string} where the photo itself can be read */
-export const photoPath = (id, name) => `${flight_path(id)}/files/${encodeURIComponent(name)}`;
+export const photoPath = (id, name) => readable(`${flight_path(id)}/files/${encodeURIComponent(name)}`);
 
 /** @param {string} path @param {AbortSignal} [signal] @returns {Promise<TileJson>} */
 export const getTileJson = (path, signal) => request('GET', path, undefined, signal);
@@ -148,7 +150,7 @@ export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;
  * @returns {Promise<number|null>} null when the server does not say
  */
 export async function downloadSize(id, kind) {
-  const response = await fetch(downloadPath(id, kind), { method: 'HEAD' });
+  const response = await fetch(downloadPath(id, kind), { method: 'HEAD', headers: authorization() });
   const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
   return Number.isFinite(length) ? length : null;
 }

@@ -1,6 +1,7 @@
 // Deleting with a way back: the flight vanishes from the page at once, and from the server when the note with
 // "Undo" has gone (or the page is left).
 /** @import { Flight } from './types.js' */
+import { authorization } from './access.js';
 import { announce, showError, showNote } from './announce.js';
 import { deleteFlight } from './api.js';
 import { strings } from './strings.js';
@@ -47,6 +48,6 @@ export function deleteWithUndo(flight, on_change) {
 addEventListener('pagehide', () => {
   // The user left before the note closed: the deletion was meant.
   for (const id of pending) {
-    void fetch(`/api/v1/flights/${encodeURIComponent(id)}`, { method: 'DELETE', keepalive: true });
+    void fetch(`/api/v1/flights/${encodeURIComponent(id)}`, { method: 'DELETE', keepalive: true, headers: authorization() });
   }
 });

@@ -1,5 +1,6 @@
 // Downloads, and the addresses by which other programs read the map.
 /** @import { Flight, TileJson } from './types.js' */
+import { readable } from './access.js';
 import { announce, showError } from './announce.js';
 import { downloadPath, downloadSize } from './api.js';
 import { connectFiles, josmAddress, saveText } from './connect_files.js';
@@ -72,7 +73,7 @@ export function linksView(flight, tilejson) {
     downloadSize(flight.id, kind).then((bytes) => {
       if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
     }, showError);
-    return h('a', { class: 'button download', href: downloadPath(flight.id, kind), download: '' }, icon('download'), h('span', {}, name, ' ', small));
+    return h('a', { class: 'button download', href: readable(downloadPath(flight.id, kind)), download: '' }, icon('download'), h('span', {}, name, ' ', small));
   };
   const template = ownHost(tilejson.tiles[0]);
   const settings = connectFiles(flight, tilejson).map(({ label, file, text }) =>

@@ -2,6 +2,7 @@
 /** @import { Flight } from './types.js' */
 /** @import { Route } from './router.js' */
 /** @import { Selection } from './drop_files.js' */
+import { takeSharedToken } from './access.js';
 import { announce, showError } from './announce.js';
 import { createFlight, getFlight, listFiles, listFlights, renameFlight } from './api.js';
 import { deleteWithUndo, isDeleted } from './deletions.js';
@@ -19,6 +20,7 @@ import { strings } from './strings.js';
 import { isUploading, startUpload, uploadOf } from './uploads.js';
 import { welcomeView } from './welcome.js';
 
+takeSharedToken();
 const stage = new Stage();
 const panel_body = byId('panel-body');
 /** @type {FlightView|null} */

@@ -3,6 +3,7 @@
 /** @import { Bounds, PhotoCollection, PhotoRecord, TileJson } from './types.js' */
 /** @import { ColourBy } from './map_style.js' */
 import * as maplibre from '../vendor/maplibre-gl.mjs';
+import { authorization } from './access.js';
 import { isInside } from './geodesy.js';
 import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { strings } from './strings.js';
@@ -36,6 +37,7 @@ export class MapView {
       container,
       style: emptyStyle(),
       attributionControl: false,
+      transformRequest: (url) => ({ url, headers: new URL(url, location.href).origin === location.origin ? authorization() : {} }),
       maxZoom: kMaxZoom,
       maxPitch: 0,
       pitchWithRotate: false,

@@ -1,6 +1,7 @@
 // One file to the server, by tus 1.0, the protocol of resumable uploads: what has arrived stays, and after a
 // broken connection, a reload of the page or a restart of the server the same file goes on where it stopped.
 import { DetailedError, Upload } from '../vendor/tus.mjs';
+import { authorization } from './access.js';
 import { ApiError, problem } from './api.js';
 import { strings } from './strings.js';
 
@@ -20,6 +21,7 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
     const when = file instanceof File ? file.lastModified : 0;
     const upload = new Upload(file, {
       endpoint: '/api/v1/uploads',
+      headers: authorization(),
       metadata: { flight: flight_id, filename: name },
       fingerprint: async () => ['skyquilt', flight_id, name, file.size, when].join('|'),
       uploadDataDuringCreation: file.size <= kSmallFile_bytes,

@@ -159,6 +159,12 @@ export const strings = {
     failed: 'There is no map of this flight.',
   },
   placement: { aligned: 'Aligned', pose_only: 'By pose only', left_out: 'Left out' },
+  access: {
+    title: 'Token of this server',
+    hint: 'This server asks for a token. Whoever runs it can make one for you.',
+    refused: 'The server does not know this token. Was it revoked, or copied in part?',
+    go: 'Go on',
+  },
   photo: {
     close: 'Close',
     previous: 'Previous photo',

@@ -1,5 +1,6 @@
 // A small picture of a finished map, drawn from the few tiles of the zoom at which it is about as large as wanted.
 /** @import { Flight } from './types.js' */
+import { authorization } from './access.js';
 import { getTileJson } from './api.js';
 
 /**
@@ -73,7 +74,7 @@ export async function drawThumbnail(flight, canvas) {
  * @returns {Promise<ImageBitmap|null>} null where there is no tile
  */
 async function loadImage(address) {
-  const response = await fetch(address);
+  const response = await fetch(address, { headers: authorization() });
   if (response.status !== 200) return null;
   return createImageBitmap(await response.blob());
 }

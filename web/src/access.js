@@ -1,0 +1,60 @@
+// The token that a server for others asks for. It comes from a share link (?token=...), and stays for this tab, or from
+// the user, and stays in this browser. Requests carry it in their header; pictures and downloads, which cannot, in their
+// address, where the server takes it for reading only.
+import { h } from './dom.js';
+import { strings } from './strings.js';
+
+const kKey = 'skyquilt-token';
+
+/** Keeps the token of a share link, before the first request. */
+export function takeSharedToken() {
+  const address = new URL(location.href);
+  const shared = address.searchParams.get('token');
+  if (!shared) return;
+  sessionStorage.setItem(kKey, shared);
+  address.searchParams.delete('token');
+  history.replaceState(null, '', address);  // a copied address or a history must not give it away
+}
+
+const token = () => sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';
+
+/** @returns {Record<string, string>} headers */
+export const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});
+
+/** @param {string} path @returns {string} the same for an <img> or a link */
+export function readable(path) {
+  if (!token()) return path;
+  return `${path}${path.includes('?') ? '&' : '?'}token=${encodeURIComponent(token())}`;
+}
+
+let is_asking = false;
+
+/** Asks for a token, keeps it and loads the page anew. Once at a time. */
+export function askForToken() {
+  if (is_asking) return;
+  is_asking = true;
+  const words = strings.access;
+  const input = h('input', { type: 'password', id: 'token-input', class: 'field mono', required: true, autocomplete: 'current-password' });
+  const dialog = h(
+    'dialog',
+    { class: 'dialog', 'aria-label': words.title, id: 'token-dialog' },
+    h(
+      'form',
+      { method: 'dialog' },
+      h('label', { for: 'token-input', class: 'dialog-title' }, words.title),
+      h('p', { class: 'muted' }, token() ? words.refused : words.hint),
+      input,
+      h('div', { class: 'dialog-actions' }, h('button', { type: 'submit', class: 'button primary', value: 'go' }, words.go)),
+    ),
+  );
+  dialog.addEventListener('close', () => {
+    dialog.remove();
+    is_asking = false;
+    if (dialog.returnValue !== 'go') return;
+    sessionStorage.removeItem(kKey);
+    localStorage.setItem(kKey, input.value.trim());
+    location.reload();
+  });
+  document.body.append(dialog);
+  dialog.showModal();
+}
