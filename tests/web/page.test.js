@@ -190,6 +190,7 @@ test('a paused upload waits and goes on', options, async () => {
   await page.waitForSelector('#upload-pause');
   await page.click('#upload-pause');
   await page.waitForFunction(() => document.querySelector('#upload-pause')?.textContent?.includes('Go on'));
+  while (mock.heldUploads() > 0) await page.waitForTimeout(50);  // until the page's giving up has arrived
   release();
   await page.waitForTimeout(600);
   assert.equal([...mock.flights.values()][0].files.size, 0);

@@ -6,6 +6,7 @@
 import { createReadStream, existsSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { dirname, extname, join, normalize } from 'node:path';
+import { setTimeout as delay } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { boundsOf, photosGeoJson, reportOf } from './mock_flight.js';
 import { mockTus } from './mock_tus.js';
@@ -38,6 +39,7 @@ export async function startMockServer(options = {}) {
   const refused_once = new Set();
   /** Uploads wait here while a test holds them. */
   let gate = Promise.resolve();
+  let held_uploads = 0;
   let counter = 0;
   const newId = () => `f${(counter += 1).toString(36).padStart(8, '0')}`;
 
@@ -111,7 +113,9 @@ export async function startMockServer(options = {}) {
   }
 
   const uploads = mockTus(async ({ flight: flight_id, name, length }, isGone) => {
-    await gate;
+    held_uploads += 1;
+    while (!isGone() && (await Promise.race([gate.then(() => true), delay(20, false)])) === false);
+    held_uploads -= 1;
     if (isGone()) return null;
     if (options.upload_ms) await new Promise((resolve) => setTimeout(resolve, options.upload_ms));
     const refusal = (status, title, detail) => ({ type: 'about:blank', title, status, detail });
@@ -225,6 +229,7 @@ export async function startMockServer(options = {}) {
     seedReady,
     addFlight,
     holdUploads,
+    heldUploads: () => held_uploads,
     close: () => {
       server.closeAllConnections();
       return new Promise((resolve) => server.close(resolve));
