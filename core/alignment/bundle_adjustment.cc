@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/alignment/residuals.h"
+#include "core/base/median.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -52,9 +53,7 @@ double MedianMissSigmas(const std::vector<View>& views, const std::vector<Track>
     }
   }
   if (misses.empty()) return 1.0;
-  const auto middle = misses.begin() + static_cast<std::ptrdiff_t>(misses.size() / 2);
-  std::nth_element(misses.begin(), middle, misses.end());
-  return *middle;
+  return Median(std::move(misses));
 }
 
 // Drops what lies too far off, and points that then hang on one ray; returns the number dropped.

@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include "core/base/median.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -12,12 +14,6 @@ constexpr double kLeastSigmaM = 0.01;
 constexpr double kLeastSigmaRad = 0.003;
 constexpr int kFewPhotos = 30;
 constexpr double kMostAttitudeGrowth = 8.0;
-
-double Middle(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double SigmaHorizontalM(const poses::PosedPhoto& photo) {
   return std::max(kLeastSigmaM, std::sqrt(0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
@@ -86,7 +82,7 @@ std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const
 double MedianWidthM(const std::vector<View>& views) {
   std::vector<double> widths;
   for (const View& view : views) widths.push_back(view.WidthM());
-  return widths.empty() ? 1.0 : Middle(widths);
+  return widths.empty() ? 1.0 : Median(widths);
 }
 
 std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
@@ -149,10 +145,10 @@ void ReweighAttitudes(const std::vector<char>& seen, BundleProblem& problem) {
     for (const auto& [line, turns] : turns_of_line) {
       std::vector<double> values;
       for (const Eigen::Vector3d& turn : turns) values.push_back(turn[axis]);
-      const double middle = turns.size() > 2 ? Middle(values) : 0.0;
+      const double middle = turns.size() > 2 ? Median(values) : 0.0;
       for (const double value : values) apart.push_back(std::abs(value - middle));
     }
-    const double sigma = 1.8 * Middle(apart);
+    const double sigma = 1.8 * Median(apart);
     for (BundlePhoto& photo : problem.photos) {
       double& own = photo.sigma_attitude_rad[axis];
       own = std::clamp(sigma, own, kMostAttitudeGrowth * own);
@@ -180,8 +176,8 @@ void ReweighPriors(BundleProblem& problem) {
   if (vertical.size() < 6) return;
   ReweighAttitudes(seen, problem);
   // 1.48: from the median to a sigma of a normal distribution; a little more, for it was fitted.
-  const double sigma_h = 1.8 * Middle(horizontal);
-  const double sigma_v = 1.8 * Middle(vertical);
+  const double sigma_h = 1.8 * Median(horizontal);
+  const double sigma_v = 1.8 * Median(vertical);
   for (BundlePhoto& photo : problem.photos) {
     Eigen::Vector3d& sigma = photo.sigma_position_m;
     sigma.x() = std::clamp(sigma_h, std::min(0.1, sigma.x()), sigma.x());

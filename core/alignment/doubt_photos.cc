@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/median.h"
 #include "core/geo/bounds.h"
 
 namespace skyquilt::alignment {
@@ -21,12 +22,6 @@ constexpr int kWitnesses = 3;  // linked photos that overlap and know nothing of
 constexpr double kLeastGapM = 300.0;
 constexpr double kGapOverExtent = 1.0;
 constexpr double kMostLeftOutShare = 0.1;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool ShowsTheSamePixels(const PairLink& link, const LinkInput& input) {
   const PhotoFeatures& first = *input.features[link.first];

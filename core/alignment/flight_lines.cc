@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+
 namespace skyquilt::alignment {
 
 std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north) {
@@ -14,10 +16,7 @@ std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north) {
   for (std::size_t i = 1; i < east_north.size(); ++i) {
     spacings.push_back((east_north[i] - east_north[i - 1]).norm());
   }
-  std::vector<double> sorted = spacings;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double usual = sorted[sorted.size() / 2];
+  const double usual = Median(spacings);
   int line = 0;
   std::size_t start = 0;
   for (std::size_t i = 1; i < east_north.size(); ++i) {

@@ -7,6 +7,7 @@
 
 #include "core/alignment/bundle_setup.h"
 #include "core/alignment/ground_graph.h"
+#include "core/base/median.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -27,12 +28,6 @@ const LinkPass kNextLook{.least_radius_share = 0.05,
                          .max_turn_rad = 0.45,
                          .tolerance_share = 0.012,
                          .min_matches = 8};
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // What the linked photos of a group say of the errors they share.
 struct SharedError {

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {
@@ -96,13 +97,13 @@ std::vector<int> CountDirectTies(const BundleProblem& problem) {
   return ties;
 }
 
-Eigen::Vector3d Median(std::vector<Eigen::Vector3d> values) {
+// Axis by axis.
+Eigen::Vector3d MedianVector(const std::vector<Eigen::Vector3d>& values) {
   Eigen::Vector3d median;
   for (int k = 0; k < 3; ++k) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end(),
-                     [k](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a[k] < b[k]; });
-    median[k] = (*middle)[k];
+    std::vector<double> along;
+    for (const Eigen::Vector3d& value : values) along.push_back(value[k]);
+    median[k] = Median(std::move(along));
   }
   return median;
 }
@@ -111,11 +112,11 @@ Learnt Learn(const std::vector<Eigen::Vector3d>& turns, const std::vector<Eigen:
   Learnt learnt;
   learnt.photos = static_cast<int>(turns.size());
   if (turns.empty()) return learnt;
-  learnt.turn_rad = Median(turns);
-  learnt.shift_m = Median(shifts);
+  learnt.turn_rad = MedianVector(turns);
+  learnt.shift_m = MedianVector(shifts);
   std::vector<Eigen::Vector3d> apart;
   for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - learnt.turn_rad).cwiseAbs());
-  learnt.scatter_rad = 1.5 * Median(apart).head<2>().mean();
+  learnt.scatter_rad = 1.5 * MedianVector(apart).head<2>().mean();
   return learnt;
 }
 

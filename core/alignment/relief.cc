@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/geo/bounds.h"
 
 namespace skyquilt::alignment {
@@ -10,12 +11,6 @@ namespace {
 
 constexpr int kMostCells = 1 << 20;
 constexpr int kFewPoints = 50;
-
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/median.h"
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -20,12 +22,6 @@ std::string Key(const std::string& name) {
   std::string key = name.substr(0, name.find_last_of('.'));
   std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
   return key;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 #include "core/ground/membrane_grid.h"
 
@@ -22,12 +23,6 @@ constexpr double kLeastCellM = 1.0;
 constexpr double kCellGsds = 40.0;
 // Heights that would shift nothing by a visible part of a pixel.
 constexpr double kFlatWithinGsds = 0.25;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct FlightScale {
   double height_m = 50.0;

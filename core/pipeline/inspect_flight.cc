@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/alignment/align_by_pose.h"
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/camera/footprint.h"
 #include "core/geo/tile_id.h"
@@ -34,13 +35,6 @@ std::string IsoTime(const flight::UtcTime& time) {
 std::string CameraName(const flight::Photo& photo) {
   if (photo.model.rfind(photo.make, 0) == 0) return photo.model;
   return photo.make + " " + photo.model;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Share of a's footprint that b sees too, by a grid of points.
@@ -74,7 +68,7 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
     if (!footprints[i].empty() && !footprints[i + 1].empty())
       overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
   }
-  verdict.forward_overlap = Median(overlaps);
+  verdict.forward_overlap = MedianIfAny(std::move(overlaps)).value_or(0.0);
   // Cells of a fiftieth of a photo: the union of the footprints.
   const double cell_m = std::max(0.5, std::sqrt(sum_m2 / std::max<std::size_t>(1, footprints.size())) / 50.0);
   std::set<std::pair<long, long>> cells;
@@ -149,7 +143,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.highest_m = std::max(verdict.highest_m, photo.height_above_ground_m);
     errors_m.push_back(photo.error_radius_m);
   }
-  verdict.expected_error_m = Median(errors_m);
+  verdict.expected_error_m = Median(std::move(errors_m));
   DescribeCoverage(placed, verdict);
   const auto plan = render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m),
                                        {options.gsd_m, 0.0});

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/base/median.h"
 #include "core/geo/local_frame.h"
 #include "core/poses/attitude_convention.h"
 #include "core/poses/course.h"
@@ -52,12 +53,6 @@ std::vector<Reading> ReadingsOf(AttitudeKind kind) {
           {"as the airframe's", OfAirframe},
           {"with pitch from nadir", FromNadir},
           {"with pitch down positive", DownPositive}};
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // What the photos' positions and heights say, in metres about the first.

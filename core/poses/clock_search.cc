@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "core/base/median.h"
+
 namespace skyquilt::poses {
 namespace {
 
@@ -12,12 +14,6 @@ constexpr double kLongestGapS = 2.0;
 constexpr double kCoarseStepS = 0.5;
 constexpr std::size_t kMostSteps = 200'000;
 constexpr std::size_t kMostPhotosCoarse = 150;
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Errors of all photos at an offset (infinite where off the track).
 using ErrorsAt = std::function<void(double offset_s, std::size_t stride, std::vector<double>& errors)>;
@@ -83,7 +79,7 @@ std::optional<ClockOffset> Search(const ErrorsAt& errors_at, std::size_t count, 
     if (std::isfinite(error)) sizes.push_back(std::abs(error));
   }
   if (sizes.empty()) return std::nullopt;
-  found.residual_m = MedianOf(sizes);
+  found.residual_m = Median(sizes);
   return found;
 }
 
@@ -160,7 +156,7 @@ std::optional<ClockOffset> SearchByDistances(std::span<const TimedDistance> dist
         ratios.push_back(lengths[k] / distances[i].distance);
       }
     }
-    return ratios.size() < 4 ? std::numeric_limits<double>::infinity() : MedianOf(std::move(ratios));
+    return ratios.size() < 4 ? std::numeric_limits<double>::infinity() : Median(std::move(ratios));
   };
   std::vector<double> lengths;
   const auto errors_at = [&](double offset, std::size_t stride, std::vector<double>& errors) {

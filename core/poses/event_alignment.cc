@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+
 namespace skyquilt::poses {
 namespace {
 
@@ -13,12 +15,6 @@ constexpr std::size_t kMostEventsPerStamp = 16;
 constexpr double kTriggerJitterS = 0.03;  // a constant interval is constant to this
 
 double NormalCdf(double x) { return 0.5 * std::erfc(-x * M_SQRT1_2); }
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // How far a true pair may lie from stamp - event = offset - resolution / 2.
 double HalfWindow(const StampModel& model) { return 0.5 * model.resolution_s + 4.0 * model.jitter_s + 0.02; }
@@ -150,7 +146,7 @@ Candidate Settle(std::span<const double> stamps, std::span<const double> events,
         std::minmax_element(candidate.pairing.differences.begin(), candidate.pairing.differences.end());
     // Cut stamps fill their unit: its middle is that of the extremes unless a stray pair stretches them.
     const bool fills = *most - *least <= model.resolution_s + 6.0 * model.jitter_s;
-    candidate.middle = fills ? 0.5 * (*least + *most) : MedianOf(candidate.pairing.differences);
+    candidate.middle = fills ? 0.5 * (*least + *most) : Median(candidate.pairing.differences);
   }
   return candidate;
 }
@@ -162,7 +158,7 @@ OffsetFit FitOffset(std::span<const double> differences, const StampModel& model
   // jitter.
   const double resolution = std::max(model.resolution_s, 1e-3);
   const double jitter = std::max(model.jitter_s, 2e-3);
-  const double middle = MedianOf({differences.begin(), differences.end()}) + 0.5 * resolution;
+  const double middle = Median(std::vector<double>(differences.begin(), differences.end())) + 0.5 * resolution;
   const double reach = 0.6 * resolution + 5.0 * jitter;
   constexpr int kSteps = 600;
   constexpr double kOutlier = 1e-4;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/geo/geoid.h"
 #include "core/geo/local_frame.h"
 
@@ -13,13 +14,6 @@ namespace {
 
 using flight::Photo;
 using flight::RecordedPosition;
-
-std::optional<double> Median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::optional<double> AboveGround(const RecordedPosition& position) {
   // A relative height of a few decimetres is a drone on the ground or a field that is never filled.
@@ -47,7 +41,7 @@ std::optional<double> HeightFromSpacing(const std::vector<Photo>& photos) {
     }
     before = at;
   }
-  const std::optional<double> spacing_m = Median(std::move(spacings));
+  const std::optional<double> spacing_m = MedianIfAny(std::move(spacings));
   if (!spacing_m) return std::nullopt;
   const camera::Intrinsics& lens = photos.front().intrinsics;
   constexpr double kUsualForwardStep = 0.25;
@@ -67,13 +61,13 @@ bool ByElevationModel(const std::vector<Photo>& photos, const pipeline::DemSourc
     if (!ground_m) continue;
     grounds.push_back(*ground_m + geo::GeoidHeightM(photos[i].position->position).value_or(0.0));
   }
-  const auto ground_m = Median(std::move(grounds));
+  const auto ground_m = MedianIfAny(std::move(grounds));
   if (!ground_m) return false;
   std::vector<double> above;
   for (const auto& height_m : ellipsoid_m) {
     if (height_m) above.push_back(*height_m - *ground_m);
   }
-  const auto typical_m = Median(std::move(above));
+  const auto typical_m = MedianIfAny(std::move(above));
   if (!typical_m || *typical_m < 5.0) return false;  // absolute heights that lie below the ground are none
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (ellipsoid_m[i]) heights.above_ground_m[i] = *ellipsoid_m[i] - *ground_m;
@@ -102,7 +96,7 @@ std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positi
     // Relative to the first, so that a flight across the date line stays together.
     lons.push_back(std::remainder(position.lon_deg - lon_zero, 360.0));
   }
-  return geo::LatLon{*Median(std::move(lats)), std::remainder(lon_zero + *Median(std::move(lons)), 360.0)};
+  return geo::LatLon{*MedianIfAny(std::move(lats)), std::remainder(lon_zero + *MedianIfAny(std::move(lons)), 360.0)};
 }
 
 FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::DemSource* dem) {
@@ -119,7 +113,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
       takeoff_heights.push_back(*ellipsoid_m - *heights.above_ground_m[i]);
     }
   }
-  const std::optional<double> takeoff_m = Median(takeoff_heights);
+  const std::optional<double> takeoff_m = MedianIfAny(takeoff_heights);
   if (known > 0) {
     heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
     heights.rule = "height above take-off as recorded, flat ground at take-off height";
@@ -134,7 +128,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
       if (const auto height_m = EllipsoidHeightM(*photo.position)) ellipsoid_heights.push_back(*height_m);
     }
     const double above_ground_m = std::clamp(guess_m.value_or(60.0), 5.0, 500.0);
-    heights.takeoff_ellipsoid_m = Median(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
+    heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
     heights.rule = "height above ground guessed from the spacing of the photos";
     heights.sigma_m = 0.3 * above_ground_m;
     heights.warnings.push_back(fmt::format(

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <limits>
 
+#include "core/base/median.h"
+
 namespace skyquilt::poses {
 namespace {
 
@@ -86,9 +88,7 @@ std::optional<double> BaroZero(const FlightLog& log) {
     if (log.baro[k].t_s - fix.t_s < 1.0) zeros.push_back(*height - log.baro[k].height_above_takeoff_m);
   }
   if (zeros.empty()) return std::nullopt;
-  const auto middle = zeros.begin() + static_cast<std::ptrdiff_t>(zeros.size() / 2);
-  std::nth_element(zeros.begin(), middle, zeros.end());
-  return *middle;
+  return Median(std::move(zeros));
 }
 
 class Joiner {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/geo/geoid.h"
 #include "core/poses/attitude_convention.h"
 
@@ -10,12 +11,6 @@ namespace skyquilt::poses {
 namespace {
 
 using Eigen::Vector3d;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 constexpr double kUnknownHeightSigmaM = 30.0;  // a height that says next to nothing
 const Vector3d kConsumerWhite(0.15, 0.15, 0.24);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/geo/geoid.h"
 #include "core/poses/flight_heights.h"
 
@@ -13,13 +14,6 @@ namespace {
 
 using flight::FlightLog;
 using flight::GnssSample;
-
-std::optional<double> Median(std::vector<double> values) {
-  if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A series at a time, between the samples around it; nothing across a hole of more than a second.
 template <typename Sample, typename Value>
@@ -94,7 +88,7 @@ class Search {
       const auto baro_m = BaroAt(t_s);
       if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
     }
-    out_.height_ellipsoid_m = Median(std::move(zeros)).value_or(0.0);
+    out_.height_ellipsoid_m = MedianIfAny(std::move(zeros)).value_or(0.0);
     out_.rule = "height above take-off by the log's barometer, flat ground at take-off height";
     return true;
   }
@@ -107,7 +101,7 @@ class Search {
       if (height_m && std::isfinite(*height_m)) grounds.push_back(*height_m - echo.distance_m);
     }
     if (grounds.empty() && !log_.gnss.empty()) return false;
-    out_.height_ellipsoid_m = Median(std::move(grounds)).value_or(0.0);
+    out_.height_ellipsoid_m = MedianIfAny(std::move(grounds)).value_or(0.0);
     out_.sigma_m = 0.3;
     out_.rule = "height above flat ground by the log's range finder";
     return true;
@@ -123,7 +117,7 @@ class Search {
         zeros.push_back(*height_m - *photo->position->height_above_takeoff_m);
       }
     }
-    const auto zero_m = Median(std::move(zeros));
+    const auto zero_m = MedianIfAny(std::move(zeros));
     if (!zero_m) return false;
     out_.height_ellipsoid_m = *zero_m;
     out_.rule = "height above take-off as the photos record it, flat ground at take-off height";
@@ -141,8 +135,8 @@ class Search {
       const auto height_m = GnssHeightAt(t_s);
       if (height_m && std::isfinite(*height_m)) over_photos.push_back(*height_m);
     }
-    const auto ground_m = Median(std::move(first));
-    const auto photo_m = Median(std::move(over_photos));
+    const auto ground_m = MedianIfAny(std::move(first));
+    const auto photo_m = MedianIfAny(std::move(over_photos));
     if (!ground_m || !photo_m || *photo_m - *ground_m < 8.0) return false;
     out_.height_ellipsoid_m = *ground_m;
     out_.sigma_m = 2.5;
@@ -180,11 +174,11 @@ class Search {
         grounds.push_back(*height_m - echo.distance_m);
     }
     if (grounds.size() < 20) return;
-    const double ground_m = *Median(grounds);
+    const double ground_m = *MedianIfAny(grounds);
     std::vector<double> apart;
     for (const double g : grounds) apart.push_back(std::abs(g - ground_m));
     // A sensor at its limit repeats it: the ground then seems to climb with the aircraft.
-    if (*Median(std::move(apart)) > 2.0) return;
+    if (*MedianIfAny(std::move(apart)) > 2.0) return;
     out_.ground_above_takeoff_m = ground_m;
     out_.sigma_m = 0.3;
     out_.rule += fmt::format("; the range finder puts the ground {:+.1f} m from take-off", ground_m);

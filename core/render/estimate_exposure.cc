@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/render/exposure_samples.h"
 
 namespace skyquilt::render {
@@ -111,10 +112,7 @@ Eigen::VectorXd SolveChannel(const std::vector<ExposureSample>& samples, int cha
       for (; end < samples.size() && samples[end].spot == samples[begin].spot; ++end) {
         left.push_back(samples[end].log_value[static_cast<std::size_t>(channel)] - Explained(samples[end], unknowns, x));
       }
-      std::vector<double> sorted = left;
-      std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-      double centre = sorted[sorted.size() / 2];
-      if (left.size() == 2) centre = 0.5 * (left[0] + left[1]);
+      const double centre = left.size() == 2 ? 0.5 * (left[0] + left[1]) : Median(left);
       for (std::size_t s = begin; s < end; ++s) {
         const double misfit = (left[s - begin] - centre) / kRobustScale;
         weights[s] = 1.0 / (1.0 + misfit * misfit);  // Cauchy

@@ -5,6 +5,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/camera/ground_homography.h"
 
@@ -52,8 +53,7 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
     sizes_m.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx() *
                       std::max(photo.intrinsics.width_px, photo.intrinsics.height_px));
   }
-  std::nth_element(sizes_m.begin(), sizes_m.begin() + static_cast<std::ptrdiff_t>(sizes_m.size() / 2), sizes_m.end());
-  const double step_m = std::max(0.1, sizes_m[sizes_m.size() / 2] / kSpotsAcrossPhoto);
+  const double step_m = std::max(0.1, Median(std::move(sizes_m)) / kSpotsAcrossPhoto);
 
   std::unordered_map<std::int64_t, std::uint32_t> spot_of_cell;
   for (std::uint32_t i = 0; i < flight.photos.size(); ++i) {

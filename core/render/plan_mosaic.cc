@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/camera/ground_homography.h"
 #include "core/geo/hilbert.h"
@@ -91,8 +92,7 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     return Error{ErrorCode::kUnprocessable,
                  "no photo looks at the ground: by the recorded angles and heights all look at the sky or from below", ""};
   }
-  std::nth_element(gsds.begin(), gsds.begin() + static_cast<std::ptrdiff_t>(gsds.size() / 2), gsds.end());
-  plan.gsd_m = gsds[gsds.size() / 2];
+  plan.gsd_m = Median(std::move(gsds));
   const double lat_deg = flight.frame.origin().lat_deg;
   plan.base_zoom = geo::ZoomForGsd(options.gsd_m.value_or(plan.gsd_m), lat_deg, plan.tile_size_px);
   // Finer than the last zoom that GIS tools open, the tiles grow instead of the zoom: 512 pixels, 1024, ...

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/label_seams.h"
@@ -15,9 +16,7 @@ double MedianOf(const alignment::AlignedFlight& flight, Read read) {
   std::vector<double> values;
   for (const auto& photo : flight.photos) values.push_back(read(photo));
   if (values.empty()) return 1.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return Median(std::move(values));
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -16,12 +18,6 @@ CsvColumn* Find(std::vector<CsvColumn>& columns, M meaning) {
     if (column.meaning == meaning) return &column;
   }
   return nullptr;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void Rescale(std::vector<CsvColumn>& columns, M first, M last, double factor, const char* unit) {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -24,9 +26,8 @@ std::optional<SeriesFacts> FactsOf(const std::vector<Sample>& samples) {
     facts.longest_gap_s = std::max(facts.longest_gap_s, steps.back());
   }
   if (!steps.empty()) {
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    if (*middle > 0.0) facts.rate_hz = 1.0 / *middle;
+    const double step_s = Median(std::move(steps));
+    if (step_s > 0.0) facts.rate_hz = 1.0 / step_s;
   }
   return facts;
 }

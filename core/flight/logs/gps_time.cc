@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/flight/logs/text_fields.h"
 
 namespace skyquilt::flight {
@@ -23,12 +24,6 @@ constexpr std::array kLeapDays = {Day(1981, 7), Day(1982, 7), Day(1983, 7), Day(
                                   Day(1990, 1), Day(1991, 1), Day(1992, 7), Day(1993, 7), Day(1994, 7),
                                   Day(1996, 1), Day(1997, 7), Day(1999, 1), Day(2006, 1), Day(2009, 1),
                                   Day(2012, 7), Day(2015, 7), Day(2017, 1)};
-
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -165,10 +160,10 @@ std::optional<ClockPairs::Fit> ClockPairs::Solve() const {
   for (const Pair& pair : pairs_) {
     offsets.push_back(static_cast<double>(pair.utc_us - first.utc_us) * 1e-6 - (pair.t_s - first.t_s));
   }
-  const double offset_s = MedianOf(offsets);
+  const double offset_s = Median(offsets);
   for (double& offset : offsets) offset = std::abs(offset - offset_s);
   Fit fit;
-  fit.scatter_s = 1.4826 * MedianOf(offsets);
+  fit.scatter_s = 1.4826 * Median(offsets);
   const double zero_us = (offset_s - first.t_s) * 1e6;
   if (!(std::abs(zero_us) < 4e18)) return std::nullopt;
   fit.utc_at_zero = UtcTime(microseconds(first.utc_us + std::llround(zero_us)));

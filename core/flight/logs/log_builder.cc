@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -288,9 +290,7 @@ FlightLog LogBuilder::Finish() && {
     for (std::size_t i = 0; i < std::min<std::size_t>(10, log_.baro.size()); ++i) {
       first.push_back(log_.baro[i].height_above_takeoff_m);
     }
-    std::nth_element(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(first.size() / 2),
-                     first.end());
-    const double zero_m = first[first.size() / 2];
+    const double zero_m = Median(std::move(first));
     for (BaroSample& sample : log_.baro) sample.height_above_takeoff_m -= zero_m;
   }
   return std::move(log_);

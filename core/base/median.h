@@ -1,0 +1,30 @@
+// Median: the middle value; of an even number the upper of the two middles, so that it is always one of the values.
+// Takes its values by copy, since finding it reorders them. Median of nothing is our bug; MedianIfAny is for
+// values of which there may be none. Pure; any thread.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/check.h"
+
+namespace skyquilt {
+
+template <typename Value>
+Value Median(std::vector<Value> values) {
+  SKYQUILT_CHECK(!values.empty(), "the median of nothing was asked for");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+template <typename Value>
+std::optional<Value> MedianIfAny(std::vector<Value> values) {
+  if (values.empty()) return std::nullopt;
+  return Median(std::move(values));
+}
+
+}  // namespace skyquilt
