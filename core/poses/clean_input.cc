@@ -64,7 +64,8 @@ struct Span {
   }
 };
 
-constexpr double kMarginS = 30.0;  // measurements this long before and after the photos still help
+constexpr double kMarginS = 30.0;       // measurements this long before and after the photos still help
+constexpr double kRestMarginS = 120.0;  // stillness fixes the speed and the biases from further off
 
 }  // namespace
 
@@ -92,7 +93,7 @@ Result<CleanInput> CleanSmootherInput(const SmootherInput& raw) {
   asked.Include(in.markers);
   for (const StillInterval& s : in.still) {
     // Stillness long before or after the flight, with no marker in it, has nothing to say.
-    if (s.end_s < asked.begin - kMarginS || s.begin_s > asked.end + kMarginS) continue;
+    if (s.end_s < asked.begin - kRestMarginS || s.begin_s > asked.end + kRestMarginS) continue;
     asked.begin = std::min(asked.begin, s.begin_s);
     asked.end = std::max(asked.end, s.end_s);
   }

@@ -267,8 +267,13 @@ class Preparation {
         start.position_in_enu_m.z() += from_.photos.front().height_above_ground_m.value_or(0.0);
     }
     out_.input.markers.push_back(start);
-    if (from_.ended_at_start && after_last != still.end()) {
+    // Wherever it landed, it then stood: its speed is known again, and with it most of what has drifted.
+    // Without a barometer a calm hover could pass for that.
+    if (after_last != still.end() && (from_.ended_at_start || !from_.log->baro.empty())) {
       out_.input.still.push_back(AtOneHeight(out_.input.heights, *after_last, false));
+      Note("still on the ground after landing");
+    }
+    if (from_.ended_at_start && after_last != still.end()) {
       Marker end = start;
       end.t_s = after_last->end_s;
       end.yaw_rad.reset();

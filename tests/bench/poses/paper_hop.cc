@@ -22,7 +22,8 @@ FlightPlan HopPlan() {
   return plan;
 }
 
-enum class Hop { kStart, kStartRange, kStartEndRange, kStartEndRangeAttitude };
+// Each with what the one before has.
+enum class Hop { kStart, kStartRange, kStartRangeRest, kStartEndRange, kStartEndRangeAttitude };
 
 poses::SmootherInput Input(Hop hop, const AnalyticFlight& flight, const RecordedSensors& sensors) {
   poses::SmootherInput in;
@@ -41,10 +42,8 @@ poses::SmootherInput Input(Hop hop, const AnalyticFlight& flight, const Recorded
   mark(0.0, true);
   in.still.push_back({0.0, 8.9});
   if (hop != Hop::kStart) in.ranges = sensors.ranges;
-  if (hop == Hop::kStartEndRange || hop == Hop::kStartEndRangeAttitude) {
-    mark(flight.duration_s() - 0.5, false);
-    in.still.push_back({flight.landed_s() + 0.2, flight.duration_s() - 0.5});
-  }
+  if (hop >= Hop::kStartRangeRest) in.still.push_back({flight.landed_s() + 0.2, flight.duration_s() - 0.5});
+  if (hop >= Hop::kStartEndRange) mark(flight.duration_s() - 0.5, false);
   if (hop == Hop::kStartEndRangeAttitude) in.attitudes = sensors.attitudes;
   return in;
 }
@@ -59,6 +58,7 @@ void PrintPaperHop(int seeds) {
   };
   const Row rows[] = {{Hop::kStart, "IMU, marker start", 14.0},
                       {Hop::kStartRange, "+ ultrasonic height", 14.0},
+                      {Hop::kStartRangeRest, "+ rest after landing", 14.0},
                       {Hop::kStartEndRange, "+ end marker", 2.1},
                       {Hop::kStartEndRangeAttitude, "+ autopilot attitude", 1.5}};
   fmt::print("A hop of {:.0f} s at 20 m without GNSS (mean over {} flights of the RMS over photos)\n",

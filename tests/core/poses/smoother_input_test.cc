@@ -81,7 +81,8 @@ struct Recorded {
   FlightSources Sources(bool with_log) const {
     FlightSources sources;
     for (std::size_t k = 0; k < photos.size(); ++k) {
-      sources.photos.push_back({&photos[k], flight.photo_times_s()[k], 0.0, sensors.photo_heights[k].z_in_enu_m});
+      sources.photos.push_back(
+          {&photos[k], flight.photo_times_s()[k], 0.0, sensors.photo_heights[k].z_in_enu_m});
     }
     if (with_log) sources.log = &log;
     return sources;
@@ -178,13 +179,19 @@ TEST(SmootherInput, TakesTheSlowErrorOfTheAirframeOutOfTheGimbal) {
   EXPECT_LT(errors.rotation_rad, 0.7 * recorded_error);
 }
 
-TEST(SmootherInput, ReckonsFromTheStartPointWithoutAnyPosition) {
-  Recorded recorded(5);
+// The same flight without any position, to be reckoned from where it started.
+FlightSources WithoutPositions(Recorded& recorded) {
   recorded.log.gnss.clear();
   for (flight::Photo& p : recorded.photos) p.position.reset();
   FlightSources sources = recorded.Sources(true);
   for (PhotoAtTime& p : sources.photos) p.height_above_ground_m.reset();
   sources.start_in_enu_m = recorded.flight.At(0.0).position;
+  return sources;
+}
+
+TEST(SmootherInput, ReckonsFromTheStartPointWithoutAnyPosition) {
+  Recorded recorded(5);
+  const FlightSources sources = WithoutPositions(recorded);
   const PreparedSmoothing prepared = MakeSmootherInput(sources, Frame());
   EXPECT_FALSE(prepared.is_placed);
   ASSERT_FALSE(prepared.input.still.empty());
@@ -197,6 +204,34 @@ TEST(SmootherInput, ReckonsFromTheStartPointWithoutAnyPosition) {
   EXPECT_LT(errors.position_m, 60.0);
   EXPECT_LT(errors.position_m, 3.0 * errors.stated_position_m);
   EXPECT_GT(cameras.back().error_radius_m, cameras.front().error_radius_m);
+}
+
+// Nobody says where it landed; that it stands there is in the record.
+TEST(SmootherInput, StandingAfterTheLandingTakesDriftAway) {
+  double with_rest_m = 0.0, without_rest_m = 0.0, stated_m = 0.0;
+  for (std::uint64_t seed = 5; seed < 9; ++seed) {
+    Recorded recorded(seed);
+    for (flight::Photo& p : recorded.photos) p.velocity.reset();
+    const FlightSources sources = WithoutPositions(recorded);
+    const auto truth = [&](std::size_t k) {
+      return CamFromBody() * recorded.flight.At(recorded.flight.photo_times_s()[k]).enu_from_body.conjugate();
+    };
+    const PreparedSmoothing landed = MakeSmootherInput(sources, Frame());
+    ASSERT_EQ(landed.input.still.size(), 2u);
+    EXPECT_GT(landed.input.still[1].begin_s, recorded.flight.landed_s());
+    const Errors better = Compare(recorded, Place(landed), truth);
+    std::erase_if(recorded.log.imu,
+                  [&](const flight::ImuSample& s) { return s.t_s > recorded.flight.landed_s(); });
+    const PreparedSmoothing cut = MakeSmootherInput(sources, Frame());
+    ASSERT_EQ(cut.input.still.size(), 1u);
+    const Errors worse = Compare(recorded, Place(cut), truth);
+    EXPECT_LT(better.stated_position_m, 0.8 * worse.stated_position_m);
+    with_rest_m += better.position_m;
+    without_rest_m += worse.position_m;
+    stated_m += better.stated_position_m;
+  }
+  EXPECT_LT(with_rest_m, 0.8 * without_rest_m);
+  EXPECT_LT(with_rest_m, 2.0 * stated_m);
 }
 
 TEST(RecordedSeries, JudgesTheNoiseOfInertialSamples) {
