@@ -3,20 +3,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <map>
-#include <mutex>
 
 #include "core/alignment/bundle_setup.h"
 #include "core/alignment/correct_poses.h"
 #include "core/alignment/direct_registration.h"
+#include "core/alignment/extract_all.h"
 #include "core/alignment/flight_lines.h"
 #include "core/alignment/link_photos.h"
 #include "core/alignment/link_rounds.h"
 #include "core/alignment/place_photos.h"
 #include "core/alignment/tie_to_control.h"
-#include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
@@ -31,32 +28,6 @@ const LinkPass kLastLook{.least_radius_share = 0.012,
                          .max_distance_ratio = 0.9,
                          .min_matches = 8,
                          .fit_motion = false};
-
-struct Photographed {
-  std::vector<PhotoFeatures> features;
-  std::vector<std::string> unreadable;
-};
-
-Photographed ExtractAll(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
-                        const AlignOptions& options, Progress& progress) {
-  const std::size_t count = posed.photos.size();
-  Photographed photographed{std::vector<PhotoFeatures>(count), std::vector<std::string>(count)};
-  FeatureOptions feature_options;
-  feature_options.detector_pixels = options.detector_pixels;
-  feature_options.max_features = options.max_features;
-  std::atomic<std::size_t> done{0};
-  ParallelFor(count, options.threads, [&](std::size_t i) {
-    if (progress.IsCancelled()) return;
-    Result<PhotoFeatures> features = ExtractFeatures(posed.photos[i].photo, source, feature_options);
-    if (features) {
-      photographed.features[i] = *std::move(features);
-    } else {
-      photographed.unreadable[i] = features.error().message;
-    }
-    progress.Report(0.7 * static_cast<double>(++done) / static_cast<double>(count), "finding features");
-  });
-  return photographed;
-}
 
 std::vector<Track> TriangulatedTracks(const std::vector<PairLink>& links, const LinkInput& input,
                                       const AlignOptions& options) {
@@ -147,13 +118,17 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
   }
 
-  const Photographed photographed = ExtractAll(posed, source, options, progress);
+  FeatureOptions feature_options;
+  feature_options.detector_pixels = options.detector_pixels;
+  feature_options.max_features = options.max_features;
+  const Photographed photographed =
+      ExtractAll(posed, source, feature_options, options.threads, 0.7, progress);
   if (progress.IsCancelled()) return cancelled;
   report.photo_reports.resize(count);
   LinkInput input = MakeLinkInput(posed);
+  input.features = photographed.Readable();
   for (std::size_t i = 0; i < count; ++i) {
     const PhotoFeatures& features = photographed.features[i];
-    input.features[i] = photographed.unreadable[i].empty() ? &features : nullptr;
     report.photo_reports[i].name = names[i];
     report.photo_reports[i].features = static_cast<int>(features.keypoints.size());
     report.decode_s += features.decode_s;

@@ -217,4 +217,22 @@ std::vector<Track> DirectTracks(const LinkInput& input, const std::vector<Candid
   return tracks;
 }
 
+std::vector<DirectSupport> SupportOf(const std::vector<View>& views, const std::vector<Track>& tracks) {
+  std::vector<DirectSupport> support(views.size());
+  for (const Track& track : tracks) {
+    const auto miss_of = [&](const Observation& one) {
+      return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu);
+    };
+    const bool agrees =
+        std::all_of(track.observations.begin(), track.observations.end(),
+                    [&](const Observation& one) { return miss_of(one) < 2.0 * one.sigma_px; });
+    if (!agrees) continue;
+    for (const Observation& one : track.observations) {
+      ++support[one.photo].ties;
+      support[one.photo].square_px += miss_of(one) * miss_of(one);
+    }
+  }
+  return support;
+}
+
 }  // namespace skyquilt::alignment

@@ -29,4 +29,11 @@ std::optional<DirectTie> RegisterDirectly(const LinkInput& input, int first, int
 std::vector<Track> DirectTracks(const LinkInput& input, const std::vector<CandidatePair>& pairs,
                                 const std::vector<PairLink>& links, const Relief& relief, int threads);
 
+// How many of the ties agree with where each photo now lies, and what those miss by.
+struct DirectSupport {
+  int ties = 0;
+  double square_px = 0.0;  // summed
+};
+std::vector<DirectSupport> SupportOf(const std::vector<View>& views, const std::vector<Track>& tracks);
+
 }  // namespace skyquilt::alignment

@@ -112,6 +112,8 @@ double Sharpness(const cv::Mat& grey) {
 void Describe(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
               PhotoFeatures& features) {
   ScopedTimer timer(features.detect_s);
+  features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
+  if (options.max_features == 0) return;
   const double shrink = std::min(
       1.0, std::sqrt(static_cast<double>(options.detector_pixels) / static_cast<double>(grey.total())));
   cv::Mat image = grey;
@@ -146,7 +148,6 @@ void Describe(const cv::Mat& grey, const flight::Photo& photo, const FeatureOpti
     features.descriptors.push_back(Pack(descriptors.ptr<float>(static_cast<int>(i))));
   }
   features.sigma_px = 0.35 * 0.5 * full_per_x;
-  features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
 }
 
 }  // namespace

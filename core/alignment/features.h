@@ -47,7 +47,7 @@ struct FeatureOptions {
   // Pixels of the image given to the detector. It doubles the image before it looks, so the finest features
   // are those of an image of four times as many pixels.
   int detector_pixels = 375'000;
-  int max_features = 2000;
+  int max_features = 2000;   // 0: the thumbnail alone
   int thumbnail_px = 256;  // longer side
 };
 

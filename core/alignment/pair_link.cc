@@ -31,24 +31,6 @@ Tolerance MakeTolerance(const LinkOptions& options, double tolerance_m) {
           tolerance_m + options.relief_share * length};
 }
 
-GroundSimilarity FitSimilarity(const std::vector<std::pair<Complex, Complex>>& places) {
-  Complex mean_a, mean_b;
-  for (const auto& [a, b] : places) {
-    mean_a += a;
-    mean_b += b;
-  }
-  mean_a /= static_cast<double>(places.size());
-  mean_b /= static_cast<double>(places.size());
-  Complex cross;
-  double square = 0.0;
-  for (const auto& [a, b] : places) {
-    cross += std::conj(a - mean_a) * (b - mean_b);
-    square += std::norm(a - mean_a);
-  }
-  const Complex turn = square > 1e-9 ? cross / square : Complex(1.0, 0.0);
-  return {turn, mean_b - turn * mean_a};
-}
-
 // Do the followers crowd around the motion more than matches would that had fallen anywhere in the search
 // area?
 bool StandsOut(const std::vector<int>& followers, const std::vector<std::pair<Complex, Complex>>& places,
@@ -72,6 +54,25 @@ bool StandsOut(const std::vector<int>& followers, const std::vector<std::pair<Co
 }
 
 }  // namespace
+
+GroundSimilarity FitSimilarity(
+    const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places) {
+  Complex mean_a, mean_b;
+  for (const auto& [a, b] : places) {
+    mean_a += a;
+    mean_b += b;
+  }
+  mean_a /= static_cast<double>(places.size());
+  mean_b /= static_cast<double>(places.size());
+  Complex cross;
+  double square = 0.0;
+  for (const auto& [a, b] : places) {
+    cross += std::conj(a - mean_a) * (b - mean_b);
+    square += std::norm(a - mean_a);
+  }
+  const Complex turn = square > 1e-9 ? cross / square : Complex(1.0, 0.0);
+  return {turn, mean_b - turn * mean_a};
+}
 
 std::optional<PairLink> FitLink(const GroundView& first, const GroundView& second,
                                 const std::vector<KeypointMatch>& matches, const LinkOptions& options) {

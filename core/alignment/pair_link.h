@@ -4,7 +4,9 @@
 // line between the cameras, so the tolerance is wider that way. Pure; any thread.
 #pragma once
 
+#include <complex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/alignment/guided_matching.h"
@@ -28,6 +30,11 @@ struct PairLink {
   std::vector<KeypointMatch> matches;  // those that follow
   double rms_m = 0.0;
 };
+
+// The similarity that maps the first of each pair nearest to its second (least squares); a mere shift where the
+// places coincide.
+GroundSimilarity FitSimilarity(
+    const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 
 std::optional<PairLink> FitLink(const GroundView& first, const GroundView& second,
                                 const std::vector<KeypointMatch>& matches, const LinkOptions& options);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/alignment/direct_registration.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
@@ -82,21 +83,6 @@ struct Learnt {
   int photos = 0;
 };
 
-// How many whole-picture comparisons agree with where each photo now lies.
-std::vector<int> CountDirectTies(const BundleProblem& problem) {
-  std::vector<int> ties(problem.photos.size(), 0);
-  const std::vector<View> views = ViewsOf(problem);
-  for (const Track& track : problem.soft_tracks) {
-    const bool agrees =
-        std::all_of(track.observations.begin(), track.observations.end(), [&](const Observation& one) {
-          return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) < 2.0 * one.sigma_px;
-        });
-    if (!agrees) continue;
-    for (const Observation& one : track.observations) ++ties[one.photo];
-  }
-  return ties;
-}
-
 // Axis by axis.
 Eigen::Vector3d MedianVector(const std::vector<Eigen::Vector3d>& values) {
   Eigen::Vector3d median;
@@ -162,7 +148,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
   std::vector<Support> support;
   const std::vector<int> piece = FindAligned(problem, support);
-  const std::vector<int> direct_ties = CountDirectTies(problem);
+  const std::vector<DirectSupport> direct = SupportOf(ViewsOf(problem), problem.soft_tracks);
   std::map<int, int> piece_sizes;
   std::map<int, std::vector<Eigen::Vector3d>> turns, shifts;
   std::vector<Eigen::Vector3d> all_turns, all_shifts;
@@ -204,12 +190,12 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
       photo.error_radius_m = shared_error_m.value_or(sigma_position);
       photo.height_above_ground_m =
           std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
-    } else if (direct_ties[i] > 0) {
+    } else if (direct[i].ties > 0) {
       photo.placement_reason = fmt::format(
           "placed by its recorded pose, moved to where the whole picture fits {} other photo{}: too few "
           "points in "
           "common ({})",
-          direct_ties[i], direct_ties[i] == 1 ? "" : "s", support[i].observations);
+          direct[i].ties, direct[i].ties == 1 ? "" : "s", support[i].observations);
       if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
     } else {
       const auto of_line = turns.find(problem.photos[i].line);

@@ -1,7 +1,7 @@
 // The cost terms of the bundle adjustment, each in units of its own sigma, written for automatic
 // differentiation. Poses are six numbers from a fixed start: turn (radians, in cam: cam = Exp(turn) * start)
 // and shift of the centre (enu metres). Lens: focal as a factor, centre in pixels, k1 k2, p1 p2. Included by
-// bundle_adjustment.cc alone.
+// the two .cc files that solve with Ceres.
 #pragma once
 
 #include <ceres/rotation.h>

@@ -7,7 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "core/alignment/align_by_features.h"
 #include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_directly.h"
 #include "core/alignment/align_flight.h"
 #include "core/base/scoped_timer.h"
 #include "core/geo/web_mercator.h"
@@ -100,10 +102,19 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
 
   alignment::AlignReport align_report;
   auto aligned = stages.Run("align", [&]() -> Result<alignment::AlignedFlight> {
-    if (options.method == AlignMethod::kImu) return alignment::AlignByPoseOnly(*posed);
     alignment::AlignOptions align_options;
     align_options.threads = options.threads;
     align_options.control = ControlPointsOf(checked->flight.gcp_lists);
+    switch (options.method) {
+      case AlignMethod::kImu:
+        return alignment::AlignByPoseOnly(*posed);
+      case AlignMethod::kFeatures:
+        return alignment::AlignByFeatures(*posed, photo_source, align_options, align_report, progress);
+      case AlignMethod::kDirect:
+        return alignment::AlignDirectly(*posed, photo_source, align_options, align_report, progress);
+      case AlignMethod::kAuto:
+        break;
+    }
     return alignment::AlignFlight(*posed, photo_source, align_options, align_report, progress);
   });
   if (!aligned) return aligned.error();

@@ -100,9 +100,14 @@ void AddStitchCommand(CLI::App& app) {
           {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
   command
       ->add_option("--method", arguments->job.mosaic.method,
-                   "auto: poses refined by image features; imu: recorded poses alone, no pixel compared")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::AlignMethod>{
-          {"auto", pipeline::AlignMethod::kAuto}, {"imu", pipeline::AlignMethod::kImu}}));
+                   "auto: poses refined by image features; imu: recorded poses alone, no pixel compared; features: "
+                   "homographies chained from photo to photo, poses not looked at; direct: recorded poses "
+                   "refined by comparing whole pictures")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, pipeline::AlignMethod>{{"auto", pipeline::AlignMethod::kAuto},
+                                                       {"imu", pipeline::AlignMethod::kImu},
+                                                       {"features", pipeline::AlignMethod::kFeatures},
+                                                       {"direct", pipeline::AlignMethod::kDirect}}));
   command->add_option("--origin", arguments->origin,
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
   command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,

@@ -1,0 +1,27 @@
+// ExtractAll: the features of every photo of a flight, in parallel. A photo that cannot be decoded costs its
+// features, not the flight: the reason stands in its place. Same result for any number of threads.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/alignment/features.h"
+#include "core/base/progress.h"
+#include "core/pipeline/ports.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+struct Photographed {
+  std::vector<PhotoFeatures> features;  // by photo
+  std::vector<std::string> unreadable;  // a reason a photo; empty: it was read
+
+  // Null where the photo could not be read.
+  std::vector<const PhotoFeatures*> Readable() const;
+};
+
+// Reports progress up to `last_fraction`; stops early, with what there is, when it is cancelled.
+Photographed ExtractAll(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
+                        const FeatureOptions& options, int threads, double last_fraction, Progress& progress);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,120 @@
+// The methods that AlignFlight is compared with: each must do what it stands for, or the comparison is worth
+// nothing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/alignment/align_by_features.h"
+#include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_directly.h"
+#include "tests/core/alignment/simulated_case.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+simulate::SimulateOptions SmallFlight() {
+  simulate::SimulateOptions options;
+  options.seed = options.world.seed = 5;
+  options.noise = simulate::NoiseClass::kXmpTypical;
+  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  options.trajectory.photos = 8;
+  options.trajectory.photos_per_line = 4;
+  return options;
+}
+
+AlignOptions OnThreads(int threads) {
+  AlignOptions options;
+  options.max_features = 800;
+  options.threads = threads;
+  return options;
+}
+
+GroundError ErrorOf(const simulate::SimulatedFlight& truth, const AlignedFlight& flight) {
+  return MeasureGroundError(truth, flight, ground::GroundSurface::Plane(flight.ground_z_in_enu_m));
+}
+
+TEST(AlignByFeatures, ChainsAFlightOverFlatGroundTighterThanItsPosesAre) {
+  const auto truth = PlanSimulatedFlight(SmallFlight());
+  const poses::PosedFlight posed = PosesOf(*truth);
+  AlignReport report;
+  SilentProgress progress;
+  const auto flight =
+      AlignByFeatures(posed, simulate::SimulatedPhotoSource(*truth), OnThreads(2), report, progress);
+  ASSERT_TRUE(flight.ok());
+  EXPECT_EQ(flight->photos.size(), 8U);
+  EXPECT_EQ(report.pieces, 1);
+  EXPECT_LT(ErrorOf(*truth, *flight).relative_ce90_m, 5.0 * truth->GsdM());
+  EXPECT_GT(ErrorOf(*truth, AlignByPoseOnly(posed)).relative_ce90_m, 10.0 * truth->GsdM());
+}
+
+TEST(AlignByFeatures, LooksAtNoRecordedAngle) {
+  const auto truth = PlanSimulatedFlight(SmallFlight());
+  poses::PosedFlight posed = PosesOf(*truth);
+  AlignReport report;
+  SilentProgress progress;
+  const simulate::SimulatedPhotoSource source(*truth);
+  const auto before = AlignByFeatures(posed, source, OnThreads(2), report, progress);
+  for (poses::PosedPhoto& photo : posed.photos) {
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX()) * photo.cam_from_enu.rotation,
+        photo.cam_from_enu.TargetOriginInSource());
+  }
+  const auto after = AlignByFeatures(posed, source, OnThreads(1), report, progress);
+  ASSERT_TRUE(before.ok() && after.ok());
+  ASSERT_EQ(before->photos.size(), after->photos.size());
+  for (std::size_t i = 0; i < before->photos.size(); ++i) {
+    EXPECT_TRUE(
+        before->photos[i].cam_from_enu.rotation.isApprox(after->photos[i].cam_from_enu.rotation, 1e-12));
+  }
+}
+
+// Replaces one photo's picture by that of another world.
+class OneElsewhere final : public pipeline::PhotoSource {
+ public:
+  OneElsewhere(const simulate::SimulatedFlight& here, const simulate::SimulatedFlight& elsewhere,
+               std::string name)
+      : here_(here), elsewhere_(elsewhere), name_(std::move(name)) {}
+  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+    return photo.name == name_ ? elsewhere_.Decode(photo, denominator) : here_.Decode(photo, denominator);
+  }
+
+ private:
+  simulate::SimulatedPhotoSource here_, elsewhere_;
+  std::string name_;
+};
+
+TEST(AlignByFeatures, LeavesOutAPhotoThatMatchesNoOther) {
+  const auto truth = PlanSimulatedFlight(SmallFlight());
+  simulate::SimulateOptions other = SmallFlight();
+  other.world.seed = 99;
+  const auto elsewhere = PlanSimulatedFlight(other);
+  const poses::PosedFlight posed = PosesOf(*truth);
+  const std::string odd = posed.photos[2].photo.name;
+  AlignReport report;
+  SilentProgress progress;
+  const auto flight =
+      AlignByFeatures(posed, OneElsewhere(*truth, *elsewhere, odd), OnThreads(2), report, progress);
+  ASSERT_TRUE(flight.ok());
+  EXPECT_EQ(flight->photos.size(), 7U);
+  ASSERT_EQ(flight->left_out.size(), 1U);
+  EXPECT_EQ(flight->left_out.front().name, odd);
+  EXPECT_FALSE(flight->left_out.front().reason.empty());
+}
+
+TEST(AlignDirectly, MovesPhotosTogetherThatPosesLeaveApart) {
+  const auto truth = PlanSimulatedFlight(SmallFlight());
+  const poses::PosedFlight posed = PosesOf(*truth);
+  AlignReport report;
+  SilentProgress progress;
+  const auto flight =
+      AlignDirectly(posed, simulate::SimulatedPhotoSource(*truth), OnThreads(2), report, progress);
+  ASSERT_TRUE(flight.ok());
+  EXPECT_EQ(flight->photos.size(), 8U);
+  EXPECT_GT(report.aligned, 5);
+  for (const AlignPhotoReport& photo : report.photo_reports) EXPECT_EQ(photo.features, 0);
+  EXPECT_LT(ErrorOf(*truth, *flight).relative_ce90_m,
+            0.7 * ErrorOf(*truth, AlignByPoseOnly(posed)).relative_ce90_m);
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
