@@ -103,6 +103,10 @@ void ChainProblem::ExpandAbout(const std::vector<KnotState>& knots) {
     turned_rad_[At0(i)] =
         std::atan2(before.x() * after.y() - before.y() * after.x(), before.head<2>().dot(after.head<2>()));
   }
+  const bool has_headings = std::any_of(input_.attitudes.begin(), input_.attitudes.end(),
+                                        [](const AttitudeFix& a) { return a.has_yaw; });
+  if (has_headings && input_.imu.empty())
+    course_evidence_ = JudgeCourse(knots, timeline_.times(), input_.options.course_min_speed_mps);
   if (input_.imu.empty()) return;
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
     const KnotState& k = knots[At0(i)];
@@ -282,6 +286,17 @@ void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
       sink.template Add<2>("level", k, -1, LevelFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
     if (o.yaw_from_course && has_course_[At0(k)]) {
       sink.template Add<1>("course", k, -1, CourseFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
+    }
+    if (course_evidence_ && course_evidence_->runs_straight[At0(k)]) {
+      // A nose errs about its course for as long as a compass does: white noise of the same density stands
+      // for it.
+      const double step_s = 0.5 * (timeline_.times()[At0(k) + 1] - timeline_.times()[At0(k) - 1]);
+      const double sigma = course_evidence_->sigma_rad * std::sqrt(2.0 * o.attitude_bias_time_s / step_s);
+      StateBetween nose = StateAtKnot(knot);
+      nose.state.attitude_bias_rad.setZero();
+      Linear<1> course = CourseFactor(nose, sigma);
+      course.by_first.middleCols<3>(kAtAttitudeBias).setZero();
+      sink.template Add<1>("course", k, -1, course, true);
     }
   }
 }

@@ -11,6 +11,7 @@
 #include "core/poses/block_skyline.h"
 #include "core/poses/chain_factors.h"
 #include "core/poses/chain_timeline.h"
+#include "core/poses/course_evidence.h"
 #include "core/poses/smoother.h"
 
 namespace skyquilt::poses {
@@ -83,7 +84,8 @@ class ChainProblem {
   std::vector<std::vector<double>> cuts_;  // times inside each interval that need their own inertial sum
   std::vector<bool> still_;
   std::vector<bool> has_course_;
-  std::vector<double> turned_rad_;  // one an interval: how far the heading turns in it
+  std::optional<CourseEvidence> course_evidence_;  // where recorded headings are the only ones
+  std::vector<double> turned_rad_;                 // one an interval: how far the heading turns in it
   std::optional<Eigen::Quaterniond> first_rotation_;
   Vector22 border_prior_ = Vector22::Zero();
   Vector22 border_sigma_ = Vector22::Zero();
