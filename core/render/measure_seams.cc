@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/parallel_for.h"
+#include "core/base/percentile.h"
 #include "core/render/photo_cache.h"
 
 namespace skyquilt::render {
@@ -30,13 +31,6 @@ struct Seam {
 
 double GsdM(const alignment::AlignedPhoto& photo) {
   return photo.height_above_ground_m / photo.intrinsics.MeanFocalPx();
-}
-
-double Percentile(std::vector<double> values, double share) {
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 // Pairs of which no third camera stands nearer to the place half-way.

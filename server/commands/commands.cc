@@ -1,5 +1,6 @@
 #include "server/commands/commands.h"
 
+#include "server/commands/compare.h"
 #include "server/commands/inspect.h"
 #include "server/commands/locate.h"
 #include "server/commands/serve.h"
@@ -15,6 +16,7 @@ void AddCommands(CLI::App& app) {
   AddServeCommand(app);
   AddLocateCommand(app);
   AddInspectCommand(app);
+  AddCompareCommand(app);
   AddSimulateCommand(app);
   AddTokenCommand(app);
   AddWorkerCommand(app);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/base/check.h"
+#include "core/base/percentile.h"
 #include "core/poses/estimate_poses.h"
 #include "core/simulate/random.h"
 
@@ -56,13 +57,6 @@ std::vector<Seen> Look(const simulate::SimulatedFlight& truth, const AlignedFlig
     }
   }
   return seen;
-}
-
-double Percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace
