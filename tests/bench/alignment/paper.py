@@ -31,7 +31,7 @@ scenes here, simulated, so that the truth is known; positions 1.5 m, tilt 0.6 an
 off. `imu` is the paper's method with its geometry done exactly, `features` its baseline (homographies chained as in
 its equations 1 to 3), `direct` shifts whole pictures, `auto` is what `skyquilt stitch` does. Error: nine of ten pixels
 lie nearer to their true place; relative, after the best shift, turn and scale of the whole map. The absolute error of
-all is that of the recorded positions. Seam shifts are measured where photos share ten metres of seam; here they do not.
+all is that of the recorded positions. A dash: too little to measure.
 
 Made by `python3 tests/bench/alignment/paper.py PROGRAM` on {machine}.
 
