@@ -86,7 +86,7 @@ void ReadOutcome(const std::string& truth_json, MethodOutcome& outcome) {
   const Result<pipeline::LocatedMap> map =
       pipeline::ParseLocateJson(ReadText(outcome.folder / "locate.json"));
   if (!map) return;
-  if (const Result<pipeline::TruthError> error = pipeline::MeasureTruthError(*map, truth_json)) {
+  if (const Result<TruthError> error = MeasureTruthError(*map, truth_json)) {
     outcome.truth = *error;
   }
 }

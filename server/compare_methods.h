@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/mosaic_options.h"
-#include "core/pipeline/truth_error.h"
+#include "server/truth_error.h"
 
 namespace skyquilt::server {
 
@@ -32,7 +32,7 @@ struct MethodOutcome {
   double wall_s = 0.0;
   double cpu_s = 0.0;
   std::int64_t peak_memory_bytes = 0;
-  std::optional<pipeline::TruthError> truth;
+  std::optional<TruthError> truth;
 };
 
 // Each method's map and report go into out_dir/METHOD. `truth_json`: of a simulated flight; may be empty.

@@ -1,4 +1,4 @@
-#include "core/pipeline/truth_error.h"
+#include "server/truth_error.h"
 
 #include <algorithm>
 #include <complex>
@@ -12,7 +12,7 @@
 #include "core/base/percentile.h"
 #include "core/simulate/world.h"
 
-namespace skyquilt::pipeline {
+namespace skyquilt::server {
 namespace {
 
 using Complex = std::complex<double>;
@@ -61,7 +61,7 @@ Truth Parse(std::string_view text) {
 
 }  // namespace
 
-Result<TruthError> MeasureTruthError(const LocatedMap& map, std::string_view truth_json) {
+Result<TruthError> MeasureTruthError(const pipeline::LocatedMap& map, std::string_view truth_json) {
   Truth truth;
   try {
     truth = Parse(truth_json);
@@ -73,7 +73,7 @@ Result<TruthError> MeasureTruthError(const LocatedMap& map, std::string_view tru
   error.photos_true = static_cast<int>(truth.cam_from_enu.size());
   std::vector<std::pair<Complex, Complex>> places;
   std::vector<double> absolute;
-  for (const LocatedCamera& camera : map.cameras) {
+  for (const pipeline::LocatedCamera& camera : map.cameras) {
     const auto real = truth.cam_from_enu.find(camera.name);
     if (real == truth.cam_from_enu.end()) continue;
     ++error.photos;
@@ -82,7 +82,7 @@ Result<TruthError> MeasureTruthError(const LocatedMap& map, std::string_view tru
       for (int column = 0; column < kPixelsAcross; ++column) {
         const Eigen::Vector2d pixel((column + 0.5) / kPixelsAcross * truth.lens.width_px - 0.5,
                                     (row + 0.5) / kPixelsAcross * truth.lens.height_px - 0.5);
-        const Result<GroundPoint> shown = GroundAtPixel(map, camera.name, pixel);
+        const Result<pipeline::GroundPoint> shown = pipeline::GroundAtPixel(map, camera.name, pixel);
         if (!shown) continue;
         const auto hit = truth.ground.CastRay(
             real->second.TargetOriginInSource(),
@@ -108,4 +108,4 @@ Result<TruthError> MeasureTruthError(const LocatedMap& map, std::string_view tru
   return error;
 }
 
-}  // namespace skyquilt::pipeline
+}  // namespace skyquilt::server

@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/pipeline/locate.h"
 
-namespace skyquilt::pipeline {
+namespace skyquilt::server {
 
 struct TruthError {
   int photos = 0;                // of the map that the truth knows
@@ -20,6 +20,6 @@ struct TruthError {
 };
 
 // `truth_json`: truth/poses.json of the simulator.
-Result<TruthError> MeasureTruthError(const LocatedMap& map, std::string_view truth_json);
+Result<TruthError> MeasureTruthError(const pipeline::LocatedMap& map, std::string_view truth_json);
 
-}  // namespace skyquilt::pipeline
+}  // namespace skyquilt::server
