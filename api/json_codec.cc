@@ -130,6 +130,13 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
   value["tilejson"] =
       revision ? ordered_json(fmt::format("/tiles/{}.json", view.flight.id)) : ordered_json(nullptr);
+  value["preview"] = nullptr;
+  if (view.preview) {
+    value["preview"] = {{"edition", view.preview->edition},
+                        {"photos", view.preview->photos},
+                        {"bounds", view.preview->bounds},
+                        {"tilejson", fmt::format("/tiles/{}.json?rev={}", view.flight.id, kPreviewRevision)}};
+  }
   value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);
   return Dump(value);
 }

@@ -12,14 +12,19 @@
 #include "core/base/result.h"
 #include "storage/catalogue.h"
 #include "storage/job_queue.h"
+#include "storage/previews.h"
 
 namespace skyquilt::api {
+
+// What stands in an address for a revision where the preview is meant, and nothing but it.
+inline constexpr std::string_view kPreviewRevision = "preview";
 
 // Everything the API says of one flight.
 struct FlightView {
   storage::Flight flight;
   std::optional<storage::Job> job;            // the latest
   std::optional<storage::Revision> revision;  // what is shown
+  std::optional<storage::Preview> preview;    // until then
 };
 
 // One file of an upload: stored under `name`, or refused with `error`; `note` says when the name was changed.

@@ -18,6 +18,8 @@
 #include "storage/job_queue.h"
 #include "storage/node_tasks.h"
 #include "storage/photo_store.h"
+#include "storage/preview_cache.h"
+#include "storage/previews.h"
 #include "storage/tileset_cache.h"
 #include "storage/tokens.h"
 #include "storage/upload_spool.h"
@@ -36,6 +38,8 @@ struct Service {
   storage::EventLog events{db};
   storage::NodeTasks node_tasks{db};
   storage::UploadSpool spool{db, catalogue, store};
+  storage::Previews previews{db};
+  storage::PreviewCache preview_cache{store.dir(), previews};
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};
   std::mutex once_mutex{};  // held while a request with an Idempotency-Key is carried out

@@ -146,6 +146,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
   if (!published || !*published) return published;
   placed.Keep();
   RemoveRetired(context, lease.flight_id, *before);
+  storage::SweepPreviews(context.dir, lease.flight_id, "");
   return true;
 }
 

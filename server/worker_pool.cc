@@ -52,8 +52,12 @@ class SpawnAttributes {
 
 }  // namespace
 
-WorkerPool::WorkerPool(storage::DataDir dir, int count, storage::JobQueue& queue)
-    : dir_(std::move(dir)), queue_(queue), slots_(static_cast<std::size_t>(count)) {}
+WorkerPool::WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue)
+    : dir_(std::move(dir)), queue_(queue), slots_(static_cast<std::size_t>(count)) {
+  if (!draws_previews) return;
+  slots_.emplace_back();
+  slots_.back().draws_previews = true;
+}
 
 void WorkerPool::StartMissing() {
   if (is_stopping_) return;
@@ -69,6 +73,7 @@ void WorkerPool::Start(Slot& slot, int index) {
   std::vector<std::string> words = {"skyquilt", "worker",  "--data",   dir_.root().string(),
                                     "--name",   slot.name, "--parent", std::to_string(getpid()),
                                     "--jobs",   "1"};
+  if (slot.draws_previews) words.emplace_back("--previews");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

@@ -1,4 +1,4 @@
-// WorkerPool: the worker processes of a server: started from this very binary, started again when they end,
+// WorkerPool: the worker processes of a server, and one that draws previews: started from this very binary, started again when they end,
 // told to stop with the server. What a dead worker held is given back to the queue at once, and its work
 // folder removed. Used by the main thread alone: the kernel tells workers of their parent's death by the
 // thread that made them.
@@ -17,7 +17,7 @@ namespace skyquilt::server {
 
 class WorkerPool {
  public:
-  WorkerPool(storage::DataDir dir, int count, storage::JobQueue& queue);
+  WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue);
 
   // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
   // then.
@@ -31,6 +31,7 @@ class WorkerPool {
   using Clock = std::chrono::steady_clock;
   struct Slot {
     pid_t pid = 0;  // 0: none runs
+    bool draws_previews = false;
     std::string name;
     Clock::time_point started;
     Clock::time_point not_before;

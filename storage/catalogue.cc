@@ -58,7 +58,7 @@ Result<void> RequireNotRunning(SqliteDb& db, const std::string& flight_id) {
 }
 
 Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const StoredFile& file, Time now) {
-  Result<Statement> insert = db.Prepare("INSERT INTO file VALUES(?,?,?,?,?)");
+  Result<Statement> insert = db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)");
   if (!insert) return insert.error();
   return insert->Bind(1, flight_id)
       .Bind(2, file.name)

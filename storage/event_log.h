@@ -19,7 +19,7 @@ struct Event {
   Time at;
   std::string flight_id;
   std::optional<std::string> job_id;
-  std::string kind;  // "job", "map", "file" or "deleted"
+  std::string kind;  // "job", "map", "file", "preview" or "deleted"
   std::string body;  // JSON
 };
 

@@ -195,6 +195,10 @@ Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Tim
     if (!forget) return forget.error();
     const Result<void> forgotten = forget->Bind(1, lease.flight_id).Bind(2, revision.revision).Run();
     if (!forgotten) return forgotten.error();
+    Result<Statement> end_preview = db->Prepare("DELETE FROM preview WHERE flight_id=?");
+    if (!end_preview) return end_preview.error();
+    const Result<void> preview_ended = end_preview->Bind(1, lease.flight_id).Run();
+    if (!preview_ended) return preview_ended.error();
     Result<Statement> activate = db->Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1");
     if (!activate) return activate.error();
     const Result<void> activated = activate->Bind(1, lease.flight_id).Bind(2, revision.revision).Run();

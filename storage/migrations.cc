@@ -12,12 +12,12 @@ extern const std::string_view kSchema0001;  // storage/schema/0001_catalogue.sql
 extern const std::string_view kSchema0002;  // storage/schema/0002_tasks_and_events.sql
 extern const std::string_view kSchema0003;  // storage/schema/0003_uploads.sql
 extern const std::string_view kSchema0004;  // storage/schema/0004_tokens.sql
+extern const std::string_view kSchema0005;  // storage/schema/0005_previews.sql
 
 namespace {
 
 // Step i brings version i to i + 1. Only ever appended to.
-const std::array<const std::string_view*, 4> kSteps = {&kSchema0001, &kSchema0002, &kSchema0003,
-                                                       &kSchema0004};
+const std::array kSteps = {&kSchema0001, &kSchema0002, &kSchema0003, &kSchema0004, &kSchema0005};
 
 Result<int> CurrentVersion(SqliteDb& db) {
   Result<Statement> query = db.Prepare("PRAGMA user_version");

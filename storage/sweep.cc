@@ -35,7 +35,17 @@ Result<int> SweepRevisions(const DataDir& dir, const Catalogue& catalogue, const
   for (const std::int64_t revision : *known) keep.insert(RevisionFolderName(revision));
   int removed = 0;
   for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
-    if (!keep.contains(entry.filename().string())) removed += RemoveAll(entry);
+    const std::string name = entry.filename().string();
+    if (!keep.contains(name) && !name.starts_with(kPreviewFolderPrefix)) removed += RemoveAll(entry);
+  }
+  return removed;
+}
+
+int SweepPreviews(const DataDir& dir, const std::string& flight_id, const std::string& keep) {
+  int removed = 0;
+  for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
+    const std::string name = entry.filename().string();
+    if (name.starts_with(kPreviewFolderPrefix) && name != keep) removed += RemoveAll(entry);
   }
   return removed;
 }
@@ -54,7 +64,8 @@ Result<int> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
   return removed;
 }
 
-Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue, Time now) {
+Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue,
+                          const Previews& previews, Time now) {
   const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
   if (!leases) return leases.error();
   const Result<std::vector<std::string>> ids = catalogue.FlightIds();
@@ -71,6 +82,9 @@ Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const 
     if (!flights.contains(entry.filename().string())) report.flights += RemoveAll(entry);
   }
   for (const std::string& id : *ids) {
+    const Result<std::optional<Preview>> preview = previews.Find(id);
+    if (!preview) return preview.error();
+    report.previews += SweepPreviews(dir, id, *preview ? (*preview)->folder : "");
     if (live_flights.contains(id)) continue;
     const Result<std::vector<StoredFile>> files = catalogue.ListFiles(id);
     if (!files) return files.error();

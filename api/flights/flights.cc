@@ -20,6 +20,11 @@ Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   Result<std::optional<storage::Revision>> revision = service.catalogue.ActiveRevision(flight.id);
   if (!revision) return revision.error();
   view.revision = *std::move(revision);
+  if (!view.revision) {
+    Result<std::optional<storage::Preview>> preview = service.previews.Find(flight.id);
+    if (!preview) return preview.error();
+    view.preview = *std::move(preview);
+  }
   view.flight = std::move(flight);
   return view;
 }

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "api/etag.h"
+#include "api/json_codec.h"
 #include "api/problem.h"
 #include "api/responses.h"
 #include "api/tiles/tiles.h"
@@ -11,28 +13,59 @@
 namespace skyquilt::api {
 namespace {
 
-std::string Document(const Request& request, const storage::Tileset& tileset, const std::string& name) {
-  const storage::Revision& revision = tileset.revision;
-  const auto& [west, south, east, north] = revision.bounds;
-  const int center_zoom = std::max(revision.min_zoom, revision.max_zoom - 4);
-  nlohmann::ordered_json document;
+using Value = nlohmann::ordered_json;
+
+struct Shown {
+  std::string version;
+  std::string revision;  // as it stands in addresses
+  std::array<double, 4> bounds{};
+  int min_zoom = 0;
+  int max_zoom = 0;
+  int tile_size_px = 256;
+};
+
+Value Document(const Request& request, const storage::Flight& flight, const Shown& shown) {
+  const auto& [west, south, east, north] = shown.bounds;
+  const int center_zoom = std::max(shown.min_zoom, shown.max_zoom - 4);
+  Value document;
   document["tilejson"] = "3.0.0";
-  document["name"] = name;
-  document["version"] = fmt::format("{}.0.0", revision.revision);
+  document["name"] = flight.name;
+  document["version"] = shown.version;
   document["scheme"] = "xyz";
-  document["tiles"] = {fmt::format("{}/tiles/{}/{{z}}/{{x}}/{{y}}?rev={}", request.base_url,
-                                   tileset.flight_id, revision.revision)};
-  document["bounds"] = revision.bounds;
+  document["tiles"] = {
+      fmt::format("{}/tiles/{}/{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id, shown.revision)};
+  document["bounds"] = shown.bounds;
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
-  document["minzoom"] = revision.min_zoom;
-  document["maxzoom"] = revision.max_zoom;
-  document["tileSize"] = TileSizePx(tileset);
-  const auto& metadata = tileset.reader->metadata();
+  document["minzoom"] = shown.min_zoom;
+  document["maxzoom"] = shown.max_zoom;
+  document["tileSize"] = shown.tile_size_px;
+  return document;
+}
+
+Result<Value> PreviewDocument(Service& service, const Request& request, const storage::Flight& flight) {
+  const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(flight.id);
+  if (!open) return open.error();
+  const storage::Preview& preview = (*open)->preview;
+  Value document = Document(request, flight,
+                            {fmt::format("0.{}.0", preview.edition), std::string(kPreviewRevision),
+                             preview.bounds, preview.min_zoom, preview.max_zoom, kPreviewTileSizePx});
+  document["description"] = "Preview by recorded poses, of the photos that have arrived";
+  return document;
+}
+
+Result<Value> MapDocument(Service& service, const Request& request, const storage::Flight& flight) {
+  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight.id);
+  if (!tileset) return tileset.error();
+  const storage::Revision& revision = (*tileset)->revision;
+  Value document = Document(request, flight,
+                            {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision),
+                             revision.bounds, revision.min_zoom, revision.max_zoom, TileSizePx(**tileset)});
+  const auto& metadata = (*tileset)->reader->metadata();
   for (const char* key : {"attribution", "description"}) {
     const auto found = metadata.find(key);
     if (found != metadata.end() && !found->second.empty()) document[key] = found->second;
   }
-  return document.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return document;
 }
 
 Result<Response> TileJson(Service& service, const Request& request) {
@@ -45,9 +78,12 @@ Result<Response> TileJson(Service& service, const Request& request) {
   if (!checked) return checked.error();
   const Result<storage::Flight> flight = service.catalogue.GetFlight(std::string(id));
   if (!flight) return flight.error();
-  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(std::string(id));
-  if (!tileset) return tileset.error();
-  Response response = Text(200, Document(request, **tileset, flight->name), "application/json");
+  const Result<Value> document = ShowsPreview(service, request, flight->id)
+                                     ? PreviewDocument(service, request, *flight)
+                                     : MapDocument(service, request, *flight);
+  if (!document) return document.error();
+  Response response =
+      Text(200, document->dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   const std::string etag = StrongEtag(std::hash<std::string>()(response.body));
   response.headers.Add("ETag", etag);

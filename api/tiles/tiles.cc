@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "api/etag.h"
+#include "api/json_codec.h"
 #include "api/problem.h"
 #include "api/responses.h"
 #include "api/tiles/map_window.h"
@@ -16,6 +17,7 @@ namespace skyquilt::api {
 namespace {
 
 constexpr const char* kRevalidated = "public, max-age=60, must-revalidate";
+constexpr const char* kGrowing = "no-cache";  // a preview: another edition may come any moment
 constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
 Result<EmptyTile> EmptyTileWish(const Request& request, EmptyTile otherwise) {
@@ -51,17 +53,17 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
   return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
 }
 
-Result<Response> Blank(const Request& request, const storage::Tileset& tileset, const TileWish& tile_wish) {
+Result<Response> Blank(const Request& request, const TileWish& tile_wish, int side_px,
+                       const char* cache_control) {
   const Result<EmptyTile> wish = EmptyTileWish(request, tile_wish.empty);
   if (!wish) return wish.error();
   if (*wish == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
   Response response;
-  response.headers.Add("Cache-Control", CacheControl(request, tileset));
+  response.headers.Add("Cache-Control", cache_control);
   if (*wish == EmptyTile::kNoContent) {
     response.status = 204;
     return response;
   }
-  const int side_px = TileSizePx(tileset) * (tile_wish.is_double ? 2 : 1);
   const std::string etag = "\"blank-" + std::to_string(side_px) + "\"";
   response.headers.Add("ETag", etag);
   if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
@@ -108,6 +110,50 @@ std::optional<pipeline::TileFormat> FormatByAccept(const Request& request) {
   return std::nullopt;
 }
 
+// A tile as it is stored, or in the format asked for. `reader` gives the bytes that `found` does not have.
+Result<Response> Stored(const Request& request, const TileWish& wish, storage::FoundTile found,
+                        storage::MbtilesReader* reader, const char* cache_control) {
+  Response response;
+  response.headers.Add("Cache-Control", cache_control);
+  // The format asked for is part of the tag: the same content has other bytes in another format.
+  std::string etag = StrongEtag(found.content_id, wish.format ? ExtensionOf(*wish.format) : "");
+  const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
+  response.headers.Add("ETag", std::move(etag));
+  if (is_known) {
+    response.status = 304;
+    return response;
+  }
+  Result<std::string> bytes = found.bytes ? *std::move(found.bytes) : reader->Load(std::move(found));
+  if (!bytes) return bytes.error();
+  const std::optional<pipeline::TileFormat> stored = TileFormatOf(*bytes);
+  if (wish.format && stored && *wish.format != *stored) {
+    Result<std::string> converted = TranscodeTile(*bytes, *wish.format);
+    if (!converted) return converted.error();
+    response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
+    response.body = *std::move(converted);
+    return response;
+  }
+  response.headers.Add("Content-Type", stored ? ContentTypeOf(*stored) : "application/octet-stream");
+  response.body = *std::move(bytes);
+  return response;
+}
+
+// A tile of a map that is not made yet. Always 256 pixels: there is nothing finer to show for it.
+Result<Response> PreviewTile(Service& service, const Request& request, const TileWish& wish) {
+  const Result<void> checked = CheckId(wish.flight_id, "flight");
+  if (!checked) return checked.error();
+  const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(wish.flight_id);
+  if (!open) return open.error();
+  const storage::Preview& preview = (*open)->preview;
+  if (wish.tile.z() < preview.min_zoom || wish.tile.z() > preview.max_zoom) {
+    return Error{ErrorCode::kNotFound, "The preview has no tiles of this zoom.", ""};
+  }
+  Result<std::optional<storage::FoundTile>> found = (*open)->tiles->Find(wish.tile);
+  if (!found) return found.error();
+  if (!*found) return Blank(request, wish, kPreviewTileSizePx, kGrowing);
+  return Stored(request, wish, **std::move(found), nullptr, kGrowing);
+}
+
 Result<Response> Tile(Service& service, const Request& request) {
   const Result<TilePath> path =
       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
@@ -117,12 +163,22 @@ Result<Response> Tile(Service& service, const Request& request) {
   wish.tile = path->tile;
   wish.format = path->format ? path->format : FormatByAccept(request);
   wish.is_double = path->is_double;
-  Result<Response> answer = AnswerTile(service, request, wish);
+  Result<Response> answer = ShowsPreview(service, request, wish.flight_id)
+                                ? PreviewTile(service, request, wish)
+                                : AnswerTile(service, request, wish);
   if (answer && !path->format) answer->headers.Add("Vary", "Accept");
   return answer;
 }
 
 }  // namespace
+
+bool ShowsPreview(Service& service, const Request& request, const std::string& flight_id) {
+  const auto revision = request.Query("rev");
+  if (revision) return *revision == kPreviewRevision;
+  // The map first: once it is there, nobody who does not ask for it by name sees the preview.
+  if (!CheckId(flight_id, "flight") || service.tilesets.Get(flight_id)) return false;
+  return service.preview_cache.Get(flight_id).ok();
+}
 
 Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish) {
   const Result<void> checked = CheckId(wish.flight_id, "flight");
@@ -139,32 +195,11 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
   if (!*found) {
     if (!Touches(wish.tile, revision))
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
-    return Blank(request, **tileset, wish);
+    return Blank(request, wish, TileSizePx(**tileset) * (wish.is_double ? 2 : 1),
+                 CacheControl(request, **tileset));
   }
   if (wish.is_double) return DoubleTile(request, **tileset, wish);
-  Response response;
-  response.headers.Add("Cache-Control", CacheControl(request, **tileset));
-  // The format asked for is part of the tag: the same content has other bytes in another format.
-  std::string etag = StrongEtag((*found)->content_id, wish.format ? ExtensionOf(*wish.format) : "");
-  const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
-  response.headers.Add("ETag", std::move(etag));
-  if (is_known) {
-    response.status = 304;
-    return response;
-  }
-  Result<std::string> bytes = reader.Load(**std::move(found));
-  if (!bytes) return bytes.error();
-  const std::optional<pipeline::TileFormat> stored = TileFormatOf(*bytes);
-  if (wish.format && stored && *wish.format != *stored) {
-    Result<std::string> converted = TranscodeTile(*bytes, *wish.format);
-    if (!converted) return converted.error();
-    response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
-    response.body = *std::move(converted);
-    return response;
-  }
-  response.headers.Add("Content-Type", stored ? ContentTypeOf(*stored) : "application/octet-stream");
-  response.body = *std::move(bytes);
-  return response;
+  return Stored(request, wish, **std::move(found), &reader, CacheControl(request, **tileset));
 }
 
 int TileSizePx(const storage::Tileset& tileset) {

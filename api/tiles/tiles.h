@@ -29,6 +29,11 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
 // With the header that lets pages of other sites show it, and problems as documents.
 Response TileResponse(Result<Response> answer, const Request& request);
 
+// An address without a revision means the map, or the preview while there is no map; one with a revision always means
+// that one, so that nobody gets tiles of both.
+bool ShowsPreview(Service& service, const Request& request, const std::string& flight_id);
+inline constexpr int kPreviewTileSizePx = 256;
+
 // The side of a tileset's tiles, from its metadata; 256 where it does not say.
 int TileSizePx(const storage::Tileset& tileset);
 

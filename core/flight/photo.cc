@@ -1,6 +1,13 @@
 #include "core/flight/photo.h"
 
+#include <tuple>
+
 namespace skyquilt::flight {
+
+bool ComesBefore(const Photo& a, const Photo& b) {
+  if (a.captured_at.has_value() != b.captured_at.has_value()) return a.captured_at.has_value();
+  return std::tie(a.captured_at, a.name) < std::tie(b.captured_at, b.name);
+}
 
 const char* FocalSourceName(FocalSource source) {
   switch (source) {

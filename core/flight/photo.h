@@ -78,6 +78,9 @@ struct LeftOutPhoto {
   std::string reason;  // for the user, says what to do
 };
 
+// The order of a flight: by time of capture, then by name; photos without a time come last.
+bool ComesBefore(const Photo& a, const Photo& b);
+
 const char* FocalSourceName(FocalSource source);
 
 }  // namespace skyquilt::flight

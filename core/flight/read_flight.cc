@@ -15,12 +15,6 @@
 namespace skyquilt::flight {
 namespace {
 
-// By time of capture, then by name; photos without a time come last.
-bool ComesBefore(const Photo& a, const Photo& b) {
-  if (a.captured_at.has_value() != b.captured_at.has_value()) return a.captured_at.has_value();
-  return std::tie(a.captured_at, a.name) < std::tie(b.captured_at, b.name);
-}
-
 // Names are how a person and a log speak of a photo, so that each must be one photo's own.
 void MakeNamesUnique(std::vector<InputFile>& files) {
   std::set<std::string> taken;

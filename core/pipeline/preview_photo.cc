@@ -22,7 +22,7 @@ Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::s
   const double shrink =
       std::max(1.0, static_cast<double>(std::max(lens.width_px, lens.height_px)) / options.longer_side_px);
   const double photo_pixel_m = std::max(1.0, one.photos[0].height_above_ground_m) / lens.MeanFocalPx();
-  const auto plan = render::PlanMosaic(one, ground, {shrink * photo_pixel_m, 0.0});
+  const auto plan = render::PlanMosaic(one, ground, {options.gsd_m.value_or(shrink * photo_pixel_m), 0.0});
   if (!plan) return plan.error();
   const Result<render::Thumbnail> thumbnail = render::MakeThumbnail(source, one.photos[0].photo);
   if (!thumbnail) return thumbnail.error();

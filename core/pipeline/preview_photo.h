@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "core/alignment/aligned_flight.h"
 #include "core/base/result.h"
@@ -14,7 +15,8 @@
 namespace skyquilt::pipeline {
 
 struct PreviewOptions {
-  int longer_side_px = 1024;  // about so many map pixels across the photo
+  int longer_side_px = 1024;    // about so many map pixels across the photo
+  std::optional<double> gsd_m;  // of the map, instead: so that photos share their zooms
   int jpeg_quality = 75;
 };
 

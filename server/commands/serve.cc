@@ -38,6 +38,7 @@ struct ServeOptions {
   std::string public_url;
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
+  bool previews = true;
   bool open = false;
 };
 
@@ -135,12 +136,14 @@ Storage OpenStorage(const ServeOptions& options) {
 }
 
 // What an earlier run left behind: leases of its dead workers, and garbage.
-void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage::JobQueue& queue) {
+void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage::JobQueue& queue,
+             const storage::Previews& previews) {
   const Result<int> released = queue.ReleaseWorker(kServedWorkers, storage::Now());
   if (!released) Fail(released.error());
-  const Result<storage::SweepReport> swept = storage::Sweep(dir, catalogue, queue, storage::Now());
+  const Result<storage::SweepReport> swept = storage::Sweep(dir, catalogue, queue, previews, storage::Now());
   if (!swept) Fail(swept.error());
-  const int total = swept->uploads + swept->work_folders + swept->files + swept->revisions + swept->flights;
+  const int total = swept->uploads + swept->work_folders + swept->files + swept->revisions + swept->previews +
+                    swept->flights;
   if (total + *released > 0) {
     LogEvent(
         fmt::format("after an unclean stop: {} jobs taken up again, {} leftovers removed", *released, total));
@@ -168,7 +171,7 @@ void RunServer(const ServeOptions& options) {
   storage::Catalogue catalogue(*opened.db);
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
-  Recover(opened.dir, catalogue, queue);
+  Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db));
   storage::PhotoStore store(opened.dir);
   storage::TilesetCache tilesets(opened.dir, tiles_catalogue);
   api::Metrics metrics;
@@ -199,7 +202,7 @@ void RunServer(const ServeOptions& options) {
   fmt::print("Skyquilt is serving at http://{}:{}/\n", host, (*server)->port());
   std::fflush(stdout);
 
-  WorkerPool workers(opened.dir, options.workers, queue);
+  WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue);
   LookAfter(workers, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
@@ -216,7 +219,7 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data", "listen", "workers", "web", "public-url", "open"};
+  constexpr std::string_view kOptions[] = {"data", "listen", "workers", "previews", "web", "public-url", "open"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -245,6 +248,8 @@ void AddServeCommand(CLI::App& app) {
       ->check(CLI::Range(0, 64))
       ->envname(VariableOf("workers"))
       ->capture_default_str();
+  command->add_flag("--previews,!--no-previews", options->previews, "Draw flights while they are uploading (default)")
+      ->envname(VariableOf("previews"));
   command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one")
       ->envname(VariableOf("web"));
   command

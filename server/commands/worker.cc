@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+#include "server/preview_painter.h"
 #include "server/request_log.h"
 #include "server/run_job.h"
 #include "storage/catalogue_db.h"
@@ -28,6 +29,7 @@ struct WorkerOptions {
   int parent = 0;
   int jobs = 0;  // 0: any number
   bool once = false;
+  bool previews = false;
 };
 
 std::atomic<bool> is_stopping{false};
@@ -57,6 +59,40 @@ void StepBack() {
   throw CLI::RuntimeError(1);
 }
 
+// What a photo may take of a machine that also has tiles to serve: decoders have been talked into more.
+void LimitMemory() {
+  const rlimit most{rlim_t{3} << 30, rlim_t{3} << 30};
+  setrlimit(RLIMIT_AS, &most);
+}
+
+// A photo that keeps its decoder busy for longer ends this process; it counts as tried, and the next one goes
+// on.
+void LimitCpuOfStep() {
+  constexpr rlim_t kMostCpuS = 60;
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const rlimit most{static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + kMostCpuS,
+                    RLIM_INFINITY};
+  setrlimit(RLIMIT_CPU, &most);
+}
+
+void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, bool once) {
+  LimitMemory();
+  storage::Previews previews(db);
+  PreviewPainter painter(dir, previews);
+  while (!is_stopping) {
+    LimitCpuOfStep();
+    const Result<bool> drawn = painter.Step();
+    if (!drawn) {
+      LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+    } else if (!*drawn) {
+      if (once) return;
+      std::this_thread::sleep_for(kPoll);
+    }
+  }
+}
+
 void RunWorker(const WorkerOptions& options) {
   signal(SIGTERM, OnStopSignal);
   signal(SIGINT, OnStopSignal);
@@ -66,6 +102,10 @@ void RunWorker(const WorkerOptions& options) {
   if (!dir) Fail(dir.error());
   const auto db = storage::CatalogueDb::Open(dir->Catalogue());
   if (!db) Fail(db.error());
+  if (options.previews) {
+    DrawPreviews(*dir, **db, options.once);
+    return;
+  }
   storage::Catalogue catalogue(**db);
   storage::JobQueue queue(**db);
   WorkerContext context{*dir, catalogue, queue, is_stopping, options.parent != 0};
@@ -98,6 +138,8 @@ void AddWorkerCommand(CLI::App& app) {
   command->add_option("--parent", options->parent, "Stop when this process is gone");
   command->add_option("--jobs", options->jobs, "Stop after this many jobs (default: never)");
   command->add_flag("--once", options->once, "Stop when the queue is empty");
+  command->add_flag("--previews", options->previews,
+                    "Draw the previews of flights that are still uploading instead");
   command->callback([options] { RunWorker(*options); });
 }
 

@@ -108,7 +108,7 @@ TEST(Sweep, RemovesGarbageAndKeepsWhatIsKnownOrLeased) {
   std::filesystem::create_directories(dir.Work() / WorkName(lease));
   std::filesystem::create_directories(dir.Revision(other, 1));
 
-  const auto report = Sweep(dir, catalogue, queue, Now());
+  const auto report = Sweep(dir, catalogue, queue, Previews(*db), Now());
   ASSERT_TRUE(report);
   EXPECT_EQ(report->uploads, 1);
   EXPECT_EQ(report->work_folders, 1);

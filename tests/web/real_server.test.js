@@ -166,6 +166,49 @@ test('an upload outlives the server and, chosen again, a reload', options, async
   }
 });
 
+test('the preview grows while photos arrive and gives way to the map without a flicker', options, async () => {
+  const server = await startServer('127.0.0.1:0', join(folder, 'live'));
+  const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
+  const middleOfMap = async () => {
+    const box = await page.locator('#map').boundingBox();
+    return screenshotPixels(page, { x: box.x + box.width * 0.4, y: box.y + box.height * 0.4, width: box.width * 0.2, height: box.height * 0.2 });
+  };
+  const drawn = async (/** @type {number} */ least) => {
+    await page.waitForFunction((/** @type {number} */ n) => Number(document.getElementById('preview-note')?.textContent?.match(/\d+/)?.[0]) >= n, least);
+    await mapIdle(page);
+    return (await middleOfMap()).colours;
+  };
+  try {
+    /** @type {(() => void)|null} */
+    let release = null;
+    const rest = new Promise((resolve) => (release = () => resolve(undefined)));
+    let begun = 0;
+    await page.route('**/api/v1/uploads', async (route) => {
+      if (route.request().method() === 'POST' && (begun += 1) > 2) await rest;
+      await route.continue();
+    });
+    await page.setInputFiles('#files-input', photos);
+    assert.ok((await drawn(1)) > 60, 'the first photos are on the map while the others wait');
+    const zoom_of_two = await drawn(2).then(() => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getZoom()));
+    release?.();
+    // From here to the map: never an empty middle.
+    let fewest = Infinity;
+    while (await page.locator('#report').count() === 0) fewest = Math.min(fewest, (await middleOfMap()).colours);
+    for (let i = 0; i < 5; i += 1) fewest = Math.min(fewest, (await middleOfMap()).colours);
+    assert.ok(fewest > 60, `only ${fewest} colours in the middle of the map at some time`);
+    await mapIdle(page);
+    assert.ok(await page.locator('#preview-note').isHidden());
+    assert.ok((await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getZoom())) <= zoom_of_two, 'the view follows what grows');
+    const sources = await page.evaluate(() => Object.values(/** @type {any} */ (window).skyquilt.map.getStyle().sources).flatMap((s) => s.tiles ?? []));
+    assert.ok(sources.length === 1 && sources[0].includes('rev=1'), JSON.stringify(sources));
+    assert.deepEqual(foreign_requests, []);
+    assert.deepEqual(console_errors, []);
+  } finally {
+    await context.close();
+    assert.equal(await server.stop(), 0);
+  }
+});
+
 /** The photo that the card opens is the server's first for the map's centre, marked at the server's pixel. */
 async function assertOpensAtItsPixel(page, url, id) {
   const { lng, lat } = await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getCenter());

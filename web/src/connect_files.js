@@ -1,6 +1,6 @@
 // Ready settings for other programs, written here from the map's address: nothing needs to be typed there.
 /** @import { Flight, TileJson } from './types.js' */
-import { ownHost, tilePosition } from './thumbnail.js';
+import { ownHost, tilePosition } from './tile_addresses.js';
 
 /** @param {string} text @returns {string} safe inside XML text and attributes */
 export function xmlText(text) {

@@ -5,6 +5,7 @@ import { announce, showError } from './announce.js';
 import { ApiError, getFlight, getReport, startJob } from './api.js';
 import { h, put } from './dom.js';
 import { flightFacts, stateChip } from './flight_list.js';
+import { followFlight } from './follow_flight.js';
 import { icon } from './icons.js';
 import { isOver, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
@@ -33,6 +34,8 @@ export class FlightView {
   /** @type {(() => void)[]} */
   #closers = [];
   #shown_revision = '';
+  /** @type {(() => void)|null} */
+  #endFollowing = null;
 
   /**
    * @param {string} id
@@ -54,6 +57,25 @@ export class FlightView {
   close() {
     this.#abort.abort();
     this.#endWork();
+    this.#endFollowing?.();
+  }
+
+  // Until there is a map, its preview grows.
+  #followUntilMap() {
+    if (this.flight?.tilejson) {
+      this.#endFollowing?.();
+      this.#endFollowing = null;
+      return;
+    }
+    this.#endFollowing ??= followFlight(this.id, {
+      on_preview: (growth) => {
+        const flight = this.flight;
+        if (!flight || flight.tilejson) return;
+        flight.preview = { ...growth, tilejson: flight.preview?.tilejson ?? `/tiles/${this.id}.json?rev=preview` };
+        this.stage.grow(flight, growth.changed).catch(showError);
+      },
+      on_map: () => void this.refresh(),
+    });
   }
 
   #endWork() {
@@ -70,6 +92,7 @@ export class FlightView {
       this.actions.on_flight(flight);
       this.drawHead(flight);
       this.#drawWork(flight);
+      this.#followUntilMap();
       await this.#drawResult(flight);
     } catch (error) {
       if (this.#abort.signal.aborted) return;

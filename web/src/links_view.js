@@ -8,7 +8,7 @@ import { h } from './dom.js';
 import { formatBytes } from './format.js';
 import { icon } from './icons.js';
 import { strings } from './strings.js';
-import { ownHost } from './thumbnail.js';
+import { ownHost } from './tile_addresses.js';
 
 /**
  * @param {string} what

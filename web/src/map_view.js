@@ -7,7 +7,7 @@ import { authorization } from './access.js';
 import { isInside } from './geodesy.js';
 import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { strings } from './strings.js';
-import { ownHost } from './thumbnail.js';
+import { ownHost, tilesIn } from './tile_addresses.js';
 
 maplibre.setWorkerUrl(new URL('../vendor/maplibre-gl-worker.mjs', import.meta.url).href);
 
@@ -26,6 +26,9 @@ export class MapView {
   #selected = '';
   #mosaic = '';
   #mosaics = 0;
+  /** @type {[number, number]} of the mosaic */
+  #zooms = [0, 0];
+  is_moved = false;  // by the user, since the flight was opened
 
   /**
    * @param {HTMLElement} container
@@ -47,6 +50,9 @@ export class MapView {
     });
     this.map.addControl(new maplibre.ScaleControl({ maxWidth: 130, unit: 'metric' }), 'bottom-left');
     container.dataset.mapState = 'empty';
+    this.map.on('movestart', (event) => {
+      if (event.originalEvent) this.is_moved = true;
+    });
     this.map.on('dataloading', () => this.#setState('loading'));
     this.map.on('movestart', () => this.#setState('loading'));
     this.map.on('idle', () => this.#setState('idle'));
@@ -68,8 +74,9 @@ export class MapView {
    * Shows a mosaic, replacing the one before.
    * @param {TileJson} tilejson
    * @param {Bounds} bounds
+   * @param {boolean} [grows] it will reach further than it does now
    */
-  async showMosaic(tilejson, bounds) {
+  async showMosaic(tilejson, bounds, grows = false) {
     await this.ready;
     // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
     const old = this.#mosaic;
@@ -82,8 +89,9 @@ export class MapView {
       tileSize: (tilejson.tileSize ?? 256) / (devicePixelRatio > 1.5 ? 2 : 1),
       minzoom: tilejson.minzoom ?? 0,
       maxzoom: tilejson.maxzoom ?? 22,
-      bounds,
+      ...(grows ? {} : { bounds }),
     });
+    this.#zooms = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
     const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old)?.id;
     this.map.addLayer(
       {
@@ -96,6 +104,16 @@ export class MapView {
     );
     this.#setState('loading');
     if (old) this.map.once('idle', () => this.#remove(old, [old]));
+  }
+
+  /**
+   * The mosaic shown has grown: what changed is loaded again, behind what is seen until it is there.
+   * @param {Bounds} bounds
+   * @param {Bounds} changed
+   */
+  growMosaic(bounds, changed) {
+    this.bounds = bounds;
+    if (this.#mosaic) this.map.refreshTiles(this.#mosaic, tilesIn(changed, ...this.#zooms));
   }
 
   /** @param {PhotoCollection} photos */
@@ -124,6 +142,7 @@ export class MapView {
     this.#remove('flight-path', path_layers);
     this.photos = null;
     this.bounds = null;
+    this.is_moved = false;
     this.#selected = '';
     this.container.dataset.mapState = 'empty';
   }

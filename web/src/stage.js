@@ -1,6 +1,6 @@
 // The large part of the window: the map of the open flight with everything that floats over it. The map library is
 // loaded when the first map is wanted, so that the first view is light.
-/** @import { Flight, PhotoCollection, TileJson } from './types.js' */
+/** @import { Bounds, Flight, PhotoCollection, TileJson } from './types.js' */
 /** @import { MapView } from './map_view.js' */
 import { showNote } from './announce.js';
 import { getPhotos, getSightings, getTileJson, listFlights, photoPath } from './api.js';
@@ -12,6 +12,8 @@ import { measureTool } from './measure_tool.js';
 import { photoCard } from './photo_card.js';
 import { strings } from './strings.js';
 import { uploadOf } from './uploads.js';
+
+const kPreview = 'preview';
 
 /**
  * @typedef {object} Shown
@@ -36,7 +38,8 @@ export class Stage {
   constructor() {
     this.area = byId('map-area');
     this.note = h('div', { class: 'stage-note', hidden: true });
-    this.area.append(this.note);
+    this.preview_note = h('p', { class: 'preview-note', id: 'preview-note', hidden: true });
+    this.area.append(this.note, this.preview_note);
   }
 
   /** @returns {Promise<MapView|null>} null when this browser cannot draw maps */
@@ -150,6 +153,14 @@ export class Stage {
     const turn = (this.#turn += 1);
     this.#flight = flight;
     this.area.hidden = false;
+    this.#notePreview(flight);
+    if (!flight.tilejson && flight.preview) {
+      this.say('');
+      const view = await this.#map();
+      const tilejson = await getTileJson(flight.preview.tilejson);
+      if (view && turn === this.#turn) await this.#draw(view, flight, tilejson, null);
+      return null;
+    }
     if (!flight.tilejson || !flight.bounds) {
       if (flight.state === 'failed') this.say(strings.stage.failed);
       else this.say(strings.stage.coming, flight.state !== 'empty' || uploadOf(flight.id) !== undefined);
@@ -171,20 +182,44 @@ export class Stage {
   }
 
   /**
+   * The preview of the flight that is shown has changed.
+   * @param {Flight} flight
+   * @param {Bounds} changed where
+   */
+  async grow(flight, changed) {
+    if (this.#flight?.id !== flight.id || !flight.preview) return;
+    if (this.#shown?.id !== flight.id || this.#shown.revision !== kPreview || !this.#view) {
+      await this.show(flight);
+      return;
+    }
+    this.#notePreview(flight);
+    this.#view.growMosaic(flight.preview.bounds, changed);
+    if (!this.#view.is_moved) this.#parts?.fit(true);
+  }
+
+  /** @param {Flight} flight */
+  #notePreview(flight) {
+    const preview = flight.tilejson ? null : flight.preview;
+    this.preview_note.hidden = !preview;
+    this.preview_note.textContent = preview ? strings.stage.preview(preview.photos) : '';
+  }
+
+  /**
    * @param {MapView} view
    * @param {Flight} flight
    * @param {TileJson} tilejson
    * @param {PhotoCollection|null} photos
    */
   async #draw(view, flight, tilejson, photos) {
-    const revision = String(flight.revision ?? '');
+    const revision = flight.tilejson ? String(flight.revision ?? '') : kPreview;
+    const bounds = flight.bounds ?? flight.preview?.bounds;
     const is_new = this.#shown?.id !== flight.id;
-    if (!flight.bounds || (!is_new && this.#shown?.revision === revision)) return;
+    if (!bounds || (!is_new && this.#shown?.revision === revision)) return;
     this.#shown = { id: flight.id, revision };
     this.endCompare();
     this.#parts?.card.close();
     if (is_new) this.#parts?.measure.end();
-    await view.showMosaic(tilejson, flight.bounds);
+    await view.showMosaic(tilejson, bounds, !flight.tilejson);
     if (photos) await view.showPhotos(photos);
     this.#parts?.tools.drawLayers();
     view.map.resize();
@@ -203,6 +238,7 @@ export class Stage {
     this.#turn += 1;
     this.#flight = null;
     this.area.hidden = true;
+    this.preview_note.hidden = true;
     void this.clear();
   }
 

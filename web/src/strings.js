@@ -157,6 +157,7 @@ export const strings = {
   stage: {
     coming: 'The map appears here as soon as it is made.',
     failed: 'There is no map of this flight.',
+    preview: (/** @type {number} */ n) => `Preview of ${count(n, 'photo', 'photos')}, placed by recorded position alone`,
   },
   placement: { aligned: 'Aligned', pose_only: 'By pose only', left_out: 'Left out' },
   access: {

@@ -2,30 +2,7 @@
 /** @import { Flight } from './types.js' */
 import { authorization } from './access.js';
 import { getTileJson } from './api.js';
-
-/**
- * Web Mercator position in tiles of a zoom level.
- * @param {number} lon_deg
- * @param {number} lat_deg
- * @param {number} zoom
- * @returns {{x: number, y: number}}
- */
-export function tilePosition(lon_deg, lat_deg, zoom) {
-  const sin = Math.sin((lat_deg * Math.PI) / 180);
-  const n = 2 ** zoom;
-  return { x: ((lon_deg + 180) / 360) * n, y: (0.5 - Math.atanh(sin) / (2 * Math.PI)) * n };
-}
-
-/**
- * Tile addresses of the own host only: whatever name the server believes to have, the page asks where it came from.
- * @param {string} template
- * @returns {string}
- */
-export function ownHost(template) {
-  const braces = template.replaceAll('{', '%7B').replaceAll('}', '%7D');
-  const url = new URL(braces, location.href);
-  return (location.origin + url.pathname + url.search).replaceAll('%7B', '{').replaceAll('%7D', '}');
-}
+import { ownHost, tilePosition } from './tile_addresses.js';
 
 /**
  * @param {Flight} flight

@@ -40,7 +40,13 @@
  * @property {PhotoCounts|null} [photos]
  * @property {number|null} [gsd_m]
  * @property {string|null} [tilejson]
+ * @property {Preview|null} [preview] until there is a map
  * @property {ServerError|string|null} [error]
+ */
+
+/**
+ * The coarse map of the photos that have arrived.
+ * @typedef {{edition: number, photos: number, bounds: Bounds, tilejson: string}} Preview
  */
 
 /**

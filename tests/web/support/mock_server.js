@@ -108,7 +108,7 @@ export async function startMockServer(options = {}) {
       bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
       bounds: report?.bounds ?? null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
       photos: report?.photos ?? null, gsd_m: report?.gsd_m ?? null,
-      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, error: flight.error,
+      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error,
     };
   }
 
@@ -149,6 +149,11 @@ export async function startMockServer(options = {}) {
     if (answered && response.destroyed) return undefined;
     if (answered) return send(answered.status, answered.body ?? null, answered.body ? 'application/problem+json' : 'text/plain', answered.headers);
     let match;
+    if (path === '/api/v1/events') {
+      response.writeHead(200, { 'Content-Type': 'text/event-stream', ...security_headers });
+      response.write(': nothing happens here but what the page asks for\n\n');
+      return undefined;
+    }
     if (path === '/api/v1/flights' && request.method === 'POST') {
       const { name } = JSON.parse((await readBody()).toString());
       return send(201, flightJson(addFlight(name)));

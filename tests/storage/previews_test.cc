@@ -1,0 +1,112 @@
+#include "storage/previews.h"
+
+#include <gtest/gtest.h>
+
+#include "storage/event_log.h"
+#include "storage/ids.h"
+#include "storage/job_queue.h"
+#include "storage/preview_tiles.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+class PreviewsTest : public testing::Test {
+ protected:
+  PreviewsTest()
+      : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")),
+        catalogue_(*db_),
+        queue_(*db_),
+        previews_(*db_) {}
+
+  std::string FlightWith(int files) {
+    const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
+    for (int i = 0; i < files; ++i) AddFile(id, std::to_string(i) + ".jpg");
+    return id;
+  }
+  void AddFile(const std::string& flight, const std::string& name) {
+    ASSERT_TRUE(catalogue_.AddFile(flight, {name, NewId(), 10}, Now()));
+  }
+  Preview Edition(const std::string& flight, std::int64_t edition, std::int64_t photos) {
+    return {flight, "preview-a", edition, photos, 12, 20, {1, 2, 3, 4}, {1, 2, 2, 3}};
+  }
+  void PublishMap(const std::string& flight) {
+    ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
+    const auto lease = queue_.Claim("w", Now());
+    ASSERT_TRUE(lease && *lease);
+    Revision revision;
+    revision.revision = **queue_.ReserveRevision(**lease);
+    ASSERT_TRUE(*queue_.Publish(**lease, revision, Now()));
+  }
+
+  ScratchDir dir_;
+  std::unique_ptr<CatalogueDb> db_;
+  Catalogue catalogue_;
+  JobQueue queue_;
+  Previews previews_;
+};
+
+TEST_F(PreviewsTest, HandsOutEveryFileOnceAndTheLeastServedFlightFirst) {
+  const std::string first = FlightWith(3);
+  const auto two = previews_.Claim(2);
+  ASSERT_TRUE(two && *two);
+  EXPECT_EQ((*two)->fresh.size(), 2u);
+  EXPECT_TRUE((*two)->tried.empty());
+  ASSERT_TRUE(*previews_.Show(Edition(first, 1, 2)));
+  const std::string second = FlightWith(1);
+  EXPECT_EQ((**previews_.Claim(5)).flight_id, second);
+  const auto rest = previews_.Claim(5);
+  EXPECT_EQ((*rest)->flight_id, first);
+  EXPECT_EQ((*rest)->fresh.size(), 1u);
+  EXPECT_EQ((*rest)->tried.size(), 2u);
+  EXPECT_FALSE(*previews_.Claim(5));
+}
+
+TEST_F(PreviewsTest, SaysWhereEachEditionChangedAndEndsWithTheMap) {
+  const std::string flight = FlightWith(1);
+  ASSERT_TRUE(previews_.Claim(1));
+  ASSERT_TRUE(*previews_.Show(Edition(flight, 1, 1)));
+  ASSERT_TRUE(*previews_.Show(Edition(flight, 2, 1)));
+  EXPECT_EQ((*previews_.Find(flight))->edition, 2);
+  int told = 0;
+  for (const Event& event : *EventLog(*db_).After(0, {flight, std::nullopt}, 100)) {
+    if (event.kind != "preview") continue;
+    ++told;
+    EXPECT_NE(event.body.find("\"changed\":[1.0,2.0,2.0,3.0]"), std::string::npos) << event.body;
+  }
+  EXPECT_EQ(told, 2);
+  PublishMap(flight);
+  EXPECT_FALSE(*previews_.Find(flight));
+  EXPECT_FALSE(*previews_.Show(Edition(flight, 3, 2)));
+  EXPECT_FALSE(*previews_.Show(Edition(flight, 1, 1)));
+  AddFile(flight, "late.jpg");
+  EXPECT_FALSE(*previews_.Claim(1));
+}
+
+TEST_F(PreviewsTest, BeginsAnewWhenAFileOfItGoesAndNotWhenAnotherDoes) {
+  const std::string flight = FlightWith(3);
+  const auto work = previews_.Claim(3);
+  ASSERT_TRUE(previews_.Forgo({(*work)->fresh[2]}));
+  ASSERT_TRUE(*previews_.Show(Edition(flight, 1, 2)));
+  ASSERT_TRUE(catalogue_.RemoveFile(flight, (*work)->fresh[2].name));
+  EXPECT_TRUE(*previews_.Find(flight));
+  ASSERT_TRUE(catalogue_.RemoveFile(flight, (*work)->fresh[0].name));
+  EXPECT_FALSE(*previews_.Find(flight));
+  EXPECT_FALSE(*previews_.Show(Edition(flight, 2, 2)));
+  EXPECT_EQ((**previews_.Claim(3)).fresh.size(), 1u);
+}
+
+TEST(PreviewTiles, HoldsWhatWasPutAndNothingIsMadeByReading) {
+  const ScratchDir dir;
+  EXPECT_EQ(PreviewTiles::OpenToRead(dir.path()).error().code, ErrorCode::kNotFound);
+  const auto written = *PreviewTiles::Open(dir.path());
+  const geo::TileId tile = *geo::TileId::Make(3, 1, 2);
+  ASSERT_TRUE(written->Put({{tile, "old"}}));
+  ASSERT_TRUE(written->Put({{tile, "new"}}));
+  const auto read = *PreviewTiles::OpenToRead(dir.path());
+  EXPECT_EQ(*(*read->Find(tile))->bytes, "new");
+  EXPECT_FALSE(*read->Find(tile.Parent()));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
