@@ -90,41 +90,35 @@ class Weigher {
         block_(block),
         cells_(cells),
         cell_px_(cells.seams.grid.cell_px),
-        unit_px_(std::min(cell_px_, kNodeStepPx)) {
+        square_px_(std::min(cell_px_ / 2, kNodeStepPx)) {
     for (const std::uint32_t photo : photos) scores_.push_back(ViewScore::Of(flight.photos[photo]));
     // Weights to this power: the B-spline's own width is about 1.5 cells.
     const double wanted =
         1.5 * (transition_m > 0.0 ? cells.seams.cell_m / transition_m : cell_px_ / kTransitionPx);
     sharpness_ = static_cast<int>(std::clamp(std::lround(wanted), 1L, 8L));
-    spline_.resize(static_cast<std::size_t>(cell_px_));
+    for (auto& tap : spline_) tap.resize(static_cast<std::size_t>(cell_px_));
     for (int i = 0; i < cell_px_; ++i) {
       const float t = (static_cast<float>(i) + 0.5f) / static_cast<float>(cell_px_) - 0.5f;
-      spline_[static_cast<std::size_t>(i)] = {0.5f * (0.5f - t) * (0.5f - t), 0.75f - t * t,
-                                              0.5f * (0.5f + t) * (0.5f + t)};
+      spline_[0][static_cast<std::size_t>(i)] = 0.5f * (0.5f - t) * (0.5f - t);
+      spline_[1][static_cast<std::size_t>(i)] = 0.75f - t * t;
+      spline_[2][static_cast<std::size_t>(i)] = 0.5f * (0.5f + t) * (0.5f + t);
     }
-    boxes_.resize(photos.size());
-    share_of_.assign(photos.size(), -1);
+    shares_.resize(photos.size());
+    for (std::size_t i = 0; i < photos.size(); ++i) shares_[i].photo = photos[i];
   }
 
-  std::vector<PhotoShare> Weigh() {
-    for (int pass = 0; pass < 2; ++pass) {
-      const bool is_writing = pass == 1;
-      if (is_writing) MakeShares();
-      for (int row = 0; row < cells_.side; ++row) {
-        for (int column = 0; column < cells_.side; ++column) WeighCell(column, row, is_writing);
-      }
+  BlockShares Weigh() {
+    for (int row = 0; row < cells_.side; ++row) {
+      for (int column = 0; column < cells_.side; ++column) WeighCell(column, row);
     }
-    return std::move(shares_);
+    std::erase_if(shares_, [](const PhotoShare& share) { return share.squares.empty(); });
+    return {square_px_, std::move(shares_)};
   }
 
  private:
-  struct Box {
-    int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;  // pixels, last excluded
-    void Include(int x, int y, int side) {
-      x0 = std::min(x0, x), y0 = std::min(y0, y);
-      x1 = std::max(x1, x + side), y1 = std::max(y1, y + side);
-    }
-  };
+  // Weights of a square by its pixels, row by row.
+  using Square = std::array<float, static_cast<std::size_t>(kNodeStepPx) * kNodeStepPx>;
+  using LabelSquares = std::array<Square, kTaps * kTaps>;
 
   int PlaceOf(std::int32_t label) const {
     const auto at = std::lower_bound(photos_.begin(), photos_.end(), static_cast<std::uint32_t>(label));
@@ -133,146 +127,139 @@ class Weigher {
                : -1;
   }
 
-  void MakeShares() {
-    for (std::size_t i = 0; i < photos_.size(); ++i) {
-      Box box = boxes_[i];
-      if (box.x1 < 0) continue;
-      // Whole cells of the geometry: the renderer maps them one at a time.
-      box.x0 = box.x0 / kNodeStepPx * kNodeStepPx, box.y0 = box.y0 / kNodeStepPx * kNodeStepPx;
-      box.x1 = (box.x1 + kNodeStepPx - 1) / kNodeStepPx * kNodeStepPx;
-      box.y1 = (box.y1 + kNodeStepPx - 1) / kNodeStepPx * kNodeStepPx;
-      PhotoShare share{photos_[i], box.x0, box.y0, box.x1 - box.x0, box.y1 - box.y0, {}};
-      share.weight.assign(static_cast<std::size_t>(share.width) * share.height, 0.0f);
-      share_of_[i] = static_cast<int>(shares_.size());
-      shares_.push_back(std::move(share));
-    }
-  }
+  int PixelsOfSquare() const { return square_px_ * square_px_; }
 
-  float& WeightAt(int place, int x, int y) {
-    PhotoShare& share = shares_[static_cast<std::size_t>(share_of_[static_cast<std::size_t>(place)])];
-    return share
-        .weight[static_cast<std::size_t>(y - share.y) * share.width + static_cast<std::size_t>(x - share.x)];
-  }
-
-  void WeighCell(int column, int row, bool is_writing) {
-    const Neighbourhood around(cells_, column, row);
-    if (around.is_whole) {
-      std::array<int, kTaps * kTaps> places{};
-      for (int i = 0; i < around.count; ++i)
-        places[static_cast<std::size_t>(i)] = PlaceOf(around.distinct[static_cast<std::size_t>(i)]);
-      if (!is_writing) {
-        for (int i = 0; i < around.count; ++i) {
-          boxes_[static_cast<std::size_t>(places[static_cast<std::size_t>(i)])].Include(
-              column * cell_px_, row * cell_px_, cell_px_);
-        }
-        return;
-      }
-      if (around.count == 1) {
-        for (int dy = 0; dy < cell_px_; ++dy) {
-          std::fill_n(&WeightAt(places[0], column * cell_px_, row * cell_px_ + dy), cell_px_, 1.0f);
-        }
-        return;
-      }
-      for (int dy = 0; dy < cell_px_; ++dy) {
-        for (int dx = 0; dx < cell_px_; ++dx) {
-          const auto weights = LabelWeights(around, dx, dy);
-          float sum = 0.0f;
-          for (int i = 0; i < around.count; ++i) sum += weights[static_cast<std::size_t>(i)];
-          for (int i = 0; i < around.count; ++i) {
-            const float weight = weights[static_cast<std::size_t>(i)];
-            if (weight > 0.0f)
-              WeightAt(places[static_cast<std::size_t>(i)], column * cell_px_ + dx, row * cell_px_ + dy) =
-                  weight / sum;
-          }
-        }
-      }
+  // What a photo has of the square at (x, y); nothing is added where it has nothing.
+  void Add(int place, int x, int y, const Square& weights) {
+    const auto end = weights.begin() + PixelsOfSquare();
+    if (std::none_of(weights.begin(), end, [](float weight) { return weight > 0.0f; })) return;
+    PhotoShare& share = shares_[static_cast<std::size_t>(place)];
+    if (std::all_of(weights.begin(), end, [](float weight) { return weight == 1.0f; })) {
+      share.squares.push_back({x, y});
       return;
     }
-    for (int y = 0; y < cell_px_; y += unit_px_) {
-      for (int x = 0; x < cell_px_; x += unit_px_) WeighEdgeUnit(around, column, row, x, y, is_writing);
+    share.squares.push_back({x, y, static_cast<std::int32_t>(share.weights.size())});
+    share.weights.insert(share.weights.end(), weights.begin(), end);
+  }
+
+  void WeighCell(int column, int row) {
+    const Neighbourhood around(cells_, column, row);
+    std::array<int, kTaps * kTaps> places{};
+    for (int i = 0; i < around.count; ++i)
+      places[static_cast<std::size_t>(i)] = PlaceOf(around.distinct[static_cast<std::size_t>(i)]);
+    for (int y = 0; y < cell_px_; y += square_px_) {
+      for (int x = 0; x < cell_px_; x += square_px_) {
+        const int block_x = column * cell_px_ + x, block_y = row * cell_px_ + y;
+        if (!around.is_whole) {
+          WeighAtEdge(around, places, x, y, block_x, block_y);
+        } else if (around.count == 1) {
+          shares_[static_cast<std::size_t>(places[0])].squares.push_back({block_x, block_y});
+        } else {
+          WeighLabels(around, x, y);
+          Normalise(around.count);
+          for (int i = 0; i < around.count; ++i)
+            Add(places[static_cast<std::size_t>(i)], block_x, block_y,
+                by_label_[static_cast<std::size_t>(i)]);
+        }
+      }
     }
   }
 
-  // By distinct label, sharpened; those too small to be seen are 0.
-  std::array<float, kTaps * kTaps> LabelWeights(const Neighbourhood& around, int dx, int dy) const {
-    std::array<float, kTaps * kTaps> weights{};
-    if (around.count == 1) {
-      weights[0] = 1.0f;
-      return weights;
+  // Into by_label_, of the square at (x, y) of the cell: by distinct label, sharpened; those too small to be
+  // seen are 0.
+  void WeighLabels(const Neighbourhood& around, int x, int y) {
+    const auto count = static_cast<std::size_t>(around.count);
+    const auto side = static_cast<std::size_t>(square_px_);
+    if (count == 1) {
+      by_label_[0].fill(1.0f);
+      return;
     }
-    const auto& across = spline_[static_cast<std::size_t>(dx)];
-    const auto& down = spline_[static_cast<std::size_t>(dy)];
-    for (int tap = 0; tap < kTaps * kTaps; ++tap) {
-      const int at = around.slot[static_cast<std::size_t>(tap)];
-      if (at < 0) continue;
-      weights[static_cast<std::size_t>(at)] +=
-          across[static_cast<std::size_t>(tap % kTaps)] * down[static_cast<std::size_t>(tap / kTaps)];
+    for (std::size_t dy = 0; dy < side; ++dy) {
+      std::array<std::array<float, kTaps>, kTaps * kTaps> columns{};  // by label: its weight in each column
+      for (std::size_t tap = 0; tap < kTaps * kTaps; ++tap) {
+        if (around.slot[tap] < 0) continue;
+        columns[static_cast<std::size_t>(around.slot[tap])][tap % kTaps] +=
+            spline_[tap / kTaps][static_cast<std::size_t>(y) + dy];
+      }
+      std::array<float, kNodeStepPx> most{};
+      const float* west = spline_[0].data() + x;
+      const float* middle = spline_[1].data() + x;
+      const float* east = spline_[2].data() + x;
+      for (std::size_t i = 0; i < count; ++i) {
+        float* weights = by_label_[i].data() + dy * side;
+        for (std::size_t dx = 0; dx < side; ++dx) {
+          const float base = columns[i][0] * west[dx] + columns[i][1] * middle[dx] + columns[i][2] * east[dx];
+          float weight = base;
+          for (int power = 1; power < sharpness_; ++power) weight *= base;
+          weights[dx] = weight;
+          most[dx] = std::max(most[dx], weight);
+        }
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        float* weights = by_label_[i].data() + dy * side;
+        for (std::size_t dx = 0; dx < side; ++dx)
+          weights[dx] = weights[dx] < kLeastWeight * most[dx] ? 0.0f : weights[dx];
+      }
     }
-    float most = 0.0f;
-    for (int i = 0; i < around.count; ++i) {
-      float& weight = weights[static_cast<std::size_t>(i)];
-      const float base = weight;
-      for (int power = 1; power < sharpness_; ++power) weight *= base;
-      most = std::max(most, weight);
+  }
+
+  void Normalise(int count) {
+    const auto pixels = static_cast<std::size_t>(PixelsOfSquare());
+    Square sum{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      for (std::size_t p = 0; p < pixels; ++p) sum[p] += by_label_[i][p];
     }
-    for (int i = 0; i < around.count; ++i) {
-      float& weight = weights[static_cast<std::size_t>(i)];
-      if (weight < kLeastWeight * most) weight = 0.0f;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      for (std::size_t p = 0; p < pixels; ++p) by_label_[i][p] /= sum[p];
     }
-    return weights;
   }
 
   // At the edge of the map or of a photo every pixel is asked who sees it.
-  void WeighEdgeUnit(const Neighbourhood& around, int column, int row, int x, int y, bool is_writing) {
-    const int first_x = column * cell_px_ + x, first_y = row * cell_px_ + y;
-    std::vector<int> candidates;
-    std::vector<NodeCell> nodes;
+  void WeighAtEdge(const Neighbourhood& around, const std::array<int, kTaps * kTaps>& label_place, int x,
+                   int y, int block_x, int block_y) {
+    struct Candidate {
+      int place;
+      int label;  // among the distinct ones around; -1: none
+      NodeCell nodes;
+      Square weights{};
+    };
+    std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < photos_.size(); ++i) {
       if (!views_[i].sees_block) continue;
-      const NodeCell cell =
-          NodeCellOf(views_[i], block_.nodes_per_side, first_y / kNodeStepPx, first_x / kNodeStepPx);
-      if (!cell.is_valid) continue;
-      candidates.push_back(static_cast<int>(i));
-      nodes.push_back(cell);
+      const NodeCell nodes =
+          NodeCellOf(views_[i], block_.nodes_per_side, block_y / kNodeStepPx, block_x / kNodeStepPx);
+      if (!nodes.is_valid || !IsNear(nodes, scores_[i])) continue;
+      const auto label =
+          std::find(label_place.begin(), label_place.begin() + around.count, static_cast<int>(i)) -
+          label_place.begin();
+      candidates.push_back(
+          {static_cast<int>(i), label < around.count ? static_cast<int>(label) : -1, nodes, {}});
     }
-    if (!is_writing) {
-      for (std::size_t c = 0; c < candidates.size(); ++c) {
-        if (IsNear(nodes[c], scores_[static_cast<std::size_t>(candidates[c])])) {
-          boxes_[static_cast<std::size_t>(candidates[c])].Include(first_x, first_y, unit_px_);
-        }
-      }
-      return;
-    }
-    std::array<int, kTaps * kTaps> label_place{};
-    for (int i = 0; i < around.count; ++i)
-      label_place[static_cast<std::size_t>(i)] = PlaceOf(around.distinct[static_cast<std::size_t>(i)]);
-    std::vector<float> weights(candidates.size());
-    for (int dy = 0; dy < unit_px_; ++dy) {
-      for (int dx = 0; dx < unit_px_; ++dx) {
-        const auto by_label = LabelWeights(around, x + dx, y + dy);
-        const int node_x = (first_x + dx) % kNodeStepPx, node_y = (first_y + dy) % kNodeStepPx;
+    if (candidates.empty()) return;
+    WeighLabels(around, x, y);
+    for (int dy = 0; dy < square_px_; ++dy) {
+      for (int dx = 0; dx < square_px_; ++dx) {
+        const int node_x = (block_x + dx) % kNodeStepPx, node_y = (block_y + dy) % kNodeStepPx;
+        const auto pixel = static_cast<std::size_t>(dy * square_px_ + dx);
         float sum = 0.0f, best = std::numeric_limits<float>::infinity();
-        int best_candidate = -1;
-        for (std::size_t c = 0; c < candidates.size(); ++c) {
-          weights[c] = 0.0f;
-          const ViewScore& score = scores_[static_cast<std::size_t>(candidates[c])];
-          const float margin = score.Margin(nodes[c].x.At(node_x, node_y), nodes[c].y.At(node_x, node_y));
+        Candidate* best_candidate = nullptr;
+        for (Candidate& candidate : candidates) {
+          const ViewScore& score = scores_[static_cast<std::size_t>(candidate.place)];
+          const float margin =
+              score.Margin(candidate.nodes.x.At(node_x, node_y), candidate.nodes.y.At(node_x, node_y));
           if (margin < 0.0f) continue;
-          const float value = score.Score(nodes[c].distance.At(node_x, node_y), margin);
-          if (value < best) best = value, best_candidate = static_cast<int>(c);
-          for (int i = 0; i < around.count; ++i) {
-            if (label_place[static_cast<std::size_t>(i)] == candidates[c])
-              weights[c] = by_label[static_cast<std::size_t>(i)];
-          }
-          sum += weights[c];
+          const float value = score.Score(candidate.nodes.distance.At(node_x, node_y), margin);
+          if (value < best) best = value, best_candidate = &candidate;
+          if (candidate.label >= 0)
+            candidate.weights[pixel] = by_label_[static_cast<std::size_t>(candidate.label)][pixel];
+          sum += candidate.weights[pixel];
         }
-        if (best_candidate < 0) continue;
-        if (sum <= 0.0f) weights[static_cast<std::size_t>(best_candidate)] = sum = 1.0f;
-        for (std::size_t c = 0; c < candidates.size(); ++c) {
-          if (weights[c] > 0.0f) WeightAt(candidates[c], first_x + dx, first_y + dy) = weights[c] / sum;
-        }
+        if (best_candidate == nullptr) continue;
+        if (sum <= 0.0f) best_candidate->weights[pixel] = sum = 1.0f;
+        for (Candidate& candidate : candidates) candidate.weights[pixel] /= sum;
       }
     }
+    for (const Candidate& candidate : candidates) Add(candidate.place, block_x, block_y, candidate.weights);
   }
 
   // Whether some pixel between the nodes may lie in the image.
@@ -287,12 +274,11 @@ class Weigher {
   const BlockGeometry& block_;
   const BlockCells& cells_;
   const int cell_px_;
-  const int unit_px_;  // pixels that share a cell and four nodes
+  const int square_px_;
   int sharpness_ = 3;
   std::vector<ViewScore> scores_;
-  std::vector<std::array<float, kTaps>> spline_;
-  std::vector<Box> boxes_;
-  std::vector<int> share_of_;
+  std::array<std::vector<float>, kTaps> spline_;  // by tap, then by pixel of a cell
+  LabelSquares by_label_{};
   std::vector<PhotoShare> shares_;
 };
 
@@ -312,10 +298,9 @@ bool BlockCells::IsInner() const {
   return true;
 }
 
-std::vector<PhotoShare> WeighPhotos(const alignment::AlignedFlight& flight,
-                                    const std::vector<std::uint32_t>& photos,
-                                    const std::vector<PhotoView>& views, const BlockGeometry& block,
-                                    const BlockCells& cells, double transition_m) {
+BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
+                        const std::vector<PhotoView>& views, const BlockGeometry& block,
+                        const BlockCells& cells, double transition_m) {
   return Weigher(flight, photos, views, block, cells, transition_m).Weigh();
 }
 

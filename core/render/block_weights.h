@@ -4,7 +4,6 @@
 // does. Any thread.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -14,11 +13,23 @@
 
 namespace skyquilt::render {
 
-// The share of one photo in a rectangle of the block.
+// A small square of the block in which a photo shows something.
+struct SquareShare {
+  static constexpr std::int32_t kAlone = -1;
+
+  int x = 0, y = 0;                    // pixels of the block
+  std::int32_t first_weight = kAlone;  // in PhotoShare::weights, row by row; kAlone: 1 everywhere
+};
+
 struct PhotoShare {
   std::uint32_t photo = 0;  // index in the flight
-  int x = 0, y = 0, width = 0, height = 0;
-  std::vector<float> weight;  // row by row; the shares of all photos at a covered pixel add up to 1
+  std::vector<SquareShare> squares;
+  std::vector<float> weights;  // those of all photos at a covered pixel add up to 1
+};
+
+struct BlockShares {
+  int square_px = 0;  // a square lies in one cell of nodes and in one quarter of a cell of the seam map
+  std::vector<PhotoShare> photos;  // rising
 };
 
 // The part of the seam map below a block.
@@ -38,9 +49,8 @@ struct BlockCells {
 
 // views[i] belongs to photos[i]; photos are indices into the flight, rising. transition_m: the seam's width
 // (0: 16 pixels).
-std::vector<PhotoShare> WeighPhotos(const alignment::AlignedFlight& flight,
-                                    const std::vector<std::uint32_t>& photos,
-                                    const std::vector<PhotoView>& views, const BlockGeometry& block,
-                                    const BlockCells& cells, double transition_m);
+BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
+                        const std::vector<PhotoView>& views, const BlockGeometry& block,
+                        const BlockCells& cells, double transition_m);
 
 }  // namespace skyquilt::render

@@ -3,175 +3,197 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <opencv2/imgproc.hpp>
+#include <cstring>
 
 #include "core/geo/web_mercator.h"
 #include "core/render/block_geometry.h"
 #include "core/render/block_weights.h"
+#include "core/render/cubic_sampler.h"
 
 namespace skyquilt::render {
 namespace {
 
-// Where each pixel of the share's rectangle lies in the decoded (possibly smaller) image: bilinear between
-// nodes.
-struct PixelMaps {
-  cv::Mat1f x, y;
-};
+// Four numbers side by side: red, green, blue and one that means nothing.
+using Four = float __attribute__((vector_size(16)));
 
-// A part of a share: whole cells of nodes, so low that its maps stay in the processor's cache.
-constexpr int kStripRows = 2 * kNodeStepPx;
-
-// The columns of the share that some pixel of the strip is weighed in, out to whole cells of nodes; empty if
-// none.
-cv::Rect StripAt(const PhotoShare& share, int y) {
-  const int height = std::min(kStripRows, share.height - y);
-  int first = share.width, last = -1;
-  for (int row = y; row < y + height; ++row) {
-    const float* weight = share.weight.data() + static_cast<std::size_t>(row) * share.width;
-    int from = 0, to = share.width - 1;
-    while (from < first && weight[from] <= 0.0f) ++from;
-    while (to > last && weight[to] <= 0.0f) --to;
-    first = std::min(first, from), last = std::max(last, to);
-  }
-  if (last < first) return {};
-  first = first / kNodeStepPx * kNodeStepPx;
-  last = (last / kNodeStepPx + 1) * kNodeStepPx;
-  return {first, y, last - first, height};
+Four FourOf(const std::array<double, 3>& values) {
+  return Four{static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2]),
+              0.0f};
 }
 
-void FillMaps(const PhotoShare& share, const cv::Rect& strip, const PhotoView& view, int nodes_per_side,
-              int denominator, PixelMaps& maps) {
-  const float scale = 1.0f / static_cast<float>(denominator);
-  const float shift = 0.5f * scale - 0.5f;  // pixel corners scale, centres carry the half pixel
-  constexpr float kStep = 1.0f / kNodeStepPx;
-  for (int cell_y = 0; cell_y < strip.height; cell_y += kNodeStepPx) {
-    for (int cell_x = 0; cell_x < strip.width; cell_x += kNodeStepPx) {
-      const std::size_t k =
-          static_cast<std::size_t>((share.y + strip.y + cell_y) / kNodeStepPx) * nodes_per_side +
-          static_cast<std::size_t>((share.x + strip.x + cell_x) / kNodeStepPx);
-      const Eigen::Vector2f nw = view.pixel_in_image[k];
-      const Eigen::Vector2f ne = view.pixel_in_image[k + 1];
-      const Eigen::Vector2f sw = view.pixel_in_image[k + nodes_per_side];
-      const Eigen::Vector2f se = view.pixel_in_image[k + nodes_per_side + 1];
-      for (int dy = 0; dy < kNodeStepPx; ++dy) {
-        const float v = dy * kStep;
-        const Eigen::Vector2f west = (1.0f - v) * nw + v * sw;
-        const Eigen::Vector2f east = (1.0f - v) * ne + v * se;
-        const Eigen::Vector2f step = (east - west) * kStep;
-        float* out_x = maps.x[cell_y + dy] + cell_x;
-        float* out_y = maps.y[cell_y + dy] + cell_x;
-        for (int dx = 0; dx < kNodeStepPx; ++dx) {
-          // NaN (the photo does not see this cell) compares false and leaves a pixel nobody weighs.
-          const float x = west.x() + dx * step.x();
-          const float y = west.y() + dx * step.y();
-          out_x[dx] = x > -1e4f && x < 1e5f ? x * scale + shift : -1e4f;
-          out_y[dx] = y > -1e4f && y < 1e5f ? y * scale + shift : -1e4f;
+Four Between(const Four& a, const Four& b, float share) { return a + share * (b - a); }
+
+// A quantity at a square's four corners; its rows' ends and steps.
+template <typename T>
+struct Ends {
+  T first, step;
+};
+template <typename T>
+Ends<T> RowOf(const std::array<T, 4>& corners, int row, int side) {
+  const float v = static_cast<float>(row) / static_cast<float>(side);
+  const T west = corners[0] + v * (corners[2] - corners[0]);
+  const T east = corners[1] + v * (corners[3] - corners[1]);
+  return {west, (east - west) * (1.0f / static_cast<float>(side))};
+}
+
+// How one photo's pixels come onto the block.
+class PhotoOnBlock {
+ public:
+  PhotoOnBlock(const alignment::AlignedPhoto& photo, const PhotoTone& tone, const PhotoView& view,
+               int nodes_per_side, int denominator, const PhotoLevels& levels, const BlockCells& cells)
+      : view_(view),
+        nodes_per_side_(nodes_per_side),
+        scale_(1.0f / static_cast<float>(denominator)),
+        levels_(levels),
+        cells_(cells),
+        gain_(FourOf(tone.gain)),
+        vignetting_(tone.vignetting),
+        center_(photo.intrinsics.center_x_px, photo.intrinsics.center_y_px),
+        radius_scale_(4.0 /
+                      (std::pow(photo.intrinsics.width_px, 2) + std::pow(photo.intrinsics.height_px, 2))) {}
+
+  // The numbers at the corners of a square of the block.
+  struct Square {
+    std::array<float, 4> x, y;  // in the decoded image
+    std::array<Four, 4> gain;   // north-west, north-east, south-west, south-east
+    std::array<Four, 4> light;  // what the seam map adds, grey levels
+  };
+  Square At(int block_x, int block_y, int side) const {
+    Square square;
+    for (int corner = 0; corner < 4; ++corner) {
+      const auto k = static_cast<std::size_t>(corner);
+      const int x = block_x + (corner % 2) * side, y = block_y + (corner / 2) * side;
+      const Eigen::Vector2f in_photo = InPhoto(x, y, block_x, block_y);
+      // Pixel corners scale, centres carry the half pixel.
+      square.x[k] = (in_photo.x() + 0.5f) * scale_ - 0.5f;
+      square.y[k] = (in_photo.y() + 0.5f) * scale_ - 0.5f;
+      const double r2 = (in_photo.cast<double>() - center_).squaredNorm() * radius_scale_;
+      square.gain[k] = gain_ / static_cast<float>(std::isnan(r2) ? 1.0 : vignetting_.Falloff(r2));
+      square.light[k] = LightAt(x, y, block_x, block_y);
+    }
+    return square;
+  }
+
+ private:
+  // Bilinear between the nodes around the square that starts at (block_x, block_y).
+  Eigen::Vector2f InPhoto(int x, int y, int block_x, int block_y) const {
+    const int column = block_x / kNodeStepPx, row = block_y / kNodeStepPx;
+    const float u = static_cast<float>(x - column * kNodeStepPx) / kNodeStepPx;
+    const float v = static_cast<float>(y - row * kNodeStepPx) / kNodeStepPx;
+    const Eigen::Vector2f* nw =
+        view_.pixel_in_image.data() + static_cast<std::ptrdiff_t>(row) * nodes_per_side_ + column;
+    const Eigen::Vector2f north = nw[0] + u * (nw[1] - nw[0]);
+    const Eigen::Vector2f south = nw[nodes_per_side_] + u * (nw[nodes_per_side_ + 1] - nw[nodes_per_side_]);
+    return north + v * (south - north);
+  }
+
+  // Bilinear between the centres of the seam map's cells, of which the square lies between four.
+  Four LightAt(int x, int y, int block_x, int block_y) const {
+    if (levels_.eighths.empty()) return Four{};
+    const int cell_px = cells_.seams.grid.cell_px;
+    // Of the centre that lies north-west of the whole square.
+    const int column = (block_x + cell_px / 2) / cell_px - 1, row = (block_y + cell_px / 2) / cell_px - 1;
+    const auto part = [&](int pixel, int cell) {
+      return (static_cast<float>(pixel - cell * cell_px) + 0.5f) / static_cast<float>(cell_px) - 0.5f;
+    };
+    const auto level = [&](int dx, int dy) {
+      const auto rgb = levels_.At(cells_.corner.x() + column + dx, cells_.corner.y() + row + dy);
+      return Four{rgb[0], rgb[1], rgb[2], 0.0f};
+    };
+    const float u = part(x, column), v = part(y, row);
+    return Between(Between(level(0, 0), level(1, 0), u), Between(level(0, 1), level(1, 1), u), v);
+  }
+
+  const PhotoView& view_;
+  const int nodes_per_side_;
+  const float scale_;
+  const PhotoLevels& levels_;
+  const BlockCells& cells_;
+  const Four gain_;
+  const Vignetting vignetting_;
+  const Eigen::Vector2d center_;
+  const double radius_scale_;
+};
+
+Four Clamped(Four value) {
+  const Four black{}, white = black + 255.0f;
+  value = value > black ? value : black;
+  return value < white ? value : white;
+}
+
+void Write(const Four& value, std::uint8_t* rgba) {
+  using FourInts = std::int32_t __attribute__((vector_size(16)));
+  using FourBytes = std::uint8_t __attribute__((vector_size(4)));
+  const FourBytes bytes = __builtin_convertvector(__builtin_convertvector(value + 0.5f, FourInts), FourBytes);
+  std::memcpy(rgba, &bytes, 4);
+  rgba[3] = 255;
+}
+
+// Squares in which photos mix: their weighted sums until all have been added.
+class Mixture {
+ public:
+  Mixture(int block_px, int square_px)
+      : across_(block_px / square_px),
+        square_px_(square_px),
+        first_(static_cast<std::size_t>(across_) * across_, kNone) {}
+
+  // The sums of the square's pixels, row by row; the fourth number is not 0 where something was added.
+  Four* Sums(int x, int y) {
+    std::int32_t& first = first_[static_cast<std::size_t>(y / square_px_) * across_ + x / square_px_];
+    if (first == kNone) {
+      first = static_cast<std::int32_t>(sums_.size());
+      sums_.resize(sums_.size() + static_cast<std::size_t>(square_px_) * square_px_, Four{});
+    }
+    return sums_.data() + first;
+  }
+
+  void WriteTo(pyramid::RgbaImage& image) const {
+    for (std::size_t square = 0; square < first_.size(); ++square) {
+      if (first_[square] == kNone) continue;
+      const Four* sum = sums_.data() + first_[square];
+      const int x = static_cast<int>(square) % across_ * square_px_,
+                y = static_cast<int>(square) / across_ * square_px_;
+      for (int dy = 0; dy < square_px_; ++dy) {
+        for (int dx = 0; dx < square_px_; ++dx, ++sum) {
+          if ((*sum)[3] > 0.0f) Write(Clamped(*sum), image.Pixel(x + dx, y + dy));
         }
       }
     }
   }
-}
-
-// What the seam map adds to the photo, in grey levels: bilinear between the centres of the cells.
-class SeamLight {
- public:
-  SeamLight(const PhotoShare& share, const BlockCells& cells)
-      : levels_(cells.seams.levels[share.photo]),
-        cells_(cells),
-        share_(share),
-        row_(static_cast<std::size_t>(share.width)) {}
-  bool IsEmpty() const { return levels_.eighths.empty(); }
-
-  // Of one row of the share, from a column on.
-  const std::vector<std::array<float, 3>>& Row(int y, int first, int width) {
-    const float cell_px = static_cast<float>(cells_.seams.grid.cell_px);
-    const float v = (static_cast<float>(share_.y + y) + 0.5f) / cell_px - 0.5f;
-    const int row = static_cast<int>(std::floor(v));
-    const float fv = v - static_cast<float>(row);
-    int column = std::numeric_limits<int>::min();
-    std::array<float, 3> west{}, east{};
-    const auto column_at = [&](int at) {
-      const auto upper = levels_.At(cells_.corner.x() + at, cells_.corner.y() + row);
-      const auto lower = levels_.At(cells_.corner.x() + at, cells_.corner.y() + row + 1);
-      std::array<float, 3> mixed{};
-      for (std::size_t c = 0; c < 3; ++c) mixed[c] = upper[c] + fv * (lower[c] - upper[c]);
-      return mixed;
-    };
-    for (int x = first; x < first + width; ++x) {
-      const float u = (static_cast<float>(share_.x + x) + 0.5f) / cell_px - 0.5f;
-      const int at = static_cast<int>(std::floor(u));
-      if (at != column) {
-        column = at;
-        west = column_at(at);
-        east = column_at(at + 1);
-      }
-      const float fu = u - static_cast<float>(at);
-      for (std::size_t c = 0; c < 3; ++c)
-        row_[static_cast<std::size_t>(x - first)][c] = west[c] + fu * (east[c] - west[c]);
-    }
-    return row_;
-  }
 
  private:
-  const PhotoLevels& levels_;
-  const BlockCells& cells_;
-  const PhotoShare& share_;
-  std::vector<std::array<float, 3>> row_;
+  static constexpr std::int32_t kNone = -1;
+  const int across_, square_px_;
+  std::vector<std::int32_t> first_;  // by square, in sums_
+  std::vector<Four> sums_;
 };
 
-// How a photo's values become the map's.
-struct Tone {
-  float center_x, center_y, radius_scale;
-  std::array<float, 3> gain, vignetting;
-
-  Tone(const PhotoTone& tone, const camera::Intrinsics& lens, int denominator)
-      : center_x(static_cast<float>((lens.center_x_px + 0.5) / denominator - 0.5)),
-        center_y(static_cast<float>((lens.center_y_px + 0.5) / denominator - 0.5)) {
-    const double half_diagonal_px = 0.5 * std::hypot(lens.width_px, lens.height_px) / denominator;
-    radius_scale = static_cast<float>(1.0 / (half_diagonal_px * half_diagonal_px));
-    for (std::size_t i = 0; i < 3; ++i) {
-      gain[i] = static_cast<float>(tone.gain[i]);
-      vignetting[i] = static_cast<float>(tone.vignetting.a[i]);
-    }
-  }
-  float Brighten(float x, float y) const {
-    const float dx = x - center_x, dy = y - center_y;
-    const float r2 = (dx * dx + dy * dy) * radius_scale;
-    return 1.0f / (1.0f + r2 * (vignetting[0] + r2 * (vignetting[1] + r2 * vignetting[2])));
-  }
-};
-
-// The block while photos are added: weighted sums, and whether anything was added.
-struct Sums {
-  int size_px;
-  std::vector<float> rgb;
-  std::vector<std::uint8_t> covered;
-};
-
-void Accumulate(const PhotoShare& share, const cv::Rect& strip, const cv::Mat3b& warped,
-                const PixelMaps& maps, const Tone& tone, SeamLight& light, Sums& sums) {
-  const std::vector<std::array<float, 3>> no_light(static_cast<std::size_t>(strip.width));
-  for (int y = 0; y < strip.height; ++y) {
-    const std::size_t row = static_cast<std::size_t>(strip.y + y);
-    const float* weight = share.weight.data() + row * static_cast<std::size_t>(share.width) + strip.x;
-    const std::uint8_t* rgb = warped.ptr<std::uint8_t>(y);
-    const float* map_x = maps.x[y];
-    const float* map_y = maps.y[y];
-    const std::array<float, 3>* added =
-        light.IsEmpty() ? no_light.data() : light.Row(strip.y + y, strip.x, strip.width).data();
-    const std::size_t base = (static_cast<std::size_t>(share.y) + row) * sums.size_px + share.x + strip.x;
-    float* out = sums.rgb.data() + base * 3;
-    for (int x = 0; x < strip.width; ++x, out += 3) {
-      if (weight[x] <= 0.0f) continue;
-      const float brighten = tone.Brighten(map_x[x], map_y[x]);
-      for (int c = 0; c < 3; ++c) {
-        const auto channel = static_cast<std::size_t>(c);
-        const float value =
-            static_cast<float>(rgb[3 * x + c]) * tone.gain[channel] * brighten + added[x][channel];
-        out[c] += weight[x] * std::clamp(value, 0.0f, 255.0f);
+void Paint(const PhotoShare& share, const PhotoOnBlock& photo, const CubicSampler& sampler, int side,
+           pyramid::RgbaImage& image, Mixture& mixture) {
+  std::array<SampledPixel, kNodeStepPx> sampled;
+  for (const SquareShare& at : share.squares) {
+    const PhotoOnBlock::Square square = photo.At(at.x, at.y, side);
+    const bool is_alone = at.first_weight == SquareShare::kAlone;
+    const float* weight = is_alone ? nullptr : share.weights.data() + at.first_weight;
+    Four* sum = is_alone ? nullptr : mixture.Sums(at.x, at.y);
+    for (int row = 0; row < side; ++row) {
+      const auto x = RowOf(square.x, row, side), y = RowOf(square.y, row, side);
+      const auto gain = RowOf(square.gain, row, side), light = RowOf(square.light, row, side);
+      sampler.Row(x.first, y.first, x.step, y.step, side, sampled.data());
+      std::uint8_t* out = image.Pixel(at.x, at.y + row);
+      for (int i = 0; i < side; ++i) {
+        Four value;
+        std::memcpy(&value, sampled[static_cast<std::size_t>(i)].data(), sizeof(value));
+        const auto along = static_cast<float>(i);
+        value = Clamped(value * (gain.first + along * gain.step) + (light.first + along * light.step));
+        if (is_alone) {
+          Write(value, out + 4 * i);
+        } else if (*weight > 0.0f) {
+          value[3] = 1.0f;
+          *sum += *weight * value;
+        }
+        if (!is_alone) ++weight, ++sum;
       }
-      sums.covered[base + x] = 255;
     }
   }
 }
@@ -195,47 +217,25 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
   std::vector<PhotoView> views;
   views.reserve(photos.size());
   for (const std::uint32_t photo : photos) views.push_back(ViewBlock(context.flight.photos[photo], geometry));
-  const std::vector<PhotoShare> shares =
+  const BlockShares shares =
       WeighPhotos(context.flight, photos, views, geometry, cells, context.plan.feather_m);
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
-  if (shares.empty()) return image;
-  const auto pixels = static_cast<std::size_t>(size_px) * size_px;
-  Sums sums{size_px, std::vector<float>(pixels * 3, 0.0f), std::vector<std::uint8_t>(pixels, 0)};
-  PixelMaps whole_maps{cv::Mat1f(kStripRows, size_px), cv::Mat1f(kStripRows, size_px)};
-  cv::Mat3b whole_warped(kStripRows, size_px);
+  Mixture mixture(size_px, shares.square_px);
   const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px) *
                          geo::GroundMetresPerMercMetre(context.flight.frame.origin().lat_deg);
-  for (const PhotoShare& share : shares) {
-    if (std::none_of(share.weight.begin(), share.weight.end(), [](float w) { return w > 0.0f; })) continue;
+  for (const PhotoShare& share : shares.photos) {
     const alignment::AlignedPhoto& photo = context.flight.photos[share.photo];
     const auto at = std::lower_bound(photos.begin(), photos.end(), share.photo) - photos.begin();
     const int denominator = DenominatorFor(photo, pixel_m);
     const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator);
     if (!decoded) return decoded.error();
-    const pipeline::DecodedImage& source = **decoded;
-    const cv::Mat3b source_rgb(source.height_px, source.width_px,
-                               reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(source.rgb.data())));
-    const Tone tone(context.exposure.photos[share.photo], photo.intrinsics, denominator);
-    SeamLight light(share, cells);
-    for (int y = 0; y < share.height; y += kStripRows) {
-      const cv::Rect strip = StripAt(share, y);
-      if (strip.empty()) continue;
-      const cv::Rect room(0, 0, strip.width, strip.height);
-      PixelMaps maps{whole_maps.x(room), whole_maps.y(room)};
-      FillMaps(share, strip, views[static_cast<std::size_t>(at)], geometry.nodes_per_side, denominator, maps);
-      cv::Mat3b warped = whole_warped(room);
-      cv::remap(source_rgb, warped, maps.x, maps.y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-      Accumulate(share, strip, warped, maps, tone, light, sums);
-    }
+    const PhotoOnBlock on_block(photo, context.exposure.photos[share.photo],
+                                views[static_cast<std::size_t>(at)], geometry.nodes_per_side, denominator,
+                                context.seams.levels[share.photo], cells);
+    Paint(share, on_block, CubicSampler(**decoded), shares.square_px, image, mixture);
   }
-  for (std::size_t i = 0; i < pixels; ++i) {
-    if (sums.covered[i] == 0) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      image.rgba[4 * i + c] = static_cast<std::uint8_t>(std::min(255.0f, sums.rgb[3 * i + c] + 0.5f));
-    }
-    image.rgba[4 * i + 3] = 255;
-  }
+  mixture.WriteTo(image);
   return image;
 }
 
