@@ -86,13 +86,14 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   if (!built) return built.error();
   if (auto published = (*writer)->Publish(MetadataOf(built->report)); !published) return published.error();
   progress.BeginStage("export");
-  double export_s = 0.0;
+  pipeline::StageTiming exported_in{"export", 0.0, 0.0};
   {
-    ScopedTimer timer(export_s);
+    ScopedTimer timer(exported_in.wall_s);
+    ScopedCpuTimer cpu_timer(exported_in.cpu_s);
     if (auto exported = Export(mbtiles, options, built->report, out_dir, progress); !exported)
       return exported.error();
   }
-  built->report.timings.push_back({"export", export_s});
+  built->report.timings.push_back(exported_in);
   if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",
                                                   pipeline::PhotosGeoJson(built->flight, built->ground));
       !written) {

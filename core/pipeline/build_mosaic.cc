@@ -35,8 +35,9 @@ class StageRunner {
   template <typename Stage>
   auto Run(const char* name, Stage&& stage) {
     progress_.BeginStage(name);
-    report_.timings.push_back({name, 0.0});
+    report_.timings.push_back({name, 0.0, 0.0});
     ScopedTimer timer(report_.timings.back().wall_s);
+    ScopedCpuTimer cpu_timer(report_.timings.back().cpu_s);
     return stage();
   }
 
@@ -132,8 +133,8 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const render::SeamMap seams = stages.Run("seam", [&] {
     return render::BuildSeamMap(*aligned, ground, *plan, exposure, thumbnails, {.threads = options.threads});
   });
+  render::PhotoCache cache(photo_source, options.PhotoCacheBytes());
   auto rendered = stages.Run("render", [&] {
-    render::PhotoCache cache(photo_source, options.PhotoCacheBytes());
     const render::RenderContext context{*aligned, ground, exposure, seams, *plan, cache};
     const render::RenderOptions render_options{
         options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
@@ -147,8 +148,8 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const render::SeamShift seam_shift = stages.Run("measure", [&] {
     render::MeasureSeamsOptions measure;
     measure.threads = options.threads;
-    measure.budget_bytes = options.max_memory_bytes / 4;
-    return render::MeasureSeams(*aligned, ground, photo_source, measure, progress);
+    measure.output_pixel_m = render::OutputPixelM(*plan, *aligned);
+    return render::MeasureSeams(*aligned, ground, cache, measure, progress);
   });
 
   DescribePhotos(*aligned, report);

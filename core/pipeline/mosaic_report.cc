@@ -53,7 +53,7 @@ std::string ReportJson(const MosaicReport& report) {
   }
   Json timings = Json::array();
   for (const StageTiming& timing : report.timings) {
-    timings.push_back({{"stage", timing.stage}, {"wall_s", Rounded(timing.wall_s, 3)}});
+    timings.push_back({{"stage", timing.stage}, {"wall_s", Rounded(timing.wall_s, 3)}, {"cpu_s", Rounded(timing.cpu_s, 3)}});
   }
   Json json;
   json["title"] = report.title;

@@ -17,6 +17,7 @@ namespace skyquilt::pipeline {
 struct StageTiming {
   std::string stage;
   double wall_s = 0.0;
+  double cpu_s = 0.0;  // of all threads
 };
 
 struct MosaicReport {

@@ -1,5 +1,5 @@
-// Overviews: parents from children still in memory. Blocks arrive along a quadtree curve, so at most one unfinished
-// parent a level is held: memory does not grow with the map. One thread.
+// Overviews: parents from children still in memory. Blocks arrive along a quadtree curve, so at most one
+// unfinished parent a level is held: memory does not grow with the map. One thread.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,6 @@
-// EncodeTile: a premultiplied tile to the bytes that are stored and served: JPEG where every pixel is covered, PNG
-// with alpha at the fringe (or WebP for both). Deterministic. Any thread; each call uses its own encoder.
+// EncodeTile: a premultiplied tile to the bytes that are stored and served: JPEG where every pixel is
+// covered, PNG with alpha at the fringe (or WebP for both). Deterministic. Any thread; each call uses its own
+// encoder.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,9 @@ struct EncodedTile {
   std::vector<std::uint8_t> bytes;
 };
 
-// Nothing for a tile without any covered pixel.
+// The square of `image` that starts at (x, y); nothing if no pixel of it is covered.
+std::optional<EncodedTile> EncodeTile(const RgbaImage& image, int x, int y, int size_px,
+                                      const EncodeOptions& options);
 std::optional<EncodedTile> EncodeTile(const RgbaImage& tile, const EncodeOptions& options);
 
 }  // namespace skyquilt::pyramid

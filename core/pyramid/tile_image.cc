@@ -1,19 +1,20 @@
 #include "core/pyramid/tile_image.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/base/check.h"
 
 namespace skyquilt::pyramid {
 
-RgbaImage Crop(const RgbaImage& image, int x, int y, int size_px) {
-  SKYQUILT_CHECK(x >= 0 && y >= 0 && x + size_px <= image.width_px && y + size_px <= image.height_px,
-                 "crop outside the image");
-  RgbaImage crop = RgbaImage::Transparent(size_px, size_px);
-  for (int row = 0; row < size_px; ++row) {
-    std::memcpy(crop.Pixel(0, row), image.Pixel(x, y + row), static_cast<std::size_t>(size_px) * 4);
+void StraightenAlpha(const std::uint8_t* premultiplied, int count, std::uint8_t* straight) {
+  for (int i = 0; i < count; ++i, premultiplied += 4, straight += 4) {
+    const int alpha = premultiplied[3];
+    std::memcpy(straight, premultiplied, 4);
+    if (alpha == 255 || alpha == 0) continue;
+    for (int c = 0; c < 3; ++c)
+      straight[c] = static_cast<std::uint8_t>(std::min(255, (premultiplied[c] * 255 + alpha / 2) / alpha));
   }
-  return crop;
 }
 
 RgbaImage Halve(const RgbaImage& image) {
@@ -36,7 +37,8 @@ void Paste(const RgbaImage& quarter, int x, int y, RgbaImage& image) {
   SKYQUILT_CHECK(x + quarter.width_px <= image.width_px && y + quarter.height_px <= image.height_px,
                  "paste outside the image");
   for (int row = 0; row < quarter.height_px; ++row) {
-    std::memcpy(image.Pixel(x, y + row), quarter.Pixel(0, row), static_cast<std::size_t>(quarter.width_px) * 4);
+    std::memcpy(image.Pixel(x, y + row), quarter.Pixel(0, row),
+                static_cast<std::size_t>(quarter.width_px) * 4);
   }
 }
 

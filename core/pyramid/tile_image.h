@@ -1,5 +1,5 @@
-// RgbaImage: 8-bit RGBA with PREMULTIPLIED alpha, rows without padding, north row first. Premultiplied, so that
-// averaging at the map's edge neither darkens nor bleeds. A value; any thread.
+// RgbaImage: 8-bit RGBA with PREMULTIPLIED alpha, rows without padding, north row first. Premultiplied, so
+// that averaging at the map's edge neither darkens nor bleeds. A value; any thread.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@ struct RgbaImage {
   std::vector<std::uint8_t> rgba;
 
   static RgbaImage Transparent(int width_px, int height_px) {
-    return {width_px, height_px, std::vector<std::uint8_t>(static_cast<std::size_t>(width_px) * height_px * 4, 0)};
+    return {width_px, height_px,
+            std::vector<std::uint8_t>(static_cast<std::size_t>(width_px) * height_px * 4, 0)};
   }
   std::uint8_t* Pixel(int x, int y) { return rgba.data() + (static_cast<std::size_t>(y) * width_px + x) * 4; }
   const std::uint8_t* Pixel(int x, int y) const {
@@ -21,9 +22,10 @@ struct RgbaImage {
   }
 };
 
-// The part of `image` that starts at (x, y) and is size x size.
-RgbaImage Crop(const RgbaImage& image, int x, int y, int size_px);
-// Half the size, each pixel the mean of four: what GDAL's "average" overviews do, in the stored (sRGB) values.
+// `count` pixels with straight instead of premultiplied alpha.
+void StraightenAlpha(const std::uint8_t* premultiplied, int count, std::uint8_t* straight);
+// Half the size, each pixel the mean of four: what GDAL's "average" overviews do, in the stored (sRGB)
+// values.
 RgbaImage Halve(const RgbaImage& image);
 // Writes `quarter` at (x, y) of `image`.
 void Paste(const RgbaImage& quarter, int x, int y, RgbaImage& image);

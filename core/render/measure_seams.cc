@@ -10,14 +10,14 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/percentile.h"
-#include "core/render/photo_cache.h"
+#include "core/render/render_block.h"
 
 namespace skyquilt::render {
 namespace {
 
 constexpr int kPatch = 256;
-constexpr int kNode = 16;            // exact every so many samples, bilinear between
-constexpr double kSampleGsds = 2.0;  // photos are decoded at half size
+constexpr int kNode = 16;       // exact every so many samples, bilinear between
+constexpr int kSampleGsds = 2;  // pixels of the photo to a sample, at least
 constexpr double kAcross[] = {-0.25,
                               0.25};  // patches of a pair, along its seam, in distances between the two
 constexpr double kMinAlike = 0.4;     // correlation once the shift is undone
@@ -59,10 +59,11 @@ std::vector<Seam> FindSeams(const alignment::AlignedFlight& flight) {
 
 // The photo seen straight from above around a place, grey, freed of slow brightness changes; empty when it
 // does not show all of it.
-cv::Mat LayPatch(const alignment::AlignedPhoto& photo, const pipeline::DecodedImage& image,
+cv::Mat LayPatch(const alignment::AlignedPhoto& photo, const pipeline::DecodedImage& image, int denominator,
                  const ground::GroundSurface& ground, const Eigen::Vector2d& middle, double sample_m) {
-  const double scale_x = static_cast<double>(image.width_px) / photo.intrinsics.width_px;
-  const double scale_y = static_cast<double>(image.height_px) / photo.intrinsics.height_px;
+  // Finer pixels than the samples are averaged, or they would alias.
+  const int shrink = denominator < kSampleGsds ? kSampleGsds / denominator : 1;
+  const double scale = 1.0 / (denominator * shrink);
   constexpr int kNodes = kPatch / kNode + 1;
   cv::Mat nodes_x(kNodes, kNodes, CV_32F), nodes_y(kNodes, kNodes, CV_32F);
   for (int row = 0; row < kNodes; ++row) {
@@ -72,10 +73,26 @@ cv::Mat LayPatch(const alignment::AlignedPhoto& photo, const pipeline::DecodedIm
       const auto pixel =
           photo.intrinsics.Project(photo.cam_from_enu * Eigen::Vector3d(at.x(), at.y(), ground.HeightAt(at)));
       if (!pixel || !photo.intrinsics.IsInImage(*pixel)) return {};
-      nodes_x.at<float>(row, column) = static_cast<float>((pixel->x() + 0.5) * scale_x - 0.5);
-      nodes_y.at<float>(row, column) = static_cast<float>((pixel->y() + 0.5) * scale_y - 0.5);
+      nodes_x.at<float>(row, column) = static_cast<float>((pixel->x() + 0.5) * scale - 0.5);
+      nodes_y.at<float>(row, column) = static_cast<float>((pixel->y() + 0.5) * scale - 0.5);
     }
   }
+  // The part of the photo that is needed, with a pixel around.
+  double left = 0.0, right = 0.0, top = 0.0, bottom = 0.0;
+  cv::minMaxLoc(nodes_x, &left, &right);
+  cv::minMaxLoc(nodes_y, &top, &bottom);
+  const cv::Rect whole(0, 0, image.width_px / shrink, image.height_px / shrink);
+  const cv::Rect part = cv::Rect(cv::Point(static_cast<int>(left) - 1, static_cast<int>(top) - 1),
+                                 cv::Point(static_cast<int>(right) + 3, static_cast<int>(bottom) + 3)) &
+                        whole;
+  if (part.empty()) return {};
+  nodes_x -= part.x;
+  nodes_y -= part.y;
+  const cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));
+  cv::Mat grey;
+  cv::cvtColor(rgb(cv::Rect(part.x * shrink, part.y * shrink, part.width * shrink, part.height * shrink)),
+               grey, cv::COLOR_RGB2GRAY);
+  if (shrink > 1) cv::resize(grey, grey, part.size(), 0, 0, cv::INTER_AREA);
   cv::Mat map_x(kPatch, kPatch, CV_32F), map_y(kPatch, kPatch, CV_32F);
   for (int row = 0; row < kPatch; ++row) {
     for (int column = 0; column < kPatch; ++column) {
@@ -89,11 +106,9 @@ cv::Mat LayPatch(const alignment::AlignedPhoto& photo, const pipeline::DecodedIm
       map_y.at<float>(row, column) = between(nodes_y);
     }
   }
-  const cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));
-  cv::Mat sampled, grey, patch, slow;
-  cv::remap(rgb, sampled, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  cv::cvtColor(sampled, grey, cv::COLOR_RGB2GRAY);
-  grey.convertTo(patch, CV_32F);
+  cv::Mat sampled, patch, slow;
+  cv::remap(grey, sampled, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  sampled.convertTo(patch, CV_32F);
   cv::GaussianBlur(patch, slow, {}, kPatch / 16.0);
   return patch - slow;
 }
@@ -121,8 +136,7 @@ std::optional<double> ShiftBetween(const cv::Mat& first, const cv::Mat& second) 
 }  // namespace
 
 SeamShift MeasureSeams(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       const pipeline::PhotoSource& source, const MeasureSeamsOptions& options,
-                       Progress& progress) {
+                       PhotoCache& cache, const MeasureSeamsOptions& options, Progress& progress) {
   const std::vector<Seam> all = FindSeams(flight);
   std::vector<Seam> seams;
   const std::size_t most = static_cast<std::size_t>(options.most_pairs);
@@ -130,7 +144,6 @@ SeamShift MeasureSeams(const alignment::AlignedFlight& flight, const ground::Gro
     seams.push_back(all[all.size() <= most ? k : k * all.size() / most]);
   }
   SeamShift result;
-  PhotoCache cache(source, options.budget_bytes);
   struct Looked {
     int patches = 0;
     std::vector<double> shifts_m;
@@ -141,14 +154,16 @@ SeamShift MeasureSeams(const alignment::AlignedFlight& flight, const ground::Gro
     const Seam& seam = seams[s];
     const alignment::AlignedPhoto& a = flight.photos[seam.first];
     const alignment::AlignedPhoto& b = flight.photos[seam.second];
-    const auto first = cache.Get(seam.first, a.photo, 2);
-    const auto second = cache.Get(seam.second, b.photo, 2);
+    const int scale_a = DenominatorFor(a, options.output_pixel_m);
+    const int scale_b = DenominatorFor(b, options.output_pixel_m);
+    const auto first = cache.Get(seam.first, a.photo, scale_a);
+    const auto second = cache.Get(seam.second, b.photo, scale_b);
     if (!first || !second) return;
-    const double sample_m = kSampleGsds * std::max(GsdM(a), GsdM(b));
+    const double sample_m = std::max({kSampleGsds, scale_a, scale_b}) * std::max(GsdM(a), GsdM(b));
     for (const double across : kAcross) {
       const Eigen::Vector2d middle = seam.middle + across * seam.along;
-      const cv::Mat fixed = LayPatch(a, **first, ground, middle, sample_m);
-      const cv::Mat moving = LayPatch(b, **second, ground, middle, sample_m);
+      const cv::Mat fixed = LayPatch(a, **first, scale_a, ground, middle, sample_m);
+      const cv::Mat moving = LayPatch(b, **second, scale_b, ground, middle, sample_m);
       if (fixed.empty() || moving.empty()) continue;
       ++looked[s].patches;
       if (const auto shift = ShiftBetween(fixed, moving)) looked[s].shifts_m.push_back(*shift * sample_m);

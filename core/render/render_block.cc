@@ -200,6 +200,11 @@ void Paint(const PhotoShare& share, const PhotoOnBlock& photo, const CubicSample
 
 }  // namespace
 
+double OutputPixelM(const MosaicPlan& plan, const alignment::AlignedFlight& flight) {
+  return geo::PixelSizeInMercM(plan.base_zoom, plan.tile_size_px) *
+         geo::GroundMetresPerMercMetre(flight.frame.origin().lat_deg);
+}
+
 int DenominatorFor(const alignment::AlignedPhoto& photo, double output_pixel_m) {
   const double photo_pixel_m = std::max(1.0, photo.height_above_ground_m) / photo.intrinsics.MeanFocalPx();
   const double minification = output_pixel_m / photo_pixel_m;
@@ -222,8 +227,7 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
   Mixture mixture(size_px, shares.square_px);
-  const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px) *
-                         geo::GroundMetresPerMercMetre(context.flight.frame.origin().lat_deg);
+  const double pixel_m = OutputPixelM(context.plan, context.flight);
   for (const PhotoShare& share : shares.photos) {
     const alignment::AlignedPhoto& photo = context.flight.photos[share.photo];
     const auto at = std::lower_bound(photos.begin(), photos.end(), share.photo) - photos.begin();

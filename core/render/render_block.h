@@ -1,5 +1,5 @@
-// RenderBlock: one block of the map at base zoom, from whichever photos see it. Pure but for the decoded-photo
-// cache; any number of threads at a time. Errors: those of decoding a photo.
+// RenderBlock: one block of the map at base zoom, from whichever photos see it. Pure but for the
+// decoded-photo cache; any number of threads at a time. Errors: those of decoding a photo.
 #pragma once
 
 #include "core/alignment/aligned_flight.h"
@@ -24,6 +24,9 @@ struct RenderContext {
 
 // The block's pixels, plan.BlockSizePx() a side; transparent where no photo sees the ground.
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block);
+
+// Ground size of a pixel at the base zoom.
+double OutputPixelM(const MosaicPlan& plan, const alignment::AlignedFlight& flight);
 
 // The scale at which a photo is decoded for an output pixel of this size: full size near or above its own
 // resolution, 1/2, 1/4, 1/8 below, so that resampling never skips pixels.

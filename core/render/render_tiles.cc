@@ -21,7 +21,8 @@ struct FinishedTile {
 
 struct FinishedBlock {
   std::optional<Error> error;
-  std::vector<FinishedTile> tiles;  // base zoom first, then the block's own overviews but the topmost's parents
+  std::vector<FinishedTile>
+      tiles;  // base zoom first, then the block's own overviews but the topmost's parents
   std::optional<pyramid::RgbaImage> top;  // the block as one tile; nothing if no pixel is covered
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
@@ -33,12 +34,16 @@ void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, 
   const int size_px = plan.BlockSizePx();
   int x0 = size_px, y0 = size_px, x1 = -1, y1 = -1;
   for (int y = 0; y < size_px; ++y) {
-    for (int x = 0; x < size_px; ++x) {
-      if (image.Pixel(x, y)[3] == 0) continue;
-      ++finished.covered_pixels;
-      x0 = std::min(x0, x), x1 = std::max(x1, x);
-      y0 = std::min(y0, y), y1 = std::max(y1, y);
-    }
+    const std::uint8_t* alpha = image.Pixel(0, y) + 3;
+    int covered = 0;
+    for (int x = 0; x < size_px; ++x) covered += alpha[4 * x] != 0 ? 1 : 0;
+    if (covered == 0) continue;
+    finished.covered_pixels += covered;
+    int first = 0, last = size_px - 1;
+    while (alpha[4 * first] == 0) ++first;
+    while (alpha[4 * last] == 0) --last;
+    x0 = std::min(x0, first), x1 = std::max(x1, last);
+    y0 = std::min(y0, y), y1 = y;
   }
   if (x1 < 0) return;
   geo::Bounds2 bounds = block.tile.BoundsInMerc();
@@ -49,12 +54,14 @@ void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, 
   bounds.min.x() += turn_m;
   bounds.max.x() += turn_m;
   const double pixel_m = geo::PixelSizeInMercM(block.tile.z(), size_px);
-  finished.covered_in_merc.Include(Eigen::Vector2d(bounds.min.x() + x0 * pixel_m, bounds.max.y() - y0 * pixel_m));
+  finished.covered_in_merc.Include(
+      Eigen::Vector2d(bounds.min.x() + x0 * pixel_m, bounds.max.y() - y0 * pixel_m));
   finished.covered_in_merc.Include(
       Eigen::Vector2d(bounds.min.x() + (x1 + 1) * pixel_m, bounds.max.y() - (y1 + 1) * pixel_m));
 }
 
-FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options, const RenderBlock& block) {
+FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options,
+                          const RenderBlock& block) {
   FinishedBlock finished;
   Result<pyramid::RgbaImage> rendered = RenderBlockPixels(context, block);
   if (!rendered) {
@@ -69,11 +76,11 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
     const int side = 1 << level;
     for (int row = 0; row < side; ++row) {
       for (int column = 0; column < side; ++column) {
-        auto encoded =
-            pyramid::EncodeTile(pyramid::Crop(image, column * tile_px, row * tile_px, tile_px), options.encode);
+        auto encoded = pyramid::EncodeTile(image, column * tile_px, row * tile_px, tile_px, options.encode);
         if (!encoded) continue;
-        const auto tile = geo::TileId::Make(block.tile.z() + level, (std::int64_t{block.tile.x()} << level) + column,
-                                            (std::int64_t{block.tile.y()} << level) + row);
+        const auto tile =
+            geo::TileId::Make(block.tile.z() + level, (std::int64_t{block.tile.x()} << level) + column,
+                              (std::int64_t{block.tile.y()} << level) + row);
         if (level == context.plan.block_levels) ++finished.base_tiles;
         finished.tiles.push_back({*tile, *std::move(encoded)});
       }
@@ -86,8 +93,8 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
 
 }  // namespace
 
-Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options, pipeline::TileSink& sink,
-                                 Progress& progress) {
+Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options,
+                                 pipeline::TileSink& sink, Progress& progress) {
   RenderReport report;
   std::optional<Error> failure;
   std::atomic<bool> stop{false};
@@ -101,9 +108,11 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
     ++report.tiles;
   };
   const int block_zoom = context.plan.base_zoom - context.plan.block_levels;
-  pyramid::OverviewBuilder overviews(block_zoom, std::min(context.plan.min_zoom, block_zoom), context.plan.tile_size_px,
+  pyramid::OverviewBuilder overviews(block_zoom, std::min(context.plan.min_zoom, block_zoom),
+                                     context.plan.tile_size_px,
                                      [&](const geo::TileId& tile, const pyramid::RgbaImage& image) {
-                                       if (auto encoded = pyramid::EncodeTile(image, options.encode)) put(tile, *encoded);
+                                       if (auto encoded = pyramid::EncodeTile(image, options.encode))
+                                         put(tile, *encoded);
                                      });
   const double pixel_m = geo::PixelSizeInMercM(context.plan.base_zoom, context.plan.tile_size_px);
   const std::size_t count = context.plan.blocks.size();

@@ -106,8 +106,8 @@ def main():
     peak = max(run["peak"] for run in runs)
     stages = [timing["stage"] for timing in runs[0]["report"]["timings"]]
     for i, stage in enumerate(stages):
-        stage_s = statistics.median(run["report"]["timings"][i]["wall_s"] for run in runs)
-        print(f"  {stage:<10} {stage_s:7.2f} s  {100 * stage_s / wall_s:5.1f} %")
+        stage_s, stage_cpu_s = (statistics.median(run["report"]["timings"][i][of] for run in runs) for of in ("wall_s", "cpu_s"))
+        print(f"  {stage:<10} {stage_s:7.2f} s  {100 * stage_s / wall_s:5.1f} %   processor {stage_cpu_s:6.2f} s  {stage_cpu_s / floor_s:5.1f} x decode")
     print(f"  one full decode of all photos: {floor_s:.2f} s of processor time")
     for name, size in sorted(runs[0]["sizes"].items()):
         print(f"  {name:<18} {size / 1e6:8.1f} MB")

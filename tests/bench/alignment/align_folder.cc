@@ -50,7 +50,9 @@ int main(int argc, char** argv) {
   const ground::GroundSurface surface = ground::ModelGround(*aligned, ground_report);
   fmt::print("{}\n", ground::ModelGroundReportJson(ground_report));
   const auto seams = [&](const alignment::AlignedFlight& flight, const ground::GroundSurface& on) {
-    return render::SeamShiftJson(render::MeasureSeams(flight, on, flight::FilePhotoSource(), {}, progress));
+    const flight::FilePhotoSource photos;
+    render::PhotoCache cache(photos, std::int64_t{512} << 20);
+    return render::SeamShiftJson(render::MeasureSeams(flight, on, cache, {}, progress));
   };
   fmt::print("seams {}\n", seams(*aligned, surface));
   fmt::print("seams by pose alone {}\n", seams(alignment::AlignByPoseOnly(*posed),

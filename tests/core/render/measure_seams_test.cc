@@ -19,7 +19,8 @@ SeamShift Measure(const test::SimulatedMap& map, int threads = 2) {
   SilentProgress progress;
   MeasureSeamsOptions options;
   options.threads = threads;
-  return MeasureSeams(map.flight, map.ground, *map.photos, options, progress);
+  PhotoCache cache(*map.photos, std::int64_t{1} << 28);
+  return MeasureSeams(map.flight, map.ground, cache, options, progress);
 }
 
 TEST(MeasureSeams, FindsNothingToShiftBetweenPhotosThatLieRight) {

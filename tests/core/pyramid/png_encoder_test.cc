@@ -1,0 +1,115 @@
+#include "core/pyramid/png_encoder.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+
+#include "core/pyramid/encode_tile.h"
+#include "core/pyramid/huffman_code.h"
+
+namespace skyquilt::pyramid {
+namespace {
+
+enum class Paint { kNothing, kNoise, kSmooth, kPatches };
+
+RgbaImage Painted(int size_px, Paint paint, std::uint32_t seed) {
+  RgbaImage image = RgbaImage::Transparent(size_px, size_px);
+  std::mt19937 random(seed);
+  for (int y = 0; y < size_px; ++y) {
+    for (int x = 0; x < size_px; ++x) {
+      std::uint8_t* pixel = image.Pixel(x, y);
+      if (paint == Paint::kNothing) continue;
+      if (paint == Paint::kPatches && (x / 9 + y / 7 + static_cast<int>(seed)) % 3 == 0) continue;
+      for (int c = 0; c < 3; ++c)
+        pixel[c] = static_cast<std::uint8_t>(paint == Paint::kSmooth ? 3 * x + 2 * y + c : random());
+      pixel[3] = 255;
+    }
+  }
+  return image;
+}
+
+cv::Mat Decoded(const std::vector<std::uint8_t>& png) { return cv::imdecode(png, cv::IMREAD_UNCHANGED); }
+
+void ExpectSame(const RgbaImage& image, int left, int top, const cv::Mat& decoded) {
+  ASSERT_EQ(decoded.type(), CV_8UC4);
+  for (int y = 0; y < decoded.rows; ++y) {
+    for (int x = 0; x < decoded.cols; ++x) {
+      const auto bgra = decoded.at<cv::Vec4b>(y, x);
+      const std::uint8_t* rgba = image.Pixel(left + x, top + y);
+      ASSERT_TRUE(bgra[0] == rgba[2] && bgra[1] == rgba[1] && bgra[2] == rgba[0] && bgra[3] == rgba[3])
+          << "at " << x << ", " << y;
+    }
+  }
+}
+
+TEST(EncodePng, PixelsComeBackAsTheyWere) {
+  std::mt19937 random(7);
+  for (const Paint paint : {Paint::kNothing, Paint::kNoise, Paint::kSmooth, Paint::kPatches}) {
+    for (const int size_px : {1, 2, 3, 64, 65, 66, 129, 259, 512}) {
+      const RgbaImage image = Painted(size_px, paint, random());
+      ExpectSame(image, 0, 0, Decoded(EncodePng(image, 0, 0, size_px)));
+    }
+  }
+}
+
+TEST(EncodePng, TakesASquareOutOfALargerImage) {
+  const RgbaImage image = Painted(512, Paint::kPatches, 3);
+  const cv::Mat decoded = Decoded(EncodePng(image, 256, 128, 256));
+  ASSERT_EQ(decoded.cols, 256);
+  ExpectSame(image, 256, 128, decoded);
+}
+
+TEST(EncodePng, StoresStraightAlpha) {
+  RgbaImage image = RgbaImage::Transparent(2, 2);
+  const std::array<std::uint8_t, 4> half{50, 100, 10, 128};
+  std::copy(half.begin(), half.end(), image.Pixel(1, 0));
+  const auto pixel = Decoded(EncodePng(image, 0, 0, 2)).at<cv::Vec4b>(0, 1);
+  EXPECT_EQ(pixel, cv::Vec4b(20, 199, 100, 128));
+}
+
+TEST(EncodePng, IsNoLargerThanAGeneralCompressorAtItsFastest) {
+  // Noise over a slope, as photographs are.
+  RgbaImage image = RgbaImage::Transparent(256, 256);
+  std::mt19937 random(1);
+  for (int y = 0; y < 256; ++y) {
+    for (int x = 0; x < 256 - y / 2; ++x) {
+      for (int c = 0; c < 3; ++c)
+        image.Pixel(x, y)[c] = static_cast<std::uint8_t>(60 + x / 4 + y / 3 + random() % 12);
+      image.Pixel(x, y)[3] = 255;
+    }
+  }
+  const std::vector<std::uint8_t> png = EncodePng(image, 0, 0, 256);
+  std::vector<std::uint8_t> general;
+  cv::imencode(".png", Decoded(png), general);
+  EXPECT_LT(png.size(), general.size());
+}
+
+// Fibonacci's counts make the longest words; deflate allows 15 bits.
+TEST(HuffmanCode, KeepsToFifteenBits) {
+  std::vector<std::uint32_t> counts{1, 1};
+  while (counts.size() < 30) counts.push_back(counts[counts.size() - 1] + counts[counts.size() - 2]);
+  const HuffmanCode code = HuffmanCode::Of(counts);
+  double room = 0.0;
+  for (const HuffmanCode::Word& word : code.words) {
+    ASSERT_GT(word.length, 0);
+    ASSERT_LE(word.length, 15);
+    room += std::pow(0.5, word.length);
+  }
+  EXPECT_DOUBLE_EQ(room, 1.0);
+}
+
+TEST(EncodeTile, IsJpegOnlyWhereEveryPixelIsCovered) {
+  EXPECT_FALSE(EncodeTile(Painted(64, Paint::kNothing, 1), {}));
+  EXPECT_EQ(EncodeTile(Painted(64, Paint::kSmooth, 1), {})->format, pipeline::TileFormat::kJpeg);
+  EXPECT_EQ(EncodeTile(Painted(64, Paint::kPatches, 1), {})->format, pipeline::TileFormat::kPng);
+  RgbaImage hole = Painted(64, Paint::kSmooth, 1);
+  std::fill_n(hole.Pixel(63, 63), 4, std::uint8_t{0});
+  EXPECT_EQ(EncodeTile(hole, {})->format, pipeline::TileFormat::kPng);
+  EXPECT_EQ(EncodeTile(hole, 0, 0, 32, {})->format, pipeline::TileFormat::kJpeg);
+}
+
+}  // namespace
+}  // namespace skyquilt::pyramid
