@@ -13,6 +13,7 @@
 #include "core/alignment/link_photos.h"
 #include "core/alignment/link_rounds.h"
 #include "core/alignment/place_photos.h"
+#include "core/alignment/rescue_rounds.h"
 #include "core/alignment/tie_to_control.h"
 #include "core/base/scoped_timer.h"
 
@@ -62,6 +63,8 @@ std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
   }
   return points;
 }
+
+double ReliefCellM(const std::vector<View>& views) { return kReliefCellGsds * MedianWidthM(views) / 4000.0; }
 
 void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
@@ -162,6 +165,15 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     first.max_iterations = 15;
     summary = AdjustBundle(problem, first);
     report.iterations += summary.iterations;
+    input.views = ViewsOf(problem);
+    relief =
+        Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
+    problem.plane = FitPlane(problem);
+    if (RescueInRounds(posed, relief, options.threads, input, linked, problem) > 0) {
+      problem.tracks = TriangulatedTracks(linked.links, input, options);
+      summary = AdjustBundle(problem, first);
+      report.iterations += summary.iterations;
+    }
     TieToControl(posed, options.control, problem, report.control);
   }
   if (progress.IsCancelled()) return cancelled;
@@ -171,8 +183,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     ScopedTimer timer(report.matching_s);
     progress.Report(0.88, "comparing photos once more");
     input.views = ViewsOf(problem);
-    const double cell_m = kReliefCellGsds * MedianWidthM(input.views) / 4000.0;
-    relief = Relief::FromPoints(ReliefPoints(problem.tracks), cell_m, posed.ground_z_in_enu_m);
+    relief =
+        Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
     linked.pairs = OnlyLinkedPhotos(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
                                     linked.links, count);
     const Laid laid = LayAll(input, relief, options.threads);
@@ -184,6 +196,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     ScopedTimer timer(report.adjustment_s);
     progress.Report(0.92, "adjusting");
     ReweighPriors(problem);
+    problem.plane = FitPlane(problem);
     problem.tracks = TriangulatedTracks(linked.links, input, options);
     BundleOptions last;
     last.estimate_lens_sigma = count <= 200;

@@ -61,7 +61,7 @@ struct AlignReport {
   std::vector<AlignPairReport> rejected_pairs;
   std::vector<ControlReport> control;
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
-  std::vector<std::string> corrections;  // in words, a photo or a line each
+  std::vector<std::string> corrections;                       // in words, a photo or a line each
 };
 
 std::string AlignReportJson(const AlignReport& report);

@@ -111,6 +111,7 @@ class Round {
     AddLenses();
     AddObservations();
     AddControl();
+    AddPlane(std::count(in_use.begin(), in_use.end(), 1));
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
       if (in_use[i]) AddPriors(i);
     }
@@ -212,6 +213,20 @@ class Round {
       ceres_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PriorResidual<3>, 3, 3>(new PriorResidual<3>(prior)),
           new ceres::HuberLoss(kControlLossSigmas), point);
+    }
+  }
+
+  void AddPlane(long photos) {
+    if (!bundle_.plane || photos == 0) return;
+    const BundlePlane& plane = *bundle_.plane;
+    const double points_a_photo =
+        std::max(1.0, static_cast<double>(bundle_.tracks.size()) / static_cast<double>(photos));
+    const PlaneResidual residual{{plane.height_m, plane.slope_east, plane.slope_north},
+                                 plane.sigma_m * std::sqrt(points_a_photo)};
+    for (std::size_t t = 0; t < bundle_.tracks.size(); ++t) {
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PlaneResidual, 1, 3>(new PlaneResidual(residual)), nullptr,
+          Point(t));
     }
   }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,13 @@ struct BundleControl {
   std::size_t report = 0;  // the caller's number
 };
 
+// What all points together say of the ground, z = height_m + slope_east * E + slope_north * N: photos that
+// hang on little may not fold it. Weak: a photo's points weigh as much as one height measured to sigma_m.
+struct BundlePlane {
+  double height_m = 0.0, slope_east = 0.0, slope_north = 0.0;
+  double sigma_m = 5.0;
+};
+
 struct BundleProblem {
   std::vector<BundlePhoto> photos;
   std::vector<BundleLens> lenses;
@@ -55,6 +63,7 @@ struct BundleProblem {
   // What all recorded positions err by alike; found by control, zero without it.
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();
   double ground_z_in_enu_m = 0.0;
+  std::optional<BundlePlane> plane;
 };
 
 struct BundleOptions {

@@ -1,5 +1,6 @@
 #include "core/alignment/bundle_setup.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -87,13 +88,40 @@ double MedianWidthM(const std::vector<View>& views) {
 
 std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
                                             const std::vector<PairLink>& links, std::size_t photos) {
-  std::vector<char> linked(photos, 0);
-  for (const PairLink& link : links) linked[link.first] = linked[link.second] = 1;
-  std::vector<CandidatePair> kept;
-  for (const CandidatePair& pair : pairs) {
-    if (linked[pair.first] && linked[pair.second]) kept.push_back(pair);
+  std::vector<char> is_linked(photos, 0);
+  std::map<std::pair<int, int>, double> kept;  // overlap
+  for (const PairLink& link : links) {
+    is_linked[link.first] = is_linked[link.second] = 1;
+    kept.emplace(std::pair(link.first, link.second), 0.0);
   }
-  return kept;
+  for (const CandidatePair& pair : pairs) {
+    if (is_linked[pair.first] && is_linked[pair.second]) kept[{pair.first, pair.second}] = pair.overlap;
+  }
+  std::vector<CandidatePair> sorted;
+  for (const auto& [photos_of_pair, overlap] : kept) {
+    sorted.push_back({photos_of_pair.first, photos_of_pair.second, overlap});
+  }
+  return sorted;
+}
+
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+                            int line) {
+  BundlePhoto bundled;
+  bundled.cam_from_enu = corrected.start_cam_from_enu;
+  bundled.prior_cam_from_enu = corrected.prior_cam_from_enu;
+  bundled.lens = lens;
+  bundled.line = line;
+  bundled.height_above_ground_m = std::max(1.0, posed.height_above_ground_m);
+  const double sigma_h = SigmaHorizontalM(posed);
+  const double sigma_v = std::max(kLeastSigmaM, std::sqrt(posed.covariance(5, 5)));
+  bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};
+  if (corrected.position_was_wrong) bundled.sigma_position_m.head<2>().setConstant(5.0 * sigma_h + 5.0);
+  // In cam: x and y are tilts, z is the turn about the optical axis (yaw for a camera that looks down).
+  const double tilt = SigmaTiltRad(posed);
+  const double yaw = std::max(kLeastSigmaRad, std::sqrt(posed.covariance(2, 2)));
+  bundled.sigma_attitude_rad = {tilt, tilt, std::max(yaw, tilt)};
+  if (corrected.yaw_was_wrong) bundled.sigma_attitude_rad.z() = 0.3;
+  return bundled;
 }
 
 BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
@@ -107,22 +135,7 @@ BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<Corr
     const std::string& key = photo.photo.camera_key;
     const auto [lens, is_new] = lens_of_key.emplace(key, static_cast<int>(problem.lenses.size()));
     if (is_new) problem.lenses.push_back(MakeLens(photo.photo, photos_of_key[key]));
-    BundlePhoto bundled;
-    bundled.cam_from_enu = corrected[i].start_cam_from_enu;
-    bundled.prior_cam_from_enu = corrected[i].prior_cam_from_enu;
-    bundled.lens = lens->second;
-    bundled.line = lines[i];
-    bundled.height_above_ground_m = std::max(1.0, photo.height_above_ground_m);
-    const double sigma_h = SigmaHorizontalM(photo);
-    const double sigma_v = std::max(kLeastSigmaM, std::sqrt(photo.covariance(5, 5)));
-    bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};
-    if (corrected[i].position_was_wrong) bundled.sigma_position_m.head<2>().setConstant(5.0 * sigma_h + 5.0);
-    // In cam: x and y are tilts, z is the turn about the optical axis (yaw for a camera that looks down).
-    const double tilt = SigmaTiltRad(photo);
-    const double yaw = std::max(kLeastSigmaRad, std::sqrt(photo.covariance(2, 2)));
-    bundled.sigma_attitude_rad = {tilt, tilt, std::max(yaw, tilt)};
-    if (corrected[i].yaw_was_wrong) bundled.sigma_attitude_rad.z() = 0.3;
-    problem.photos.push_back(bundled);
+    problem.photos.push_back(MakeBundlePhoto(photo, corrected[i], lens->second, lines[i]));
   }
   problem.lines = lines.empty() ? 1 : *std::max_element(lines.begin(), lines.end()) + 1;
   return problem;
@@ -184,6 +197,42 @@ void ReweighPriors(BundleProblem& problem) {
     sigma.y() = std::clamp(sigma_h, std::min(0.1, sigma.y()), sigma.y());
     sigma.z() = std::clamp(sigma_v, std::min(0.1, sigma.z()), sigma.z());
   }
+}
+
+std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {
+  constexpr std::size_t kFewPoints = 60;
+  constexpr double kUsefulAngleRad = 0.06;
+  constexpr double kLeastSigmaShare = 0.04;  // of the flying height
+  constexpr double kMadsOfSigma = 1.5;
+  constexpr int kRounds = 8;
+  std::vector<Eigen::Vector3d> points;
+  for (const Track& track : problem.tracks) {
+    if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
+  }
+  if (points.size() < kFewPoints) return std::nullopt;
+  std::vector<double> heights, flown;
+  for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
+  for (const BundlePhoto& photo : problem.photos) flown.push_back(photo.height_above_ground_m);
+  const double least_sigma_m = kLeastSigmaShare * Median(flown);
+  Eigen::Vector3d plane(Median(heights), 0.0, 0.0);
+  double mad_m = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> off;
+    for (const Eigen::Vector3d& p : points)
+      off.push_back(std::abs(p.z() - plane.x() - plane.y() * p.x() - plane.z() * p.y()));
+    mad_m = Median(off);
+    Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    const double width_m = std::max(0.1 * least_sigma_m, 2.0 * mad_m);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Eigen::Vector3d row(1.0, points[k].x(), points[k].y());
+      const double weight = 1.0 / (1.0 + off[k] * off[k] / (width_m * width_m));
+      normal += weight * row * row.transpose();
+      right += weight * points[k].z() * row;
+    }
+    plane = normal.ldlt().solve(right);
+  }
+  return BundlePlane{plane.x(), plane.y(), plane.z(), std::max(least_sigma_m, kMadsOfSigma * mad_m)};
 }
 
 }  // namespace skyquilt::alignment

@@ -2,6 +2,7 @@
 // points. Pure; any thread.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/alignment/bundle_adjustment.h"
@@ -16,13 +17,18 @@ namespace skyquilt::alignment {
 LinkInput MakeLinkInput(const poses::PosedFlight& posed);
 std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const LinkInput& input);
 double MedianWidthM(const std::vector<View>& views);
-// Pairs of which both photos have at least one link.
+// Pairs of which both photos have at least one link, and every linked pair however little it overlaps.
 std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
                                             const std::vector<PairLink>& links, std::size_t photos);
 
 BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
                          const std::vector<int>& lines);
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+                            int line);
 // After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
 void ReweighPriors(BundleProblem& problem);
+
+// The plane through most of a problem's points; none where they are too few.
+std::optional<BundlePlane> FitPlane(const BundleProblem& problem);
 
 }  // namespace skyquilt::alignment

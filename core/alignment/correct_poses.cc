@@ -93,6 +93,25 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
   return corrected;
 }
 
+GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                              const geo::Rigid3& cam_from_enu) {
+  const double ground_z_m = posed.cam_from_enu.TargetOriginInSource().z() - posed.height_above_ground_m;
+  const Eigen::Quaterniond enu_from_cam = cam_from_enu.rotation.conjugate();
+  const Eigen::Vector2d middle = AxisOnGround(enu_from_cam, cam_from_enu.TargetOriginInSource(), ground_z_m);
+  const Eigen::Vector3d right_now = enu_from_cam * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d right_before = posed.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitX();
+  const double turn =
+      std::atan2(right_now.y(), right_now.x()) - std::atan2(right_before.y(), right_before.x());
+  return {std::polar(1.0, turn), std::complex<double>(middle.x(), middle.y()) - prior.middle, 0};
+}
+
+CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                            const geo::Rigid3& cam_from_enu) {
+  CorrectedPose corrected = CorrectPose(posed, prior, GroundMotion(posed, prior, cam_from_enu));
+  corrected.start_cam_from_enu = cam_from_enu;
+  return corrected;
+}
+
 std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
                                              const std::vector<std::string>& names,
                                              const std::vector<int>& lines) {

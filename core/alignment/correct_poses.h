@@ -24,6 +24,13 @@ struct CorrectedPose {
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction);
 
+// How a pose moves a photo over level ground against its record.
+GroundCorrection GroundMotion(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                              const geo::Rigid3& cam_from_enu);
+// For a pose found from the images alone: what it says of the record.
+CorrectedPose CorrectToPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
+                            const geo::Rigid3& cam_from_enu);
+
 // "2 of 18 photos ..." sentences for whole lines and single photos.
 std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& corrected,
                                              const std::vector<std::string>& names,

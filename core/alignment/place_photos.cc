@@ -9,13 +9,13 @@
 #include <set>
 
 #include "core/alignment/direct_registration.h"
+#include "core/alignment/rescue_rounds.h"
 #include "core/base/median.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kMinObservations = 12;
 constexpr double kGoodAngleRad = 0.087;  // 5 degrees: flatter rays leave the height open
 
 struct Support {
@@ -49,7 +49,7 @@ std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>&
       }
     }
     for (std::size_t i = 0; i < count; ++i) {
-      if (strong[i] && support[i].observations < kMinObservations) {
+      if (strong[i] && support[i].observations < kEnoughObservations) {
         strong[i] = 0;
         changed = true;
       }

@@ -96,4 +96,16 @@ struct PointHeightResidual {
   }
 };
 
+// The ground is more or less a plane.
+struct PlaneResidual {
+  Eigen::Vector3d plane;  // z = plane.x + plane.y * E + plane.z * N
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* point, T* residual) const {
+    residual[0] = (point[2] - plane.x() - plane.y() * point[0] - plane.z() * point[1]) / sigma_m;
+    return true;
+  }
+};
+
 }  // namespace skyquilt::alignment

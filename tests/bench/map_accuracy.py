@@ -3,9 +3,14 @@ the world it shows, patch by patch.
 
     python3 tests/bench/map_accuracy.py PROGRAM [--seeds N] [--only NAME] [--photos N] [--method M] [--keep DIR]
 
+Scenarios whose photos or records are spoilt on purpose (harsh_flights.py) come after the plain ones; --only harsh
+takes all of those.
+
 Per scenario, in ground pixels (GSD) and metres: CE90 of the patches' shifts as they are (with the GNSS' own bias),
-after the best similarity (what is bent or torn inside the map), the largest of these, and the share of patches
-that could be compared. Needs python3-gdal with numpy.
+after the best similarity (what is bent or torn inside the map), the largest of these, the share of patches that
+could be compared, and for each kind of placement how far the photos' middles lie off the truth, after the median
+shift of all (on level ground only): median and worst. Needs python3-gdal with numpy, and cv2 and exiftool for
+the harsh ones.
 """
 import argparse
 import json
@@ -17,6 +22,8 @@ import tempfile
 
 import numpy
 from osgeo import gdal
+
+import harsh_flights
 
 gdal.UseExceptions()
 SCENARIOS = {
@@ -125,26 +132,63 @@ def after_similarity(shifts, centres):
     return length
 
 
+def photo_errors(folder):
+    """How far each photo's middle lies off on the ground, by placement; {} where the truth is not level."""
+    truth = json.loads((folder / "truth" / "poses.json").read_text())
+    if truth["relief_m"] > 0:
+        return {}
+    located = json.loads((folder / "map" / "locate.json").read_text())
+    true_at = {photo["name"]: photo for photo in truth["photos"]}
+    per_lat = 111_132.95 - 559.85 * numpy.cos(2 * numpy.radians(truth["origin"]["lat_deg"]))
+    per_lon = 111_412.84 * numpy.cos(numpy.radians(truth["origin"]["lat_deg"]))
+    origin = numpy.array([(located["origin"][1] - truth["origin"]["lon_deg"]) * per_lon,
+                          (located["origin"][0] - truth["origin"]["lat_deg"]) * per_lat])
+    ground_z = numpy.median(located["ground"].get("heights_m") or [located["ground"]["z_m"]])
+    misses, kinds = [], []
+    for camera in located["cameras"]:
+        if camera["name"] not in true_at:
+            continue
+        turn = harsh_flights.rotation(camera["rotation_wxyz"]).T
+        center = -turn @ camera["translation_m"]
+        middle = center + (ground_z - center[2]) / turn[2, 2] * turn[:, 2]
+        photo = true_at[camera["name"]]
+        turn = harsh_flights.rotation(photo["cam_from_enu_wxyz"]).T
+        center = numpy.array(photo["camera_center_in_enu"])
+        misses.append(middle[:2] + origin - (center - center[2] / turn[2, 2] * turn[:, 2])[:2])
+        kinds.append(camera["placement"])
+    if not misses:
+        return {}
+    off = numpy.linalg.norm(numpy.array(misses) - numpy.median(misses, 0), axis=1)
+    return {kind: [o for o, k in zip(off, kinds) if k == kind] for kind in sorted(set(kinds))}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--seeds", type=int, default=1)
-    parser.add_argument("--only", action="append", choices=SCENARIOS)
+    parser.add_argument("--only", action="append", choices=[*SCENARIOS, *harsh_flights.HARSH, "harsh"])
     parser.add_argument("--photos", default="24")
     parser.add_argument("--method", default=None)
     parser.add_argument("--keep", type=pathlib.Path, help="keep flights and maps in this folder")
     options = parser.parse_args()
     scratch = options.keep or pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_accuracy_"))
     print(f"{'scenario':16}{'seed':>5}{'placed':>9}{'aligned':>9}{'CE90 abs m':>12}{'CE90 in GSD':>13}{'worst GSD':>11}"
-          f"{'compared':>10}{'stitch s':>10}", flush=True)
-    for name in options.only or SCENARIOS:
+          f"{'compared':>10}{'stitch s':>10}  photos' middles off, m", flush=True)
+    wanted = options.only or [*SCENARIOS, *harsh_flights.HARSH]
+    if "harsh" in wanted:
+        wanted = [name for name in wanted if name != "harsh"] + [*harsh_flights.HARSH]
+    for name in wanted:
         for seed in range(1, options.seeds + 1):
             folder = scratch / f"{name}_{seed}"
-            subprocess.run([options.program, "simulate", "-o", folder, "--photos", options.photos, "--seed", str(seed),
-                            *SCENARIOS[name]], check=True, capture_output=True)
+            if not (folder / "truth").is_dir():
+                if name in SCENARIOS:
+                    subprocess.run([options.program, "simulate", "-o", folder, "--photos", options.photos, "--seed",
+                                    str(seed), *SCENARIOS[name]], check=True, capture_output=True)
+                else:
+                    harsh_flights.make(name, options.program, folder, options.photos, seed)
             inputs = [folder / "photos"] + ([folder / "logs"] if (folder / "logs").is_dir() else [])
             method = ["--method", options.method] if options.method else []
-            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", "--no-cog", *method],
+            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", "--no-cog", "--no-pmtiles", *method],
                                   capture_output=True, text=True)
             if done.returncode != 0:
                 print(f"{name:16}{seed:5}  {done.stderr.strip().splitlines()[-1]}", flush=True)
@@ -155,13 +199,15 @@ def main():
             placed = photos["aligned"] + photos["pose_only"]
             seconds = sum(timing["wall_s"] for timing in report["timings"])
             row = f"{name:16}{seed:5}{placed:5}/{photos['total']:<3}{photos['aligned']:9}"
+            told = "".join(f"  {kind} {numpy.median(off):.2f} {max(off):.2f}"
+                           for kind, off in photo_errors(folder).items())
             if len(shifts) < 8:
-                print(f"{row}  only {len(shifts)} of {looked_at} patches could be compared", flush=True)
+                print(f"{row}  only {len(shifts)} of {looked_at} patches could be compared{told}", flush=True)
             else:
                 length = after_similarity(shifts, centres)
                 print(f"{row}{numpy.percentile(numpy.linalg.norm(shifts, axis=1), 90):12.2f}"
                       f"{numpy.percentile(length, 90) / gsd_m:13.2f}{length.max() / gsd_m:11.2f}"
-                      f"{len(shifts) / looked_at:10.0%}{seconds:10.1f}", flush=True)
+                      f"{len(shifts) / looked_at:10.0%}{seconds:10.1f}{told}", flush=True)
             if not options.keep:
                 shutil.rmtree(folder)
 

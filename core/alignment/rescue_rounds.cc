@@ -1,0 +1,66 @@
+#include "core/alignment/rescue_rounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/alignment/bundle_setup.h"
+#include "core/alignment/rescue_photos.h"
+#include "core/base/median.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr int kMostRounds = 4;
+
+std::vector<char> TiedPhotos(const BundleProblem& problem) {
+  std::vector<int> seen(problem.photos.size(), 0);
+  for (const Track& track : problem.tracks) {
+    for (const Observation& one : track.observations) ++seen[one.photo];
+  }
+  std::vector<char> tied(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) tied[i] = seen[i] >= kEnoughObservations ? 1 : 0;
+  return tied;
+}
+
+// How far the tied photos moved on the ground against their records: what must be expected of the others.
+double ExpectedMissM(const poses::PosedFlight& posed, const BundleProblem& problem,
+                     const std::vector<GroundPrior>& recorded, const std::vector<char>& tied) {
+  std::vector<double> misses_m, recorded_m;
+  for (std::size_t i = 0; i < tied.size(); ++i) {
+    recorded_m.push_back(recorded[i].sigma_m);
+    if (!tied[i]) continue;
+    misses_m.push_back(
+        std::abs(GroundMotion(posed.photos[i], recorded[i], problem.photos[i].cam_from_enu).shift));
+  }
+  const double of_records_m = Median(recorded_m);
+  return misses_m.empty() ? of_records_m : std::max(of_records_m, Median(misses_m));
+}
+
+}  // namespace
+
+int RescueInRounds(const poses::PosedFlight& posed, const Relief& relief, int threads, LinkInput& input,
+                   Linked& linked, BundleProblem& problem) {
+  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeLinkInput(posed));
+  std::vector<char> tied = TiedPhotos(problem);
+  const double expected_m = ExpectedMissM(posed, problem, recorded, tied);
+  int rescued = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<RescuedPhoto> found = RescuePhotos(input, relief, tied, expected_m, threads);
+    if (found.empty()) break;
+    for (const RescuedPhoto& one : found) {
+      const int i = one.photo;
+      linked.corrected[i] = CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
+      problem.photos[i] = MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens,
+                                          problem.photos[i].line);
+      input.views[i].cam_from_enu = one.cam_from_enu;
+      std::erase_if(linked.links, [&](const PairLink& link) { return link.first == i || link.second == i; });
+      linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
+      tied[i] = 1;
+    }
+    rescued += static_cast<int>(found.size());
+  }
+  return rescued;
+}
+
+}  // namespace skyquilt::alignment

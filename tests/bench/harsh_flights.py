@@ -1,0 +1,177 @@
+"""Flights as they come in bad days: simulated ones, with their photos and records spoilt afterwards the way real
+ones are. Used by map_accuracy.py; needs exiftool for the spoiling.
+
+A flight is a list of recordings (options of `skyquilt simulate` each; they become one folder) and what spoils it.
+"""
+import json
+import math
+import pathlib
+import random
+import shutil
+import subprocess
+
+import cv2
+import numpy
+
+
+def exif(photos, *arguments):
+    subprocess.run(["exiftool", "-q", "-overwrite_original_in_place", "-P", *arguments, str(photos)], check=True)
+
+
+def truth_of(folder):
+    return json.loads((folder / "truth" / "poses.json").read_text())
+
+
+def keep(folder, is_kept):
+    """Leaves only the photos whose truth says so."""
+    for number, photo in enumerate(truth_of(folder)["photos"]):
+        if not is_kept(number, photo):
+            (folder / "photos" / photo["name"]).unlink()
+
+
+def first_line(folder):
+    photos = truth_of(folder)["photos"]
+    east = photos[0]["camera_center_in_enu"][0]
+    keep(folder, lambda _, photo: abs(photo["camera_center_in_enu"][0] - east) < 5.0)
+
+
+def ring(folder):
+    centers = numpy.array([photo["camera_center_in_enu"][:2] for photo in truth_of(folder)["photos"]])
+    middle = (centers.min(0) + centers.max(0)) / 2
+    reach = (centers.max(0) - centers.min(0)).min() / 2
+    away = numpy.linalg.norm(centers - middle, axis=1) / reach
+    keep(folder, lambda number, _: 0.6 < away[number] < 1.15)
+
+
+def without_xmp(folder):
+    exif(folder / "photos", "-XMP:all=")
+
+
+def without_altitude(folder):
+    without_xmp(folder)
+    exif(folder / "photos", "-GPSAltitude=", "-GPSAltitudeRef=")
+
+
+def at_one_time(folder):
+    exif(folder / "photos", "-AllDates=2024:06:01 10:00:00", "-GPSTimeStamp=", "-SubSecTimeOriginal=")
+
+
+def shuffled(folder):
+    """Names in no order, and no times to order by."""
+    at_one_time(folder)
+    photos = sorted((folder / "photos").iterdir())
+    names = [f"IMG_{number:04}.JPG" for number in random.Random(7).sample(range(1, 9999), len(photos))]
+    for photo, name in zip(photos, names):
+        photo.rename(photo.with_name(name))
+
+
+def wrong_focal(folder):
+    """Five per cent, by the maker's own tags; nothing says that it was calibrated."""
+    focal = truth_of(folder)["intrinsics"]["focal_x_px"] * 1.05
+    width = truth_of(folder)["intrinsics"]["width_px"]
+    exif(folder / "photos", "-XMP:CalibratedFocalLength=", "-XMP:CalibratedOpticalCenterX=",
+         "-XMP:CalibratedOpticalCenterY=", f"-FocalLengthIn35mmFormat={round(36 * focal / width)}",
+         f"-FocalLength={36 * focal / width / 9:.3f}")
+
+
+def stored_upright(folder):
+    """As cameras store portrait photos: turned pixels, an Orientation that says so, recorded angles as before."""
+    for photo in (folder / "photos").iterdir():
+        picture = cv2.imread(str(photo), cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+        turned = photo.with_suffix(".turned.jpg")
+        cv2.imwrite(str(turned), cv2.rotate(picture, cv2.ROTATE_90_COUNTERCLOCKWISE), [cv2.IMWRITE_JPEG_QUALITY, 95])
+        subprocess.run(["exiftool", "-q", "-overwrite_original", "-TagsFromFile", str(photo), "-all:all", "-unsafe",
+                        "-n", "-Orientation=6", str(turned)], check=True)
+        turned.rename(photo)
+
+
+def noisy_gnss(folder):
+    """Five metres more, each photo for itself."""
+    chance = random.Random(11)
+    for photo in sorted((folder / "photos").iterdir()):
+        tags = json.loads(subprocess.run(["exiftool", "-j", "-n", "-GPSLatitude", "-GPSLongitude", str(photo)],
+                                         check=True, capture_output=True, text=True).stdout)[0]
+        lat = tags["GPSLatitude"] + chance.gauss(0, 5.0) / 111_200
+        lon = tags["GPSLongitude"] + chance.gauss(0, 5.0) / (111_200 * math.cos(math.radians(tags["GPSLatitude"])))
+        exif(photo, "-n", f"-EXIF:GPSLatitude={lat}", f"-EXIF:GPSLongitude={lon}", f"-XMP:GpsLatitude={lat}",
+             f"-XMP:GpsLongitude={lon}")
+
+
+def over_water(folder):
+    """The west of the place is a lake: nothing to match there, and never the same twice."""
+    truth = truth_of(folder)
+    lens = truth["intrinsics"]
+    centers = numpy.array([photo["camera_center_in_enu"] for photo in truth["photos"]])
+    shore = numpy.quantile(centers[:, 0], 0.36)
+    columns, rows = numpy.meshgrid(numpy.arange(lens["width_px"]), numpy.arange(lens["height_px"]))
+    rays = numpy.stack([(columns - lens["center_x_px"]) / lens["focal_x_px"],
+                        (rows - lens["center_y_px"]) / lens["focal_y_px"], numpy.ones_like(columns)], -1)
+    for number, photo in enumerate(truth["photos"]):
+        chance = numpy.random.default_rng(number)
+        ground = east_of(photo, rays)
+        picture = cv2.imread(str(folder / "photos" / photo["name"]))
+        waves = cv2.GaussianBlur(chance.normal(0, 30, picture.shape[:2]).astype(numpy.float32), None, 6)
+        water = numpy.array([90, 70, 40]) + waves[..., None] + chance.normal(0, 1, picture.shape)
+        shown = numpy.where((ground < shore)[..., None], water.clip(0, 255), picture).astype(numpy.uint8)
+        path = folder / "photos" / photo["name"]
+        wet = path.with_suffix(".wet.jpg")
+        cv2.imwrite(str(wet), shown, [cv2.IMWRITE_JPEG_QUALITY, 92])
+        subprocess.run(["exiftool", "-q", "-overwrite_original", "-TagsFromFile", str(path), "-all:all", "-unsafe",
+                        str(wet)], check=True)
+        wet.rename(path)
+
+
+def rotation(wxyz):
+    w, x, y, z = wxyz
+    return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
+def east_of(photo, rays):
+    """Where rays of a photo meet level ground, in metres east of the origin."""
+    center = photo["camera_center_in_enu"]
+    in_enu = rays @ rotation(photo["cam_from_enu_wxyz"])  # enu_from_cam is the transpose
+    return center[0] - center[2] * in_enu[..., 0] / in_enu[..., 2]
+
+
+def nothing(_):
+    pass
+
+
+XMP = ["--noise", "xmp"]
+# name: (recordings, how they are spoilt)
+HARSH = {
+    "high": ([[*XMP, "--height", "120"]], nothing),
+    "overlap_50_30": ([[*XMP, "--overlap", "0.5", "--sidelap", "0.3"]], nothing),
+    "cross_hatch": ([XMP, [*XMP, "--heading", "90"]], nothing),
+    "single_line": ([[*XMP, "--sidelap", "0.5"]], first_line),
+    "ring": ([[*XMP, "--yaw", "any"]], ring),
+    "steep_relief": ([[*XMP, "--relief-m", "20"]], nothing),
+    "water": ([XMP], over_water),
+    "wrong_focal": ([XMP], wrong_focal),
+    "no_xmp": ([XMP], without_xmp),
+    "no_altitude": ([XMP], without_altitude),
+    "oblique_30": ([[*XMP, "--tilt-deg", "30"]], nothing),
+    "portrait": ([XMP], stored_upright),
+    "two_cameras": ([XMP, [*XMP, "--size", "1200x900", "--focal-px", "1300", "--height", "45"]], nothing),
+    "one_time": ([XMP], at_one_time),
+    "shuffled": ([XMP], shuffled),
+    "gnss_5_m": ([XMP], noisy_gnss),
+    "gnss_5_m_bare": ([[*XMP, "--texture", "bare"]], noisy_gnss),
+    "no_xmp_windy": ([[*XMP, "--tilt-deg", "8", "--yaw-wander-deg", "8", "--height-wander-m", "4"]], without_xmp),
+}
+
+
+def make(name, program, folder, photos, seed):
+    """Simulates and spoils the flight `name` into `folder`/photos, with the truth beside it."""
+    recordings, spoil = HARSH[name]
+    for number, options in enumerate(recordings):
+        part = folder if number == 0 else folder.with_name(f"{folder.name}_part{number}")
+        subprocess.run([program, "simulate", "-o", part, "--photos", str(photos), "--seed", str(seed), *options],
+                       check=True, capture_output=True)
+        if number > 0:
+            for photo in (part / "photos").iterdir():
+                photo.rename(folder / "photos" / f"{chr(ord('A') + number)}{photo.name}")
+            shutil.rmtree(part)
+    spoil(pathlib.Path(folder))
