@@ -23,7 +23,8 @@ std::vector<char> TiedPhotos(const BundleProblem& problem) {
   return tied;
 }
 
-// How far the tied photos moved on the ground against their records: what must be expected of the others.
+// How far the tied photos moved on the ground against their records: what must be expected of the others. At
+// least one is tied.
 double ExpectedMissM(const poses::PosedFlight& posed, const BundleProblem& problem,
                      const std::vector<GroundPrior>& recorded, const std::vector<char>& tied) {
   std::vector<double> misses_m, recorded_m;
@@ -34,15 +35,16 @@ double ExpectedMissM(const poses::PosedFlight& posed, const BundleProblem& probl
         std::abs(GroundMotion(posed.photos[i], recorded[i], problem.photos[i].cam_from_enu).shift));
   }
   const double of_records_m = Median(recorded_m);
-  return misses_m.empty() ? of_records_m : std::max(of_records_m, Median(misses_m));
+  return std::max(of_records_m, Median(misses_m));
 }
 
 }  // namespace
 
 int RescueInRounds(const poses::PosedFlight& posed, const Relief& relief, int threads, LinkInput& input,
                    Linked& linked, BundleProblem& problem) {
-  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeLinkInput(posed));
   std::vector<char> tied = TiedPhotos(problem);
+  if (std::count(tied.begin(), tied.end(), 1) == 0 || std::count(tied.begin(), tied.end(), 0) == 0) return 0;
+  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeLinkInput(posed));
   const double expected_m = ExpectedMissM(posed, problem, recorded, tied);
   int rescued = 0;
   for (int round = 0; round < kMostRounds; ++round) {
