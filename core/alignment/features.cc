@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -100,13 +101,27 @@ Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
   return thumbnail;
 }
 
+// Of the direction in which the picture is least sharp: motion blurs one direction alone. The energy of the
+// second derivative along (c, s), c^2 xx + 2 c s xy + s^2 yy, follows from five moments.
 double Sharpness(const cv::Mat& grey) {
-  cv::Mat detail;
-  cv::Laplacian(grey, detail, CV_16S);
-  cv::Scalar mean, of_detail, of_picture;
-  cv::meanStdDev(detail, mean, of_detail);
+  constexpr int kDirections = 36;
+  cv::Mat xx, xy, yy;
+  cv::Sobel(grey, xx, CV_32F, 2, 0);
+  cv::Sobel(grey, xy, CV_32F, 1, 1);
+  cv::Sobel(grey, yy, CV_32F, 0, 2);
+  const double moments[] = {xx.dot(xx), 4.0 * xx.dot(xy), 4.0 * xy.dot(xy) + 2.0 * xx.dot(yy),
+                            4.0 * xy.dot(yy), yy.dot(yy)};
+  double least = std::numeric_limits<double>::max();
+  for (int k = 0; k < kDirections; ++k) {
+    const double c = std::cos(CV_PI * k / kDirections);
+    const double s = std::sin(CV_PI * k / kDirections);
+    least =
+        std::min(least, moments[0] * c * c * c * c + moments[1] * c * c * c * s + moments[2] * c * c * s * s +
+                            moments[3] * c * s * s * s + moments[4] * s * s * s * s);
+  }
+  cv::Scalar mean, of_picture;
   cv::meanStdDev(grey, mean, of_picture);
-  return (of_detail[0] * of_detail[0]) / (of_picture[0] * of_picture[0] + 1.0);
+  return least / static_cast<double>(grey.total()) / (of_picture[0] * of_picture[0] + 1.0);
 }
 
 void Describe(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,

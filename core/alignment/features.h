@@ -38,7 +38,7 @@ struct PhotoFeatures {
   std::vector<Descriptor> descriptors;
   Thumbnail thumbnail;
   double sigma_px = 1.0;   // how well a keypoint is located, in full-size pixels
-  double sharpness = 0.0;  // energy of its finest detail over that of its contrast
+  double sharpness = 0.0;  // energy of its finest detail, where least sharp, over that of its contrast
   double decode_s = 0.0;   // wall seconds
   double detect_s = 0.0;
 };
@@ -47,8 +47,8 @@ struct FeatureOptions {
   // Pixels of the image given to the detector. It doubles the image before it looks, so the finest features
   // are those of an image of four times as many pixels.
   int detector_pixels = 375'000;
-  int max_features = 2000;   // 0: the thumbnail alone
-  int thumbnail_px = 256;  // longer side
+  int max_features = 2000;  // 0: the thumbnail alone
+  int thumbnail_px = 256;   // longer side
 };
 
 // Errors: those of PhotoSource::Decode; kCorrupt when the picture is not of the size its header promised.

@@ -31,8 +31,8 @@ struct PairLink {
   double rms_m = 0.0;
 };
 
-// The similarity that maps the first of each pair nearest to its second (least squares); a mere shift where the
-// places coincide.
+// The similarity that maps the first of each pair nearest to its second (least squares); a mere shift where
+// the places coincide.
 GroundSimilarity FitSimilarity(
     const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 

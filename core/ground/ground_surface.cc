@@ -13,10 +13,11 @@ GroundSurface GroundSurface::Plane(double z_in_enu_m) {
   return surface;
 }
 
-GroundSurface GroundSurface::Grid(const Eigen::Vector2d& south_west_in_enu, double cell_m, int columns, int rows,
-                                  std::vector<float> heights_m, double mean_z_in_enu_m) {
+GroundSurface GroundSurface::Grid(const Eigen::Vector2d& south_west_in_enu, double cell_m, int columns,
+                                  int rows, std::vector<float> heights_m, double mean_z_in_enu_m) {
   SKYQUILT_CHECK(columns >= 2 && rows >= 2 && cell_m > 0.0, "a ground grid needs at least 2 x 2 cells");
-  SKYQUILT_CHECK(heights_m.size() == static_cast<std::size_t>(columns) * rows, "ground grid size and data differ");
+  SKYQUILT_CHECK(heights_m.size() == static_cast<std::size_t>(columns) * rows,
+                 "ground grid size and data differ");
   GroundSurface surface;
   const auto [low, high] = std::minmax_element(heights_m.begin(), heights_m.end());
   surface.min_z_m_ = *low;
@@ -39,7 +40,8 @@ double GroundSurface::HeightAt(const Eigen::Vector2d& east_north) const {
   const double u = x - column;
   const double v = y - row;
   const float* cell = heights_m_.data() + static_cast<std::size_t>(row) * columns_ + column;
-  return (1.0 - v) * ((1.0 - u) * cell[0] + u * cell[1]) + v * ((1.0 - u) * cell[columns_] + u * cell[columns_ + 1]);
+  return (1.0 - v) * ((1.0 - u) * cell[0] + u * cell[1]) +
+         v * ((1.0 - u) * cell[columns_] + u * cell[columns_ + 1]);
 }
 
 }  // namespace skyquilt::ground

@@ -1,5 +1,5 @@
-// GroundSurface: the height of the ground in the flight's enu frame, z = f(E, N). A plane, or a regular grid with
-// bilinear interpolation that continues with its border value outside. Immutable; any thread.
+// GroundSurface: the height of the ground in the flight's enu frame, z = f(E, N). A plane, or a regular grid
+// with bilinear interpolation that continues with its border value outside. Immutable; any thread.
 #pragma once
 
 #include <Eigen/Core>

@@ -13,7 +13,6 @@ constexpr int kMostCells = 4'000'000;
 constexpr int kSweeps = 40;
 constexpr double kOverRelaxation = 1.6;
 constexpr double kMostPointsPerCell = 4.0;  // more do not make a cell stiffer: neighbours must agree as well
-constexpr double kStiffness = 1.0;
 // Away from points the surface returns to the mean within about 20 cells (1 / sqrt of this).
 constexpr double kPullToMean = 0.0025;
 constexpr int kSmallestSide = 8;
@@ -48,7 +47,7 @@ Level Coarser(const Level& fine) {
   return coarse;
 }
 
-void Relax(Level& level, double pull) {
+void Relax(Level& level, double stiffness, double pull) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (int row = 0; row < level.rows; ++row) {
       for (int column = 0; column < level.columns; ++column) {
@@ -57,8 +56,8 @@ void Relax(Level& level, double pull) {
         double weight = level.weight[at] + pull;
         const auto add = [&](bool inside, std::size_t neighbour) {
           if (!inside) return;
-          sum += kStiffness * level.height[neighbour];
-          weight += kStiffness;
+          sum += stiffness * level.height[neighbour];
+          weight += stiffness;
         };
         add(column > 0, at - 1);
         add(column + 1 < level.columns, at + 1);
@@ -73,7 +72,8 @@ void Relax(Level& level, double pull) {
 
 }  // namespace
 
-MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m, double mean_z_m) {
+MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m, double mean_z_m,
+                         double stiffness) {
   geo::Bounds2 bounds;
   for (const Eigen::Vector3d& point : points_in_enu) bounds.Include(Eigen::Vector2d(point.head<2>()));
   if (bounds.IsEmpty()) bounds.Include(Eigen::Vector2d(0.0, 0.0));
@@ -127,7 +127,7 @@ MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, doub
       }
     }
     // A coarse cell stands for four fine ones: the pull counts as much over the same ground.
-    Relax(level, kPullToMean * std::pow(4.0, static_cast<double>(l)));
+    Relax(level, stiffness, stiffness * kPullToMean * std::pow(4.0, static_cast<double>(l)));
   }
   grid.heights_m = std::move(levels.front().height);
   for (float& height : grid.heights_m) height += static_cast<float>(mean_z_m);

@@ -16,6 +16,8 @@ struct MembraneGrid {
   std::vector<float> heights_m;  // row by row from the south-west
 };
 
-MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m, double mean_z_m);
+// `stiffness`: how much neighbouring cells must agree, against the weight 1 of a single point.
+MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m, double mean_z_m,
+                         double stiffness);
 
 }  // namespace skyquilt::ground

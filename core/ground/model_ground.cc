@@ -21,6 +21,8 @@ constexpr int kHoldBackEvery = 5;
 constexpr double kGridMustBeBetter = 0.75;  // its error as a share of the plane's
 constexpr double kLeastCellM = 1.0;
 constexpr double kCellGsds = 40.0;
+// Tried, from following every point to evening out their noise; held-back points choose.
+constexpr double kStiffnesses[] = {0.3, 1.0, 3.0, 10.0, 30.0};
 // Heights that would shift nothing by a visible part of a pixel.
 constexpr double kFlatWithinGsds = 0.25;
 
@@ -107,14 +109,20 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   std::vector<Eigen::Vector3d> fitted, held_back;
   for (std::size_t i = 0; i < points.size(); ++i)
     (i % kHoldBackEvery == 0 ? held_back : fitted).push_back(points[i]);
-  const GroundSurface trial = AsSurface(FitMembrane(fitted, cell_m, mean_z_m), mean_z_m);
-  std::vector<double> off_plane, off_grid;
-  for (const Eigen::Vector3d& point : held_back) {
-    off_plane.push_back(std::abs(point.z() - mean_z_m));
-    off_grid.push_back(std::abs(point.z() - trial.HeightAt(point.head<2>())));
+  const auto error_of = [&](const GroundSurface& surface) {
+    std::vector<double> off;
+    for (const Eigen::Vector3d& point : held_back)
+      off.push_back(std::abs(point.z() - surface.HeightAt(point.head<2>())));
+    return Median(std::move(off));
+  };
+  report.plane_error_m = error_of(GroundSurface::Plane(mean_z_m));
+  double stiffness = kStiffnesses[0];
+  for (const double tried : kStiffnesses) {
+    const double error_m = error_of(AsSurface(FitMembrane(fitted, cell_m, mean_z_m, tried), mean_z_m));
+    if (tried != kStiffnesses[0] && error_m >= report.grid_error_m) continue;
+    report.grid_error_m = error_m;
+    stiffness = tried;
   }
-  report.plane_error_m = Median(off_plane);
-  report.grid_error_m = Median(off_grid);
   if (report.plane_error_m < kFlatWithinGsds * scale.gsd_m) {
     return finish(GroundSurface::Plane(mean_z_m), "plane",
                   fmt::format("points lie within {:.2f} m of a level plane", report.plane_error_m));
@@ -124,7 +132,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
                   fmt::format("a grid explains held-back points no better ({:.2f} m) than a plane ({:.2f} m)",
                               report.grid_error_m, report.plane_error_m));
   }
-  return finish(AsSurface(FitMembrane(points, cell_m, mean_z_m), mean_z_m), "grid",
+  return finish(AsSurface(FitMembrane(points, cell_m, mean_z_m, stiffness), mean_z_m), "grid",
                 fmt::format("held-back points lie {:.2f} m off the grid and {:.2f} m off a plane",
                             report.grid_error_m, report.plane_error_m));
 }
