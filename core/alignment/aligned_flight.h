@@ -21,7 +21,7 @@ struct AlignedPhoto {
   geo::Rigid3 cam_from_enu;
   Placement placement = Placement::kPoseOnly;
   std::string placement_reason;  // why it is not aligned, or what was corrected
-  double error_radius_m = 0.0;
+  double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre, both directions together
   double height_above_ground_m = 0.0;
 };
 

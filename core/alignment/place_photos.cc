@@ -182,7 +182,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                        .placement_reason = "",
                        .error_radius_m = before.error_radius_m,
                        .height_above_ground_m = before.height_above_ground_m};
-    const double sigma_position = std::sqrt(0.5 * (before.covariance(3, 3) + before.covariance(4, 4)));
+    const double sigma_position = std::sqrt(before.covariance(3, 3) + before.covariance(4, 4));
     if (piece[i] >= 0) {
       photo.placement = Placement::kAligned;
       photo.placement_reason = corrected[i].note;

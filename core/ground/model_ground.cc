@@ -19,10 +19,11 @@ namespace {
 constexpr std::size_t kFewPoints = 40;
 constexpr int kHoldBackEvery = 5;
 constexpr double kGridMustBeBetter = 0.75;  // its error as a share of the plane's
-constexpr double kLeastCellM = 1.0;
-constexpr double kCellGsds = 40.0;
 // Tried, from following every point to evening out their noise; held-back points choose.
 constexpr double kStiffnesses[] = {0.3, 1.0, 3.0, 10.0, 30.0};
+constexpr double kModelAsGood = 1.05;
+constexpr double kLeastCellM = 1.0;
+constexpr double kCellGsds = 40.0;
 // Heights that would shift nothing by a visible part of a pixel.
 constexpr double kFlatWithinGsds = 0.25;
 
@@ -78,9 +79,76 @@ GroundSurface AsSurface(MembraneGrid grid, double mean_z_m) {
                              std::move(grid.heights_m), mean_z_m);
 }
 
+// What the photos look at, and a little more.
+geo::Bounds2 SeenArea(const alignment::AlignedFlight& flight) {
+  geo::Bounds2 area;
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    const Eigen::Vector2d center = photo.cam_from_enu.TargetOriginInSource().head<2>();
+    const double reach_m = photo.height_above_ground_m *
+                           std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px) /
+                           photo.intrinsics.MeanFocalPx();
+    area.Include(Eigen::Vector2d(center + Eigen::Vector2d::Constant(reach_m)));
+    area.Include(Eigen::Vector2d(center - Eigen::Vector2d::Constant(reach_m)));
+  }
+  return area;
+}
+
+// How far up an elevation model in enu must go to meet the points.
+double ShiftTo(const std::vector<Eigen::Vector3d>& points, const GroundSurface& model) {
+  std::vector<double> ups;
+  for (const Eigen::Vector3d& point : points) ups.push_back(point.z() - model.HeightAt(point.head<2>()));
+  return Median(std::move(ups));
+}
+
+// The model moved up as a whole and bent to the points where they are.
+GroundSurface BendTo(const std::vector<Eigen::Vector3d>& points, const GroundSurface& model, double shift_m,
+                     double cell_m, double stiffness) {
+  std::vector<Eigen::Vector3d> above = points;
+  std::vector<double> heights;
+  for (Eigen::Vector3d& point : above) {
+    heights.push_back(point.z());
+    point.z() -= model.HeightAt(point.head<2>());
+  }
+  const GroundSurface bend = AsSurface(FitMembrane(above, cell_m, shift_m, stiffness), shift_m);
+  std::vector<float> bent = model.Heights();
+  for (std::size_t i = 0; i < bent.size(); ++i) {
+    const std::size_t columns = static_cast<std::size_t>(model.Columns());
+    const Eigen::Vector2d node(static_cast<double>(i % columns), static_cast<double>(i / columns));
+    bent[i] += static_cast<float>(bend.HeightAt(model.SouthWest() + model.CellSize() * node));
+  }
+  return GroundSurface::Grid(model.SouthWest(), model.CellSize(), model.Columns(), model.Rows(),
+                             std::move(bent), Median(std::move(heights)));
+}
+
+double MedianMiss(const std::vector<Eigen::Vector3d>& points, const GroundSurface& surface) {
+  std::vector<double> off;
+  for (const Eigen::Vector3d& point : points) {
+    off.push_back(std::abs(point.z() - surface.HeightAt(point.head<2>())));
+  }
+  return Median(std::move(off));
+}
+
+struct Judged {
+  double stiffness = kStiffnesses[0];
+  double error_m = 0.0;
+};
+
+// The stiffness with which a surface made of the other points lies nearest to those held back.
+template <typename SurfaceOf>
+Judged BestStiffness(const std::vector<Eigen::Vector3d>& held_back, const SurfaceOf& surface_of) {
+  Judged best;
+  for (const double tried : kStiffnesses) {
+    const double error_m = MedianMiss(held_back, surface_of(tried));
+    if (tried != kStiffnesses[0] && error_m >= best.error_m) continue;
+    best = {tried, error_m};
+  }
+  return best;
+}
+
 }  // namespace
 
-GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundReport& report) {
+GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundReport& report,
+                          const std::optional<ElevationModel>& elevation_model) {
   report = {};
   ScopedTimer timer(report.seconds);
   report.points_given = static_cast<int>(flight.tie_points_in_enu.size());
@@ -96,6 +164,21 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   };
   const std::vector<Eigen::Vector3d> points = DropOutliers(flight.tie_points_in_enu, scale);
   report.points_used = static_cast<int>(points.size());
+  const double cell_m = std::max(kLeastCellM, kCellGsds * scale.gsd_m);
+  std::optional<GroundSurface> model;
+  if (elevation_model && !flight.photos.empty()) {
+    if (auto sampled = SampleDem(*elevation_model, flight.frame, SeenArea(flight), cell_m)) {
+      std::vector<double> nodes(sampled->heights_m.begin(), sampled->heights_m.end());
+      model = AsSurface(*std::move(sampled), Median(std::move(nodes)));
+    }
+  }
+  if (points.size() < kFewPoints && model) {
+    report.dem_shift_m = 0.0;
+    return finish(
+        *std::move(model), "elevation model",
+        fmt::format("only {} points on the ground are known: the elevation model, its zero at take-off",
+                    points.size()));
+  }
   if (points.size() < kFewPoints) {
     return finish(GroundSurface::Plane(flight.ground_z_in_enu_m), "plane",
                   fmt::format("only {} points on the ground are known: the flat ground of the recorded poses",
@@ -104,38 +187,63 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   std::vector<double> heights;
   for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
   const double mean_z_m = Median(heights);
-  const double cell_m = std::max(kLeastCellM, kCellGsds * scale.gsd_m);
 
   std::vector<Eigen::Vector3d> fitted, held_back;
   for (std::size_t i = 0; i < points.size(); ++i)
     (i % kHoldBackEvery == 0 ? held_back : fitted).push_back(points[i]);
-  const auto error_of = [&](const GroundSurface& surface) {
-    std::vector<double> off;
-    for (const Eigen::Vector3d& point : held_back)
-      off.push_back(std::abs(point.z() - surface.HeightAt(point.head<2>())));
-    return Median(std::move(off));
-  };
-  report.plane_error_m = error_of(GroundSurface::Plane(mean_z_m));
-  double stiffness = kStiffnesses[0];
-  for (const double tried : kStiffnesses) {
-    const double error_m = error_of(AsSurface(FitMembrane(fitted, cell_m, mean_z_m, tried), mean_z_m));
-    if (tried != kStiffnesses[0] && error_m >= report.grid_error_m) continue;
-    report.grid_error_m = error_m;
-    stiffness = tried;
+  const Judged grid = BestStiffness(held_back, [&](double stiffness) {
+    return AsSurface(FitMembrane(fitted, cell_m, mean_z_m, stiffness), mean_z_m);
+  });
+  report.plane_error_m = MedianMiss(held_back, GroundSurface::Plane(mean_z_m));
+  report.grid_error_m = grid.error_m;
+  Judged bent;
+  if (model) {
+    const double shift_m = ShiftTo(fitted, *model);
+    std::vector<Eigen::Vector3d> lowered = held_back;
+    for (Eigen::Vector3d& point : lowered) point.z() -= shift_m;
+    report.dem_error_m = MedianMiss(lowered, *model);
+    bent = BestStiffness(
+        held_back, [&](double stiffness) { return BendTo(fitted, *model, shift_m, cell_m, stiffness); });
   }
   if (report.plane_error_m < kFlatWithinGsds * scale.gsd_m) {
     return finish(GroundSurface::Plane(mean_z_m), "plane",
                   fmt::format("points lie within {:.2f} m of a level plane", report.plane_error_m));
   }
+  // A model is believed where it has the shape of the points before it is bent to them. As good as a grid
+  // where points are, it is better where none are.
+  if (report.dem_error_m && *report.dem_error_m <= kGridMustBeBetter * report.plane_error_m &&
+      bent.error_m <= kModelAsGood * report.grid_error_m) {
+    const double shift_m = ShiftTo(points, *model);
+    report.dem_shift_m = shift_m;
+    return finish(
+        BendTo(points, *model, shift_m, cell_m, bent.stiffness), "elevation model",
+        fmt::format("moved up by {:.2f} m it lies {:.2f} m off held-back points, and bent to the others "
+                    "{:.2f} m; a grid without it {:.2f} m, a plane {:.2f} m",
+                    shift_m, *report.dem_error_m, bent.error_m, report.grid_error_m, report.plane_error_m));
+  }
+  const std::string without_model =
+      report.dem_error_m
+          ? fmt::format("; the elevation model does not fit them ({:.2f} m)", *report.dem_error_m)
+          : "";
   if (report.grid_error_m > kGridMustBeBetter * report.plane_error_m) {
     return finish(GroundSurface::Plane(mean_z_m), "plane",
                   fmt::format("a grid explains held-back points no better ({:.2f} m) than a plane ({:.2f} m)",
-                              report.grid_error_m, report.plane_error_m));
+                              report.grid_error_m, report.plane_error_m) +
+                      without_model);
   }
-  return finish(AsSurface(FitMembrane(points, cell_m, mean_z_m, stiffness), mean_z_m), "grid",
+  return finish(AsSurface(FitMembrane(points, cell_m, mean_z_m, grid.stiffness), mean_z_m), "grid",
                 fmt::format("held-back points lie {:.2f} m off the grid and {:.2f} m off a plane",
-                            report.grid_error_m, report.plane_error_m));
+                            report.grid_error_m, report.plane_error_m) +
+                    without_model);
 }
+
+namespace {
+
+nlohmann::ordered_json OrNull(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace
 
 std::string ModelGroundReportJson(const ModelGroundReport& report) {
   const nlohmann::ordered_json json = {{"model", report.model},
@@ -144,6 +252,8 @@ std::string ModelGroundReportJson(const ModelGroundReport& report) {
                                        {"points_used", report.points_used},
                                        {"plane_error_m", report.plane_error_m},
                                        {"grid_error_m", report.grid_error_m},
+                                       {"elevation_model_error_m", OrNull(report.dem_error_m)},
+                                       {"elevation_model_shift_m", OrNull(report.dem_shift_m)},
                                        {"cell_m", report.cell_m},
                                        {"lowest_m", report.lowest_m},
                                        {"highest_m", report.highest_m},

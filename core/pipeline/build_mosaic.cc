@@ -13,6 +13,7 @@
 #include "core/alignment/align_flight.h"
 #include "core/base/scoped_timer.h"
 #include "core/geo/web_mercator.h"
+#include "core/ground/dem_grid.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/check_photos.h"
@@ -98,7 +99,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   });
   if (!checked) return checked.error();
 
-  auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin, options.landed_at_start, dem}, progress); });
+  auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin, options.landed_at_start, dem}); });
   if (!posed) return posed.error();
 
   alignment::AlignReport align_report;
@@ -122,7 +123,11 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface ground =
-      stages.Run("ground", [&] { return ground::ModelGround(*aligned, ground_report); });
+      stages.Run("ground", [&] {
+        std::optional<ground::ElevationModel> model;
+        if (dem != nullptr && posed->dem_zero_m) model = {dem, *posed->dem_zero_m};
+        return ground::ModelGround(*aligned, ground_report, model);
+      });
 
   auto plan = stages.Run("plan", [&] { return render::PlanMosaic(*aligned, ground, {options.gsd_m, options.feather_m}); });
   if (!plan) return plan.error();

@@ -123,7 +123,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.gcp_lists.push_back(fmt::format("{}: {} points, {} sightings", list.file_name, list.points.size(),
                                             list.sightings.size()));
   }
-  auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem}, progress);
+  auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem});
   if (!posed) {
     verdict.left_out = flight->left_out;
     verdict.warnings = flight->warnings;

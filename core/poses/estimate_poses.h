@@ -7,7 +7,6 @@
 
 #include <optional>
 
-#include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/flight/flight.h"
 #include "core/pipeline/ports.h"
@@ -21,7 +20,6 @@ struct EstimatePosesOptions {
   const pipeline::DemSource* dem = nullptr;  // heights of the ground, where known
 };
 
-Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options,
-                                  Progress& progress);
+Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options);
 
 }  // namespace skyquilt::poses

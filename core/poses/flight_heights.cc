@@ -74,7 +74,8 @@ bool ByElevationModel(const std::vector<Photo>& photos, const pipeline::DemSourc
   }
   heights.takeoff_ellipsoid_m = *ground_m;
   heights.sigma_m = 5.0;
-  heights.rule = "absolute height above the elevation model";
+  heights.rule = HeightRule::kElevationModel;
+  heights.rule_in_words = "absolute height above the elevation model";
   return true;
 }
 
@@ -96,7 +97,8 @@ std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positi
     // Relative to the first, so that a flight across the date line stays together.
     lons.push_back(std::remainder(position.lon_deg - lon_zero, 360.0));
   }
-  return geo::LatLon{*MedianIfAny(std::move(lats)), std::remainder(lon_zero + *MedianIfAny(std::move(lons)), 360.0)};
+  return geo::LatLon{*MedianIfAny(std::move(lats)),
+                     std::remainder(lon_zero + *MedianIfAny(std::move(lons)), 360.0)};
 }
 
 FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::DemSource* dem) {
@@ -116,7 +118,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
   const std::optional<double> takeoff_m = MedianIfAny(takeoff_heights);
   if (known > 0) {
     heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
-    heights.rule = "height above take-off as recorded, flat ground at take-off height";
+    heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
     heights.sigma_m = 0.7;
   } else if (dem != nullptr && ByElevationModel(photos, *dem, heights)) {
     return heights;
@@ -129,7 +131,8 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
     }
     const double above_ground_m = std::clamp(guess_m.value_or(60.0), 5.0, 500.0);
     heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
-    heights.rule = "height above ground guessed from the spacing of the photos";
+    heights.rule = HeightRule::kSpacing;
+    heights.rule_in_words = "height above ground guessed from the spacing of the photos";
     heights.sigma_m = 0.3 * above_ground_m;
     heights.warnings.push_back(fmt::format(
         "No photo says how high it was above the ground. {:.0f} m is assumed from the photos' spacing; the "

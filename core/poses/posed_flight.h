@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,8 @@ struct PosedFlight {
   std::vector<PosedPhoto> photos;  // in the order of capture
   std::vector<flight::LeftOutPhoto> left_out;
   std::vector<std::string> warnings;
+  // The elevation model's height at enu z = 0; nothing without a model that covers the flight.
+  std::optional<double> dem_zero_m;
   bool is_placed = true;  // false: the frame's origin is not known, only its scale
   PoseReport report;
 };

@@ -159,7 +159,7 @@ class Search {
     const FlightHeights heights = ChooseHeights(photos, nullptr);
     out_.height_ellipsoid_m = heights.takeoff_ellipsoid_m;
     out_.sigma_m = heights.sigma_m;
-    out_.rule = heights.rule;
+    out_.rule = heights.rule_in_words;
     out_.warnings = heights.warnings;
   }
 

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
   const Result<flight::Flight> read = flight::ReadFlight(*files, {}, progress);
   if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
-  const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, {}, progress);
+  const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, {});
   if (!posed) return fmt::print(stderr, "{}\n", posed.error().message), 1;
   alignment::AlignOptions options;
   if (argc > 2) options.threads = std::atoi(argv[2]);

@@ -153,8 +153,7 @@ std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth) 
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth) {
   flight::Flight flight;
   for (const simulate::SimulatedPhoto& photo : truth.photos) flight.photos.push_back(photo.photo);
-  SilentProgress progress;
-  Result<poses::PosedFlight> posed = poses::EstimatePoses(flight, {}, progress);
+  Result<poses::PosedFlight> posed = poses::EstimatePoses(flight, {});
   SKYQUILT_CHECK(posed.ok(), "simulated flights have poses");
   return *std::move(posed);
 }

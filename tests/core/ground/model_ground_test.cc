@@ -78,5 +78,84 @@ TEST(ModelGround, IsTheRecordedGroundWhereTooFewPointsAreKnown) {
   EXPECT_EQ(surface.MeanHeight(), 4.0);
 }
 
+// Hills, `zero_m` above the flight's z = 0, known from 47.4, 8.5 outwards in enu of that place.
+class HillyModel final : public pipeline::DemSource {
+ public:
+  HillyModel(double zero_m, double wrong_by) : zero_m_(zero_m), wrong_by_(wrong_by) {}
+  static double At(double east, double north) {
+    return 6.0 * std::sin(east / 40.0) + 4.0 * std::cos(north / 30.0);
+  }
+  std::optional<double> GroundHeightM(const geo::LatLon& position) const override {
+    const Eigen::Vector3d at = Frame().EnuAtHeight(position, 0.0);
+    if (at.x() > 150.0) return std::nullopt;
+    return zero_m_ + At(at.x() + wrong_by_, at.y());
+  }
+  static geo::LocalFrame Frame() { return geo::LocalFrame({47.4, 8.5, 500.0}); }
+
+ private:
+  double zero_m_, wrong_by_;
+};
+
+// The hills of the model, tie points on the western half alone.
+alignment::AlignedFlight HalfTied(double model_too_low_m) {
+  alignment::AlignedFlight flight =
+      FlightOver([&](double e, double n) { return HillyModel::At(e, n) + model_too_low_m; }, 0.1);
+  flight.frame = HillyModel::Frame();
+  std::erase_if(flight.tie_points_in_enu, [](const Eigen::Vector3d& point) { return point.x() > 0.0; });
+  for (alignment::AlignedPhoto& photo : flight.photos) {
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(photo.cam_from_enu.rotation,
+                                                                  Eigen::Vector3d(0.0, 0.0, 60.0));
+  }
+  return flight;
+}
+
+double WorstInTheEast(const GroundSurface& surface, double up_m) {
+  double worst = 0.0;
+  for (double east = 10.0; east <= 90.0; east += 5.0) {
+    worst = std::max(worst, std::abs(surface.HeightAt({east, 20.0}) - HillyModel::At(east, 20.0) - up_m));
+  }
+  return worst;
+}
+
+TEST(ModelGroundOverElevations, MovesTheModelToThePointsAndTrustsItWhereThereAreNone) {
+  const alignment::AlignedFlight flight = HalfTied(1.7);
+  const HillyModel model(432.0, 0.0);
+  ModelGroundReport report, without;
+  const GroundSurface surface = ModelGround(flight, report, ElevationModel{&model, 432.0});
+  EXPECT_EQ(report.model, "elevation model") << report.reason;
+  EXPECT_NEAR(report.dem_shift_m.value(), 1.7, 0.1);
+  EXPECT_LT(WorstInTheEast(surface, 1.7), 0.3);
+  EXPECT_GT(WorstInTheEast(ModelGround(flight, without), 1.7), 2.0);
+}
+
+TEST(ModelGroundOverElevations, LeavesAModelThatContradictsThePoints) {
+  const HillyModel model(432.0, 130.0);
+  ModelGroundReport report;
+  ModelGround(HalfTied(0.0), report, ElevationModel{&model, 432.0});
+  EXPECT_EQ(report.model, "grid") << report.reason;
+  EXPECT_GT(report.dem_error_m.value(), 0.5 * report.plane_error_m);
+  EXPECT_NE(report.reason.find("does not fit"), std::string::npos);
+}
+
+TEST(ModelGroundOverElevations, TakesTheModelAsLaidWithoutPoints) {
+  alignment::AlignedFlight flight = HalfTied(0.0);
+  flight.tie_points_in_enu.clear();
+  const HillyModel model(432.0, 0.0);
+  ModelGroundReport report;
+  const GroundSurface surface = ModelGround(flight, report, ElevationModel{&model, 432.0});
+  EXPECT_EQ(report.model, "elevation model") << report.reason;
+  EXPECT_LT(WorstInTheEast(surface, 0.0), 0.1);
+}
+
+TEST(ModelGroundOverElevations, IgnoresAModelThatLiesElsewhere) {
+  alignment::AlignedFlight flight = HalfTied(0.0);
+  flight.frame = geo::LocalFrame({47.4, 8.6, 500.0});
+  const HillyModel model(432.0, 0.0);
+  ModelGroundReport report;
+  ModelGround(flight, report, ElevationModel{&model, 432.0});
+  EXPECT_NE(report.model, "elevation model");
+  EXPECT_FALSE(report.dem_error_m.has_value());
+}
+
 }  // namespace
 }  // namespace skyquilt::ground

@@ -70,8 +70,7 @@ FlightLog Track(double begin_s, double end_s, double zero_s = 0.0) {
 }
 
 Result<PosedFlight> Estimate(const Flight& flight, const EstimatePosesOptions& options = {}) {
-  SilentProgress progress;
-  return EstimatePoses(flight, options, progress);
+  return EstimatePoses(flight, options);
 }
 
 double OffM(const PosedFlight& posed, const PosedPhoto& photo, double t_s) {
