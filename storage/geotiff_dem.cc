@@ -13,6 +13,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/geo/geoid.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -42,6 +44,7 @@ struct DropTransform {
 }  // namespace
 
 struct GeotiffDem::Raster {
+  bool is_ellipsoidal = false;  // a three-dimensional system without a vertical one of its own
   std::unique_ptr<GDALDataset> dataset;
   std::unique_ptr<OGRCoordinateTransformation, DropTransform> model_from_wgs84;
   std::array<double, 6> pixel_from_model{};
@@ -74,6 +77,7 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
       !GDALInvGeoTransform(model_from_pixel.data(), raster->pixel_from_model.data())) {
     return refuse("does not say where on Earth it lies");
   }
+  raster->is_ellipsoidal = system->IsGeographic() && system->GetAxesCount() == 3;
   OGRSpatialReference horizontal(*system);
   if (horizontal.IsCompound()) horizontal.StripVertical();
   horizontal.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -122,7 +126,8 @@ std::optional<double> GeotiffDem::GroundHeightM(const geo::LatLon& position) con
     weight += w;
   }
   if (weight < 0.25) return std::nullopt;
-  return raster_->scale_m * sum / weight + raster_->offset_m;
+  const double height_m = raster_->scale_m * sum / weight + raster_->offset_m;
+  return raster_->is_ellipsoidal ? height_m - geo::GeoidHeightM(position).value_or(0.0) : height_m;
 }
 
 }  // namespace skyquilt::storage

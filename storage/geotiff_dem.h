@@ -1,5 +1,6 @@
 // GeotiffDem: heights of the ground from a GeoTIFF elevation model in any coordinate system GDAL knows,
-// between cells bilinearly, in metres whatever the file's unit. Reads windows, never the whole file. One
+// between cells bilinearly, in metres whatever the file's unit, above the sea (the geoid taken off
+// where the file's coordinate system counts heights from the ellipsoid). Reads windows, never the whole file. One
 // thread at a time. Errors of Open: kNotFound, kUnsupportedFormat (no GeoTIFF, or one that does not say where
 // it lies).
 #pragma once

@@ -1,0 +1,167 @@
+// Elevation models written here through GDAL, as surveys and agencies give them away.
+#include "storage/geotiff_dem.h"
+
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+struct Model {
+  int epsg = 4326;
+  double west = 8.5, north = 47.42, cell = 0.0001;  // in the unit of the coordinate system
+  int columns = 60, rows = 40;
+  GDALDataType type = GDT_Float32;
+  std::function<double(double x, double y)> height;  // by the coordinate system's east and north
+  std::optional<double> hole;
+  std::string unit;
+  double scale = 1.0, offset = 0.0;
+};
+
+class GeotiffDemTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { GDALAllRegister(); }
+
+  std::filesystem::path Write(const Model& model, bool with_place = true) {
+    const std::filesystem::path path = folder_.path() / "model.tif";
+    GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+    const std::unique_ptr<GDALDataset> file(
+        driver->Create(path.c_str(), model.columns, model.rows, 1, model.type, nullptr));
+    if (with_place) {
+      double corner[6] = {model.west, model.cell, 0.0, model.north, 0.0, -model.cell};
+      file->SetGeoTransform(corner);
+      OGRSpatialReference system;
+      system.importFromEPSG(model.epsg);
+      file->SetSpatialRef(&system);
+    }
+    GDALRasterBand* band = file->GetRasterBand(1);
+    if (model.hole) band->SetNoDataValue(*model.hole);
+    if (!model.unit.empty()) band->SetUnitType(model.unit.c_str());
+    if (model.scale != 1.0) band->SetScale(model.scale);
+    if (model.offset != 0.0) band->SetOffset(model.offset);
+    std::vector<double> row(static_cast<std::size_t>(model.columns));
+    for (int r = 0; r < model.rows; ++r) {
+      for (int c = 0; c < model.columns; ++c) {
+        row[static_cast<std::size_t>(c)] =
+            model.height(model.west + (c + 0.5) * model.cell, model.north - (r + 0.5) * model.cell);
+      }
+      EXPECT_EQ(
+          band->RasterIO(GF_Write, 0, r, model.columns, 1, row.data(), model.columns, 1, GDT_Float64, 0, 0),
+          CE_None);
+    }
+    return path;
+  }
+
+  std::unique_ptr<GeotiffDem> Open(const Model& model) {
+    auto opened = GeotiffDem::Open(Write(model));
+    EXPECT_TRUE(opened.ok()) << opened.error().message;
+    return opened.ok() ? *std::move(opened) : nullptr;
+  }
+
+ private:
+  ScratchDir folder_;
+};
+
+TEST_F(GeotiffDemTest, ReadsGeographicModelsBetweenTheirCells) {
+  Model model;
+  model.height = [](double lon, double lat) { return 400.0 + 1e4 * (lon - 8.5) - 2e4 * (lat - 47.42); };
+  const auto dem = Open(model);
+  for (const auto& [lat, lon] : {std::pair{47.41903, 8.50211}, std::pair{47.4177, 8.5049}}) {
+    EXPECT_NEAR(dem->GroundHeightM({lat, lon}).value(), model.height(lon, lat), 0.02);
+  }
+}
+
+TEST_F(GeotiffDemTest, ReadsProjectedModels) {
+  Model model;
+  model.epsg = 32632;
+  model.west = 465000.0;
+  model.north = 5252000.0;
+  model.cell = 2.0;
+  model.height = [](double e, double n) { return 500.0 + 0.1 * (e - 465000.0) + 0.05 * (n - 5252000.0); };
+  const auto dem = Open(model);
+  OGRSpatialReference utm, wgs84;
+  utm.importFromEPSG(32632);
+  wgs84.importFromEPSG(4326);
+  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> back(OGRCreateCoordinateTransformation(&utm, &wgs84));
+  double x = 465051.3;
+  double y = 5251960.8;
+  const double height_m = model.height(x, y);
+  ASSERT_TRUE(back->Transform(1, &x, &y));
+  EXPECT_NEAR(dem->GroundHeightM({y, x}).value(), height_m, 0.01);
+}
+
+TEST_F(GeotiffDemTest, KnowsNothingOutsideAndInHoles) {
+  Model model;
+  model.hole = -9999.0;
+  model.height = [](double lon, double) {
+    return lon < 8.502 ? -9999.0 : lon > 8.505 ? std::nan("") : 321.0;
+  };
+  const auto dem = Open(model);
+  EXPECT_FALSE(dem->GroundHeightM({47.418, 8.5005}));
+  EXPECT_FALSE(dem->GroundHeightM({47.418, 8.5058}));
+  EXPECT_NEAR(dem->GroundHeightM({47.418, 8.5035}).value(), 321.0, 1e-6);
+  // Beside a hole what is left of the four cells counts, not a share of -9999.
+  EXPECT_NEAR(dem->GroundHeightM({47.418, 8.50199}).value(), 321.0, 1e-6);
+  EXPECT_FALSE(dem->GroundHeightM({47.418, 8.52}));
+  EXPECT_FALSE(dem->GroundHeightM({46.0, 8.5035}));
+  EXPECT_FALSE(dem->GroundHeightM({-47.418, -171.0}));
+}
+
+TEST_F(GeotiffDemTest, TurnsFeetAndScaledIntegersIntoMetres) {
+  Model feet;
+  feet.unit = "ft";
+  feet.height = [](double, double) { return 1000.0; };
+  EXPECT_NEAR(Open(feet)->GroundHeightM({47.418, 8.503}).value(), 304.8, 1e-4);
+  Model survey_feet = feet;
+  survey_feet.unit = "US survey foot";
+  EXPECT_NEAR(Open(survey_feet)->GroundHeightM({47.418, 8.503}).value(), 1000.0 * 1200.0 / 3937.0, 1e-4);
+  Model whole;
+  whole.type = GDT_Int16;
+  whole.scale = 0.1;
+  whole.offset = 100.0;
+  whole.height = [](double, double) { return 4321.0; };
+  EXPECT_NEAR(Open(whole)->GroundHeightM({47.418, 8.503}).value(), 532.1, 1e-3);
+}
+
+// Heights above the ellipsoid become heights above the sea, as all other models have them.
+TEST_F(GeotiffDemTest, TakesTheGeoidOffEllipsoidalHeights) {
+  Model above_sea;
+  above_sea.height = [](double, double) { return 450.0; };
+  Model above_ellipsoid = above_sea;
+  above_ellipsoid.epsg = 4979;
+  const double sea_m = Open(above_sea)->GroundHeightM({47.418, 8.503}).value();
+  const double ellipsoid_m = Open(above_ellipsoid)->GroundHeightM({47.418, 8.503}).value();
+  EXPECT_NEAR(sea_m, 450.0, 1e-6);
+  // The geoid lies 46 to 49 m above the ellipsoid there.
+  EXPECT_GT(sea_m - ellipsoid_m, 45.0);
+  EXPECT_LT(sea_m - ellipsoid_m, 50.0);
+}
+
+TEST_F(GeotiffDemTest, RefusesWhatIsNoModelWithAdvice) {
+  EXPECT_EQ(GeotiffDem::Open("/nowhere/model.tif").error().code, ErrorCode::kNotFound);
+  Model model;
+  model.height = [](double, double) { return 1.0; };
+  const auto placeless = GeotiffDem::Open(Write(model, false));
+  ASSERT_FALSE(placeless.ok());
+  EXPECT_EQ(placeless.error().code, ErrorCode::kUnsupportedFormat);
+  EXPECT_NE(placeless.error().message.find("where on Earth"), std::string::npos);
+  const std::filesystem::path cut = Write(model);
+  std::filesystem::resize_file(cut, 60);
+  EXPECT_FALSE(GeotiffDem::Open(cut).ok());
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
