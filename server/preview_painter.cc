@@ -53,8 +53,7 @@ poses::PosedFlight PoseOf(const std::map<std::string, flight::Photo>& photos) {
   flight::Flight flight;
   for (const auto& [name, photo] : photos) flight.photos.push_back(photo);
   std::sort(flight.photos.begin(), flight.photos.end(), flight::ComesBefore);
-  SilentProgress progress;
-  Result<poses::PosedFlight> posed = poses::EstimatePoses(flight, {}, progress);
+  Result<poses::PosedFlight> posed = poses::EstimatePoses(flight, {});
   return posed && posed->is_placed ? *std::move(posed) : poses::PosedFlight();
 }
 
