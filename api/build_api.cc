@@ -1,6 +1,7 @@
 #include "api/build_api.h"
 
 #include "api/arcgis/arcgis.h"
+#include "api/basemap/basemap.h"
 #include "api/connect/connect.h"
 #include "api/downloads/downloads.h"
 #include "api/downloads/original_file.h"
@@ -11,12 +12,14 @@
 #include "api/jobs/jobs.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/ogc/ogc.h"
+#include "api/ogc/processes.h"
 #include "api/ops/ops.h"
 #include "api/stac/stac.h"
 #include "api/tiles/tiles.h"
 #include "api/tms/tms.h"
 #include "api/uploads/files.h"
 #include "api/uploads/tus.h"
+#include "api/webhooks/webhooks.h"
 #include "api/wms/wms.h"
 #include "api/wmts/wmts.h"
 
@@ -26,6 +29,7 @@ Router BuildApi(Service& service) {
   Router router;
   AddOpsRoutes(router, service);
   AddDocsRoute(router);
+  AddBasemapRoutes(router, service.basemap);
   AddFlightRoutes(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);
@@ -34,6 +38,7 @@ Router BuildApi(Service& service) {
   AddTusRoutes(router, service);
   AddJobRoutes(router, service);
   AddEventRoutes(router, service);
+  AddWebhookRoutes(router, service);
   AddDownloadRoutes(router, service);
   AddOriginalFileRoutes(router, service);
   AddTileRoutes(router, service);
@@ -42,6 +47,7 @@ Router BuildApi(Service& service) {
   AddWmtsRoutes(router, service);
   AddWmsRoutes(router, service);
   AddOgcRoutes(router, service);
+  AddProcessRoutes(router, service);
   AddArcgisRoutes(router, service);
   AddStacRoute(router, service);
   AddConnectRoutes(router, service);

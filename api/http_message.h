@@ -51,6 +51,8 @@ struct Request {
   std::string body;      // small bodies only; empty for uploads
   std::string base_url;  // "http://host:port", for absolute links; no slash at the end
   std::string request_id;
+  std::string owner;              // id of the token it showed; empty where the server asks for none
+  bool may_jump_the_queue = true;  // ask for a priority above the usual
 
   // The route promises its parameters: asking for another is our bug.
   const std::string& Parameter(std::string_view name) const;

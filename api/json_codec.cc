@@ -3,6 +3,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "api/job_options.h"
@@ -22,14 +23,34 @@ ordered_json TimeOrNull(const std::optional<storage::Time>& time) {
   return time ? ordered_json(FormatTime(*time)) : ordered_json(nullptr);
 }
 
-// From the pace of this attempt so far; nothing before there is a pace.
-ordered_json EtaOf(const storage::Job& job, storage::Time now) {
+struct Eta {
+  double left_s = 0.0;
+  double low_s = 0.0;
+  double high_s = 0.0;
+};
+
+// What jobs before took and what the pace of this attempt says, the more of the latter the further it is. Nothing where
+// there is neither.
+std::optional<Eta> EtaOf(const storage::Job& job, storage::Time now) {
   constexpr double kLeastProgress = 0.03;
-  if (job.state != storage::JobState::kRunning || !job.attempt_started || job.progress < kLeastProgress) {
-    return nullptr;
+  constexpr double kPaceLow = 0.8, kPaceHigh = 1.25;         // of a pace that others confirm
+  constexpr double kAloneLow = 0.5, kAloneHigh = 2.0;        // of one that nothing confirms
+  if (job.state != storage::JobState::kRunning || !job.attempt_started) return std::nullopt;
+  const double done = std::clamp(job.progress, 0.0, 1.0);
+  const bool has_pace = done >= kLeastProgress;
+  if (!has_pace && !job.expected) return std::nullopt;
+  const double elapsed_s = std::max(0.0, std::chrono::duration<double>(now - *job.attempt_started).count());
+  const double pace_s = has_pace ? elapsed_s / done : 0.0;
+  if (!job.expected) {
+    const double left_s = pace_s * (1.0 - done);
+    return Eta{left_s, left_s * kAloneLow, left_s * kAloneHigh};
   }
-  const double elapsed_s = std::chrono::duration<double>(now - *job.attempt_started).count();
-  return std::max(0.0, elapsed_s * (1.0 - job.progress) / job.progress);
+  const double trust = has_pace ? done : 0.0;  // in the pace
+  const auto left = [&](double expected_s, double of_pace) {
+    return (1.0 - done) * ((1.0 - trust) * expected_s + trust * of_pace * pace_s);
+  };
+  return Eta{left(job.expected->total_s, 1.0), left(job.expected->low_s, kPaceLow),
+             left(job.expected->high_s, kPaceHigh)};
 }
 
 ordered_json ErrorOf(const storage::Job& job) {
@@ -46,7 +67,11 @@ ordered_json JobValue(const storage::Job& job, storage::Time now) {
   value["stage"] = job.stage;
   value["progress"] = job.progress;
   value["message"] = job.message;
-  value["eta_s"] = EtaOf(job, now);
+  const std::optional<Eta> eta = EtaOf(job, now);
+  value["eta_s"] = eta ? ordered_json(eta->left_s) : ordered_json(nullptr);
+  value["eta_low_s"] = eta ? ordered_json(eta->low_s) : ordered_json(nullptr);
+  value["eta_high_s"] = eta ? ordered_json(eta->high_s) : ordered_json(nullptr);
+  value["priority"] = job.priority;
   value["attempts"] = job.attempts;
   value["created_at"] = FormatTime(job.created);
   value["started_at"] = TimeOrNull(job.started);
@@ -92,6 +117,15 @@ Result<std::string> CheckedOptions(const ordered_json& value) {
   const Result<pipeline::MosaicOptions> options = ParseJobOptions(text);
   if (!options) return options.error();
   return text;
+}
+
+Result<int> CheckedPriority(const ordered_json& value) {
+  constexpr int kMost = storage::kMostPriority;
+  if (!value.is_number_integer() || value < -kMost || value > kMost) {
+    return Error{ErrorCode::kUnprocessable,
+                 fmt::format("The field \"priority\" must be a whole number from {} to {}.", -kMost, kMost), ""};
+  }
+  return value.get<int>();
 }
 
 }  // namespace
@@ -192,17 +226,24 @@ Result<FlightFields> ParseFlightFields(std::string_view body) {
   return fields;
 }
 
-Result<std::optional<std::string>> ParseJobRequest(std::string_view body) {
+Result<JobRequest> ParseJobRequest(std::string_view body) {
   const Result<ordered_json> parsed = ParseObject(body);
   if (!parsed) return parsed.error();
-  std::optional<std::string> options;
+  JobRequest request;
   for (const auto& [field, value] : parsed->items()) {
-    if (field != "options") return UnknownField(field);
-    const Result<std::string> checked = CheckedOptions(value);
-    if (!checked) return checked.error();
-    options = *checked;
+    if (field == "options") {
+      const Result<std::string> checked = CheckedOptions(value);
+      if (!checked) return checked.error();
+      request.options = *checked;
+    } else if (field == "priority") {
+      const Result<int> priority = CheckedPriority(value);
+      if (!priority) return priority.error();
+      request.priority = *priority;
+    } else {
+      return UnknownField(field);
+    }
   }
-  return options;
+  return request;
 }
 
 }  // namespace skyquilt::api

@@ -54,7 +54,11 @@ struct FlightFields {
 };
 // The bodies of POST and PATCH /flights. An empty body counts as {}.
 Result<FlightFields> ParseFlightFields(std::string_view body);
-// The body of POST /flights/{id}/jobs: {"options":{...}}; absent options stay absent.
-Result<std::optional<std::string>> ParseJobRequest(std::string_view body);
+// The body of POST /flights/{id}/jobs: {"options":{...},"priority":0}.
+struct JobRequest {
+  std::optional<std::string> options;  // checked, as compact JSON text; absent: the flight's
+  int priority = 0;
+};
+Result<JobRequest> ParseJobRequest(std::string_view body);
 
 }  // namespace skyquilt::api

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "api/auth/limits.h"
+#include "api/basemap/basemap.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
 #include "core/base/result.h"
@@ -23,6 +25,7 @@
 #include "storage/tileset_cache.h"
 #include "storage/tokens.h"
 #include "storage/upload_spool.h"
+#include "storage/webhooks.h"
 
 namespace skyquilt::api {
 
@@ -40,11 +43,15 @@ struct Service {
   storage::UploadSpool spool{db, catalogue, store};
   storage::Previews previews{db};
   storage::PreviewCache preview_cache{store.dir(), previews};
+  storage::Webhooks webhooks{db};
+  bool sends_webhooks = false;  // the operator lets this server speak to others
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};
+  RateLimiter rate_limiter{};
   std::mutex once_mutex{};  // held while a request with an Idempotency-Key is carried out
   EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
+  Basemap basemap{};
   // What is in these files, as JSON, without making a map; reading them takes a second or two. The server gives it:
   // the reading itself is the core's.
   std::function<Result<std::string>(const std::vector<flight::InputFile>&, const pipeline::MosaicOptions&)> inspect =

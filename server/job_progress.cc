@@ -1,7 +1,6 @@
 #include "server/job_progress.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 
@@ -17,24 +16,27 @@ constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
 constexpr std::chrono::milliseconds kHearWithin{500};
 
-// Shares of a flight of some hundred photos; they only shape the bar and its estimate.
-constexpr std::array<std::pair<std::string_view, double>, 11> kStages = {{{"read", 0.04},
-                                                                         {"check", 0.01},
-                                                                         {"pose", 0.01},
-                                                                         {"align", 0.40},
-                                                                         {"ground", 0.01},
-                                                                         {"plan", 0.01},
-                                                                         {"expose", 0.02},
-                                                                         {"seam", 0.04},
-                                                                         {"render", 0.34},
-                                                                         {"measure", 0.02},
-                                                                         {"export", 0.10}}};
-
 }  // namespace
 
-double WholeJobFraction(std::string_view stage, double stage_fraction) {
+StageShares UsualShares() {
+  return {{"read", 0.04},   {"check", 0.01},   {"pose", 0.01},   {"align", 0.40},
+          {"ground", 0.01}, {"plan", 0.01},    {"expose", 0.02}, {"seam", 0.04},
+          {"render", 0.34}, {"measure", 0.02}, {"export", 0.10}};
+}
+
+StageShares SharesOf(const storage::Expectation& expectation) {
+  StageShares shares;
+  for (const auto& [stage, usual] : UsualShares()) {
+    const auto measured = std::find_if(expectation.shares.begin(), expectation.shares.end(),
+                                       [&](const auto& share) { return share.first == stage; });
+    shares.emplace_back(stage, measured == expectation.shares.end() ? 0.0 : measured->second);
+  }
+  return shares;
+}
+
+double WholeJobFraction(const StageShares& shares, std::string_view stage, double stage_fraction) {
   double before = 0.0;
-  for (const auto& [name, share] : kStages) {
+  for (const auto& [name, share] : shares) {
     // The shares' sum is one but for rounding.
     if (name == stage) return std::min(1.0, before + share * std::clamp(stage_fraction, 0.0, 1.0));
     before += share;
@@ -43,9 +45,10 @@ double WholeJobFraction(std::string_view stage, double stage_fraction) {
 }
 
 JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-                         std::function<void()> on_deaf)
+                         std::function<void()> on_deaf, StageShares shares)
     : queue_(queue),
       lease_(std::move(lease)),
+      shares_(std::move(shares)),
       is_stopping_(is_stopping),
       on_deaf_(std::move(on_deaf)),
       thread_([this] { Beat(); }) {}
@@ -63,14 +66,14 @@ void JobProgress::BeginStage(std::string_view stage) {
   const std::lock_guard lock(mutex_);
   latest_.stage = stage;
   latest_.message.clear();
-  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(stage, 0.0));
+  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(shares_, stage, 0.0));
   is_changed_ = true;
 }
 
 void JobProgress::Report(double fraction, std::string_view message) {
   const std::lock_guard lock(mutex_);
   latest_.message = message;
-  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(latest_.stage, fraction));
+  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(shares_, latest_.stage, fraction));
   is_changed_ = true;
 }
 

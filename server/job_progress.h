@@ -10,15 +10,23 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "storage/job_queue.h"
 
 namespace skyquilt::server {
 
-// How much of a whole job lies behind when a stage is this far. Stages in their order and their usual share
-// of the time; a stage that is not known adds nothing.
-double WholeJobFraction(std::string_view stage, double stage_fraction);
+// The share of each stage in a job's time, in the order they come.
+using StageShares = std::vector<std::pair<std::string, double>>;
+// Of a flight of some hundred photos, where none has been measured.
+StageShares UsualShares();
+// As measured here.
+StageShares SharesOf(const storage::Expectation& expectation);
+
+// How much of a whole job lies behind when a stage is this far; a stage that is not known adds nothing.
+double WholeJobFraction(const StageShares& shares, std::string_view stage, double stage_fraction);
 
 class JobProgress final : public Progress {
  public:
@@ -26,7 +34,7 @@ class JobProgress final : public Progress {
   // `on_deaf` is called, once and from another thread, when the work goes on for long after the wish to
   // cancel.
   JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-              std::function<void()> on_deaf = nullptr);
+              std::function<void()> on_deaf = nullptr, StageShares shares = UsualShares());
   ~JobProgress() override;
 
   void BeginStage(std::string_view stage) override;
@@ -42,6 +50,7 @@ class JobProgress final : public Progress {
 
   storage::JobQueue& queue_;
   const storage::Lease lease_;
+  const StageShares shares_;
   const std::atomic<bool>& is_stopping_;
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;

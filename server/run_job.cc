@@ -156,6 +156,29 @@ bool MayRetry(ErrorCode code) {
          code == ErrorCode::kTimeout;
 }
 
+// What the jobs before took says how long this one will; nothing before the first one. Costs are a comfort: a job goes
+// on without them.
+std::optional<storage::Expectation> Expect(WorkerContext& context, const storage::Lease& lease) {
+  constexpr int kJobsToGoBy = 30;
+  const Result<std::vector<storage::JobCost>> costs = context.costs.Latest(kJobsToGoBy);
+  const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
+  if (!costs || !flight) return std::nullopt;
+  std::optional<storage::Expectation> expectation =
+      storage::ExpectationFrom(*costs, static_cast<int>(flight->file_count));
+  if (expectation) {
+    const Result<LeaseState> told = context.queue.Expect(lease, *expectation);
+    if (!told) LogFailure(lease.job_id, "expect", told.error().detail);
+  }
+  return expectation;
+}
+
+void KeepCost(WorkerContext& context, const storage::Lease& lease, const pipeline::MosaicReport& report) {
+  storage::JobCost cost{lease.job_id, report.photos_total, {}};
+  for (const auto& timing : report.timings) cost.stages_s.emplace_back(timing.stage, timing.wall_s);
+  const Result<void> kept = context.costs.Add(cost);
+  if (!kept) LogFailure(lease.job_id, "cost", kept.error().detail);
+}
+
 // The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.
 template <typename Tell>
 void TellUntilHeard(const storage::Lease& lease, Tell tell) {
@@ -183,14 +206,17 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
       LogEvent(fmt::format("job {} is cancelled in the middle of a stage", lease.job_id));
       _exit(kCancelledExitCode);
     };
+    const std::optional<storage::Expectation> expectation = Expect(context, lease);
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         context.may_exit ? std::function<void()>(leave) : nullptr);
+                         context.may_exit ? std::function<void()>(leave) : nullptr,
+                         expectation ? SharesOf(*expectation) : UsualShares());
     try {
       const Result<pipeline::MosaicReport> report = Stitch(context, lease, work.path(), progress);
       if (!report) failure = report.error();
       if (report && !progress.IsCancelled()) {
         const Result<bool> published = Publish(context, lease, work.path(), *report);
         if (!published) failure = published.error();
+        if (published && *published) KeepCost(context, lease, *report);
         if (published) {
           LogEvent(fmt::format("job {} {}", lease.job_id, *published ? "is published" : "lost its lease"));
           return;

@@ -16,6 +16,7 @@ struct WorkerContext {
   const storage::DataDir& dir;
   storage::Catalogue& catalogue;
   storage::JobQueue& queue;
+  storage::StageCosts& costs;
   const std::atomic<bool>& is_stopping;
   // This process is one of a server's own, which starts another: a cancelled job that does not stop in time
   // may end it. What it leaves behind the server removes.

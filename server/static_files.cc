@@ -33,11 +33,14 @@ constexpr std::array<std::pair<std::string_view, const char*>, 14> kTypes = {{
     {".txt", "text/plain; charset=utf-8"},
 }};
 
-// Scripts and styles from here alone; tiles and previews of dropped photos as blob and data.
-constexpr const char* kContentSecurityPolicy =
-    "default-src 'self'; img-src 'self' data: blob:; worker-src 'self' blob:; style-src 'self' "
-    "'unsafe-inline'; "
-    "object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'self'";
+// Scripts and styles from here alone; tiles and previews of dropped photos as blob and data; a basemap from
+// where the operator says.
+std::string ContentSecurityPolicy(const std::string& basemap_origin) {
+  const std::string basemap = basemap_origin.empty() ? "" : " " + basemap_origin;
+  return "default-src 'self'; connect-src 'self'" + basemap + "; img-src 'self' data: blob:" + basemap +
+         "; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none';"
+         " form-action 'self'; frame-ancestors 'self'";
+}
 
 constexpr std::array kPageFolders = {"src", "styles", "vendor", "images", "fonts"};
 
@@ -79,7 +82,8 @@ bool TakesGzip(const api::Request& request) {
   return weight.find("q=0") == std::string_view::npos || weight.find("q=0.") != std::string_view::npos;
 }
 
-Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request) {
+Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request,
+                           const std::string& basemap_origin) {
   const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
   Result<api::Target> target = api::ParseTarget(request.path);
   if (!target) return target.error();
@@ -103,14 +107,15 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   if (as_gzip) sent->headers.Add("Content-Encoding", "gzip");
   if (gzip_etag) sent->headers.Add("Vary", "Accept-Encoding");
   sent->headers.Add("Cache-Control", "no-cache");
-  sent->headers.Add("Content-Security-Policy", kContentSecurityPolicy);
+  sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origin));
   return sent;
 }
 
 }  // namespace
 
-api::Response ServePage(const std::filesystem::path& folder, const api::Request& request) {
-  Result<api::Response> found = Find(folder, request);
+api::Response ServePage(const std::filesystem::path& folder, const api::Request& request,
+                        const std::string& basemap_origin) {
+  Result<api::Response> found = Find(folder, request, basemap_origin);
   return found ? *std::move(found) : api::Problem(found.error(), request);
 }
 

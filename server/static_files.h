@@ -6,12 +6,15 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "api/http_message.h"
 
 namespace skyquilt::server {
 
-api::Response ServePage(const std::filesystem::path& folder, const api::Request& request);
+// `basemap_origin`: "https://host" that the page may load basemap tiles from; empty for none.
+api::Response ServePage(const std::filesystem::path& folder, const api::Request& request,
+                        const std::string& basemap_origin = "");
 
 // The folder given, or else the one beside the binary (../share/skyquilt/web), or else the source tree's.
 // Absent when none has an index.html.

@@ -77,9 +77,11 @@ std::string MarkedName(const std::string& name, std::string_view mark) {
 
 }  // namespace
 
-Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now) {
+Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now,
+                                    const std::string& owner) {
   const auto db = db_.Lock();
-  Result<Statement> insert = db->Prepare("INSERT INTO flight(id,name,created_us,options) VALUES(?,?,?,?)");
+  Result<Statement> insert =
+      db->Prepare("INSERT INTO flight(id,name,created_us,options,owner) VALUES(?,?,?,?,?)");
   if (!insert) return insert.error();
   Flight flight;
   flight.id = NewId();
@@ -87,9 +89,21 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
   flight.options = options;
   flight.created = now;
   const Result<void> done =
-      insert->Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Run();
+      insert->Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner).Run();
   if (!done) return done.error();
   return flight;
+}
+
+Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
+  const auto db = db_.Lock();
+  Result<Statement> query = db->Prepare(
+      "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
+      " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
+      "    WHERE f.owner=?1 AND is_done=0)");
+  if (!query) return query.error();
+  const Result<bool> row = query->Bind(1, owner).Step();
+  if (!row) return row.error();
+  return query->ColumnInt64(0);
 }
 
 Result<Flight> Catalogue::GetFlight(const std::string& id) const {

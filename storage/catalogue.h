@@ -59,7 +59,11 @@ class Catalogue {
  public:
   explicit Catalogue(CatalogueDb& db) : db_(db) {}
 
-  Result<Flight> AddFlight(const std::string& name, const std::string& options, Time now);
+  // `owner`: id of a token; empty where nobody showed one.
+  Result<Flight> AddFlight(const std::string& name, const std::string& options, Time now,
+                           const std::string& owner = "");
+  // What the flights of an owner hold, with the uploads that are still coming.
+  Result<std::int64_t> BytesOf(const std::string& owner) const;
   Result<Flight> GetFlight(const std::string& id) const;
   // Flights older than `cursor` (an id that an earlier page ended with), or the newest.
   Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;

@@ -58,11 +58,14 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
   if (!ended) return ended.error();
   std::optional<Lease> lease;
   {
+    // Among equal priorities: who has fewest running now, then whose last turn is longest ago, then who came first.
     Result<Statement> claim = db->Prepare(
         "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
         " lease_until_us=?2, started_us=coalesce(started_us,?3), attempt_started_us=?3, stage='', progress=0,"
-        " message='' WHERE id=(SELECT id FROM job WHERE (state='accepted' AND not_before_us<=?3)"
-        " OR (state='running' AND lease_until_us<?3) ORDER BY priority DESC, id LIMIT 1)"
+        " message='' WHERE id=(SELECT id FROM job w WHERE (state='accepted' AND not_before_us<=?3)"
+        " OR (state='running' AND lease_until_us<?3) ORDER BY priority DESC,"
+        " (SELECT count(*) FROM job r WHERE r.owner=w.owner AND r.state='running' AND r.lease_until_us>=?3),"
+        " (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE s.owner=w.owner), id LIMIT 1)"
         " RETURNING id, flight_id, options, lease_token, attempts");
     if (!claim) return claim.error();
     const Result<bool> row = claim->Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Step();
@@ -90,6 +93,22 @@ Result<LeaseState> JobQueue::Renew(const Lease& lease, Time now) {
 
 Result<LeaseState> JobQueue::Look(const Lease& lease) const {
   const auto db = db_.Lock();
+  return ReadLease(*db, lease);
+}
+
+Result<LeaseState> JobQueue::Expect(const Lease& lease, const Expectation& expectation) {
+  const auto db = db_.Lock();
+  Result<Statement> update = db->Prepare(
+      "UPDATE job SET expected_s=?3, expected_low_s=?4, expected_high_s=?5"
+      " WHERE id=?1 AND lease_token=?2 AND state='running'");
+  if (!update) return update.error();
+  const Result<void> done = update->Bind(1, lease.job_id)
+                                .Bind(2, lease.token)
+                                .Bind(3, expectation.total_s)
+                                .Bind(4, expectation.low_s)
+                                .Bind(5, expectation.high_s)
+                                .Run();
+  if (!done) return done.error();
   return ReadLease(*db, lease);
 }
 

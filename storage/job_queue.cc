@@ -42,7 +42,8 @@ const char* JobStateName(JobState state) {
 
 std::string WorkName(const Lease& lease) { return fmt::format("{}-{}", lease.job_id, lease.token); }
 
-Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& options, Time now) {
+Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& options, Time now,
+                          const JobTurn& turn) {
   const auto db = db_.Lock();
   Result<Transaction> transaction = Transaction::Begin(*db);
   if (!transaction) return transaction.error();
@@ -51,6 +52,7 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
   job.flight_id = flight_id;
   job.options = options;
   job.created = now;
+  job.priority = turn.priority;
   {
     Result<Statement> look = db->Prepare(
         "SELECT (SELECT count(*) FROM flight WHERE id=?1),"
@@ -67,13 +69,16 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
           "This flight has a job that is not finished. Cancel it or wait for its end, then try again.", ""};
     }
     Result<Statement> insert = db->Prepare(
-        "INSERT INTO job(id,flight_id,options,state,created_us,max_attempts) VALUES(?,?,?,'accepted',?,?)");
+        "INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
+        " VALUES(?,?,?,'accepted',?,?,?,?)");
     if (!insert) return insert.error();
     const Result<void> inserted = insert->Bind(1, job.id)
                                       .Bind(2, flight_id)
                                       .Bind(3, options)
                                       .Bind(4, ToUs(now))
                                       .Bind(5, kMaxAttempts)
+                                      .Bind(6, turn.priority)
+                                      .Bind(7, turn.owner)
                                       .Run();
     if (!inserted) return inserted.error();
   }
@@ -149,6 +154,17 @@ Result<Job> JobQueue::Cancel(const std::string& id, Time now) {
     return Error{ErrorCode::kConflict, fmt::format("This job is {} already.", JobStateName(job->state)), ""};
   }
   return job;
+}
+
+Result<void> JobQueue::Remove(const std::string& id) {
+  const auto db = db_.Lock();
+  Result<Statement> remove =
+      db->Prepare("DELETE FROM job WHERE id=? AND state NOT IN ('accepted','running')");
+  if (!remove) return remove.error();
+  const Result<void> done = remove->Bind(1, id).Run();
+  if (!done) return done.error();
+  if (db->Changes() == 0) return Error{ErrorCode::kConflict, "This job has not ended.", ""};
+  return {};
 }
 
 Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time now) const {

@@ -1,4 +1,4 @@
-// JobQueue: stitching jobs, handed to workers by lease. A worker claims a job, renews its lease by heartbeat,
+// JobQueue: stitching jobs, handed to workers by lease, by priority and then in turn to those who asked. A worker claims a job, renews its lease by heartbeat,
 // and ends it; each write carries the lease's token, so that a worker that slept past its lease can change
 // nothing (fencing). A job whose lease ran out is handed out again, three times at most. Survives kill -9 of
 // anyone. Any thread, any number of processes. Time is given by the caller. Errors: kNotFound, kConflict (the
@@ -16,6 +16,7 @@
 #include "storage/catalogue.h"
 #include "storage/catalogue_db.h"
 #include "storage/clock.h"
+#include "storage/stage_costs.h"
 
 namespace skyquilt::storage {
 
@@ -30,6 +31,13 @@ struct JobError {
   std::string message;
 };
 
+// Where in the queue a job comes. Higher priorities first; among equals whoever is served least at the moment.
+struct JobTurn {
+  int priority = 0;
+  std::string owner;  // id of a token; empty where nobody showed one
+};
+inline constexpr int kMostPriority = 10;
+
 struct Job {
   std::string id;
   std::string flight_id;
@@ -38,6 +46,8 @@ struct Job {
   std::string stage;
   double progress = 0.0;  // 0..1 over the whole job
   std::string message;
+  int priority = 0;
+  std::optional<Expectation> expected = {};  // without shares; once it runs and others have been measured
   int attempts = 0;
   bool cancel_requested = false;
   std::optional<JobError> error;
@@ -77,7 +87,7 @@ class JobQueue {
  public:
   explicit JobQueue(CatalogueDb& db) : db_(db) {}
 
-  Result<Job> Add(const std::string& flight_id, const std::string& options, Time now);
+  Result<Job> Add(const std::string& flight_id, const std::string& options, Time now, const JobTurn& turn = {});
   Result<Job> Get(const std::string& id) const;
   // Newest first; of one flight or of all.
   Result<std::vector<Job>> List(const std::optional<std::string>& flight_id, int limit) const;
@@ -86,11 +96,15 @@ class JobQueue {
   Result<JobCounts> Count() const;
   // A waiting job ends at once; a running one when its worker sees the wish. Asking twice changes nothing.
   Result<Job> Cancel(const std::string& id, Time now);
+  // Forgets a job that has ended. kConflict: it has not.
+  Result<void> Remove(const std::string& id);
 
   // For workers.
   Result<std::optional<Lease>> Claim(std::string_view worker, Time now);
   Result<LeaseState> Renew(const Lease& lease, Time now);
   Result<LeaseState> Look(const Lease& lease) const;  // like Renew, but only reads
+  // How long the whole of it should take.
+  Result<LeaseState> Expect(const Lease& lease, const Expectation& expectation);
   Result<LeaseState> ReportProgress(const Lease& lease, const JobProgress& progress);
   // The job ended badly. With `may_retry` it waits for another attempt if any is left. False: the lease was
   // lost.

@@ -36,6 +36,8 @@ Job JobFrom(const Statement& row) {
   job.started = TimeFrom(row, 12);
   job.attempt_started = TimeFrom(row, 13);
   job.finished = TimeFrom(row, 14);
+  job.priority = static_cast<int>(row.ColumnInt64(15));
+  if (!row.IsNull(16)) job.expected = Expectation{row.ColumnDouble(16), row.ColumnDouble(17), row.ColumnDouble(18), {}};
   return job;
 }
 

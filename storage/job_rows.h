@@ -10,7 +10,7 @@ namespace skyquilt::storage {
 inline constexpr const char* kJobColumns =
     "SELECT id, flight_id, options, state, stage, progress, message, attempts, cancel, error_code, "
     "error_message,"
-    " created_us, started_us, attempt_started_us, finished_us ";
+    " created_us, started_us, attempt_started_us, finished_us, priority, expected_s, expected_low_s, expected_high_s ";
 
 Job JobFrom(const Statement& row);
 

@@ -13,11 +13,13 @@ extern const std::string_view kSchema0002;  // storage/schema/0002_tasks_and_eve
 extern const std::string_view kSchema0003;  // storage/schema/0003_uploads.sql
 extern const std::string_view kSchema0004;  // storage/schema/0004_tokens.sql
 extern const std::string_view kSchema0005;  // storage/schema/0005_previews.sql
+extern const std::string_view kSchema0006;  // storage/schema/0006_sharing.sql
+extern const std::string_view kSchema0007;  // storage/schema/0007_webhooks.sql
 
 namespace {
 
 // Step i brings version i to i + 1. Only ever appended to.
-const std::array kSteps = {&kSchema0001, &kSchema0002, &kSchema0003, &kSchema0004, &kSchema0005};
+const std::array kSteps = {&kSchema0001, &kSchema0002, &kSchema0003, &kSchema0004, &kSchema0005, &kSchema0006, &kSchema0007};
 
 Result<int> CurrentVersion(SqliteDb& db) {
   Result<Statement> query = db.Prepare("PRAGMA user_version");

@@ -29,11 +29,16 @@ std::optional<Scope> ScopeFrom(std::string_view name) {
 
 Result<void> Tokens::Add(const Token& token) {
   const auto db = db_.Lock();
-  Result<Statement> insert = db->Prepare("INSERT INTO token VALUES(?,?,?,?,?,?)");
+  Result<Statement> insert = db->Prepare(
+      "INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute)"
+      " VALUES(?,?,?,?,?,?,?,?)");
   if (!insert) return insert.error();
   insert->Bind(1, token.id).Bind(2, token.name).Bind(3, Bytes(token.hash)).Bind(4, ScopeName(token.scope));
   insert->Bind(5, ToUs(token.created)).BindNull(6);
   if (token.expires) insert->Bind(6, ToUs(*token.expires));
+  insert->BindNull(7).BindNull(8);
+  if (token.most_bytes) insert->Bind(7, *token.most_bytes);
+  if (token.requests_per_minute) insert->Bind(8, *token.requests_per_minute);
   const Result<void> inserted = insert->Run();
   if (!inserted && inserted.error().code == ErrorCode::kConflict) {
     return Error{ErrorCode::kConflict, fmt::format("There is a token named \"{}\" already.", token.name), ""};
@@ -55,7 +60,8 @@ Result<void> Tokens::Revoke(const std::string& name) {
 Result<std::vector<Token>> Tokens::List() const {
   const auto db = db_.Lock();
   Result<Statement> query =
-      db->Prepare("SELECT id, name, hash, scope, created_us, expires_us FROM token ORDER BY id");
+      db->Prepare(
+      "SELECT id, name, hash, scope, created_us, expires_us, most_bytes, requests_per_minute FROM token ORDER BY id");
   if (!query) return query.error();
   std::vector<Token> tokens;
   while (true) {
@@ -72,6 +78,8 @@ Result<std::vector<Token>> Tokens::List() const {
     token.scope = *scope;
     token.created = FromUs(query->ColumnInt64(4));
     if (!query->IsNull(5)) token.expires = FromUs(query->ColumnInt64(5));
+    if (!query->IsNull(6)) token.most_bytes = query->ColumnInt64(6);
+    if (!query->IsNull(7)) token.requests_per_minute = query->ColumnInt64(7);
     tokens.push_back(std::move(token));
   }
 }

@@ -28,7 +28,9 @@ struct Token {
   std::string hash;  // SHA-256, raw
   Scope scope = Scope::kRead;
   Time created;
-  std::optional<Time> expires;
+  std::optional<Time> expires = {};
+  std::optional<std::int64_t> most_bytes = {};  // of files stored
+  std::optional<std::int64_t> requests_per_minute = {};
 };
 
 class Tokens {

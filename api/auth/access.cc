@@ -6,6 +6,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "api/auth/limits.h"
 #include "api/digest.h"
 #include "api/json_codec.h"
 #include "api/nodeodm/nodeodm.h"
@@ -31,7 +32,12 @@ constexpr Rule kRules[] = {
     {Method::kGet, "/docs", std::nullopt},
     {Method::kGet, "/auth/info", std::nullopt},
     {Method::kGet, "(page)", std::nullopt},
+    {Method::kGet, "/basemap.json", std::nullopt},
+    {Method::kGet, "/basemap.pmtiles", std::nullopt},
     {Method::kGet, "/metrics", Scope::kAdmin},
+    {Method::kGet, "/api/v1/webhooks", Scope::kAdmin},
+    {Method::kPost, "/api/v1/webhooks", Scope::kAdmin},
+    {Method::kDelete, "/api/v1/webhooks/{webhook}", Scope::kAdmin},
     {Method::kGet, "/api/v1/*", Scope::kRead},
     {Method::kGet, "/tiles/*", Scope::kRead},
     {Method::kGet, "/tms*", Scope::kRead},
@@ -51,6 +57,8 @@ constexpr Rule kRules[] = {
     {Method::kPatch, "/api/v1/*", Scope::kUpload},
     {Method::kOptions, "/api/v1/*", std::nullopt},
     {Method::kPost, "/task/*", Scope::kUpload},
+    {Method::kPost, "/ogc/processes/*", Scope::kUpload},
+    {Method::kDelete, "/ogc/jobs/*", Scope::kUpload},
 };
 
 const Rule* FindRule(Method method, std::string_view pattern) {
@@ -126,7 +134,7 @@ std::optional<Scope> ScopeOf(Method method, std::string_view pattern) {
 
 bool IsListed(Method method, std::string_view pattern) { return FindRule(method, pattern) != nullptr; }
 
-std::optional<Response> CheckAccess(Service& service, const Request& request, std::string_view pattern) {
+std::optional<Response> CheckAccess(Service& service, Request& request, std::string_view pattern) {
   const std::optional<Scope> asked = ScopeOf(request.method, pattern);
   if (!asked) return std::nullopt;
   const auto tokens = service.tokens.Known();
@@ -138,7 +146,11 @@ std::optional<Response> CheckAccess(Service& service, const Request& request, st
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
   const Scope granted = shown.is_in_query && !IsNode(pattern) ? Scope::kRead : token->scope;
   if (granted < *asked) return Forbidden(request, pattern, *asked);
-  return std::nullopt;
+  request.owner = token->id;
+  request.may_jump_the_queue = granted == Scope::kAdmin;
+  const Result<void> within = CheckLimits(service, *token, request, pattern);
+  if (within) return std::nullopt;
+  return IsNode(pattern) ? NodeRefusal(within.error().message) : Problem(within.error(), request);
 }
 
 std::string NewTokenText() {

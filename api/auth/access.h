@@ -19,8 +19,9 @@ std::optional<storage::Scope> ScopeOf(Method method, std::string_view pattern);
 // True when the list names the route: the test that walks all routes asks it.
 bool IsListed(Method method, std::string_view pattern);
 
-// The refusal, if the request may not pass.
-std::optional<Response> CheckAccess(Service& service, const Request& request, std::string_view pattern);
+// The refusal, if the request may not pass, or its token has no more of what it may take (api/auth/limits); else the
+// request knows whose it is.
+std::optional<Response> CheckAccess(Service& service, Request& request, std::string_view pattern);
 
 // 256 random bits as text. Shown once, stored nowhere.
 std::string NewTokenText();

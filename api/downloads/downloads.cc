@@ -8,7 +8,7 @@
 #include "api/downloads/send_file.h"
 #include "api/downloads/zip_layout.h"
 #include "api/problem.h"
-#include "api/responses.h"
+#include "api/shown_map.h"
 
 namespace skyquilt::api {
 namespace {
@@ -21,26 +21,20 @@ struct Product {
 
 Result<Response> Send(Service& service, const Request& request, const Product& product) {
   const std::string& id = request.Parameter("flight");
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return checked.error();
   // A revision retired between the look-up and the opening is looked up again.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
-    const Result<storage::Flight> flight = service.catalogue.GetFlight(id);
-    if (!flight) return flight.error();
-    if (!flight->active_revision) {
-      return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
-    }
-    const auto path = service.store.dir().Revision(id, *flight->active_revision) / product.file;
+    const Result<ShownMap> map = FindShownMap(service, id);
+    if (!map) return map.error();
     Result<Response> sent =
-        SendFile(request, path, product.content_type,
-                 fmt::format("\"{}-r{}-{}\"", id, *flight->active_revision, product.file));
+        SendFile(request, map->folder / product.file, product.content_type,
+                 fmt::format("\"{}-r{}-{}\"", id, map->revision, product.file));
     if (!sent) {
       if (sent.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return sent.error();
     }
     if (product.extension != nullptr && sent->status != 304) {
-      sent->headers.Add("Content-Disposition", Disposition(flight->name, product.extension));
+      sent->headers.Add("Content-Disposition", Disposition(map->flight_name, product.extension));
     }
     sent->headers.Add("Cache-Control", "no-cache");
     return sent;
@@ -50,17 +44,11 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
 // Everything that the map's folder has, as one archive.
 Result<Response> SendAll(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return checked.error();
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(id);
-  if (!flight) return flight.error();
-  if (!flight->active_revision) {
-    return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
-  }
+  const Result<ShownMap> map = FindShownMap(service, id);
+  if (!map) return map.error();
   std::vector<ZipEntry> entries;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(
-           service.store.dir().Revision(id, *flight->active_revision), error)) {
+  for (const auto& entry : std::filesystem::directory_iterator(map->folder, error)) {
     if (entry.is_regular_file(error)) entries.push_back({entry.path().filename().string(), "", entry.path()});
   }
   if (error)
@@ -71,10 +59,10 @@ Result<Response> SendAll(Service& service, const Request& request) {
   if (!planned) return planned.error();
   const auto layout = std::make_shared<const ZipLayout>(*std::move(planned));
   Result<Response> sent = SendParts(
-      request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, *flight->active_revision),
+      request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, map->revision),
       [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
   if (!sent) return sent.error();
-  sent->headers.Add("Content-Disposition", Disposition(flight->name, "zip"));
+  sent->headers.Add("Content-Disposition", Disposition(map->flight_name, "zip"));
   sent->headers.Add("Cache-Control", "no-cache");
   return sent;
 }

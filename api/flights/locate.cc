@@ -8,6 +8,7 @@
 
 #include "api/problem.h"
 #include "api/responses.h"
+#include "api/shown_map.h"
 #include "core/pipeline/locate.h"
 
 namespace skyquilt::api {
@@ -28,14 +29,9 @@ Result<double> Number(const Request& request, const char* name) {
 }
 
 Result<pipeline::LocatedMap> ReadMap(Service& service, const std::string& id) {
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return checked.error();
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(id);
-  if (!flight) return flight.error();
-  if (!flight->active_revision) {
-    return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
-  }
-  const auto path = service.store.dir().Revision(id, *flight->active_revision) / "locate.json";
+  const Result<ShownMap> shown = FindShownMap(service, id);
+  if (!shown) return shown.error();
+  const auto path = shown->folder / "locate.json";
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",

@@ -1,5 +1,6 @@
 #include "api/jobs/jobs.h"
 
+#include "api/jobs/queue_job.h"
 #include "api/json_codec.h"
 #include "api/once.h"
 #include "api/problem.h"
@@ -11,18 +12,9 @@ namespace {
 constexpr int kMostListed = 200;
 
 Response Queue(Service& service, const Request& request, const std::string& body) {
-  const std::string& flight_id = request.Parameter("flight");
-  const Result<std::optional<std::string>> options = ParseJobRequest(body);
-  if (!options) return Problem(options.error(), request);
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(flight_id);
-  if (!flight) return Problem(flight.error(), request);
-  if (flight->file_count == 0) {
-    return Problem({ErrorCode::kConflict, "This flight has no files yet. Upload photos first.", ""}, request);
-  }
-  const storage::Time now = storage::Now();
-  const Result<storage::Job> job = service.queue.Add(flight_id, options->value_or(flight->options), now);
+  const Result<storage::Job> job = QueueJob(service, request, request.Parameter("flight"), body);
   if (!job) return Problem(job.error(), request);
-  Response response = Json(202, JobJson(*job, now));
+  Response response = Json(202, JobJson(*job, storage::Now()));
   response.headers.Add("Location", "/api/v1/jobs/" + job->id);
   return response;
 }
@@ -61,7 +53,7 @@ Response Retry(Service& service, const Request& request) {
   if (!ended) return Problem(ended.error(), request);
   if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
   const storage::Time now = storage::Now();
-  const Result<storage::Job> job = service.queue.Add(ended->flight_id, ended->options, now);
+  const Result<storage::Job> job = service.queue.Add(ended->flight_id, ended->options, now, {ended->priority, request.owner});
   if (!job) return Problem(job.error(), request);
   Response response = Json(202, JobJson(*job, now));
   response.headers.Add("Location", "/api/v1/jobs/" + job->id);
@@ -73,8 +65,6 @@ Response Retry(Service& service, const Request& request) {
 void AddJobRoutes(Router& router, Service& service) {
   router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/jobs",
                    [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
-                     if (!checked) return Problem(checked.error(), request);
                      if (!IsJson(request)) {
                        return Problem(
                            {ErrorCode::kUnsupportedFormat, "Send the options as application/json.", ""},

@@ -105,7 +105,7 @@ class NewFlight final : public BodySink {
       const Result<void> set = service_.catalogue.SetFlightOptions(flight_id_, *fields->options);
       if (!set) return set.error();
     }
-    return service_.queue.Add(flight_id_, fields->options.value_or("{}"), storage::Now());
+    return service_.queue.Add(flight_id_, fields->options.value_or("{}"), storage::Now(), {0, request_.owner});
   }
 
   Service& service_;
@@ -121,7 +121,7 @@ Response MakeEmptyFlight(Service& service, const Request& request, const std::st
   if (!fields) return Problem(fields.error(), request);
   const storage::Time now = storage::Now();
   Result<storage::Flight> flight = service.catalogue.AddFlight(fields->name.value_or(DefaultFlightName(now)),
-                                                               fields->options.value_or("{}"), now);
+                                                               fields->options.value_or("{}"), now, request.owner);
   if (!flight) return Problem(flight.error(), request);
   FlightView view;
   view.flight = *std::move(flight);
@@ -142,7 +142,7 @@ Begun BeginFlight(Service& service, const Request& request) {
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return Problem(boundary.error(), request);
   const storage::Time now = storage::Now();
-  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now);
+  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
   if (!flight) return Problem(flight.error(), request);
   return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
 }

@@ -21,6 +21,7 @@
 #include "server/http_server.h"
 #include "server/request_log.h"
 #include "server/static_files.h"
+#include "server/webhook_sender.h"
 #include "server/worker_pool.h"
 #include "storage/sweep.h"
 
@@ -36,6 +37,8 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:8080";
   std::string web_dir;
   std::string public_url;
+  std::string basemap;
+  std::string webhooks = "off";
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   bool previews = true;
@@ -187,13 +190,19 @@ void RunServer(const ServeOptions& options) {
   const Result<int> expired = service.spool.RemoveExpired(storage::Now());
   if (!expired) Fail(expired.error());
   FinishUploads(service);
+  const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap);
+  if (!basemap) Fail(basemap.error());
+  service.basemap = *basemap;
+  service.sends_webhooks = options.webhooks != "off";
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {
     Fail({ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
   }
   router.SetFallback(
-      [page](const api::Request& request) { return page ? ServePage(*page, request) : NoPage(request); });
+      [page, origin = basemap->Origin()](const api::Request& request) {
+        return page ? ServePage(*page, request, origin) : NoPage(request);
+      });
   Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);
   if (!server) Fail(server.error());
   (*server)->Start();
@@ -202,6 +211,8 @@ void RunServer(const ServeOptions& options) {
   fmt::print("Skyquilt is serving at http://{}:{}/\n", host, (*server)->port());
   std::fflush(stdout);
 
+  std::optional<WebhookSender> sender;
+  if (service.sends_webhooks) sender.emplace(service.webhooks, options.webhooks == "any");
   WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue);
   LookAfter(workers, signals);
   fmt::print("Skyquilt is stopping.\n");
@@ -219,7 +230,7 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data", "listen", "workers", "previews", "web", "public-url", "open"};
+  constexpr std::string_view kOptions[] = {"data", "listen", "workers", "previews", "web", "public-url", "basemap", "webhooks", "open"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -257,6 +268,16 @@ void AddServeCommand(CLI::App& app) {
                    "How others reach this server, where a proxy is before it")
       ->check(IsHttpUrl)
       ->envname(VariableOf("public-url"));
+  command
+      ->add_option("--webhooks", options->webhooks,
+                   "Whom this server may tell of ended jobs: nobody (off), public addresses, or any")
+      ->check(CLI::IsMember({"off", "public", "any"}))
+      ->envname(VariableOf("webhooks"))
+      ->capture_default_str();
+  command
+      ->add_option("--basemap", options->basemap,
+                   "What lies below the maps on the page: https://host/{z}/{x}/{y}.png, or a PMTiles file of raster tiles")
+      ->envname(VariableOf("basemap"));
   command
       ->add_flag("--open", options->open,
                  "Permit an address that other machines can reach, without any token")

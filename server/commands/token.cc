@@ -20,6 +20,8 @@ struct TokenOptions {
   std::string name;
   std::string scope = "read";
   int days = 0;  // 0: for ever
+  double most_gb = 0.0;         // 0: no limit
+  int requests_per_minute = 0;  // 0: no limit
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -45,6 +47,8 @@ void Add(const TokenOptions& options) {
   token.scope = storage::ScopeFrom(options.scope).value_or(storage::Scope::kRead);
   token.created = storage::Now();
   if (options.days > 0) token.expires = token.created + std::chrono::hours(24) * options.days;
+  if (options.most_gb > 0.0) token.most_bytes = static_cast<std::int64_t>(options.most_gb * 1e9);
+  if (options.requests_per_minute > 0) token.requests_per_minute = options.requests_per_minute;
   const Result<void> added = storage::Tokens(*db).Add(token);
   if (!added) Fail(added.error());
   // The token alone on the standard output, for scripts; it is never shown again.
@@ -56,9 +60,11 @@ void List(const TokenOptions& options) {
   const Result<std::vector<storage::Token>> tokens = storage::Tokens(*db).List();
   if (!tokens) Fail(tokens.error());
   for (const storage::Token& token : *tokens) {
-    fmt::print("{:<20} {:<7} made {} {}\n", token.name, storage::ScopeName(token.scope),
+    fmt::print("{:<20} {:<7} made {} {}{}{}\n", token.name, storage::ScopeName(token.scope),
                api::FormatTime(token.created),
-               token.expires ? "ends " + api::FormatTime(*token.expires) : std::string("never ends"));
+               token.expires ? "ends " + api::FormatTime(*token.expires) : std::string("never ends"),
+               token.most_bytes ? fmt::format(", {:g} GB", static_cast<double>(*token.most_bytes) / 1e9) : "",
+               token.requests_per_minute ? fmt::format(", {} requests a minute", *token.requests_per_minute) : "");
   }
 }
 
@@ -89,6 +95,10 @@ void AddTokenCommand(CLI::App& app) {
   add->add_option("--days", options->days, "Days until it ends (0: never)")
       ->check(CLI::Range(0, 36500))
       ->capture_default_str();
+  add->add_option("--most-gb", options->most_gb, "Gigabytes of files that its flights may hold (0: no limit)")
+      ->check(CLI::Range(0.0, 1e6));
+  add->add_option("--per-minute", options->requests_per_minute, "Requests a minute (0: no limit)")
+      ->check(CLI::Range(0, 1'000'000));
   add->callback([options] { Add(*options); });
   with_data(command->add_subcommand("list", "List the tokens"))->callback([options] { List(*options); });
   with_name(

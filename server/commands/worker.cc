@@ -108,7 +108,8 @@ void RunWorker(const WorkerOptions& options) {
   }
   storage::Catalogue catalogue(**db);
   storage::JobQueue queue(**db);
-  WorkerContext context{*dir, catalogue, queue, is_stopping, options.parent != 0};
+  storage::StageCosts costs(**db);
+  WorkerContext context{*dir, catalogue, queue, costs, is_stopping, options.parent != 0};
   const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
   for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {
     const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());

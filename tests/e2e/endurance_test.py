@@ -1,5 +1,6 @@
 """What wears a server out: kills at random points, a full disk, maps replaced under load, slow connections."""
 import base64
+import http.client
 import os
 import pathlib
 import random
@@ -148,6 +149,35 @@ class Endurance(ServerTestCase):
         self.assertEqual(wrong, [])
         self.assertGreater(asked[0], 100)
         self.assertEqual(server.json("GET", f"/api/v1/flights/{flight_id}")[1]["revision"], 5)
+
+    def test_a_stop_under_load_cuts_no_answer_short(self):
+        server = self.serve("--workers", "0")
+        failed, answered = [], [0]
+
+        def load():
+            connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+            while True:
+                try:
+                    connection.request("GET", "/openapi.json")
+                    response = connection.getresponse()
+                except (ConnectionError, http.client.RemoteDisconnected, http.client.CannotSendRequest):
+                    return  # the server let go of the connection between two answers
+                try:
+                    body = response.read()
+                except http.client.IncompleteRead as cut:
+                    failed.append(repr(cut))
+                    return
+                if response.status != 200 or len(body) != int(response.headers["Content-Length"]):
+                    failed.append((response.status, len(body)))
+                answered[0] += 1
+        threads = [threading.Thread(target=load) for _ in range(16)]
+        for thread in threads:
+            thread.start()
+        wait_until(lambda: answered[0] > 200, "the load does not get through")
+        self.assertEqual(server.stop(), 0)
+        for thread in threads:
+            thread.join()
+        self.assertEqual(failed, [])
 
     def test_a_thousand_slow_connections_hinder_nobody(self):
         server = self.serve("--workers", "0")

@@ -147,6 +147,12 @@ class ServerTestCase(unittest.TestCase):
             if server.process.poll() is None:
                 server.stop()
 
+    def refusal(self, *arguments):
+        """What `skyquilt serve` says when it does not start."""
+        refused = subprocess.run([BINARY, "serve", "--data", self.data, *arguments], capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(refused.returncode, 0)
+        return refused.stderr
+
     def serve(self, *arguments):
         server = Server(self.data, *arguments)
         self.servers.append(server)

@@ -40,12 +40,19 @@ TEST(WholeJobFraction, GrowsThroughTheStages) {
   double before = -1.0;
   for (const char* stage :
        {"read", "check", "pose", "align", "ground", "plan", "expose", "seam", "render", "export"}) {
-    EXPECT_GT(WholeJobFraction(stage, 0.5), before) << stage;
-    EXPECT_LE(WholeJobFraction(stage, 0.0), WholeJobFraction(stage, 1.0));
-    before = WholeJobFraction(stage, 0.5);
+    EXPECT_GT(WholeJobFraction(UsualShares(), stage, 0.5), before) << stage;
+    EXPECT_LE(WholeJobFraction(UsualShares(), stage, 0.0), WholeJobFraction(UsualShares(), stage, 1.0));
+    before = WholeJobFraction(UsualShares(), stage, 0.5);
   }
-  EXPECT_NEAR(WholeJobFraction("export", 1.0), 1.0, 1e-9);
-  EXPECT_EQ(WholeJobFraction("unknown", 0.5), 0.0);
+  EXPECT_NEAR(WholeJobFraction(UsualShares(), "export", 1.0), 1.0, 1e-9);
+  EXPECT_EQ(WholeJobFraction(UsualShares(), "unknown", 0.5), 0.0);
+}
+
+TEST(WholeJobFraction, GoesByWhatWasMeasured) {
+  const StageShares shares = SharesOf({60.0, 50.0, 70.0, {{"align", 0.75}, {"render", 0.25}}});
+  EXPECT_NEAR(WholeJobFraction(shares, "align", 1.0), 0.75, 1e-9);
+  EXPECT_NEAR(WholeJobFraction(shares, "render", 0.5), 0.875, 1e-9);
+  EXPECT_NEAR(WholeJobFraction(shares, "export", 1.0), 1.0, 1e-9);
 }
 
 TEST_F(JobProgressTest, WritesStageAndFractionThatNeverGoBack) {

@@ -1,11 +1,13 @@
-// Renews the gallery: every state of the page, on laptop, phone and 4K screens, light and dark, against the mock.
+// Renews the gallery: every state of the page, on laptop, phone and 4K screens, light and dark, against the real server
+// and real photos where they are at hand (SKYQUILT_DATA or ../shared/data), else simulated ones.
 //   node tests/web/gallery.js [FOLDER] [ONLY-NAMES-CONTAINING]
-import { mkdirSync } from 'node:fs';
-import { dirname, join } from 'node:path';
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { launchBrowser, mapIdle, openPage } from './support/browser.js';
-import { startMockServer } from './support/mock_server.js';
-import { photoFiles } from './support/photo_files.js';
+import { binary, findPhotos, realPhotos, startServer } from './support/real_server.js';
 
 const out = process.argv[2] ?? join(dirname(fileURLToPath(import.meta.url)), 'gallery');
 const only = process.argv[3] ?? '';
@@ -14,67 +16,34 @@ const screens = {
   phone: { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
   '4k': { viewport: { width: 3840, height: 2160 } },
 };
+const kPatience_ms = 600_000;
 
-/** @type {Record<string, (page: any, flight: any, other: any, mock: any) => Promise<void>>} */
-const states = {
-  async home(page) {
-    await page.waitForSelector('.flights li');
-    await page.waitForTimeout(400);
-  },
-  async map(page, flight) {
-    await openFlight(page, flight);
-  },
-  async photo(page, flight) {
-    await openFlight(page, flight);
-    await page.locator('#map canvas').focus();
-    await page.keyboard.press('Enter');
-    await page.waitForSelector('#photo-card:not([hidden])');
-    await mapIdle(page);
-  },
-  async layers(page, flight) {
-    await openFlight(page, flight);
-    await page.click('#tool-layers');
-    await page.check('#show-path');
-    await page.selectOption('#colour-by', 'error');
-    await page.waitForTimeout(500);
-  },
-  async measure(page, flight) {
-    await openFlight(page, flight);
-    await page.click('#tool-area');
-    const box = await page.locator('#map').boundingBox();
-    for (const [x, y] of [[0.35, 0.3], [0.6, 0.28], [0.62, 0.42], [0.4, 0.45]]) await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
-    await page.waitForTimeout(400);
-  },
-  async compare(page, flight, other) {
-    await page.goto(`${new URL('/', page.url()).href}#/flights/${flight.id}/compare/${other.id}`);
-    await mapIdle(page);
-    await mapIdle(page, '#map-above');
-  },
-  async report(page, flight) {
-    await openFlight(page, flight);
-    await page.evaluate(() => document.querySelector('.coverage')?.closest('figure')?.scrollIntoView());
-    await page.waitForTimeout(200);
-  },
-  async uploading(page) {
-    const photos = photoFiles(36, 1_200_000);
-    await page.setInputFiles('#files-input', [{ ...photos[0], name: 'DJI_0000_refused.JPG' }, ...photos.slice(1), { name: 'notes.docx', mimeType: '', buffer: Buffer.from('x') }]);
-    await page.waitForSelector('#verdict', { timeout: 20_000 });
-    await page.waitForSelector('#upload .callout', { timeout: 20_000 });
-    await page.waitForTimeout(400);
-  },
-  async processing(page) {
-    await page.setInputFiles('#files-input', photoFiles(3));
-    await page.waitForSelector('#job');
-    await page.waitForTimeout(3000);
-  },
-  async error(page, _flight, _other, mock) {
-    const doomed = mock.addFlight('A doomed flight');
-    await page.evaluate((/** @type {string} */ id) => (location.hash = `#/flights/${id}`), doomed.id);
-    await page.waitForSelector('#waiting');
-    await page.setInputFiles('#files-input', photoFiles(2));
-    await page.waitForSelector('#failure', { timeout: 20_000 });
-  },
-};
+const work = mkdtempSync(join(tmpdir(), 'skyquilt-gallery-'));
+
+/** @param {string} set @param {number} photos @returns {string[]} */
+function photosOf(set, photos) {
+  const real = realPhotos(set);
+  if (real.length > 0) return real;
+  const folder = join(work, set);
+  const made = spawnSync(binary, ['simulate', '-o', folder, '--photos', String(photos), '--size', '1600x1200', '--no-world'], { encoding: 'utf8' });
+  if (made.status !== 0) throw new Error(made.stderr);
+  return findPhotos(folder);
+}
+
+/** A flight by the API, without the page. */
+async function makeFlight(url, name, photos, options = {}) {
+  const post = (path, value) => fetch(`${url}${path}`, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(value) });
+  const { id } = await (await post('api/v1/flights', { name })).json();
+  for (const path of photos) {
+    await fetch(`${url}api/v1/flights/${id}/files/${encodeURIComponent(basename(path))}`, { method: 'PUT', body: readFileSync(path) });
+  }
+  await post(`api/v1/flights/${id}/jobs`, { options });
+  for (;;) {
+    const flight = await (await fetch(`${url}api/v1/flights/${id}`)).json();
+    if (flight.job.finished_at) return flight;
+    await new Promise((resolve) => setTimeout(resolve, 500));
+  }
+}
 
 /** @param {any} page @param {any} flight */
 async function openFlight(page, flight) {
@@ -82,37 +51,125 @@ async function openFlight(page, flight) {
   await mapIdle(page);
 }
 
-mkdirSync(out, { recursive: true });
-const browser = await launchBrowser();
-try {
+/** Chooses the photos on the page; from the ninth on their uploads wait until released. */
+async function dropHeld(page, photos) {
+  let release = () => {};
+  const rest = new Promise((resolve) => (release = () => resolve(undefined)));
+  let begun = 0;
+  await page.route('**/api/v1/uploads', async (route) => {
+    if (route.request().method() === 'POST' && (begun += 1) > 8) await rest;
+    await route.continue().catch(() => {});  // the page may be gone by then
+  });
+  const text = join(work, 'notes.docx');
+  writeFileSync(text, 'x');
+  await page.setInputFiles('#files-input', [...photos, text]);
+  return release;
+}
+
+/** @type {Record<string, (page: any, made: any) => Promise<void>>} */
+const states = {
+  async home(page) {
+    await page.waitForSelector('.flights li');
+    await page.waitForTimeout(1500);
+  },
+  async map(page, { beach }) {
+    await openFlight(page, beach);
+  },
+  async photo(page, { beach }) {
+    await openFlight(page, beach);
+    await page.locator('#map canvas').focus();
+    await page.keyboard.press('Enter');
+    await page.waitForSelector('#photo-card:not([hidden])');
+    await page.waitForTimeout(800);
+    await mapIdle(page);
+  },
+  async layers(page, { beach }) {
+    await openFlight(page, beach);
+    await page.click('#tool-layers');
+    await page.check('#show-path');
+    await page.selectOption('#colour-by', 'error');
+    await page.waitForTimeout(500);
+  },
+  async measure(page, { beach }) {
+    await openFlight(page, beach);
+    await page.click('#tool-area');
+    const box = await page.locator('#map').boundingBox();
+    for (const [x, y] of [[0.42, 0.3], [0.6, 0.28], [0.62, 0.42], [0.46, 0.45]]) await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
+    await page.waitForTimeout(400);
+  },
+  async compare(page, { beach, by_pose }) {
+    await page.goto(`${new URL('/', page.url()).href}#/flights/${beach.id}/compare/${by_pose.id}`);
+    await mapIdle(page);
+    await mapIdle(page, '#map-above');
+  },
+  async report(page, { beach }) {
+    await openFlight(page, beach);
+    await page.evaluate(() => document.querySelector('.coverage')?.closest('figure')?.scrollIntoView());
+    await page.waitForTimeout(400);
+  },
+  async uploading(page, { photos }) {
+    await dropHeld(page, photos);
+    await page.waitForFunction(() => Number(document.getElementById('preview-note')?.textContent?.match(/\d+/)?.[0]) >= 8, null, { timeout: kPatience_ms });
+    await mapIdle(page);
+  },
+  async processing(page, { photos }) {
+    (await dropHeld(page, photos))();
+    await page.waitForFunction(() => Number(/** @type {HTMLProgressElement|null} */ (document.getElementById('job-progress'))?.value) > 0.2, null, { timeout: kPatience_ms });
+    await mapIdle(page);
+  },
+  async error(page, { failed }) {
+    await page.evaluate((/** @type {string} */ id) => (location.hash = `#/flights/${id}`), failed.id);
+    await page.waitForSelector('#failure');
+    await page.waitForTimeout(300);
+  },
+};
+// The dark scheme and the large screen are told by a few.
+const shows = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) => {
+  if (screen === '4k') return scheme === 'light' && ['home', 'map', 'report'].includes(state);
+  return scheme === 'light' || ['empty', 'home', 'map', 'uploading', 'report', 'error'].includes(state);
+};
+
+/** @param {any} browser @param {string} url @param {string} state @param {(page: any) => Promise<void>} reach */
+async function shoot(browser, url, state, reach, after = async () => {}) {
   for (const [screen, options] of Object.entries(screens)) {
     for (const colorScheme of ['light', 'dark']) {
-      for (const [state, reach] of Object.entries(states)) {
-        // The dark scheme and the large screen are told by a few.
-        const few = ['home', 'map', 'report', 'error'];
-        if (colorScheme === 'dark' && (screen === '4k' || !few.includes(state))) continue;
-        if (screen === '4k' && !['home', 'map'].includes(state)) continue;
-        const name = `${state}-${screen}-${colorScheme}`;
-        if (!name.includes(only)) continue;
-        const mock = await startMockServer({ job_ms: state === 'error' ? 2000 : 9000, upload_ms: state === 'uploading' ? 2500 : 20 });
-        const flight = mock.seedReady('Brook meadow');
-        const other = mock.seedReady('Brook meadow, two weeks later', 24);
-        const { page, context } = await openPage(browser, mock.url, { ...options, colorScheme });
-        await reach(page, flight, other, mock);
-        await page.screenshot({ path: join(out, `${name}.jpg`), quality: 65, type: 'jpeg' });
-        await context.close();
-        await mock.close();
-      }
+      const name = `${state}-${screen}-${colorScheme}`;
+      if (!shows(state, screen, colorScheme) || !name.includes(only)) continue;
+      const { page, context, console_errors } = await openPage(browser, url, { ...options, colorScheme });
+      page.on('dialog', (/** @type {any} */ dialog) => dialog.accept());
+      await reach(page);
+      await page.screenshot({ path: join(out, `${name}.jpg`), quality: 70, type: 'jpeg' });
+      await context.close();
+      await after();
+      console.log(name, ...console_errors);
     }
   }
-  if ('empty'.includes(only)) {
-    const mock = await startMockServer();
-    const { page, context } = await openPage(browser, mock.url, screens.laptop);
-    await page.waitForSelector('#flights-message:not([hidden])');
-    await page.screenshot({ path: join(out, 'empty-laptop-light.jpg'), quality: 65, type: 'jpeg' });
-    await context.close();
-    await mock.close();
+}
+
+mkdirSync(out, { recursive: true });
+const photos = photosOf('brighton_beach', 18);
+const others = photosOf('seneca_40', 24);
+const browser = await launchBrowser();
+const server = await startServer(join(work, 'data'));
+try {
+  await shoot(browser, server.url, 'empty', (page) => page.waitForSelector('#flights-message:not([hidden])'));
+  const failed = await makeFlight(server.url, 'Notes instead of photos', [fileURLToPath(import.meta.url)]);
+  const by_pose = await makeFlight(server.url, 'Brighton Beach, by recorded poses alone', photos, { method: 'imu' });
+  await makeFlight(server.url, 'Seneca', others);
+  const beach = await makeFlight(server.url, 'Brighton Beach', photos);
+  const kept = new Set([failed.id, by_pose.id, beach.id]);
+  for (const [state, reach] of Object.entries(states)) {
+    await shoot(browser, server.url, state, (page) => reach(page, { photos, beach, by_pose, failed }), async () => {
+      if (state !== 'uploading' && state !== 'processing') return;
+      const { flights } = await (await fetch(`${server.url}api/v1/flights`)).json();
+      for (const { id, state: now } of flights) {
+        if (!kept.has(id) && now !== 'ready') await fetch(`${server.url}api/v1/flights/${id}`, { method: 'DELETE' });
+      }
+    });
   }
+  if ('map-laptop-light'.includes(only)) copyFileSync(join(out, 'map-laptop-light.jpg'), join(out, 'brighton_beach.jpg'));
 } finally {
   await browser.close();
+  await server.stop();
+  rmSync(work, { recursive: true, force: true });
 }

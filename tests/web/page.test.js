@@ -62,10 +62,12 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   const opened = await setUp({ upload_ms: 60 });
   const { page, mock } = opened;
   await page.waitForSelector('#flights-message:not([hidden])');
+  const release = mock.holdUploads();
   await dropFiles(page, photoFiles(18));
   await page.waitForSelector('#upload-progress');
   await page.waitForSelector('#verdict');
   assert.match(await page.textContent('#verdict'), /18 photos · FC300S · 132\.\d\sm across · flown in 51\ss.*Every photo has a position/);
+  release();
   await page.waitForSelector('#job-progress');
   assert.match(await page.evaluate(() => location.hash), /^#\/flights\/f\d+/);
   await mapIdle(page);
@@ -373,6 +375,25 @@ test('the first view is light, and the map library comes only with the first map
   const flight = mock.seedReady('Meadow');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await mapIdle(page);
+  await assertQuiet(opened);
+});
+
+test('outlines of the land lie below the map until nothing is chosen, and that is remembered', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const before = await layers();
+  assert.deepEqual(before.slice(0, 3), ['ground', 'basemap-land', 'basemap-coast'], 'below the mosaic');
+  await page.click('#tool-layers');
+  assert.deepEqual(await page.locator('#basemap option').allTextContents(), ['Nothing', 'Outlines of the land']);
+  await page.selectOption('#basemap', 'none');
+  await page.waitForFunction(() => !(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
+  await page.reload();
+  await mapIdle(page);
+  assert.ok(!(await layers()).some((/** @type {string} */ id) => id.startsWith('basemap-')));
   await assertQuiet(opened);
 });
 

@@ -5,6 +5,7 @@ import { File } from 'node:buffer';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/coordinates.js';
+import { tilesIn } from '../../web/src/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/geodesy.js';
 import { clipName, formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/format.js';
 import { parseRoute, routeHash } from '../../web/src/router.js';
@@ -121,6 +122,11 @@ test('a place is inside its ring, with holes of the even-odd rule', () => {
   const square = [[0, 0], [2, 0], [2, 2], [0, 2], [0, 0]];
   assert.ok(isInside([1, 1], square));
   assert.ok(!isInside([3, 1], square));
+});
+
+test('the tiles of an area are those that touch it', () => {
+  assert.deepEqual(tilesIn([-10, -10, 10, 10], 1, 1), [{ z: 1, x: 0, y: 0 }, { z: 1, x: 0, y: 1 }, { z: 1, x: 1, y: 0 }, { z: 1, x: 1, y: 1 }]);
+  assert.equal(tilesIn([8.5, 47.3, 8.5001, 47.3001], 12, 15).length, 4);
 });
 
 test('coverage counts overlapping footprints', () => {

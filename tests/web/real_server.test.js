@@ -1,16 +1,15 @@
 // The page against the real server and a simulated flight: drop, wait, look, compare with the flight's truth, delete.
 import assert from 'node:assert/strict';
-import { spawn, spawnSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { spawnSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/browser.js';
 import { screenshotPixels } from './support/pixels.js';
+import { binary, findPhotos, missingBinary, startServer } from './support/real_server.js';
 
-const binary = process.env.SKYQUILT_BINARY ?? fileURLToPath(new URL('../../build/release/bin/skyquilt', import.meta.url));
-const missing = missingForBrowser() || (existsSync(binary) ? '' : `no program at ${binary}`);
+const missing = missingForBrowser() || missingBinary();
 const options = { skip: missing || false, timeout: 400_000 };
 
 let browser;
@@ -30,37 +29,6 @@ after(async () => {
   await browser?.close();
   if (folder) rmSync(folder, { recursive: true, force: true });
 });
-
-/** @param {string} root @returns {string[]} */
-function findPhotos(root) {
-  return readdirSync(root, { withFileTypes: true })
-    .flatMap((entry) => (entry.isDirectory() ? findPhotos(join(root, entry.name)) : [join(root, entry.name)]))
-    .filter((path) => /\.jpe?g$/i.test(path))
-    .sort();
-}
-
-/** Starts the server and waits for the line that tells its address. */
-async function startServer(listen = '127.0.0.1:0', data = join(folder, 'data')) {
-  const child = spawn(binary, ['serve', '--data', data, '--listen', listen], { stdio: ['ignore', 'pipe', 'pipe'] });
-  let output = '';
-  const url = await new Promise((resolve, reject) => {
-    const read = (chunk) => {
-      output += chunk;
-      const match = output.match(/serving at (http:\/\/127\.0\.0\.1:\d+\/)/);
-      if (match) resolve(match[1]);
-    };
-    child.stdout.on('data', read);
-    child.stderr.on('data', read);
-    child.on('exit', (code) => reject(new Error(`the server ended with ${code}: ${output}`)));
-  });
-  const stop = (signal = 'SIGTERM') =>
-    new Promise((resolve) => {
-      child.removeAllListeners('exit');
-      child.on('exit', (code) => resolve(code));
-      child.kill(/** @type {any} */ (signal));
-    });
-  return { url, stop };
-}
 
 /** The saved GDAL settings and the GeoTIFF show the same ground at the same place. */
 async function assertGdalSeesTheSame(page, url, id, [west, south, east, north]) {
@@ -98,7 +66,7 @@ test('a server with tokens opens to the one that was typed, and to a share link'
     return /** @type {RegExpMatchArray} */ (made.stdout.match(/sq_\S+/))[0];
   };
   const [upload, read] = [tokenOf('upload'), tokenOf('read')];
-  const server = await startServer('127.0.0.1:0', data);
+  const server = await startServer(data);
   const { page, context } = await openPage(browser, server.url);
   try {
     await page.fill('#token-input', upload);
@@ -120,7 +88,7 @@ test('a server with tokens opens to the one that was typed, and to a share link'
 });
 
 test('an upload outlives the server and, chosen again, a reload', options, async () => {
-  let server = await startServer();
+  let server = await startServer(join(folder, 'data'));
   const { page, context, foreign_requests } = await openPage(browser, server.url);
   page.on('dialog', (dialog) => dialog.accept());
   const stored = async () => {
@@ -145,7 +113,7 @@ test('an upload outlives the server and, chosen again, a reload', options, async
     const { port } = new URL(server.url);
     await server.stop('SIGKILL');
     await page.waitForTimeout(800);
-    server = await startServer(`127.0.0.1:${port}`);
+    server = await startServer(join(folder, 'data'), `127.0.0.1:${port}`);
     await until(async () => (await stored()) >= 3);
     await page.reload();
     await page.waitForSelector('#waiting');
@@ -167,7 +135,7 @@ test('an upload outlives the server and, chosen again, a reload', options, async
 });
 
 test('the preview grows while photos arrive and gives way to the map without a flicker', options, async () => {
-  const server = await startServer('127.0.0.1:0', join(folder, 'live'));
+  const server = await startServer(join(folder, 'live'));
   const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
   const middleOfMap = async () => {
     const box = await page.locator('#map').boundingBox();
@@ -232,7 +200,7 @@ async function assertOpensAtItsPixel(page, url, id) {
 }
 
 test('dropped photos become a map on the real server, even when it is killed in between', options, async () => {
-  let server = await startServer();
+  let server = await startServer(join(folder, 'data'));
   const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
   try {
     await page.waitForSelector('#flights-message:not([hidden])');
@@ -244,7 +212,7 @@ test('dropped photos become a map on the real server, even when it is killed in 
     const { port } = new URL(server.url);
     await server.stop('SIGKILL');
     await page.waitForTimeout(1500);
-    server = await startServer(`127.0.0.1:${port}`);
+    server = await startServer(join(folder, 'data'), `127.0.0.1:${port}`);
 
     await page.waitForSelector('#report', { timeout: 240_000 });
     await mapIdle(page);

@@ -2,6 +2,7 @@
 // and beside each large file its gzip, which the server sends instead where the browser takes it.
 // Run by `npm run vendor` (the build does it after `npm ci`). Fails with a message when a package is missing.
 import { createHash } from 'node:crypto';
+import { createRequire } from 'node:module';
 import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -21,11 +22,29 @@ const copies = [
   ['tus-js-client/dist/tus.min.js', 'tus.mjs'],
   ['tus-js-client/lib/index.d.ts', 'tus.d.mts'],
   ['tus-js-client/LICENSE', 'tus.LICENSE.txt'],
+  ['pmtiles/dist/pmtiles.js', 'pmtiles.mjs'],
+  ['pmtiles/dist/esm/index.d.ts', 'pmtiles.d.mts'],
+  ['world-atlas/land-110m.json', 'land.geojson'],
+  ['world-atlas/LICENSE', 'land.LICENSE.txt'],
 ];
 
-/** tus-js-client comes for browsers as a CommonJS bundle: this makes a module of it. */
-const asModule = (/** @type {string} */ text) =>
-  `const module = { exports: {} };\nconst { exports } = module;\n${text}\nexport const { DetailedError, Upload } = module.exports;\n`;
+/** What comes for browsers in another form than a module, and how it becomes one. @type {Record<string, (text: string) => string>} */
+const remade = {
+  'tus.mjs': (text) =>
+    `const module = { exports: {} };\nconst { exports } = module;\n${text}\nexport const { DetailedError, Upload } = module.exports;\n`,
+  'pmtiles.mjs': (text) => `${text}\nexport const { PMTiles, Protocol } = pmtiles;\n`,
+  'land.geojson': landOutlines,
+};
+
+/**
+ * The land of Natural Earth (public domain) as GeoJSON, to a hundredth of a degree: finer than it was drawn.
+ * @param {string} text TopoJSON
+ */
+function landOutlines(text) {
+  const { feature } = createRequire(import.meta.url)('topojson-client');
+  const topology = JSON.parse(text);
+  return JSON.stringify(feature(topology, topology.objects.land), (_, value) => (typeof value === 'number' ? Math.round(value * 100) / 100 : value));
+}
 
 for (const [from] of copies) {
   if (!existsSync(join(web, 'node_modules', from))) {
@@ -37,14 +56,14 @@ rmSync(vendor, { recursive: true, force: true });
 mkdirSync(vendor, { recursive: true });
 for (const [from, to] of copies) {
   const source = join(web, 'node_modules', from);
-  if (to.endsWith('.mjs')) {
+  if (/\.(mjs|geojson)$/.test(to)) {
     // The source maps stay behind, so their names must not be asked for.
     const text = readFileSync(source, 'utf8').replace(/\n\/\/# sourceMappingURL=.*\s*$/, '\n');
-    writeFileSync(join(vendor, to), to === 'tus.mjs' ? asModule(text) : text);
+    writeFileSync(join(vendor, to), remade[to]?.(text) ?? text);
   } else {
     cpSync(source, join(vendor, to));
   }
-  if (/\.(mjs|css)$/.test(to)) writeFileSync(join(vendor, `${to}.gz`), gzipSync(readFileSync(join(vendor, to)), { level: 9 }));
+  if (/\.(mjs|css|geojson)$/.test(to)) writeFileSync(join(vendor, `${to}.gz`), gzipSync(readFileSync(join(vendor, to)), { level: 9 }));
 }
 const stamp = createHash('sha256');
 for (const name of ['package-lock.json', 'scripts/vendor.js']) {

@@ -15,6 +15,13 @@ export function stageName(stage) {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+/** @param {Job} job @returns {string} how long it will take, as far as that is known */
+function timeLeft(job) {
+  if (job.eta_s === null || job.eta_s === undefined) return '';
+  const [low, high] = [job.eta_low_s, job.eta_high_s].map((seconds) => formatDuration(seconds ?? job.eta_s ?? 0));
+  return low === high ? strings.job.left(formatDuration(job.eta_s)) : strings.job.left_between(low, high);
+}
+
 /**
  * @param {string} job_id
  * @returns {{element: HTMLElement, update: (job: Job) => void, lost: () => void}}
@@ -56,7 +63,7 @@ export function jobView(job_id) {
       stage.textContent = waiting ? words.waiting : stageName(job.stage);
       note.textContent = [
         waiting || job.message === stage.textContent ? '' : job.message,
-        job.eta_s !== null && job.eta_s !== undefined ? words.left(formatDuration(job.eta_s)) : '',
+        timeLeft(job),
         (job.attempts ?? 0) > 1 ? words.attempt(job.attempts ?? 0) : '',
       ]
         .filter(Boolean)

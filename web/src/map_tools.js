@@ -1,6 +1,7 @@
 // What floats over the map: the tool column, the layers card with its legend, and the coordinates.
 /** @import { MapView } from './map_view.js' */
 /** @import { CoordinateForm } from './coordinates.js' */
+import { chosenBasemap, keepBasemap, offeredBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { h, put } from './dom.js';
 import { formatLength } from './format.js';
@@ -98,6 +99,17 @@ function layersCard(view) {
     view.setColourBy(/** @type {any} */ (by.value));
     draw();
   });
+  const basemap = h('select', { id: 'basemap', class: 'field' });
+  const drawBasemaps = async () => {
+    const kinds = /** @type {const} */ (['none', 'land', ...((await offeredBasemap()) ? ['server'] : [])]);
+    put(basemap, ...kinds.map((kind) => h('option', { value: kind }, words.basemaps[/** @type {'none'|'land'|'server'} */ (kind)])));
+    basemap.value = chosenBasemap();
+  };
+  basemap.addEventListener('change', () => {
+    const kind = /** @type {import('./basemap.js').BasemapKind} */ (basemap.value);
+    keepBasemap(kind);
+    void view.setBasemap(kind);
+  });
   const element = h(
     'section',
     { class: 'layers-card floating', id: 'layers-card', 'aria-label': words.layers, hidden: true },
@@ -108,8 +120,16 @@ function layersCard(view) {
     h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
     by,
     legend,
+    h('label', { for: 'basemap', class: 'small-label' }, words.basemap),
+    basemap,
   );
-  return { element, draw };
+  return {
+    element,
+    draw: () => {
+      draw();
+      void drawBasemaps();
+    },
+  };
 }
 
 /**

@@ -4,6 +4,7 @@
 /** @import { ColourBy } from './map_style.js' */
 import * as maplibre from '../vendor/maplibre-gl.mjs';
 import { authorization } from './access.js';
+import { basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
 import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { strings } from './strings.js';
@@ -26,6 +27,7 @@ export class MapView {
   #selected = '';
   #mosaic = '';
   #mosaics = 0;
+  #basemap_turn = 0;
   /** @type {[number, number]} of the mosaic */
   #zooms = [0, 0];
   is_moved = false;  // by the user, since the flight was opened
@@ -60,8 +62,10 @@ export class MapView {
     this.map.on('error', (event) => console.debug('map:', event.error?.message));
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
       this.map.setPaintProperty('ground', 'background-color', groundColour());
+      void this.setBasemap(chosenBasemap());
     });
     this.ready = new Promise((resolve) => this.map.once('load', () => resolve(undefined)));
+    void this.ready.then(() => this.setBasemap(chosenBasemap()));
   }
 
   /** @param {'loading'|'idle'} state */
@@ -92,7 +96,7 @@ export class MapView {
       ...(grows ? {} : { bounds }),
     });
     this.#zooms = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
-    const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old)?.id;
+    const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old && !id.startsWith('basemap-'))?.id;
     this.map.addLayer(
       {
         id: this.#mosaic,
@@ -114,6 +118,19 @@ export class MapView {
   growMosaic(bounds, changed) {
     this.bounds = bounds;
     if (this.#mosaic) this.map.refreshTiles(this.#mosaic, tilesIn(changed, ...this.#zooms));
+  }
+
+  /** @param {import('./basemap.js').BasemapKind} kind what lies below everything else */
+  async setBasemap(kind) {
+    const turn = (this.#basemap_turn += 1);
+    const parts = await basemapParts(kind);
+    await this.ready;
+    if (turn !== this.#basemap_turn) return;
+    this.#remove('basemap', this.map.getStyle().layers.filter(({ id }) => id.startsWith('basemap-')).map(({ id }) => id));
+    if (!parts) return;
+    this.map.addSource('basemap', parts.source);
+    const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground')?.id;
+    for (const layer of parts.layers) this.map.addLayer(layer, above);
   }
 
   /** @param {PhotoCollection} photos */

@@ -17,6 +17,8 @@
  * @property {number} [progress] 0..1
  * @property {string} [message]
  * @property {number|null} [eta_s]
+ * @property {number|null} [eta_low_s] four of five jobs end between these
+ * @property {number|null} [eta_high_s]
  * @property {number} [attempts]
  * @property {string|null} [created_at]
  * @property {string|null} [started_at]

@@ -82,6 +82,8 @@ export async function startMockServer(options = {}) {
         stage: stages[Math.min(stages.length - 1, Math.floor(progress * stages.length))],
         progress,
         eta_s: progress > 0 ? ((1 - progress) * job_ms) / 1000 : null,
+        eta_low_s: progress > 0 ? (0.8 * (1 - progress) * job_ms) / 1000 : null,
+        eta_high_s: progress > 0 ? (1.25 * (1 - progress) * job_ms) / 1000 : null,
         message: '',
         error: doomed ? { code: 'unprocessable', message: 'No photo has a GPS position. Add the flight log or photos with GPS.' } : null,
       });
@@ -149,6 +151,7 @@ export async function startMockServer(options = {}) {
     if (answered && response.destroyed) return undefined;
     if (answered) return send(answered.status, answered.body ?? null, answered.body ? 'application/problem+json' : 'text/plain', answered.headers);
     let match;
+    if (path === '/basemap.json') return send(200, { tilejson: '3.0.0', tiles: [] });
     if (path === '/api/v1/events') {
       response.writeHead(200, { 'Content-Type': 'text/event-stream', ...security_headers });
       response.write(': nothing happens here but what the page asks for\n\n');
@@ -195,7 +198,7 @@ export async function startMockServer(options = {}) {
       }
       if (rest === '/jobs' && request.method === 'POST') {
         await readBody();
-        const job = { id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, attempts: 1,
+        const job = { id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, eta_low_s: null, eta_high_s: null, priority: 0, attempts: 1,
           created_at: new Date().toISOString(), started_at: null, finished_at: null, error: null, at: Date.now() };
         flight.error = null;
         flight.job = job;

@@ -1,0 +1,68 @@
+#include "api/basemap/basemap.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "api/downloads/send_file.h"
+#include "api/json_codec.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+Response Describe(const Basemap& basemap) {
+  if (!basemap.pmtiles.empty()) {
+    return Json(200, JsonObject({{"tilejson", JsonString("3.0.0")},
+                                 {"tiles", JsonArray({})},
+                                 {"pmtiles", JsonString("/basemap.pmtiles")}}));
+  }
+  const std::vector<std::string> tiles =
+      basemap.tiles.empty() ? std::vector<std::string>() : std::vector{JsonString(basemap.tiles)};
+  return Json(200, JsonObject({{"tilejson", JsonString("3.0.0")}, {"tiles", JsonArray(tiles)}}));
+}
+
+Response SendPmtiles(const Basemap& basemap, const Request& request) {
+  struct stat status {};
+  if (basemap.pmtiles.empty() || stat(basemap.pmtiles.c_str(), &status) != 0) {
+    return Problem({ErrorCode::kNotFound, "This server has no basemap of its own (serve --basemap).", ""},
+                   request);
+  }
+  const std::string etag = fmt::format("\"{:x}-{:x}\"", status.st_mtim.tv_sec, status.st_size);
+  Result<Response> sent = SendFile(request, basemap.pmtiles, "application/vnd.pmtiles", etag);
+  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+}
+
+}  // namespace
+
+std::string Basemap::Origin() const { return tiles.substr(0, tiles.find('/', tiles.find("//") + 2)); }
+
+Result<Basemap> BasemapFrom(const std::string& text) {
+  Basemap basemap;
+  if (text.empty()) return basemap;
+  if (text.starts_with("http://") || text.starts_with("https://")) {
+    for (const char* part : {"{z}", "{x}", "{y}"}) {
+      if (text.find(part) == std::string::npos || text.find_first_of(" \"<>;'") != std::string::npos) {
+        return Error{
+            ErrorCode::kInvalidArgument,
+            "--basemap: give tiles as https://host/path/{z}/{x}/{y}.png, or the path of a PMTiles file.", ""};
+      }
+    }
+    basemap.tiles = text;
+    return basemap;
+  }
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(text, missing)) {
+    return Error{ErrorCode::kNotFound, "--basemap: there is no file " + text + ".", ""};
+  }
+  basemap.pmtiles = std::filesystem::absolute(text);
+  return basemap;
+}
+
+void AddBasemapRoutes(Router& router, const Basemap& basemap) {
+  router.Add(Method::kGet, "/basemap.json", [basemap](const Request&) { return Describe(basemap); });
+  router.Add(Method::kGet, "/basemap.pmtiles",
+             [basemap](const Request& r) { return SendPmtiles(basemap, r); });
+}
+
+}  // namespace skyquilt::api

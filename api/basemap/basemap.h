@@ -1,0 +1,25 @@
+// The basemap that the operator chose for the page: tiles of another server by their address, or a PMTiles
+// file of this one. GET /basemap.json says which, as TileJSON; without a choice it has no tiles. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "api/router.h"
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+struct Basemap {
+  std::string tiles;              // "https://host/{z}/{x}/{y}.png"; or:
+  std::filesystem::path pmtiles;  // of raster tiles
+  // "https://host" of `tiles`, for the page's Content-Security-Policy; empty without.
+  std::string Origin() const;
+};
+
+// An address with {z}, {x} and {y}, or a path. Errors: kInvalidArgument, kNotFound.
+Result<Basemap> BasemapFrom(const std::string& text);
+
+void AddBasemapRoutes(Router& router, const Basemap& basemap);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,26 @@
+#include "api/jobs/queue_job.h"
+
+#include "api/json_codec.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+
+Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
+                              const std::string& body) {
+  const Result<void> checked = CheckId(flight_id, "flight");
+  if (!checked) return checked.error();
+  const Result<JobRequest> wish = ParseJobRequest(body);
+  if (!wish) return wish.error();
+  if (wish->priority > 0 && !request.may_jump_the_queue) {
+    return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin.", ""};
+  }
+  const Result<storage::Flight> flight = service.catalogue.GetFlight(flight_id);
+  if (!flight) return flight.error();
+  if (flight->file_count == 0) {
+    return Error{ErrorCode::kConflict, "This flight has no files yet. Upload photos first.", ""};
+  }
+  return service.queue.Add(flight_id, wish->options.value_or(flight->options), storage::Now(),
+                           {wish->priority, request.owner});
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,17 @@
+// QueueJob: a stitching job for a flight, by whatever door it is asked for. Errors: kNotFound (no such
+// flight), kConflict (it has no files, or an unfinished job), kUnprocessable and kInvalidArgument (the
+// request), and the queue's.
+#pragma once
+
+#include <string>
+
+#include "api/http_message.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+// `body`: that of POST /api/v1/flights/{flight}/jobs.
+Result<storage::Job> QueueJob(Service& service, const Request& request, const std::string& flight_id,
+                              const std::string& body);
+
+}  // namespace skyquilt::api

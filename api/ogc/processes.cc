@@ -1,0 +1,234 @@
+#include "api/ogc/processes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "api/jobs/queue_job.h"
+#include "api/json_codec.h"
+#include "api/json_text.h"
+#include "api/once.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+using Value = nlohmann::ordered_json;
+
+constexpr const char* kProcess = "stitch";
+constexpr const char* kRel = "http://www.opengis.net/def/rel/ogc/1.0/";
+constexpr const char* kException = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/";
+
+Response Document(int status, const Value& value, const char* type = "application/json") {
+  Response response = Text(status, value.dump(-1, ' ', false, Value::error_handler_t::replace), type);
+  response.headers.Add("Cache-Control", "no-cache");
+  return response;
+}
+
+Response Exception(int status, const char* type, const std::string& title, const std::string& detail,
+                   const Request& request) {
+  return Document(status,
+                  {{"type", std::string(kException) + type},
+                   {"title", title},
+                   {"status", status},
+                   {"detail", detail},
+                   {"instance", request.path},
+                   {"request_id", request.request_id}},
+                  "application/problem+json");
+}
+
+Value Link(const Request& request, const std::string& path, const std::string& rel, const char* type,
+           const char* title) {
+  return {{"href", request.base_url + path}, {"rel", rel}, {"type", type}, {"title", title}};
+}
+
+Value Summary(const Request& request) {
+  Value process;
+  process["id"] = kProcess;
+  process["title"] = "Stitch a flight";
+  process["description"] = "From the aerial photos and logs of a flight to its map";
+  process["version"] = "1.0.0";
+  process["jobControlOptions"] = {"async-execute", "dismiss"};
+  process["outputTransmission"] = {"reference"};
+  process["links"] =
+      Value::array({Link(request, "/ogc/processes/stitch", "self", "application/json", "This process"),
+                    Link(request, "/ogc/processes/stitch/execution", std::string(kRel) + "execute",
+                         "application/json", "Where to execute it")});
+  return process;
+}
+
+Response List(const Request& request) {
+  return Document(
+      200, {{"processes", Value::array({Summary(request)})},
+            {"links",
+             Value::array({Link(request, "/ogc/processes", "self", "application/json", "This document")})}});
+}
+
+Value Output(const char* title, const char* type) {
+  return {{"title", title}, {"schema", {{"type", "string"}, {"contentMediaType", type}}}};
+}
+
+Response Describe(const Request& request) {
+  if (request.Parameter("process") != kProcess) {
+    return Exception(404, "no-such-process", "No such process", "There is one process here: stitch.",
+                     request);
+  }
+  Value process = Summary(request);
+  process["inputs"] = {
+      {"flight",
+       {{"title", "Id of the flight, whose files are uploaded already"}, {"schema", {{"type", "string"}}}}},
+      {"options",
+       {{"title", "As in POST /api/v1/flights/{flight}/jobs"},
+        {"minOccurs", 0},
+        {"schema", {{"type", "object"}}}}}};
+  process["outputs"] = {{"map", Output("TileJSON of the map", "application/json")},
+                        {"cog", Output("Cloud-optimised GeoTIFF", "image/tiff")},
+                        {"mbtiles", Output("MBTiles", "application/vnd.sqlite3")},
+                        {"report", Output("How it was made", "application/json")}};
+  return Document(200, process);
+}
+
+Value StatusInfo(const Request& request, const storage::Job& job) {
+  Value info;
+  info["jobID"] = job.id;
+  info["processID"] = kProcess;
+  info["type"] = "process";
+  info["status"] = storage::JobStateName(job.state);
+  info["message"] = job.state == storage::JobState::kFailed && job.error ? job.error->message : job.message;
+  info["created"] = FormatTime(job.created);
+  if (job.started) info["started"] = FormatTime(*job.started);
+  if (job.finished) info["finished"] = FormatTime(*job.finished);
+  info["progress"] = static_cast<int>(std::lround(100.0 * job.progress));
+  const std::string self = "/ogc/jobs/" + job.id;
+  info["links"] = Value::array({Link(request, self, "self", "application/json", "This job")});
+  if (job.state == storage::JobState::kSuccessful) {
+    info["links"].push_back(
+        Link(request, self + "/results", std::string(kRel) + "results", "application/json", "Its results"));
+  }
+  return info;
+}
+
+// {"inputs": {"flight": ID, "options": {...}}}; what else the standard allows there changes nothing here.
+struct Execution {
+  std::string flight_id;
+  std::optional<std::string> job_request;  // as the body of POST /flights/{id}/jobs
+};
+
+Result<Execution> ParseExecution(const std::string& body) {
+  const Result<void> fit = CheckJsonText(body);
+  if (!fit) return fit.error();
+  const Value parsed = Value::parse(body, nullptr, false);
+  const bool has_flight = parsed.is_object() && parsed.contains("inputs") && parsed["inputs"].is_object() &&
+                          parsed["inputs"].contains("flight") && parsed["inputs"]["flight"].is_string();
+  if (!has_flight) {
+    return Error{ErrorCode::kInvalidArgument, "Send {\"inputs\": {\"flight\": \"the flight's id\"}}.", ""};
+  }
+  Execution execution;
+  execution.flight_id = parsed["inputs"]["flight"].get<std::string>();
+  Value request = Value::object();
+  for (const auto& [name, value] : parsed["inputs"].items()) {
+    if (name != "flight") request[name] = value;
+  }
+  execution.job_request = request.dump();
+  return execution;
+}
+
+Response Execute(Service& service, const Request& request, const std::string& body) {
+  const Result<Execution> execution = ParseExecution(body);
+  if (!execution) return Problem(execution.error(), request);
+  const Result<storage::Job> job = QueueJob(service, request, execution->flight_id, *execution->job_request);
+  if (!job) return Problem(job.error(), request);
+  Response response = Document(201, StatusInfo(request, *job));
+  response.headers.Add("Location", request.base_url + "/ogc/jobs/" + job->id);
+  response.headers.Add("Preference-Applied", "respond-async");
+  return response;
+}
+
+Response NoSuchJob(const Request& request) {
+  return Exception(404, "no-such-job", "No such job", "There is no job of this id.", request);
+}
+
+Response Jobs(Service& service, const Request& request) {
+  constexpr int kMostListed = 200;
+  const Result<std::vector<storage::Job>> jobs = service.queue.List(std::nullopt, kMostListed);
+  if (!jobs) return Problem(jobs.error(), request);
+  Value list = Value::array();
+  for (const storage::Job& job : *jobs) list.push_back(StatusInfo(request, job));
+  return Document(
+      200,
+      {{"jobs", list},
+       {"links", Value::array({Link(request, "/ogc/jobs", "self", "application/json", "This document")})}});
+}
+
+Response Status(Service& service, const Request& request) {
+  const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
+  if (!job)
+    return job.error().code == ErrorCode::kNotFound ? NoSuchJob(request) : Problem(job.error(), request);
+  return Document(200, StatusInfo(request, *job));
+}
+
+Response Dismiss(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("job");
+  Result<storage::Job> job = service.queue.Get(id);
+  if (!job)
+    return job.error().code == ErrorCode::kNotFound ? NoSuchJob(request) : Problem(job.error(), request);
+  if (job->finished) {
+    const Result<void> removed = service.queue.Remove(id);
+    if (!removed) return Problem(removed.error(), request);
+  } else {
+    job = service.queue.Cancel(id, storage::Now());
+    if (!job) return Problem(job.error(), request);
+  }
+  Value info = StatusInfo(request, *job);
+  // A running one ends within a second; what is asked for is done.
+  info["status"] = storage::JobStateName(storage::JobState::kDismissed);
+  return Document(200, info);
+}
+
+Response Results(Service& service, const Request& request) {
+  const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
+  if (!job)
+    return job.error().code == ErrorCode::kNotFound ? NoSuchJob(request) : Problem(job.error(), request);
+  if (job->state == storage::JobState::kFailed) {
+    return Problem({ErrorCode::kUnprocessable, job->error ? job->error->message : "The job failed.", ""},
+                   request);
+  }
+  if (job->state != storage::JobState::kSuccessful) {
+    return Exception(404, "result-not-ready", "Result not ready", "This job has no results (yet).", request);
+  }
+  const std::string flight = request.base_url + "/api/v1/flights/" + job->flight_id;
+  return Document(
+      200,
+      {{"map",
+        {{"href", request.base_url + "/tiles/" + job->flight_id + ".json"}, {"type", "application/json"}}},
+       {"cog", {{"href", flight + "/download.tif"}, {"type", "image/tiff"}}},
+       {"mbtiles", {{"href", flight + "/download.mbtiles"}, {"type", "application/vnd.sqlite3"}}},
+       {"report", {{"href", flight + "/report"}, {"type", "application/json"}}}});
+}
+
+}  // namespace
+
+void AddProcessRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/ogc/processes", List);
+  router.Add(Method::kGet, "/ogc/processes/{process}", Describe);
+  router.AddUpload(Method::kPost, "/ogc/processes/stitch/execution",
+                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     if (!IsJson(request)) {
+                       return Problem(
+                           {ErrorCode::kUnsupportedFormat, "Send the inputs as application/json.", ""},
+                           request);
+                     }
+                     return CollectBody([&service, request](const std::string& body) {
+                       return Once(service, request, body, [&] { return Execute(service, request, body); });
+                     });
+                   });
+  router.Add(Method::kGet, "/ogc/jobs", [&](const Request& r) { return Jobs(service, r); });
+  router.Add(Method::kGet, "/ogc/jobs/{job}", [&](const Request& r) { return Status(service, r); });
+  router.Add(Method::kDelete, "/ogc/jobs/{job}", [&](const Request& r) { return Dismiss(service, r); });
+  router.Add(Method::kGet, "/ogc/jobs/{job}/results", [&](const Request& r) { return Results(service, r); });
+}
+
+}  // namespace skyquilt::api

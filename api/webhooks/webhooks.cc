@@ -1,0 +1,114 @@
+#include "api/webhooks/webhooks.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/auth/access.h"
+#include "api/json_codec.h"
+#include "api/json_text.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::size_t kLongestUrl = 2000;
+constexpr std::size_t kShortestSecret = 16;
+
+struct Wish {
+  std::string url;
+  std::string secret;
+};
+
+Result<Wish> ParseWish(const std::string& body) {
+  const Result<void> fit = CheckJsonText(body);
+  if (!fit) return fit.error();
+  const auto parsed = nlohmann::json::parse(body, nullptr, false);
+  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"url\": \"https://...\"}.", ""};
+  Wish wish;
+  for (const auto& [field, value] : parsed.items()) {
+    if ((field != "url" && field != "secret") || !value.is_string()) {
+      return Error{ErrorCode::kUnprocessable,
+                   "A webhook has a \"url\" and may have a \"secret\", both texts.", ""};
+    }
+    (field == "url" ? wish.url : wish.secret) = value.get<std::string>();
+  }
+  const bool is_http = wish.url.starts_with("http://") || wish.url.starts_with("https://");
+  for (const char c : wish.url) {
+    if (c <= ' ' || c == 0x7f || c == '@')
+      return Error{ErrorCode::kUnprocessable, "This address cannot be used.", ""};
+  }
+  if (!is_http || wish.url.size() > kLongestUrl) {
+    return Error{ErrorCode::kUnprocessable, "The \"url\" must be an http or https address.", ""};
+  }
+  if (!wish.secret.empty() && wish.secret.size() < kShortestSecret) {
+    return Error{ErrorCode::kUnprocessable, "The \"secret\" must have 16 characters or more.", ""};
+  }
+  if (wish.secret.empty()) wish.secret = NewTokenText();
+  return wish;
+}
+
+std::string Described(const storage::Webhook& webhook, bool with_secret) {
+  std::vector<std::pair<std::string_view, std::string>> members = {
+      {"id", JsonString(webhook.id)},
+      {"url", JsonString(webhook.url)},
+      {"created_at", JsonString(FormatTime(webhook.created))}};
+  if (with_secret) members.emplace_back("secret", JsonString(webhook.secret));
+  return JsonObject(members);
+}
+
+Response Add(Service& service, const Request& request, const std::string& body) {
+  if (!service.sends_webhooks) {
+    return Problem(
+        {ErrorCode::kForbidden, "This server speaks to nobody by itself; serve --webhooks changes that.", ""},
+        request);
+  }
+  const Result<Wish> wish = ParseWish(body);
+  if (!wish) return Problem(wish.error(), request);
+  const Result<storage::Webhook> made = service.webhooks.Add(wish->url, wish->secret, storage::Now());
+  if (!made) return Problem(made.error(), request);
+  return Json(201, Described(*made, true));
+}
+
+Response List(Service& service, const Request& request) {
+  const Result<std::vector<storage::Webhook>> webhooks = service.webhooks.List();
+  if (!webhooks) return Problem(webhooks.error(), request);
+  std::vector<std::string> items;
+  for (const storage::Webhook& webhook : *webhooks) items.push_back(Described(webhook, false));
+  return Json(200, JsonObject({{"webhooks", JsonArray(items)}}));
+}
+
+Response Remove(Service& service, const Request& request) {
+  const Result<void> removed = service.webhooks.Remove(request.Parameter("webhook"));
+  return removed ? NoContent() : Problem(removed.error(), request);
+}
+
+}  // namespace
+
+std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const std::string& body) {
+  const std::string text = fmt::format("{}.{}", at_s, body);
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int size = 0;
+  HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()),
+       reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest, &size);
+  std::string hex;
+  for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
+  return fmt::format("t={},v1={}", at_s, hex);
+}
+
+void AddWebhookRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request& r) { return List(service, r); });
+  router.AddUpload(Method::kPost, "/api/v1/webhooks",
+                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     return CollectBody([&service, request](const std::string& body) {
+                       return Add(service, request, body);
+                     });
+                   });
+  router.Add(Method::kDelete, "/api/v1/webhooks/{webhook}",
+             [&](const Request& r) { return Remove(service, r); });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,15 @@
+// Webhooks: addresses that the server tells of ended jobs and new maps, where its operator allows it to speak
+// to others at all (serve --webhooks). GET, POST and DELETE /api/v1/webhooks.
+#pragma once
+
+#include "api/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+void AddWebhookRoutes(Router& router, Service& service);
+
+// What a receiver checks: "t=<seconds since 1970>,v1=<HMAC-SHA256 of 't.body' under the secret, hex>".
+std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const std::string& body);
+
+}  // namespace skyquilt::api

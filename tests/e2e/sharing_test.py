@@ -1,0 +1,134 @@
+"""Several who use one server: limits of a token, turns, OGC API Processes, and others who want to be told."""
+import hashlib
+import hmac
+import http.server
+import json
+import subprocess
+import threading
+import time
+import unittest
+
+from server_support import BINARY, ServerTestCase, path_of, wait_until
+
+
+class Receiver(http.server.ThreadingHTTPServer):
+    """Hears webhooks; refuses the first it hears."""
+
+    def __init__(self):
+        self.heard = []
+        outer = self
+
+        class Handler(http.server.BaseHTTPRequestHandler):
+            def do_POST(self):
+                body = self.rfile.read(int(self.headers["Content-Length"]))
+                outer.heard.append((self.path, dict(self.headers), body))
+                self.send_response(500 if len(outer.heard) == 1 else 204)
+                self.end_headers()
+
+            def log_message(self, *_):
+                pass
+        super().__init__(("127.0.0.1", 0), Handler)
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+
+class Sharing(ServerTestCase):
+    def make_token(self, name, *options):
+        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *options], check=True, capture_output=True, text=True)
+        return {"Authorization": f"Bearer {made.stdout.strip()}"}
+
+    def test_a_token_takes_what_it_may(self):
+        few = self.make_token("few", "--scope", "upload", "--per-minute", "30")
+        small = self.make_token("small", "--scope", "upload", "--most-gb", "0.001")
+        admin = self.make_token("admin", "--scope", "admin")
+        server = self.serve("--workers", "0")
+        answers = [server.request("GET", "/api/v1/flights", headers=few) for _ in range(40)]
+        self.assertEqual([status for status, _, _ in answers[:30]], [200] * 30)
+        status, headers, _ = answers[-1]
+        self.assertEqual(status, 429)
+        self.assertIn("Retry-After", headers)
+        self.assertEqual(server.request("GET", "/api/v1/flights", headers=small)[0], 200)
+        as_json = {"Content-Type": "application/json"}
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **as_json})
+        files = f"/api/v1/flights/{json.loads(body)['id']}/files"
+        self.assertEqual(server.request("PUT", f"{files}/a.jpg", bytes(600_000), small)[0], 201)
+        status, _, body = server.request("PUT", f"{files}/b.jpg", bytes(600_000), small)
+        self.assertEqual((status, b"Delete a flight" in body), (413, True))
+        refused = server.request("POST", "/api/v1/uploads", headers={**small, "Tus-Resumable": "1.0.0", "Upload-Length": "600000"})
+        self.assertEqual(refused[0], 413)
+        self.assertEqual(server.request("PUT", f"{files}/b.jpg", bytes(300_000), small)[0], 201)
+        jobs = files.replace("/files", "/jobs")
+        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**small, **as_json})
+        self.assertEqual((status, b"admin" in body), (403, True))
+        status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **as_json})
+        self.assertEqual((status, json.loads(body)["priority"]), (202, 5))
+
+    def test_a_process_is_the_same_job(self):
+        server = self.serve()
+        _, flight = server.json("POST", "/api/v1/flights", {})
+        for name, content in self.photos:
+            server.request("PUT", f"/api/v1/flights/{flight['id']}/files/{name}", content)
+        status, headers, body = server.request("POST", "/ogc/processes/stitch/execution",
+                                               json.dumps({"inputs": {"flight": flight["id"], "options": {"gsd_m": 0.4}}}),
+                                               {"Content-Type": "application/json"})
+        self.assertEqual(status, 201, body)
+        info = json.loads(body)
+        self.assertEqual(server.wait_for_job(info["jobID"])["state"], "successful")
+        _, info = server.json("GET", path_of(headers["Location"]))
+        self.assertEqual((info["status"], info["progress"]), ("successful", 100))
+        _, results = server.json("GET", path_of(headers["Location"]) + "/results")
+        self.assertEqual(server.request("GET", path_of(results["map"]["href"]))[0], 200)
+        self.assertEqual(server.json("DELETE", path_of(headers["Location"]))[1]["status"], "dismissed")
+        self.assertEqual(server.request("GET", path_of(headers["Location"]))[0], 404)
+        # What it took tells how long the next one will take, from its first second on.
+        _, job = server.json("POST", f"/api/v1/flights/{flight['id']}/jobs", {"options": {"gsd_m": 0.4}})
+        seen = server.wait_for_job(job["id"], until=lambda job: job["eta_s"] is not None or job["finished_at"])
+        if not seen["finished_at"]:
+            self.assertLessEqual(seen["eta_low_s"], seen["eta_s"])
+            self.assertLessEqual(seen["eta_s"], seen["eta_high_s"])
+            self.assertGreater(seen["eta_high_s"], 0)
+        server.wait_for_job(job["id"])
+
+    def test_others_are_told_once_it_is_allowed_and_signed(self):
+        receiver = Receiver()
+        url = f"http://127.0.0.1:{receiver.server_port}/hook?x=1"
+        server = self.serve("--webhooks", "any")
+        status, hook = server.json("POST", "/api/v1/webhooks", {"url": url})
+        self.assertEqual(status, 201)
+        _, listed = server.json("GET", "/api/v1/webhooks")
+        self.assertEqual([("secret" in entry, entry["url"]) for entry in listed["webhooks"]], [(False, url)])
+        _, made = server.upload(self.photos[:2])
+        server.wait_for_job(made["job"]["id"])
+        wait_until(lambda: len(receiver.heard) >= 3, f"only {len(receiver.heard)} were heard: {server.errors()}")
+        for path, headers, body in receiver.heard:
+            self.assertEqual(path, "/hook?x=1")
+            at, signature = (part.split("=", 1)[1] for part in headers["X-Skyquilt-Signature"].split(","))
+            expected = hmac.new(hook["secret"].encode(), f"{at}.".encode() + body, hashlib.sha256).hexdigest()
+            self.assertEqual(signature, expected)
+        first = json.loads(receiver.heard[0][2])
+        again = [json.loads(body) for _, _, body in receiver.heard[1:]]
+        self.assertIn(first, again)  # what was refused came a second time
+        told = {entry["event"]: entry for entry in again}
+        self.assertEqual(set(told), {"job", "map"})
+        self.assertEqual(told["job"]["job"]["state"], "successful")
+        self.assertEqual(server.request("DELETE", f"/api/v1/webhooks/{hook['id']}")[0], 204)
+        receiver.shutdown()
+
+    def test_nobody_is_told_by_default_and_nothing_private(self):
+        server = self.serve("--workers", "0")
+        self.assertEqual(server.json("POST", "/api/v1/webhooks", {"url": "http://example.org/"})[0], 403)
+        server.stop()
+        receiver = Receiver()
+        server = self.serve("--webhooks", "public")
+        for bad in ("ftp://example.org/", "http://a b/", "http://user@host/", "javascript:alert(1)"):
+            self.assertEqual(server.json("POST", "/api/v1/webhooks", {"url": bad})[0], 422, bad)
+        server.json("POST", "/api/v1/webhooks", {"url": f"http://localhost:{receiver.server_port}/"})
+        _, made = server.upload([("notes.jpg", b"no picture")])
+        server.wait_for_job(made["job"]["id"])
+        wait_until(lambda: "private address" in server.errors(), "nothing was said of the private address")
+        time.sleep(0.5)
+        self.assertEqual(receiver.heard, [])
+        receiver.shutdown()
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
