@@ -2,7 +2,6 @@
 // operator chose. The choice stays in this browser.
 /** @import { TileJson } from './types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
-import * as maplibre from '../vendor/maplibre-gl.mjs';
 import { authorization } from './access.js';
 
 /** @typedef {'none'|'land'|'server'} BasemapKind */
@@ -58,11 +57,12 @@ export async function basemapParts(kind) {
   /** @type {any} */
   const source = { type: 'raster', tileSize: 256, attribution: tilejson.attribution ?? '' };
   if (tilejson.pmtiles) {
-    const { PMTiles, Protocol } = await import('../vendor/pmtiles.mjs');
+    // Neither library may come with the first view: this module does.
+    const [{ PMTiles, Protocol }, { addProtocol }] = await Promise.all([import('../vendor/pmtiles.mjs'), import('../vendor/maplibre-gl.mjs')]);
     const protocol = new Protocol();
     const archive = new PMTiles(new URL(tilejson.pmtiles, location.href).href);
     protocol.add(archive);
-    maplibre.addProtocol('pmtiles', protocol.tile);
+    addProtocol('pmtiles', protocol.tile);
     const { minZoom, maxZoom } = await archive.getHeader();
     Object.assign(source, { url: `pmtiles://${archive.source.getKey()}`, minzoom: minZoom, maxzoom: maxZoom });
   } else {
