@@ -21,6 +21,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr double kReliefCellGsds = 60.0;
+constexpr double kGroundSigmas = 3.0;  // what a sight of a point on the ground may miss by
 
 // From the adjusted poses, on the adjusted relief.
 const LinkPass kLastLook{.least_radius_share = 0.012,
@@ -45,12 +46,21 @@ std::vector<Track> GroundTracks(const std::vector<PairLink>& links, const LinkIn
                                 const AlignOptions& options) {
   TrackOptions track_options;
   track_options.observations_per_photo = options.max_features;
+  track_options.splits_contradictory = true;
   std::vector<Track> tracks = BuildTracks(links, input.features, input.views, track_options);
   std::erase_if(tracks, [&](Track& track) {
-    if (!Triangulate(input.views, track)) return true;
-    return std::any_of(track.observations.begin(), track.observations.end(), [&](const Observation& one) {
-      return ReprojectionErrorPx(input.views[one.photo], one, track.point_in_enu) > 3.0 * one.sigma_px;
-    });
+    // The worst sight goes first, for it pulls the point away from the others.
+    while (track.observations.size() >= 2 && Triangulate(input.views, track)) {
+      const auto miss = [&](const Observation& one) {
+        return ReprojectionErrorPx(input.views[one.photo], one, track.point_in_enu) / one.sigma_px;
+      };
+      const auto worst =
+          std::max_element(track.observations.begin(), track.observations.end(),
+                           [&](const Observation& a, const Observation& b) { return miss(a) < miss(b); });
+      if (miss(*worst) <= kGroundSigmas) return false;
+      track.observations.erase(worst);
+    }
+    return true;
   });
   return tracks;
 }

@@ -150,7 +150,14 @@ std::vector<Track> BuildTracks(const std::vector<PairLink>& links,
     }
   }
   std::vector<Track> tracks;
-  for (const auto& group : members) {
+  std::vector<char> is_contradictory(members.size(), 0);
+  const auto observe = [&](std::size_t photo, int keypoint) {
+    const Keypoint& seen = features[photo]->keypoints[keypoint];
+    return Observation{static_cast<int>(photo), Eigen::Vector2d(seen.x_px, seen.y_px),
+                       features[photo]->sigma_px * coarseness(photo, keypoint)};
+  };
+  for (std::size_t set = 0; set < members.size(); ++set) {
+    const auto& group = members[set];
     if (group.size() < 2) continue;
     Track track;
     bool contradictory = false;
@@ -163,11 +170,23 @@ std::vector<Track> BuildTracks(const std::vector<PairLink>& links,
         if (std::hypot(seen.x_px - before.x_px, seen.y_px - before.y_px) > 1.0F) contradictory = true;
         continue;
       }
-      const double coarse = coarseness(photo, keypoint);
-      track.observations.push_back(
-          {photo, Eigen::Vector2d(seen.x_px, seen.y_px), features[photo]->sigma_px * coarse});
+      track.observations.push_back(observe(photo, keypoint));
     }
+    is_contradictory[set] = contradictory ? 1 : 0;
     if (!contradictory && track.observations.size() >= 2) tracks.push_back(std::move(track));
+  }
+  for (const PairLink& link : links) {
+    if (!options.splits_contradictory) break;
+    for (const KeypointMatch& match : link.matches) {
+      if (!is_contradictory[sets.Find(first_of[link.first] + match.first)]) continue;
+      if (coarseness(link.first, match.first) > kMostCoarseness ||
+          coarseness(link.second, match.second) > kMostCoarseness) {
+        continue;
+      }
+      Track track;
+      track.observations = {observe(link.first, match.first), observe(link.second, match.second)};
+      tracks.push_back(std::move(track));
+    }
   }
   return Thin(std::move(tracks), views, options);
 }
