@@ -21,7 +21,7 @@ namespace skyquilt::alignment {
 
 struct AlignOptions {
   int threads = 0;                   // 0 = all cores
-  int detector_pixels = 375'000;     // pixels of the picture given to the feature detector
+  int detector_pixels = 1'500'000;   // pixels of the picture given to the feature detector
   int max_features = 2000;           // kept a photo
   int observations_per_photo = 220;  // tie points a photo brings into the adjustment
 

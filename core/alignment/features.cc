@@ -4,22 +4,22 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
-#include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 
+#include "core/alignment/describe_point.h"
+#include "core/alignment/scale_space.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kOctaveLayers = 3;
-constexpr double kContrast = 0.02;
-constexpr double kLowContrast = 0.008;
-constexpr double kEdge = 12.0;
-constexpr double kFirstSigma = 1.6;
+constexpr float kContrast = 1.7F;  // grey levels
+constexpr float kLowContrast = 0.7F;
+constexpr double kLocatedTo = 0.35;        // pixels of the detector's image
+constexpr int kSharpnessPixels = 375'000;  // finer, noise counts as detail
 constexpr int kFewFeatures = 500;
 constexpr int kCellsAcross = 16;
-constexpr int kMostDetected = 12'000;
 
 // The smallest size that still holds `pixels`; JPEG decoders scale by these for almost nothing.
 int Denominator(const flight::Photo& photo, int pixels) {
@@ -31,33 +31,29 @@ int Denominator(const flight::Photo& photo, int pixels) {
   return 1;
 }
 
-// Detects; keeps in each cell of the photo its strongest, and orders all by their rank inside the cell.
-std::vector<cv::KeyPoint> DetectSpread(const cv::Mat& image, double contrast, int max_features) {
-  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(kMostDetected, kOctaveLayers, contrast, kEdge, kFirstSigma);
-  std::vector<cv::KeyPoint> found;
-  sift->detect(image, found);
-  const auto stronger = [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
-    if (a.response != b.response) return a.response > b.response;
-    if (a.pt.y != b.pt.y) return a.pt.y < b.pt.y;
-    if (a.pt.x != b.pt.x) return a.pt.x < b.pt.x;
-    if (a.size != b.size) return a.size < b.size;
-    return a.angle < b.angle;
+// Keeps in each cell of the image its strongest spots, and orders all by their rank inside the cell.
+std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<ScalePoint> found,
+                               int width_px, int height_px, int max_features) {
+  const auto stronger = [](const ScalePoint& a, const ScalePoint& b) {
+    return std::tie(b.contrast, a.octave, a.y_px, a.x_px, a.blur_px) <
+           std::tie(a.contrast, b.octave, b.y_px, b.x_px, b.blur_px);
   };
   std::sort(found.begin(), found.end(), stronger);
-  const double cell_px = static_cast<double>(image.cols) / kCellsAcross;
-  const int rows = static_cast<int>(image.rows / cell_px) + 1;
+  const float cell_px = static_cast<float>(width_px) / kCellsAcross;
+  const int rows = static_cast<int>(static_cast<float>(height_px) / cell_px) + 1;
   std::vector<int> taken(static_cast<std::size_t>(kCellsAcross + 1) * (rows + 1), 0);
   std::vector<std::pair<int, int>> ranked;  // rank in its cell, index by strength
   ranked.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const int column = std::clamp(static_cast<int>(found[i].pt.x / cell_px), 0, kCellsAcross);
-    const int row = std::clamp(static_cast<int>(found[i].pt.y / cell_px), 0, rows);
+    const auto step = static_cast<float>(octaves[static_cast<std::size_t>(found[i].octave)].step_px);
+    const int column = std::clamp(static_cast<int>(found[i].x_px * step / cell_px), 0, kCellsAcross);
+    const int row = std::clamp(static_cast<int>(found[i].y_px * step / cell_px), 0, rows);
     ranked.emplace_back(taken[static_cast<std::size_t>(row) * (kCellsAcross + 1) + column]++,
                         static_cast<int>(i));
   }
   std::sort(ranked.begin(), ranked.end());
   if (static_cast<int>(ranked.size()) > max_features) ranked.resize(max_features);
-  std::vector<cv::KeyPoint> kept;
+  std::vector<ScalePoint> kept;
   kept.reserve(ranked.size());
   for (const auto& [rank, index] : ranked) kept.push_back(found[index]);
   return kept;
@@ -78,16 +74,6 @@ cv::Mat EvenContrast(const cv::Mat& grey) {
   cv::Mat even;
   image.convertTo(even, CV_8U);
   return even;
-}
-
-Descriptor Pack(const float* sift) {
-  double sum = 1e-9;
-  for (int k = 0; k < 128; ++k) sum += sift[k];
-  Descriptor packed;
-  for (int k = 0; k < 128; ++k) {
-    packed[k] = static_cast<std::uint8_t>(std::min(255.0, 512.0 * std::sqrt(sift[k] / sum) + 0.5));
-  }
-  return packed;
 }
 
 Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
@@ -124,45 +110,48 @@ double Sharpness(const cv::Mat& grey) {
   return least / static_cast<double>(grey.total()) / (of_picture[0] * of_picture[0] + 1.0);
 }
 
-void Describe(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
-              PhotoFeatures& features) {
+cv::Mat AtMost(const cv::Mat& grey, int pixels) {
+  const double shrink = std::sqrt(static_cast<double>(pixels) / static_cast<double>(grey.total()));
+  if (shrink >= 0.98) return grey;
+  cv::Mat smaller;
+  cv::resize(grey, smaller, cv::Size(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink)), 0, 0,
+             cv::INTER_AREA);
+  return smaller;
+}
+
+void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
+            PhotoFeatures& features) {
   ScopedTimer timer(features.detect_s);
+  cv::Mat image = AtMost(grey, options.detector_pixels);
+  features.sharpness = Sharpness(AtMost(image, kSharpnessPixels));
   features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
   if (options.max_features == 0) return;
-  const double shrink = std::min(
-      1.0, std::sqrt(static_cast<double>(options.detector_pixels) / static_cast<double>(grey.total())));
-  cv::Mat image = grey;
-  if (shrink < 0.98) {
-    cv::resize(grey, image, cv::Size(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink)), 0, 0,
-               cv::INTER_AREA);
-  }
-  features.sharpness = Sharpness(image);
-  std::vector<cv::KeyPoint> kept = DetectSpread(image, kContrast, options.max_features);
-  if (static_cast<int>(kept.size()) < kFewFeatures) {
+  std::vector<Octave> octaves = BuildScaleSpace(image.cols, image.rows, image.data);
+  std::vector<ScalePoint> found = FindScalePoints(octaves, kContrast);
+  if (static_cast<int>(found.size()) < kFewFeatures) {
     image = EvenContrast(image);
-    kept = DetectSpread(image, kLowContrast, options.max_features);
-  }
-  cv::Mat descriptors;
-  if (!kept.empty()) {
-    cv::SIFT::create(0, kOctaveLayers, kContrast, kEdge, kFirstSigma)->compute(image, kept, descriptors);
+    octaves = BuildScaleSpace(image.cols, image.rows, image.data);
+    found = FindScalePoints(octaves, kLowContrast);
   }
   const double full_per_x = static_cast<double>(photo.intrinsics.width_px) / image.cols;
   const double full_per_y = static_cast<double>(photo.intrinsics.height_px) / image.rows;
-  features.keypoints.reserve(kept.size());
-  features.descriptors.reserve(kept.size());
-  // The detector halves coordinates of its doubled image without the quarter pixel between the two grids.
-  constexpr double kDoublingShift = 0.25;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const cv::KeyPoint& point = kept[i];
-    features.keypoints.push_back(
-        {.x_px = static_cast<float>((point.pt.x - kDoublingShift + 0.5) * full_per_x - 0.5),
-         .y_px = static_cast<float>((point.pt.y - kDoublingShift + 0.5) * full_per_y - 0.5),
-         .angle_rad = static_cast<float>(point.angle * (CV_PI / 180.0)),
-         .scale_px = static_cast<float>(point.size * full_per_x),
-         .response = point.response});
-    features.descriptors.push_back(Pack(descriptors.ptr<float>(static_cast<int>(i))));
+  const auto most = static_cast<std::size_t>(options.max_features);
+  for (const ScalePoint& point :
+       Spread(octaves, std::move(found), image.cols, image.rows, options.max_features)) {
+    const Octave& octave = octaves[static_cast<std::size_t>(point.octave)];
+    const BlurredImage& layer = octave.layers[static_cast<std::size_t>(point.layer)];
+    for (const float direction_rad : DirectionsOf(layer, point)) {
+      if (features.keypoints.size() == most) break;
+      const auto step = static_cast<double>(octave.step_px);
+      features.keypoints.push_back({.x_px = static_cast<float>((point.x_px * step + 0.5) * full_per_x - 0.5),
+                                    .y_px = static_cast<float>((point.y_px * step + 0.5) * full_per_y - 0.5),
+                                    .angle_rad = direction_rad,
+                                    .scale_px = static_cast<float>(2.0 * point.blur_px * step * full_per_x),
+                                    .response = point.contrast});
+      features.descriptors.push_back(Describe(layer, point, direction_rad));
+    }
   }
-  features.sigma_px = 0.35 * 0.5 * full_per_x;
+  features.sigma_px = kLocatedTo * full_per_x;
 }
 
 }  // namespace
@@ -182,7 +171,7 @@ Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const pipeline
     const cv::Mat rgb(decoded->height_px, decoded->width_px, CV_8UC3, decoded->rgb.data());
     cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
   }
-  Describe(grey, photo, options, features);
+  Detect(grey, photo, options, features);
   return features;
 }
 

@@ -5,10 +5,10 @@
 // features.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "core/alignment/describe_point.h"
 #include "core/base/result.h"
 #include "core/pipeline/ports.h"
 
@@ -22,8 +22,6 @@ struct Keypoint {
   float scale_px = 0.0F;   // diameter of what was looked at
   float response = 0.0F;
 };
-
-using Descriptor = std::array<std::uint8_t, 128>;
 
 // Grey, rows without padding; covers the whole photo.
 struct Thumbnail {
@@ -44,11 +42,9 @@ struct PhotoFeatures {
 };
 
 struct FeatureOptions {
-  // Pixels of the image given to the detector. It doubles the image before it looks, so the finest features
-  // are those of an image of four times as many pixels.
-  int detector_pixels = 375'000;
-  int max_features = 2000;  // 0: the thumbnail alone
-  int thumbnail_px = 256;   // longer side
+  int detector_pixels = 1'500'000;  // of the image given to the detector
+  int max_features = 2000;          // 0: the thumbnail alone
+  int thumbnail_px = 256;           // longer side
 };
 
 // Errors: those of PhotoSource::Decode; kCorrupt when the picture is not of the size its header promised.

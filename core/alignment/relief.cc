@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/bilinear_grid.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
 
@@ -70,15 +71,8 @@ Relief Relief::FromPoints(const std::vector<Eigen::Vector3d>& points_in_enu, dou
 
 double Relief::HeightAt(const Eigen::Vector2d& east_north) const {
   if (IsFlat()) return mean_z_m_;
-  const double x = std::clamp((east_north.x() - south_west_.x()) / cell_m_, 0.0, columns_ - 1.0);
-  const double y = std::clamp((east_north.y() - south_west_.y()) / cell_m_, 0.0, rows_ - 1.0);
-  const int column = std::min(static_cast<int>(x), columns_ - 2);
-  const int row = std::min(static_cast<int>(y), rows_ - 2);
-  const double u = x - column;
-  const double v = y - row;
-  const float* cell = heights_m_.data() + static_cast<std::size_t>(row) * columns_ + column;
-  return (1.0 - v) * ((1.0 - u) * cell[0] + u * cell[1]) +
-         v * ((1.0 - u) * cell[columns_] + u * cell[columns_ + 1]);
+  const Eigen::Vector2d node = (east_north - south_west_) / cell_m_;
+  return BilinearAt(heights_m_, columns_, rows_, node.x(), node.y());
 }
 
 }  // namespace skyquilt::alignment
