@@ -10,13 +10,17 @@
 #include "core/pipeline/odm_exports.h"
 #include "storage/cog_writer.h"
 #include "storage/geotiff_dem.h"
+#include "storage/kmz_writer.h"
 #include "storage/mbtiles_writer.h"
 #include "storage/pmtiles_writer.h"
 #include "storage/publish_file.h"
+#include "storage/thumbnail_writer.h"
 #include "storage/utm_writer.h"
 
 namespace skyquilt::server {
 namespace {
+
+constexpr int kThumbnailPx = 512;
 
 // A cancelled or failed flight leaves no product behind; what an earlier run made stays until it is replaced.
 Result<void> MakeFolder(const std::filesystem::path& folder) {
@@ -53,6 +57,12 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
     const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
     if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
       return written;
+    if (auto written = storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kThumbnailPx);
+        !written)
+      return written;
+  }
+  if (options.write_kmz) {
+    if (auto written = storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress); !written) return written;
   }
   if (options.write_utm) {
     const auto& b = report.bounds;

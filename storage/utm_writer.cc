@@ -1,6 +1,5 @@
 #include "storage/utm_writer.h"
 
-#include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <fmt/core.h>
@@ -10,24 +9,13 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "storage/publish_file.h"
+#include "storage/register_gdal.h"
 
 namespace skyquilt::storage {
 namespace {
-
-void RegisterGdalOnce() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
-    // GDAL would take a twentieth of the machine's memory for blocks; a warp from north to south needs far
-    // less.
-    GDALSetCacheMax64(std::int64_t{96} << 20);
-    GDALAllRegister();
-  });
-}
 
 int Forward(double fraction, const char*, void* to) {
   auto& progress = *static_cast<Progress*>(to);

@@ -25,6 +25,7 @@ struct StitchArguments {
   bool no_cog = false;
   bool no_pmtiles = false;
   bool utm = false;
+  bool kmz = false;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -62,6 +63,7 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_cog = !arguments.no_cog;
   arguments.job.write_pmtiles = !arguments.no_pmtiles;
   arguments.job.write_utm = arguments.utm;
+  arguments.job.write_kmz = arguments.kmz;
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail(files.error());
   if (arguments.job.mosaic.title.empty()) {
@@ -127,6 +129,7 @@ void AddStitchCommand(CLI::App& app) {
       command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
   command->add_flag("--utm", arguments->utm, "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
       ->excludes(no_cog);
+  command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles, "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
   command->footer(
       "Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  skyquilt stitch photos/ flight.BIN -o map\n  "

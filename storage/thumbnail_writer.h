@@ -1,0 +1,15 @@
+// WriteThumbnail: the whole map as one small PNG, transparent where it shows nothing, from the overviews of
+// its GeoTIFF. Published by rename. Blocking. Errors: kIo, kOutOfSpace.
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/result.h"
+
+namespace skyquilt::storage {
+
+// longer_side_px: of the picture; a smaller map is not enlarged.
+Result<void> WriteThumbnail(const std::filesystem::path& cog, const std::filesystem::path& path,
+                            int longer_side_px);
+
+}  // namespace skyquilt::storage
