@@ -1,7 +1,7 @@
 """The whole job, photos to finished products, beside its floor: python3 tests/bench/whole_job.py PROGRAM FOLDER_OF_PHOTOS
 [--runs N] [--threads N] [--peers]. Medians of the runs; per stage wall seconds and their share; processor time against one
-full decode of all photos in the same run; peak memory. With --peers whichever of gdal2tiles, GDAL's COG driver and
-Hugin's command line is installed, on the same photos."""
+full decode of all photos in the same run; peak memory. With --peers whichever of gdal2tiles, GDAL's COG driver,
+OpenCV's Stitcher and Hugin's command line is installed, on the same photos."""
 import argparse
 import ctypes
 import ctypes.util
@@ -27,7 +27,7 @@ def timed(command, cwd=None):
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode != 0:
-        raise RuntimeError(f"{command[0]} ended with {child.returncode}")
+        raise RuntimeError(f"{pathlib.Path(str(command[0])).name} ended with {child.returncode}")
     return time.monotonic() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
 
 
@@ -71,21 +71,45 @@ def hugin(folder, photos):
     return sum(s[0] for s in steps), sum(s[1] for s in steps), max(s[2] for s in steps)
 
 
+STITCHER = """import sys, cv2
+status, picture = cv2.Stitcher_create(cv2.Stitcher_SCANS).stitch([cv2.imread(name) for name in sys.argv[1:]])
+sys.exit(status)"""
+
+
+def is_there(*command):
+    return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+
+
 def measure_peers(program, photos, files, threads):
+    """Rows of (name, wall s, processor s, peak bytes); a peer that is not installed or fails is named and left out."""
     rows = []
+
+    def add(name, needs, measure):
+        missing = [tool for tool in needs if not shutil.which(tool)]
+        if missing:
+            print(f"{name:<34} left out: {', '.join(missing)} not installed")
+            return
+        try:
+            rows.append((name, *measure()))
+        except RuntimeError as failure:
+            print(f"{name:<34} failed: {failure}")
     with tempfile.TemporaryDirectory() as out:
         timed([program, "stitch", photos, "-o", out, "--threads", threads])
-        if shutil.which("gdal2tiles.py"):
-            rows.append(("pyramid alone: gdal2tiles", *timed(["gdal2tiles.py", "-q", "--xyz", f"--processes={os.cpu_count()}",
-                                                             f"{out}/mosaic.tif", f"{out}/tiles"])))
-        if shutil.which("gdal_translate"):
-            zoom = json.loads(pathlib.Path(out, "report.json").read_text())["max_zoom"]
-            rows.append(("GeoTIFF alone: GDAL's COG driver", *timed(
-                ["gdal_translate", "-q", "-of", "COG", "-co", "COMPRESS=JPEG", "-co", "QUALITY=85", "-co",
-                 "TILING_SCHEME=GoogleMapsCompatible", "-co", "ADD_ALPHA=NO", "-co", "NUM_THREADS=ALL_CPUS", "-oo",
-                 f"ZOOM_LEVEL={zoom}", "-oo", "BAND_COUNT=4", f"{out}/mosaic.mbtiles", f"{out}/gdal.tif"])))
-        if all(shutil.which(tool) for tool in ("pto_gen", "cpfind", "autooptimiser", "nona", "enblend")):
-            rows.append(("whole job: Hugin", *hugin(out, [path.resolve() for path in files])))
+        zoom = json.loads(pathlib.Path(out, "report.json").read_text())["max_zoom"]
+        add("pyramid alone: gdal2tiles", ["gdal2tiles.py"], lambda: timed(
+            ["gdal2tiles.py", "-q", "--xyz", f"--processes={os.cpu_count()}", f"{out}/mosaic.tif", f"{out}/tiles"]))
+        add("GeoTIFF alone: GDAL's COG driver", ["gdal_translate"], lambda: timed(
+            ["gdal_translate", "-q", "-of", "COG", "-co", "COMPRESS=JPEG", "-co", "QUALITY=85", "-co",
+             "TILING_SCHEME=GoogleMapsCompatible", "-co", "ADD_ALPHA=NO", "-co", "NUM_THREADS=ALL_CPUS", "-oo",
+             f"ZOOM_LEVEL={zoom}", "-oo", "BAND_COUNT=4", f"{out}/mosaic.mbtiles", f"{out}/gdal.tif"]))
+    python = next((one for one in (sys.executable, "/usr/bin/python3") if is_there(one, "-c", "import cv2")), None)
+    if python:
+        add("whole job: OpenCV's Stitcher", [], lambda: timed([python, "-c", STITCHER, *(path.resolve() for path in files)]))
+    else:
+        print("whole job: OpenCV's Stitcher left out: python3-opencv not installed")
+    with tempfile.TemporaryDirectory() as out:
+        add("whole job: Hugin", ["pto_gen", "cpfind", "autooptimiser", "nona", "enblend"],
+            lambda: hugin(out, [path.resolve() for path in files]))
     return rows
 
 

@@ -78,15 +78,21 @@ void CountObject(const SimulatedMap& map, const render::SeamMap& seams, int part
                  ObjectCount& count) {
   constexpr double kTolerated = 0.2;
   int shown = 0, often = 0;
+  Eigen::Vector2d seen_in_enu = Eigen::Vector2d::Zero();
   for (int part = 0; part < parts; ++part) {
     int times = 0;
     for (std::size_t photo = 0; photo < map.flight.photos.size(); ++photo) {
-      times += OwnerAt(map, seams, place(part, photo)) == static_cast<std::int32_t>(photo) ? 1 : 0;
+      const Eigen::Vector2d at = place(part, photo);
+      if (OwnerAt(map, seams, at) != static_cast<std::int32_t>(photo)) continue;
+      ++times;
+      seen_in_enu = at;
     }
     shown += times > 0 ? 1 : 0;
     often += times > 1 ? 1 : 0;
   }
   ++count.objects;
+  const double share = static_cast<double>(std::max(often, std::min(shown, parts - shown))) / parts;
+  if (share > count.worst_share) count.worst_share = share, count.worst_in_enu = seen_in_enu;
   if (often > kTolerated * parts) {
     ++count.twice;
   } else if (shown > kTolerated * parts && shown < (1.0 - kTolerated) * parts) {

@@ -63,6 +63,8 @@ struct ObjectCount {
   int objects = 0;
   int twice = 0;
   int in_part = 0;
+  double worst_share = 0.0;  // of the most broken object: its parts shown twice, or those of the smaller piece
+  Eigen::Vector2d worst_in_enu = Eigen::Vector2d::Zero();  // where the map shows some of it
   double BrokenShare() const { return objects == 0 ? 0.0 : static_cast<double>(twice + in_part) / objects; }
 };
 ObjectCount CountCars(const SimulatedMap& map, const render::SeamMap& seams);
