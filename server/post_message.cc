@@ -77,7 +77,9 @@ bool IsPublic(const net::ip::address_v6& address) {
   const auto bytes = address.to_bytes();
   if ((bytes[0] & 0xe0) != 0x20) return false;                        // 2000::/3
   if (bytes[0] == 0x20 && bytes[1] == 0x02) return false;             // 6to4
-  return !(bytes[0] == 0x20 && bytes[1] == 0x01 && bytes[2] < 0x02);  // Teredo and protocols
+  if (bytes[0] != 0x20 || bytes[1] != 0x01) return true;
+  const bool is_for_documents = bytes[2] == 0x0d && bytes[3] == 0xb8;
+  return bytes[2] >= 0x02 && !is_for_documents;  // below: Teredo and other protocols
 }
 
 bool IsPublic(const net::ip::address& address) {

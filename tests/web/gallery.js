@@ -2,7 +2,7 @@
 // and real photos where they are at hand (SKYQUILT_DATA or ../shared/data), else simulated ones.
 //   node tests/web/gallery.js [FOLDER] [ONLY-NAMES-CONTAINING]
 import { spawnSync } from 'node:child_process';
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -146,6 +146,21 @@ async function shoot(browser, url, state, reach, after = async () => {}) {
   }
 }
 
+/** The map without the page, for the README. */
+async function shootMapAlone(browser, url, flight) {
+  const { page, context } = await openPage(browser, url, { viewport: { width: 1500, height: 900 } });
+  await openFlight(page, flight);
+  await page.click('#tool-layers');
+  await page.uncheck('#show-footprints');
+  await page.keyboard.press('Escape');
+  const box = await page.locator('#map').boundingBox();
+  await page.mouse.move(box.x + 20, box.y + 20);
+  await mapIdle(page);
+  await page.addStyleTag({ content: '.tools, .coordinates { visibility: hidden }' });
+  await page.screenshot({ path: join(out, 'brighton_beach.jpg'), quality: 80, type: 'jpeg', clip: box });
+  await context.close();
+}
+
 mkdirSync(out, { recursive: true });
 const photos = photosOf('brighton_beach', 18);
 const others = photosOf('seneca_40', 24);
@@ -167,7 +182,7 @@ try {
       }
     });
   }
-  if ('map-laptop-light'.includes(only)) copyFileSync(join(out, 'map-laptop-light.jpg'), join(out, 'brighton_beach.jpg'));
+  if ('brighton_beach'.includes(only)) await shootMapAlone(browser, server.url, beach);
 } finally {
   await browser.close();
   await server.stop();
