@@ -130,6 +130,7 @@ export const strings = {
       render: 'Drawing the map',
       overviews: 'Drawing the overviews',
       pyramid: 'Drawing the overviews',
+      measure: 'Measuring the seams',
       export: 'Writing the downloads',
       publish: 'Publishing the map',
     }),
