@@ -59,7 +59,7 @@ export async function openPage(browser, url, options = {}) {
     if (/^https?:$/.test(target.protocol) && target.host !== host) foreign_requests.push(request.url());
   });
   page.on('response', async (response) => {
-    bytes += Number(response.headers()['content-length'] ?? 0);
+    if (response.request().method() !== 'HEAD') bytes += Number(response.headers()['content-length'] ?? 0);
   });
   page.on('console', (message) => {
     if (message.type() === 'error' || message.type() === 'warning') {
