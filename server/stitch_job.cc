@@ -8,8 +8,8 @@
 #include "core/pipeline/build_mosaic.h"
 #include "core/pipeline/locate.h"
 #include "core/pipeline/odm_exports.h"
+#include "server/open_elevation_model.h"
 #include "storage/cog_writer.h"
-#include "storage/geotiff_dem.h"
 #include "storage/kmz_writer.h"
 #include "storage/mbtiles_writer.h"
 #include "storage/pmtiles_writer.h"
@@ -85,14 +85,10 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   auto writer = storage::MbtilesWriter::Create(mbtiles);
   if (!writer) return writer.error();
   const flight::FilePhotoSource photos;
-  std::unique_ptr<storage::GeotiffDem> dem;
-  if (!options.mosaic.dem_path.empty()) {
-    auto opened = storage::GeotiffDem::Open(options.mosaic.dem_path);
-    if (!opened) return opened.error();
-    dem = *std::move(opened);
-  }
+  const auto dem = OpenElevationModel(options.mosaic.dem_path, files);
+  if (!dem) return dem.error();
   Result<pipeline::BuiltMosaic> built =
-      pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress, dem.get());
+      pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress, dem->get());
   if (!built) return built.error();
   if (auto published = (*writer)->Publish(MetadataOf(built->report)); !published) return published.error();
   progress.BeginStage("export");

@@ -117,10 +117,20 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
                                              const std::vector<int>& lines) {
   std::vector<std::string> sentences;
   const std::size_t count = corrected.size();
+  const bool is_mount = count > 1 && corrected.front().quarter_turns != 0 &&
+                        std::all_of(corrected.begin(), corrected.end(), [&](const CorrectedPose& one) {
+                          return one.quarter_turns == corrected.front().quarter_turns;
+                        });
+  if (is_mount) {
+    sentences.push_back(
+        fmt::format("all photos lie turned by {} degrees against their recorded yaw, as of a camera mounted sideways; "
+                    "the mount was taken as that",
+                    corrected.front().quarter_turns == 3 ? -90 : 90 * corrected.front().quarter_turns));
+  }
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i + 1;
     const int quarters = corrected[i].quarter_turns;
-    while (quarters != 0 && end < count && corrected[end].quarter_turns == quarters &&
+    while (quarters != 0 && !is_mount && end < count && corrected[end].quarter_turns == quarters &&
            lines[end] == lines[i] && !corrected[end].position_was_wrong) {
       ++end;
     }
@@ -130,7 +140,7 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
                       "turned back. A "
                       "viewer that saves pictures upright does this: use the originals if you can",
                       names[i], names[end - 1], quarters == 3 ? -90 : 90 * quarters));
-    } else if (!corrected[i].note.empty()) {
+    } else if (!corrected[i].note.empty() && !(is_mount && !corrected[i].position_was_wrong)) {
       sentences.push_back(names[i] + ": " + corrected[i].note);
     }
     i = end;

@@ -7,6 +7,7 @@
 
 #include "core/alignment/bundle_setup.h"
 #include "core/alignment/ground_graph.h"
+#include "core/alignment/mount_turn.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {
@@ -130,9 +131,15 @@ Linked LinkInRounds(const poses::PosedFlight& posed, const std::vector<int>& lin
   Linked linked;
   linked.corrected.resize(count);
 
+  double mount_turn_rad = 0.0;
+
   const auto move_views = [&] {
     WidenPriors(total, recorded);
     Inherit(lines, total);
+    for (GroundCorrection& one : total) {
+      if (one.piece < 0 && one.piece != kInheritedPiece && mount_turn_rad != 0.0)
+        one = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, kInheritedPiece};
+    }
     for (std::size_t i = 0; i < count; ++i) {
       linked.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
       input.views[i].cam_from_enu = linked.corrected[i].start_cam_from_enu;
@@ -142,16 +149,32 @@ Linked LinkInRounds(const poses::PosedFlight& posed, const std::vector<int>& lin
     }
   };
 
-  linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
-  Laid laid = LayAll(input, flat, threads);
-  std::vector<PairLink> links = LinkPhotos(input, laid, linked.pairs, kFirstLook, threads);
-  for (PairLink& link : LinkLostPhotos(input, laid, linked.pairs, links, threads)) {
-    links.push_back(std::move(link));
+  Laid laid;
+  std::vector<PairLink> links;
+  const auto look_first = [&] {
+    linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    laid = LayAll(input, flat, threads);
+    links = LinkPhotos(input, laid, linked.pairs, kFirstLook, threads);
+    for (PairLink& link : LinkLostPhotos(input, laid, linked.pairs, links, threads)) {
+      links.push_back(std::move(link));
+    }
+  };
+  look_first();
+  mount_turn_rad = CommonQuarterTurn(recorded, links);
+  if (mount_turn_rad != 0.0) {
+    for (std::size_t i = 0; i < count; ++i) {
+      total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
+      input.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
+    }
+    look_first();
   }
   GroundGraph graph = SolveGroundGraph(recorded, links, laid.views, kFirstToleranceFactor * tolerance_m);
   ReportRejected(graph, links, posed, report);
   linked.links = KeepHolding(graph, links);
   total = graph.corrections;
+  for (GroundCorrection& one : total) {
+    if (one.piece >= 0) one.turn_and_scale *= std::polar(1.0, mount_turn_rad);
+  }
   std::size_t placed = CountPlaced(total);
   for (int round = 0; round < kMostRounds && !progress.IsCancelled(); ++round) {
     move_views();

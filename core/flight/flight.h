@@ -14,6 +14,7 @@ struct Flight {
   std::vector<Photo> photos;           // readable photos, by time of capture, then by name
   std::vector<FlightLog> logs;         // readable logs and lists of positions, by name
   std::vector<GcpList> gcp_lists;      // by name
+  std::vector<std::string> elevation_models;  // names of the files; the first holds
   std::vector<LeftOutPhoto> left_out;  // by name
   std::vector<std::string> warnings;   // about the flight as a whole
 };

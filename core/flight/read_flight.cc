@@ -75,6 +75,12 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   const auto by_name = [](const auto& a, const auto& b) { return a.file_name < b.file_name; };
   std::stable_sort(flight.logs.begin(), flight.logs.end(), by_name);
   std::stable_sort(flight.gcp_lists.begin(), flight.gcp_lists.end(), by_name);
+  for (const InputFile& file : files.elevation_models) flight.elevation_models.push_back(file.name);
+  std::sort(flight.elevation_models.begin(), flight.elevation_models.end());
+  if (flight.elevation_models.size() > 1) {
+    flight.warnings.push_back(fmt::format("{} elevation models were given; {} is taken.",
+                                          flight.elevation_models.size(), flight.elevation_models.front()));
+  }
 }
 
 void WarnAboutFlight(Flight& flight) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/flight/byte_source.h"
+#include "core/flight/elevation_model_file.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/side_files.h"
 
@@ -21,7 +22,7 @@ bool IsPictureOrFilm(const std::vector<std::uint8_t>& head) {
                      [&](std::string_view magic) { return text.starts_with(magic); });
 }
 
-enum class Kind { kPhoto, kLog, kGcpList, kNothing };
+enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kNothing };
 
 Result<Kind> KindOf(const InputFile& file) {
   const Kind unknown = IsSideFileName(file.name) ? Kind::kNothing : Kind::kPhoto;
@@ -33,6 +34,7 @@ Result<Kind> KindOf(const InputFile& file) {
     return Error{ErrorCode::kCorrupt, file.name + " is empty; copy it from the aircraft again", ""};
   }
   if (head.empty()) return unknown;
+  if (IsElevationModel(**source)) return Kind::kElevationModel;
   if (IsPictureOrFilm(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   const auto format = RecogniseLog(head, file.name);
@@ -55,6 +57,8 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
       sorted.logs.push_back(file);
     } else if (*kind == Kind::kGcpList) {
       sorted.gcp_lists.push_back(file);
+    } else if (*kind == Kind::kElevationModel) {
+      sorted.elevation_models.push_back(file);
     }
   }
   return sorted;

@@ -1,4 +1,4 @@
-// SortFiles: which of the files given are photos, which are logs or lists of control points, and which are
+// SortFiles: which of the files given are photos, which are logs, lists of control points or elevation models, and which are
 // neither and nobody's fault. By content: the first bytes decide, whatever the name; the ending only says
 // whether an unknown file is worth a complaint. Any thread.
 #pragma once
@@ -15,6 +15,7 @@ struct SortedFiles {
   std::vector<InputFile> photos;  // and what cannot be told apart from one: reading it says what is wrong
   std::vector<InputFile> logs;
   std::vector<InputFile> gcp_lists;
+  std::vector<InputFile> elevation_models;
   std::vector<std::string> refused;  // logs that are known but cannot be read, with advice
 };
 

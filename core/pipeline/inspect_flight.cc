@@ -123,6 +123,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.gcp_lists.push_back(fmt::format("{}: {} points, {} sightings", list.file_name, list.points.size(),
                                             list.sightings.size()));
   }
+  verdict.elevation_models = flight->elevation_models;
   auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem});
   if (!posed) {
     verdict.left_out = flight->left_out;

@@ -59,6 +59,8 @@ std::string VerdictText(const FlightVerdict& v) {
   if (!v.attitude_sources.empty()) text += "Angles      " + Counts(v.attitude_sources) + "\n";
   for (const flight::LogFacts& log : v.logs) text += LogText(log);
   for (const std::string& list : v.gcp_lists) text += fmt::format("Control     {}\n", list);
+  for (const std::string& model : v.elevation_models)
+    text += fmt::format("Heights     {}: an elevation model of the ground\n", model);
   if (!v.poses.time_match.empty()) {
     text += fmt::format("Clock       {}", v.poses.time_match);
     if (v.poses.camera_ahead_of_utc_s) {
@@ -105,6 +107,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"attitude_sources", v.attitude_sources},
                                     {"logs", logs},
                                     {"gcp_lists", v.gcp_lists},
+                                    {"elevation_models", v.elevation_models},
                                     {"poses", nlohmann::ordered_json::parse(poses::PoseReportJson(v.poses))},
                                     {"first_capture", v.first_capture},
                                     {"last_capture", v.last_capture},

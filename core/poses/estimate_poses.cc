@@ -188,6 +188,9 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   LogTie tie;
   tie.photos = flight.photos;
   posed.report.logs = ApplyPhotoRows(flight.logs, tie.photos);
+  if (options.dem != nullptr && !flight.elevation_models.empty()) {
+    posed.report.logs.push_back(flight.elevation_models.front() + ": heights of the ground");
+  }
   const std::optional<JoinedLog> log = JoinLogs(flight.logs);
   if (log) {
     Append(log->notes, posed.report.logs);

@@ -1,4 +1,5 @@
 #include "server/commands/inspect.h"
+#include "server/open_elevation_model.h"
 
 #include <fmt/core.h>
 
@@ -25,7 +26,9 @@ void Run(const InspectArguments& arguments) {
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) fail(files.error());
   SilentProgress progress;
-  const auto verdict = pipeline::InspectFlight(*files, {}, progress);
+  const auto dem = OpenElevationModel("", *files);
+  if (!dem) fail(dem.error());
+  const auto verdict = pipeline::InspectFlight(*files, {}, progress, dem->get());
   if (!verdict) fail(verdict.error());
   fmt::print("{}", arguments.as_json ? pipeline::VerdictJson(*verdict) : pipeline::VerdictText(*verdict));
   if (verdict->photos_placeable == 0) throw CLI::RuntimeError(2);

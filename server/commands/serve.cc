@@ -19,6 +19,7 @@
 #include "core/pipeline/inspect_flight.h"
 #include "server/commands/config_file.h"
 #include "server/http_server.h"
+#include "server/open_elevation_model.h"
 #include "server/request_log.h"
 #include "server/static_files.h"
 #include "server/webhook_sender.h"
@@ -183,7 +184,9 @@ void RunServer(const ServeOptions& options) {
   service.inspect = [](const std::vector<flight::InputFile>& files,
                        const pipeline::MosaicOptions& mosaic) -> Result<std::string> {
     SilentProgress progress;
-    const auto verdict = pipeline::InspectFlight(files, mosaic, progress);
+    const auto dem = OpenElevationModel(mosaic.dem_path, files);
+    if (!dem) return dem.error();
+    const auto verdict = pipeline::InspectFlight(files, mosaic, progress, dem->get());
     if (!verdict) return verdict.error();
     return pipeline::VerdictJson(*verdict);
   };

@@ -116,7 +116,7 @@ void AddStitchCommand(CLI::App& app) {
                     "A flight without any position landed where it took off");
   command
       ->add_option("--dem", arguments->job.mosaic.dem_path,
-                   "GeoTIFF with the ground's heights (default: flat ground)")
+                   "GeoTIFF with the ground's heights (default: one among the files, else what the photos show)")
       ->check(CLI::ExistingFile);
   command->add_option("--title", arguments->job.mosaic.title, "Name of the map (default: the folder's name)");
   command

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/flight/elevation_model_file.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -148,6 +149,25 @@ TEST_F(GeotiffDemTest, TakesTheGeoidOffEllipsoidalHeights) {
   // The geoid lies 46 to 49 m above the ellipsoid there.
   EXPECT_GT(sea_m - ellipsoid_m, 45.0);
   EXPECT_LT(sea_m - ellipsoid_m, 50.0);
+}
+
+TEST_F(GeotiffDemTest, IsKnownAmongAFlightsFilesByItsBandAndItsPlace) {
+  const auto is_model = [&](GDALDataType type, bool with_place) {
+    Model model;
+    model.type = type;
+    model.height = [](double, double) { return 7.0; };
+    const auto source = flight::OpenFileBytes(Write(model, with_place));
+    return flight::IsElevationModel(**source);
+  };
+  EXPECT_TRUE(is_model(GDT_Float32, true));
+  EXPECT_TRUE(is_model(GDT_Float64, true));
+  EXPECT_TRUE(is_model(GDT_Int16, true));
+  EXPECT_FALSE(is_model(GDT_Float32, false)) << "a picture that does not say where it lies";
+  EXPECT_FALSE(is_model(GDT_UInt16, true)) << "a thermal picture";
+  EXPECT_FALSE(is_model(GDT_Byte, true)) << "a map";
+  const std::vector<std::uint8_t> photo{0xFF, 0xD8, 0xFF, 0xE1};
+  flight::MemoryBytes jpeg(photo);
+  EXPECT_FALSE(flight::IsElevationModel(jpeg));
 }
 
 TEST_F(GeotiffDemTest, RefusesWhatIsNoModelWithAdvice) {
