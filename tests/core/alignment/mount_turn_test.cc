@@ -1,0 +1,89 @@
+#include "core/alignment/mount_turn.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/ground/model_ground.h"
+#include "tests/core/alignment/simulated_case.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+// A line of photos 12 m apart whose pictures lie turned by `turn` against their records, linked with the next
+// two.
+struct Line {
+  std::vector<GroundPrior> priors;
+  std::vector<PairLink> links;
+
+  explicit Line(double turn, int photos = 8) {
+    for (int i = 0; i < photos; ++i) priors.push_back({Complex(4.0 * i, 12.0 * i), 1.5, 0.05});
+    const Complex back = std::polar(1.0, -turn);  // from the truth to where a wrongly turned photo lays it
+    for (int i = 0; i < photos; ++i) {
+      for (int j = i + 1; j < std::min(photos, i + 3); ++j) {
+        const Complex m = priors[i].middle;
+        const Complex n = priors[j].middle;
+        PairLink link;
+        link.first = i;
+        link.second = j;
+        link.second_from_first = {1.0, n - m + back * (m - n)};
+        links.push_back(link);
+      }
+    }
+  }
+};
+
+TEST(CommonQuarterTurn, FindsEachQuarter) {
+  for (const int quarters : {-1, 1, 2}) {
+    const Line line(0.5 * std::numbers::pi * quarters + 0.1);
+    EXPECT_NEAR(CommonQuarterTurn(line.priors, line.links), 0.5 * std::numbers::pi * quarters, 1e-9);
+  }
+}
+
+TEST(CommonQuarterTurn, LeavesFlightsThatLieRightOrSayNothing) {
+  for (const double turn : {0.0, 0.3, 0.8}) {
+    const Line line(turn);
+    EXPECT_EQ(CommonQuarterTurn(line.priors, line.links), 0.0) << turn;
+  }
+  const Line few(0.5 * std::numbers::pi, 4);
+  EXPECT_EQ(CommonQuarterTurn(few.priors, few.links), 0.0);
+  EXPECT_EQ(CommonQuarterTurn({}, {}), 0.0);
+  // Two photos of eight stored turned are theirs alone.
+  Line mixed(0.0);
+  const Line turned(0.5 * std::numbers::pi);
+  mixed.links[0] = turned.links[0];
+  mixed.links[1] = turned.links[1];
+  EXPECT_EQ(CommonQuarterTurn(mixed.priors, mixed.links), 0.0);
+}
+
+TEST(AlignFlight, TurnsAFlightWhoseCameraIsMountedSideways) {
+  simulate::SimulateOptions options;
+  options.noise = simulate::NoiseClass::kXmpTypical;
+  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  options.trajectory.photos = 12;
+  options.trajectory.photos_per_line = 4;
+  const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  poses::PosedFlight posed = PosesOf(truth);
+  for (poses::PosedPhoto& photo : posed.photos) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitZ()));
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(turn * photo.cam_from_enu.rotation,
+                                                                  photo.cam_from_enu.TargetOriginInSource());
+  }
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned = AlignFlight(posed, simulate::SimulatedPhotoSource(truth), {}, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_EQ(report.aligned, 12);
+  ASSERT_FALSE(report.corrections.empty());
+  EXPECT_NE(report.corrections.front().find("mounted sideways"), std::string::npos)
+      << report.corrections.front();
+  ground::ModelGroundReport ground_report;
+  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
+  EXPECT_LT(error.relative_ce90_m, 3.0 * truth.GsdM());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
