@@ -15,6 +15,7 @@
 #include "core/alignment/place_photos.h"
 #include "core/alignment/rescue_rounds.h"
 #include "core/alignment/tie_to_control.h"
+#include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
@@ -22,6 +23,15 @@ namespace {
 
 constexpr double kReliefCellGsds = 60.0;
 constexpr double kGroundSigmas = 3.0;  // what a sight of a point on the ground may miss by
+
+// From poses adjusted a first time, where they came from records that were degrees off: a motion over level
+// ground fits only part of what two such photos share, so the rest is still to be found.
+const LinkPass kMiddleLook{.least_radius_share = 0.05,
+                           .sigmas = 0.0,
+                           .max_turn_rad = 0.45,
+                           .tolerance_share = 0.015,
+                           .min_matches = 8};
+constexpr double kMuchLeanedShare = 0.02;  // of a photo's width that a turn of the axis moves its middle by
 
 // From the adjusted poses, on the adjusted relief.
 const LinkPass kLastLook{.least_radius_share = 0.012,
@@ -75,6 +85,32 @@ std::vector<Eigen::Vector3d> ReliefPoints(const std::vector<Track>& tracks) {
 }
 
 double ReliefCellM(const std::vector<View>& views) { return kReliefCellGsds * MedianWidthM(views) / 4000.0; }
+
+// How far the adjustment swung the photos' axes over the ground, in photo widths: half of them further.
+double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProblem& problem) {
+  const std::vector<View> views = ViewsOf(problem);
+  std::vector<double> shares{0.0};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Quaterniond before = corrected[i].start_cam_from_enu.rotation.conjugate();
+    const Eigen::Quaterniond now = views[i].cam_from_enu.rotation.conjugate();
+    const double swung = ((now * Eigen::Vector3d::UnitZ()) - (before * Eigen::Vector3d::UnitZ())).norm();
+    if (swung > 0.0) shares.push_back(swung * views[i].height_above_ground_m / views[i].WidthM());
+  }
+  return Median(std::move(shares));
+}
+
+// Pairs, and the matches in them, from where the photos now lie.
+void LookAgain(const poses::PosedFlight& posed, const BundleProblem& problem, const LinkPass& pass,
+               const AlignOptions& options, Relief& relief, LinkInput& input, Linked& linked) {
+  input.views = ViewsOf(problem);
+  relief =
+      Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
+  const std::size_t count = input.views.size();
+  linked.pairs = OnlyLinkedPhotos(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
+                                  linked.links, count);
+  linked.links =
+      LinkPhotos(input, LayAll(input, relief, options.threads), linked.pairs, pass, options.threads);
+}
 
 void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
@@ -184,6 +220,12 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
       summary = AdjustBundle(problem, first);
       report.iterations += summary.iterations;
     }
+    if (LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
+      LookAgain(posed, problem, kMiddleLook, options, relief, input, linked);
+      problem.tracks = TriangulatedTracks(linked.links, input, options);
+      summary = AdjustBundle(problem, first);
+      report.iterations += summary.iterations;
+    }
     TieToControl(posed, options.control, problem, report.control);
   }
   if (progress.IsCancelled()) return cancelled;
@@ -192,13 +234,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.88, "comparing photos once more");
-    input.views = ViewsOf(problem);
-    relief =
-        Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
-    linked.pairs = OnlyLinkedPhotos(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
-                                    linked.links, count);
-    const Laid laid = LayAll(input, relief, options.threads);
-    linked.links = LinkPhotos(input, laid, linked.pairs, kLastLook, options.threads);
+    LookAgain(posed, problem, kLastLook, options, relief, input, linked);
     report.pairs_tried = static_cast<int>(linked.pairs.size());
     report.pairs_linked = static_cast<int>(linked.links.size());
   }
