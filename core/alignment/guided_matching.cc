@@ -110,6 +110,13 @@ struct BestTwo {
   }
 };
 
+// 0 to pi. The innermost question of the search, and the angles are a few turns at most: no division.
+double TurnBetween(double from_rad, double to_rad) {
+  double turn = std::abs(to_rad - from_rad);
+  while (turn > 2.0 * std::numbers::pi) turn -= 2.0 * std::numbers::pi;
+  return std::min(turn, 2.0 * std::numbers::pi - turn);
+}
+
 }  // namespace
 
 std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
@@ -128,7 +135,8 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
     if (a < 0) return false;
     const Keypoint& x = features.keypoints[a];
     const Keypoint& y = features.keypoints[b];
-    return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) < 0.5F * std::min(x.scale_px, y.scale_px);
+    const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
+    return dx * dx + dy * dy < near * near;
   };
   std::vector<BestTwo> of_first(count_first), of_second(count_second);
   for (int i = 0; i < count_first; ++i) {
@@ -138,9 +146,7 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
       const GroundKeypoint& other = laid_second[j];
       if (!anywhere && std::norm(other.place - expected) > radius_m * radius_m) return;
       if (std::abs(other.log2_scale - laid_first[i].log2_scale - grown) > window.max_log2_scale) return;
-      const double turn =
-          std::remainder(other.angle_rad - laid_first[i].angle_rad - turned, 2.0 * std::numbers::pi);
-      if (std::abs(turn) > window.max_turn_rad) return;
+      if (TurnBetween(laid_first[i].angle_rad + turned, other.angle_rad) > window.max_turn_rad) return;
       const int distance = SquaredDistance(first.features->descriptors[i], second.features->descriptors[j]);
       of_first[i].Offer(distance, j, is_same(*second.features, of_first[i].index, j));
       of_second[j].Offer(distance, i, is_same(*first.features, of_second[j].index, i));

@@ -183,26 +183,32 @@ std::vector<Octave> BuildScaleSpace(int width_px, int height_px, const std::uint
 std::vector<ScalePoint> FindScalePoints(const std::vector<Octave>& octaves, float least_contrast) {
   std::vector<ScalePoint> points;
   // A pixel may be a little weaker than the spot between it and its neighbours.
-  const int threshold = static_cast<int>(0.5F * least_contrast * kLevels);
+  const auto threshold = static_cast<std::int16_t>(0.5F * least_contrast * kLevels);
   std::vector<std::int16_t> row;
+  std::vector<std::uint8_t> may_stand_out;
   for (std::size_t o = 0; o < octaves.size(); ++o) {
     const Octave& octave = octaves[o];
     const Differences differences(octave);
     const BlurredImage& size = octave.layers[0];
     row.resize(static_cast<std::size_t>(size.width_px));
+    may_stand_out.resize(static_cast<std::size_t>(size.width_px));
     for (int layer = 1; layer <= kLayersAnOctave; ++layer) {
       for (int y = 1; y + 1 < size.height_px; ++y) {
         const std::uint16_t* finer = octave.layers[static_cast<std::size_t>(layer)].Row(y);
         const std::uint16_t* coarser = octave.layers[static_cast<std::size_t>(layer) + 1].Row(y);
         for (int x = 0; x < size.width_px; ++x)
           row[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(coarser[x] - finer[x]);
+        // All pixels of the row at once: few are left to look at one by one.
+        const std::int16_t* difference = row.data();
         for (int x = 1; x + 1 < size.width_px; ++x) {
-          const int value = row[static_cast<std::size_t>(x)];
-          if (std::abs(value) <= threshold) continue;
-          const int before = row[static_cast<std::size_t>(x) - 1],
-                    after = row[static_cast<std::size_t>(x) + 1];
-          if (value > 0 ? before > value || after > value : before < value || after < value) continue;
-          if (!differences.StandsOut(layer, x, y, value)) continue;
+          const std::int16_t value = difference[x], before = difference[x - 1], after = difference[x + 1];
+          const bool is_bright = (value > threshold) & (value >= before) & (value >= after);
+          const bool is_dark = (value < -threshold) & (value <= before) & (value <= after);
+          may_stand_out[static_cast<std::size_t>(x)] = is_bright | is_dark;
+        }
+        for (int x = 1; x + 1 < size.width_px; ++x) {
+          if (may_stand_out[static_cast<std::size_t>(x)] == 0) continue;
+          if (!differences.StandsOut(layer, x, y, difference[x])) continue;
           std::optional<ScalePoint> point = Refine(differences, size, {layer, x, y}, least_contrast);
           if (!point) continue;
           point->octave = static_cast<int>(o);
