@@ -75,6 +75,31 @@ class WorkFolder {
   bool is_kept_ = false;
 };
 
+// Takes over the folder of a dead attempt of the same job, so that this one goes on where that stopped.
+void AdoptEarlierAttempt(const fs::path& work, const storage::Lease& lease) {
+  const fs::path own = work / storage::WorkName(lease);
+  std::vector<fs::path> earlier;
+  std::error_code none;  // without an earlier attempt this one begins anew
+  for (const auto& entry : fs::directory_iterator(work, none)) {
+    if (entry.path() != own && storage::JobOfWorkName(entry.path().filename().string()) == lease.job_id) {
+      earlier.push_back(entry.path());
+    }
+  }
+  std::sort(earlier.begin(), earlier.end());
+  for (const fs::path& folder : earlier) {
+    if (!fs::exists(own, none)) fs::rename(folder, own, none);
+    fs::remove_all(folder, none);
+  }
+}
+
+// The folder of the map that the flight shows now; empty when it has none.
+Result<fs::path> ShownMap(const WorkerContext& context, const std::string& flight_id) {
+  const Result<std::vector<std::int64_t>> revisions = context.catalogue.Revisions(flight_id);
+  if (!revisions) return revisions.error();
+  if (revisions->empty()) return fs::path();
+  return context.dir.Revision(flight_id, *std::max_element(revisions->begin(), revisions->end()));
+}
+
 Result<pipeline::MosaicReport> Stitch(WorkerContext& context, const storage::Lease& lease,
                                       const fs::path& out_dir, Progress& progress) {
   std::error_code error;
@@ -97,6 +122,9 @@ Result<pipeline::MosaicReport> Stitch(WorkerContext& context, const storage::Lea
   }
   StitchJobOptions job_options;
   job_options.mosaic = *options;
+  Result<fs::path> shown = ShownMap(context, lease.flight_id);
+  if (!shown) return shown.error();
+  job_options.previous_dir = *std::move(shown);
   return StitchToDirectory(inputs, job_options, out_dir, progress);
 }
 
@@ -200,6 +228,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   std::optional<Error> failure;
   LeaseState state = LeaseState::kHeld;
   {
+    AdoptEarlierAttempt(context.dir.Work(), lease);
     const WorkFolder work(context.dir.Work() / storage::WorkName(lease));
     const auto leave = [&] {
       TellUntilHeard(lease, [&] { return context.queue.Dismiss(lease, storage::Now()); });

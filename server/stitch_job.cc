@@ -6,12 +6,13 @@
 #include "core/base/scoped_timer.h"
 #include "core/flight/photo_decoder.h"
 #include "core/pipeline/build_mosaic.h"
+#include "core/pipeline/flight_facts.h"
 #include "core/pipeline/locate.h"
 #include "core/pipeline/odm_exports.h"
 #include "server/open_elevation_model.h"
 #include "storage/cog_writer.h"
 #include "storage/kmz_writer.h"
-#include "storage/mbtiles_writer.h"
+#include "storage/map_keeper.h"
 #include "storage/pmtiles_writer.h"
 #include "storage/publish_file.h"
 #include "storage/thumbnail_writer.h"
@@ -75,22 +76,40 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
   return {};
 }
 
+void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
+  std::error_code gone;  // what cannot be removed is of no use to the next run either
+  for (const char* name : {"mosaic.state", "mosaic.state.tmp", "mosaic.state.part"}) {
+    std::filesystem::remove(out_dir / name, gone);
+  }
+}
+
 }  // namespace
+
+Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir) {
+  const Result<std::string> bytes = storage::MapKeeper::FactsOf(out_dir);
+  if (!bytes) return bytes.error();
+  const Result<pipeline::FlightFacts> facts = pipeline::ParseFacts(*bytes);
+  if (!facts) return facts.error();
+  std::vector<flight::InputFile> files;
+  for (const pipeline::NamedDigest& input : facts->inputs) files.push_back(input.file);
+  return files;
+}
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
                                                  const StitchJobOptions& options,
                                                  const std::filesystem::path& out_dir, Progress& progress) {
   if (auto made = MakeFolder(out_dir); !made) return made.error();
   const std::filesystem::path mbtiles = out_dir / "mosaic.mbtiles";
-  auto writer = storage::MbtilesWriter::Create(mbtiles);
-  if (!writer) return writer.error();
+  if (options.is_fresh) ForgetEarlierRuns(out_dir);
+  auto keeper = storage::MapKeeper::Create(out_dir, options.previous_dir);
+  if (!keeper) return keeper.error();
   const flight::FilePhotoSource photos;
   const auto dem = OpenElevationModel(options.mosaic.dem_path, files);
   if (!dem) return dem.error();
   Result<pipeline::BuiltMosaic> built =
-      pipeline::BuildMosaic(files, options.mosaic, photos, **writer, progress, dem->get());
+      pipeline::BuildMosaic(files, options.mosaic, photos, **keeper, progress, dem->get(), keeper->get());
   if (!built) return built.error();
-  if (auto published = (*writer)->Publish(MetadataOf(built->report)); !published) return published.error();
+  if (auto published = (*keeper)->Publish(MetadataOf(built->report)); !published) return published.error();
   progress.BeginStage("export");
   pipeline::StageTiming exported_in{"export", 0.0, 0.0};
   {

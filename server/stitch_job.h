@@ -22,10 +22,17 @@ struct StitchJobOptions {
   bool write_pmtiles = true;
   bool write_utm = false;  // needs write_cog
   bool write_kmz = false;
+  bool is_fresh = false;  // nothing is taken from earlier runs
+  // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder itself.
+  std::filesystem::path previous_dir;
 };
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
                                                  const StitchJobOptions& options,
                                                  const std::filesystem::path& out_dir, Progress& progress);
+
+// The files of the finished map in a folder, to which others may be added. Errors: kNotFound (no map with a
+// memory), kCorrupt.
+Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir);
 
 }  // namespace skyquilt::server

@@ -42,6 +42,11 @@ const char* JobStateName(JobState state) {
 
 std::string WorkName(const Lease& lease) { return fmt::format("{}-{}", lease.job_id, lease.token); }
 
+std::string JobOfWorkName(const std::string& work_name) {
+  const std::size_t dash = work_name.rfind('-');
+  return dash == std::string::npos ? std::string() : work_name.substr(0, dash);
+}
+
 Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& options, Time now,
                           const JobTurn& turn) {
   const auto db = db_.Lock();
@@ -182,6 +187,19 @@ Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time now) const {
     lease.job_id = query->ColumnText(1);
     lease.token = query->ColumnInt64(2);
     leases.push_back({std::string(query->ColumnText(0)), WorkName(lease)});
+  }
+}
+
+Result<std::vector<std::string>> JobQueue::UnfinishedJobs() const {
+  const auto db = db_.Lock();
+  Result<Statement> query = db->Prepare("SELECT id FROM job WHERE state IN ('accepted', 'running')");
+  if (!query) return query.error();
+  std::vector<std::string> jobs;
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return row.error();
+    if (!*row) return jobs;
+    jobs.emplace_back(query->ColumnText(0));
   }
 }
 

@@ -128,6 +128,8 @@ class JobQueue {
     std::string work_name;
   };
   Result<std::vector<LiveLease>> LiveLeases(Time now) const;
+  // Jobs that wait or run: what an attempt of theirs left is of use to the next.
+  Result<std::vector<std::string>> UnfinishedJobs() const;
 
  private:
   CatalogueDb& db_;
@@ -135,5 +137,7 @@ class JobQueue {
 
 // The name of a lease's own folder below work/: no two leases ever share one.
 std::string WorkName(const Lease& lease);
+// The job whose folder this is; empty for a folder of another kind.
+std::string JobOfWorkName(const std::string& work_name);
 
 }  // namespace skyquilt::storage

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kSchema = R"sql(
 PRAGMA page_size = 4096;
-PRAGMA journal_mode = OFF;
+PRAGMA journal_mode = TRUNCATE;
 PRAGMA synchronous = OFF;
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA application_id = 0x4d504258;
@@ -52,6 +52,7 @@ MbtilesWriter::~MbtilesWriter() {
   state_->db = SqliteDb();
   std::error_code gone;  // nothing to do about a temporary file that will not go; the next run overwrites it
   std::filesystem::remove(state_->temporary, gone);
+  std::filesystem::remove(state_->temporary.string() + "-journal", gone);
 }
 
 Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesystem::path& path) {
@@ -61,6 +62,7 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
   state->temporary += ".tmp";
   std::error_code removed;
   std::filesystem::remove(state->temporary, removed);
+  std::filesystem::remove(state->temporary.string() + "-journal", removed);
   auto db = SqliteDb::Open(state->temporary, OpenMode::kReadWriteCreate);
   if (!db) return db.error();
   state->db = *std::move(db);
@@ -109,6 +111,8 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, pipeline::TileFormat fo
       .Bind(4, id)
       .Run();
 }
+
+Result<void> MbtilesWriter::Commit() { return state_->db.Exec("COMMIT; BEGIN;"); }
 
 Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
   // Readers take the format as the kind of most tiles; the fringe is PNG whatever it says. A map all of

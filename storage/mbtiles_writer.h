@@ -1,6 +1,7 @@
 // MbtilesWriter: a TileSink that builds one MBTiles 1.3 file. Tiles are stored once however often they occur;
-// the key of the bytes is also their ETag. Written under `<path>.tmp` without a journal and published by
-// rename after fsync, so a crash leaves no half file under the final name. One thread at a time. Format:
+// the key of the bytes is also their ETag. Written under `<path>.tmp` and published by
+// rename after fsync, so a crash leaves no half file under the final name; what a killed process leaves under the
+// temporary one is whole up to the last Commit. One thread at a time. Format:
 // https://github.com/mapbox/mbtiles-spec 1.3 (rows counted from the south); deduplicated as tiles_shallow +
 // tiles_data behind a view `tiles`. Errors: kOutOfSpace, kIo.
 #pragma once
@@ -34,6 +35,8 @@ class MbtilesWriter final : public pipeline::TileSink {
 
   Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format,
                    std::span<const std::uint8_t> bytes) override;
+  // Tiles put so far survive the process.
+  Result<void> Commit();
   // Writes the metadata, checks the file and gives it its name.
   Result<void> Publish(const TilesetMetadata& metadata);
 

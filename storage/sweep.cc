@@ -57,9 +57,14 @@ Result<int> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
   if (!leases) return leases.error();
   std::set<std::string> live;
   for (const auto& lease : *leases) live.insert(lease.work_name);
+  // What a dead attempt left lets the next one go on from there.
+  const Result<std::vector<std::string>> unfinished = queue.UnfinishedJobs();
+  if (!unfinished) return unfinished.error();
+  const std::set<std::string> jobs(unfinished->begin(), unfinished->end());
   int removed = 0;
   for (const fs::path& entry : entries) {
-    if (!live.contains(entry.filename().string())) removed += RemoveAll(entry);
+    const std::string name = entry.filename().string();
+    if (!live.contains(name) && !jobs.contains(JobOfWorkName(name))) removed += RemoveAll(entry);
   }
   return removed;
 }

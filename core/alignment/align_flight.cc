@@ -112,6 +112,17 @@ void LookAgain(const poses::PosedFlight& posed, const BundleProblem& problem, co
       LinkPhotos(input, LayAll(input, relief, options.threads), linked.pairs, pass, options.threads);
 }
 
+// Photos that are placed already are no matter of doubt, whatever the links suggested.
+void HoldFixed(const poses::PosedFlight& posed, const std::vector<char>& fixed, BundleProblem& problem) {
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i] == 0) continue;
+    BundlePhoto& photo = problem.photos[i];
+    photo.cam_from_enu = photo.prior_cam_from_enu = posed.photos[i].cam_from_enu;
+    photo.is_fixed = true;
+    problem.lenses[photo.lens].is_fixed = true;
+  }
+}
+
 void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
     const BundleLens& lens = problem.lenses[c];
@@ -200,6 +211,10 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   report.corrections = DescribeCorrections(linked.corrected, names, lines);
 
   BundleProblem problem = MakeBundle(posed, linked.corrected, lines);
+  if (!options.fixed.empty()) {
+    HoldFixed(posed, options.fixed, problem);
+    input.views = ViewsOf(problem);
+  }
   problem.soft_tracks = std::move(direct_tracks);
   BundleSummary summary;
   {

@@ -26,6 +26,8 @@ struct AlignOptions {
   int observations_per_photo = 220;  // tie points a photo brings into the adjustment
 
   std::vector<ControlPoint> control;  // surveyed points marked in photos
+  // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
+  std::vector<char> fixed;
 
   Result<void> Validate() const;
 };

@@ -113,7 +113,9 @@ class Round {
     AddControl();
     AddPlane(std::count(in_use.begin(), in_use.end(), 1));
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      if (in_use[i]) AddPriors(i);
+      if (!in_use[i]) continue;
+      AddPriors(i);
+      if (bundle_.photos[i].is_fixed) ceres_.SetParameterBlockConstant(Pose(i));
     }
     AddPositionBias();
     for (int l = 0; l < bundle_.lines; ++l) {
@@ -184,7 +186,7 @@ class Round {
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       if (!ceres_.HasParameterBlock(Lens(c))) continue;
-      if (!options_.adjust_lens) {
+      if (!options_.adjust_lens || bundle_.lenses[c].is_fixed) {
         ceres_.SetParameterBlockConstant(Lens(c));
         continue;
       }

@@ -23,6 +23,7 @@ struct BundlePhoto {
   int lens = 0;
   int line = 0;
   double height_above_ground_m = 50.0;
+  bool is_fixed = false;  // stays where it is; others are placed against it
 };
 
 struct BundleLens {
@@ -33,6 +34,7 @@ struct BundleLens {
   double sigma_k1 = 0.05;
   double sigma_k2 = 0.05;
   double sigma_p = 0.001;
+  bool is_fixed = false;
   double found_sigma_focal_px = 0.0;  // out: what the images left of the prior
 };
 

@@ -3,23 +3,16 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <map>
-#include <string>
+#include <optional>
 #include <utility>
 
-#include "core/alignment/align_by_features.h"
-#include "core/alignment/align_by_pose.h"
-#include "core/alignment/align_directly.h"
-#include "core/alignment/align_flight.h"
-#include "core/base/scoped_timer.h"
 #include "core/geo/web_mercator.h"
-#include "core/ground/dem_grid.h"
-#include "core/ground/ground_surface.h"
-#include "core/ground/model_ground.h"
-#include "core/pipeline/check_photos.h"
-#include "core/pipeline/control_points.h"
-#include "core/poses/estimate_poses.h"
+#include "core/pipeline/append_photos.h"
+#include "core/pipeline/flight_facts.h"
+#include "core/pipeline/place_flight.h"
+#include "core/pipeline/stage_runner.h"
 #include "core/render/estimate_exposure.h"
+#include "core/render/extend_exposure.h"
 #include "core/render/measure_seams.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
@@ -27,25 +20,6 @@
 
 namespace skyquilt::pipeline {
 namespace {
-
-// Runs one stage: says so, times it, and stops between stages when the user asked to.
-class StageRunner {
- public:
-  StageRunner(MosaicReport& report, Progress& progress) : report_(report), progress_(progress) {}
-
-  template <typename Stage>
-  auto Run(const char* name, Stage&& stage) {
-    progress_.BeginStage(name);
-    report_.timings.push_back({name, 0.0, 0.0});
-    ScopedTimer timer(report_.timings.back().wall_s);
-    ScopedCpuTimer cpu_timer(report_.timings.back().cpu_s);
-    return stage();
-  }
-
- private:
-  MosaicReport& report_;
-  Progress& progress_;
-};
 
 std::int64_t PeakMemoryBytes() {
   rusage usage{};
@@ -57,17 +31,6 @@ std::array<double, 4> DegreeBounds(const geo::Bounds2& bounds_in_merc) {
   const geo::LatLon south_west = geo::LatLonFromMerc(bounds_in_merc.min);
   const geo::LatLon north_east = geo::LatLonFromMerc(bounds_in_merc.max);
   return {south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg};
-}
-
-// The thumbnails in the order of the placed photos.
-std::vector<render::Thumbnail> ThumbnailsOf(const alignment::AlignedFlight& flight,
-                                            const std::vector<render::Thumbnail>& thumbnails) {
-  std::map<std::string, const render::Thumbnail*> by_name;
-  for (const render::Thumbnail& thumbnail : thumbnails) by_name[thumbnail.photo_name] = &thumbnail;
-  std::vector<render::Thumbnail> ordered;
-  ordered.reserve(flight.photos.size());
-  for (const alignment::AlignedPhoto& photo : flight.photos) ordered.push_back(*by_name.at(photo.photo.name));
-  return ordered;
 }
 
 void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report) {
@@ -85,65 +48,51 @@ void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report
 
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                 const PhotoSource& photo_source, TileSink& sink, Progress& progress,
-                                const DemSource* dem) {
+                                const DemSource* dem, MapMemory* memory) {
   if (auto valid = options.Validate(); !valid) return valid.error();
   MosaicReport report;
   report.title = options.title;
   StageRunner stages(report, progress);
 
-  auto flight = stages.Run("read", [&] { return flight::ReadFlight(files, {options.threads}, progress); });
-  if (!flight) return flight.error();
+  auto placed = PlaceFlight(files, options, photo_source, dem, memory, stages, progress);
+  if (!placed) return placed.error();
+  FlightFacts& facts = placed->facts;
+  const alignment::AlignedFlight& aligned = facts.flight;
+  const ground::GroundSurface& ground = facts.ground;
+  // A killed run goes on from here; the look of the map is added before it is rendered.
+  if (memory != nullptr) {
+    if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
+  }
 
-  auto checked = stages.Run("check", [&] {
-    return CheckPhotos(*std::move(flight), photo_source, options.threads, progress);
-  });
-  if (!checked) return checked.error();
-
-  auto posed = stages.Run("pose", [&] { return poses::EstimatePoses(checked->flight, {options.origin, options.landed_at_start, dem}); });
-  if (!posed) return posed.error();
-
-  alignment::AlignReport align_report;
-  auto aligned = stages.Run("align", [&]() -> Result<alignment::AlignedFlight> {
-    alignment::AlignOptions align_options;
-    align_options.threads = options.threads;
-    align_options.control = ControlPointsOf(checked->flight.gcp_lists);
-    switch (options.method) {
-      case AlignMethod::kImu:
-        return alignment::AlignByPoseOnly(*posed);
-      case AlignMethod::kFeatures:
-        return alignment::AlignByFeatures(*posed, photo_source, align_options, align_report, progress);
-      case AlignMethod::kDirect:
-        return alignment::AlignDirectly(*posed, photo_source, align_options, align_report, progress);
-      case AlignMethod::kAuto:
-        break;
-    }
-    return alignment::AlignFlight(*posed, photo_source, align_options, align_report, progress);
-  });
-  if (!aligned) return aligned.error();
-
-  ground::ModelGroundReport ground_report;
-  const ground::GroundSurface ground =
-      stages.Run("ground", [&] {
-        std::optional<ground::ElevationModel> model;
-        if (dem != nullptr && posed->dem_zero_m) model = {dem, *posed->dem_zero_m};
-        return ground::ModelGround(*aligned, ground_report, model);
-      });
-
-  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(*aligned, ground, {options.gsd_m, options.feather_m}); });
+  const std::optional<double> gsd_m = options.gsd_m || !facts.look ? options.gsd_m : facts.look->gsd_m;
+  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, {gsd_m, options.feather_m}); });
   if (!plan) return plan.error();
 
-  const std::vector<render::Thumbnail> thumbnails = ThumbnailsOf(*aligned, checked->thumbnails);
-  const render::ExposureModel exposure =
-      stages.Run("expose", [&] { return render::EstimateExposure(*aligned, ground, thumbnails); });
-  const render::SeamMap seams = stages.Run("seam", [&] {
-    return render::BuildSeamMap(*aligned, ground, *plan, exposure, thumbnails, {.threads = options.threads});
+  const render::ExposureModel exposure = stages.Run("expose", [&] {
+    if (facts.look) return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.look->tones);
+    return render::EstimateExposure(aligned, ground, facts.thumbnails);
   });
+  const render::SeamMap seams = stages.Run("seam", [&] {
+    render::SeamOptions seam_options;
+    seam_options.threads = options.threads;
+    std::optional<render::KnownLabels> known;
+    if (facts.look) known = {facts.look->grid, facts.look->labels, facts.look->tones.size()};
+    if (known) seam_options.known = &*known;
+    return render::BuildSeamMap(aligned, ground, *plan, exposure, facts.thumbnails, seam_options);
+  });
+  const std::size_t finished = facts.look ? facts.look->tones.size() : 0;
+  if (memory != nullptr) {
+    facts.look = FlightLook{gsd_m.value_or(plan->gsd_m), exposure.photos, seams.grid, seams.labels};
+    if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
+  }
   render::PhotoCache cache(photo_source, options.PhotoCacheBytes());
-  auto rendered = stages.Run("render", [&] {
-    const render::RenderContext context{*aligned, ground, exposure, seams, *plan, cache};
+  auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
+    const render::RenderContext context{aligned, ground, exposure, seams, *plan, cache};
     const render::RenderOptions render_options{
         options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
-    return render::RenderTiles(context, render_options, sink, progress);
+    if (memory == nullptr) return render::RenderTiles(context, render_options, sink, progress);
+    const render::RenderMemory render_memory{*memory, placed->digests};
+    return render::RenderTiles(context, render_options, sink, progress, &render_memory);
   });
   if (!rendered) return rendered.error();
   if (rendered->base_tiles == 0) {
@@ -153,20 +102,24 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const render::SeamShift seam_shift = stages.Run("measure", [&] {
     render::MeasureSeamsOptions measure;
     measure.threads = options.threads;
-    measure.output_pixel_m = render::OutputPixelM(*plan, *aligned);
-    return render::MeasureSeams(*aligned, ground, cache, measure, progress);
+    measure.output_pixel_m = render::OutputPixelM(*plan, aligned);
+    if (finished == 0 || finished == aligned.photos.size()) {
+      return render::MeasureSeams(aligned, ground, cache, measure, progress);
+    }
+    render::PhotoCache part_cache(photo_source, options.PhotoCacheBytes() / 2);
+    return render::MeasureSeams(AddedAndAround(aligned, finished), ground, part_cache, measure, progress);
   });
 
-  DescribePhotos(*aligned, report);
+  DescribePhotos(aligned, report);
   report.seams_json = render::SeamShiftJson(seam_shift);
-  report.warnings = aligned->warnings;
-  if (options.method != AlignMethod::kImu) report.alignment_json = alignment::AlignReportJson(align_report);
-  report.ground_json = ground::ModelGroundReportJson(ground_report);
-  report.height_rule = posed->report.height_rule;
-  report.poses_json = poses::PoseReportJson(posed->report);
-  report.is_placed = posed->is_placed;
+  report.warnings = aligned.warnings;
+  report.alignment_json = facts.alignment_json;
+  report.ground_json = facts.ground_json;
+  report.height_rule = facts.height_rule;
+  report.poses_json = facts.poses_json;
+  report.is_placed = facts.is_placed;
   report.gsd_m = plan->gsd_m;
-  const double lat_deg = aligned->frame.origin().lat_deg;
+  const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
   report.bounds = DegreeBounds(rendered->covered_in_merc);
@@ -174,8 +127,10 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.max_zoom = plan->base_zoom;
   report.tile_size_px = plan->tile_size_px;
   report.tile_count = rendered->tiles;
+  report.blocks = rendered->blocks;
+  report.blocks_kept = rendered->blocks_kept;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{*std::move(aligned), ground, std::move(report)};
+  return BuiltMosaic{aligned, ground, std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

@@ -12,6 +12,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/mosaic_report.h"
+#include "core/pipeline/map_memory.h"
 #include "core/pipeline/ports.h"
 
 namespace skyquilt::pipeline {
@@ -22,9 +23,10 @@ struct BuiltMosaic {
   MosaicReport report;
 };
 
-// `dem`: heights of the ground where known; may be null.
+// `dem`: heights of the ground where known; may be null. `memory`: what earlier runs left of this map; may be null.
+// With it blocks of which nothing has changed are not rendered again; the map is the same as without.
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                 const PhotoSource& photo_source, TileSink& sink, Progress& progress,
-                                const DemSource* dem = nullptr);
+                                const DemSource* dem = nullptr, MapMemory* memory = nullptr);
 
 }  // namespace skyquilt::pipeline

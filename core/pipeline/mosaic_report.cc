@@ -70,6 +70,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["max_zoom"] = report.max_zoom;
   json["tile_size_px"] = report.tile_size_px;
   json["tile_count"] = report.tile_count;
+  json["blocks"] = {{"total", report.blocks}, {"kept", report.blocks_kept}};
   json["height_rule"] = report.height_rule;
   json["is_placed"] = report.is_placed;
   json["timings"] = timings;

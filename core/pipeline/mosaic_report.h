@@ -34,6 +34,8 @@ struct MosaicReport {
   int max_zoom = 0;
   int tile_size_px = 256;  // above zoom 22 the tiles grow instead of the zoom
   std::int64_t tile_count = 0;
+  std::int64_t blocks = 0;       // the pieces that the map is rendered in
+  std::int64_t blocks_kept = 0;  // of those, taken over from an earlier run
   std::string height_rule;
   bool is_placed = true;  // false: nothing says where on Earth the flight was; scale and north are right
   std::vector<StageTiming> timings;

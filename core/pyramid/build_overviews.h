@@ -17,7 +17,9 @@ class OverviewBuilder {
   OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit);
 
   // A finished tile of first_zoom. All tiles below one parent must come one after the other.
-  void Add(const geo::TileId& tile, const RgbaImage& image);
+  void Add(const geo::TileId& tile, const RgbaImage& image) { AddHalf(tile, Halve(image)); }
+  // The same, already at half its size.
+  void AddHalf(const geo::TileId& tile, const RgbaImage& half);
   // No more tiles: closes the parents still open.
   void Finish();
 
@@ -27,7 +29,7 @@ class OverviewBuilder {
     geo::TileId tile;
     RgbaImage image;
   };
-  void AddTo(int parent_zoom, const geo::TileId& child, const RgbaImage& child_image);
+  void AddTo(int parent_zoom, const geo::TileId& child, const RgbaImage& child_half);
   void Close(int zoom);
 
   const int first_zoom_;

@@ -34,10 +34,12 @@ class Labeller {
         labels_(grid.columns, grid.rows),
         height_m_(static_cast<float>(std::max(1.0, options.height_m))) {
     TakeBest();
+    if (options.known != nullptr) TakeKnown(*options.known, grid);
     if (!options.moves_seams) return;
+    const std::size_t first = options.known != nullptr ? options.known->photos : 0;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       bool changed = false;
-      for (std::size_t photo = 0; photo < views_.size(); ++photo)
+      for (std::size_t photo = first; photo < views_.size(); ++photo)
         changed |= Expand(static_cast<std::int32_t>(photo));
       if (!changed) break;
     }
@@ -70,6 +72,19 @@ class Labeller {
       }
     }
     best_ = labels_;
+  }
+
+  // Cells that an earlier run decided, as long as their photo still sees them.
+  void TakeKnown(const KnownLabels& known, const SeamGrid& grid) {
+    for (int row = 0; row < labels_.rows(); ++row) {
+      for (int column = 0; column < labels_.columns(); ++column) {
+        const std::int32_t label = known.AtWorld(grid.first_column + column, grid.first_row + row);
+        if (label == kNoPhoto || labels_.At(column, row) == kNoPhoto) continue;
+        const int index = View(label).IndexOf(column, row);
+        if (index < 0 || View(label).seen[static_cast<std::size_t>(index)] == Seen::kNot) continue;
+        labels_.Set(column, row, label);
+      }
+    }
   }
 
   static bool IsBetter(const LowResView& view, const LowResView& than, int column, int row) {

@@ -15,6 +15,8 @@ namespace skyquilt::render {
 struct LabelOptions {
   bool moves_seams = true;  // false: the best view everywhere
   double height_m = 1.0;    // typical height above ground: the measure of how much worse a view is
+  // Of the same cells; null: none. Its cells go to added photos where that fits better, and stay otherwise.
+  const KnownLabels* known = nullptr;
 };
 
 // views[i] belongs to photo i.

@@ -10,6 +10,7 @@
 #include "core/base/parallel_for.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
+#include "core/render/block_digest.h"
 
 namespace skyquilt::render {
 namespace {
@@ -21,6 +22,8 @@ struct FinishedTile {
 
 struct FinishedBlock {
   std::optional<Error> error;
+  std::optional<Digest> digest;  // of what it was made from; only where somebody remembers
+  bool is_kept = false;          // an earlier run made it: nothing below but the digest
   std::vector<FinishedTile>
       tiles;  // base zoom first, then the block's own overviews but the topmost's parents
   std::optional<pyramid::RgbaImage> top;  // the block as one tile; nothing if no pixel is covered
@@ -91,10 +94,25 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
   return finished;
 }
 
+// Puts the tiles of a block, newly made or an earlier run's, and says what the rest of the map needs of it.
+template <typename Put>
+Result<pipeline::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile, const FinishedBlock& block,
+                                     const RenderMemory* memory, const Put& put) {
+  if (block.is_kept) return memory->map.Reuse(tile);
+  for (const FinishedTile& finished : block.tiles) put(finished.tile, finished.encoded);
+  pipeline::KeptBlock kept{plan.block_levels,    static_cast<std::int64_t>(block.tiles.size()),
+                           block.base_tiles,     block.covered_pixels,
+                           block.covered_in_merc, {}};
+  if (block.top) kept.half_rgba = pyramid::Halve(*block.top).rgba;
+  if (memory == nullptr) return kept;
+  if (const Result<void> remembered = memory->map.Keep(tile, *block.digest, kept); !remembered) return remembered.error();
+  return kept;
+}
+
 }  // namespace
 
-Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options,
-                                 pipeline::TileSink& sink, Progress& progress) {
+Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options, pipeline::TileSink& sink,
+                                 Progress& progress, const RenderMemory* memory) {
   RenderReport report;
   std::optional<Error> failure;
   std::atomic<bool> stop{false};
@@ -125,7 +143,14 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           skipped.error = Error{ErrorCode::kCancelled, "the job was cancelled", ""};
           return skipped;
         }
-        return FinishBlock(context, options, context.plan.blocks[i]);
+        const RenderBlock& block = context.plan.blocks[i];
+        if (memory == nullptr) return FinishBlock(context, options, block);
+        const Digest digest = DigestBlock(context, options.encode, memory->photo_digests, block);
+        FinishedBlock finished;
+        finished.is_kept = memory->map.DigestOf(block.tile) == digest;
+        if (!finished.is_kept) finished = FinishBlock(context, options, block);
+        finished.digest = digest;
+        return finished;
       },
       [&](std::size_t i, FinishedBlock&& block) {
         if (failure) return;
@@ -134,17 +159,30 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           stop = true;
           return;
         }
-        for (const FinishedTile& tile : block.tiles) put(tile.tile, tile.encoded);
-        if (block.top) overviews.Add(context.plan.blocks[i].tile, *block.top);
-        report.base_tiles += block.base_tiles;
-        report.covered_merc_m2 += static_cast<double>(block.covered_pixels) * pixel_m * pixel_m;
-        report.covered_in_merc.Include(block.covered_in_merc);
+        Result<pipeline::KeptBlock> kept = TakeOver(context.plan, context.plan.blocks[i].tile, block, memory, put);
+        if (!kept) {
+          failure = kept.error();
+          stop = true;
+        }
+        if (failure) return;
+        if (block.is_kept) {
+          report.tiles += kept->tiles;
+          ++report.blocks_kept;
+        }
+        if (!kept->half_rgba.empty()) {
+          const int half_px = context.plan.tile_size_px / 2;
+          overviews.AddHalf(context.plan.blocks[i].tile, {half_px, half_px, std::move(kept->half_rgba)});
+        }
+        report.base_tiles += kept->base_tiles;
+        report.covered_merc_m2 += static_cast<double>(kept->covered_pixels) * pixel_m * pixel_m;
+        report.covered_in_merc.Include(kept->covered_in_merc);
         progress.Report(static_cast<double>(i + 1) / static_cast<double>(count),
                         fmt::format("block {} of {}", i + 1, count));
       });
   if (!failure) overviews.Finish();
   if (failure) return *failure;
   report.decodes = context.cache.decodes();
+  report.blocks = static_cast<std::int64_t>(count);
   return report;
 }
 

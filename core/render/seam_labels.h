@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "core/render/seam_grid.h"
+
 namespace skyquilt::render {
 
 inline constexpr std::int32_t kNoPhoto = -1;
@@ -48,6 +50,18 @@ class SeamLabels {
   int columns_ = 0, rows_ = 0;
   std::size_t chunk_columns_ = 0;
   std::vector<std::unique_ptr<Chunk>> chunks_;
+};
+
+// What an earlier run decided, for a flight of which these photos came first.
+struct KnownLabels {
+  SeamGrid grid;
+  SeamLabels labels;
+  std::size_t photos = 0;
+
+  // Of a cell of the world, as the grid counts them.
+  std::int32_t AtWorld(std::int64_t column, std::int64_t row) const {
+    return labels.At(static_cast<int>(column - grid.first_column), static_cast<int>(row - grid.first_row));
+  }
 };
 
 }  // namespace skyquilt::render

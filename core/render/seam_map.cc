@@ -52,9 +52,13 @@ SeamMap BuildSeamMap(const alignment::AlignedFlight& flight, const ground::Groun
     views[i] = MakeLowResView(flight.photos[i], plan.seen_in_merc[i], flight.frame, ground,
                               exposure.photos[i], thumbnails[i], map.grid);
   });
+  const bool is_same_grid = options.known != nullptr && options.known->grid.zoom == map.grid.zoom &&
+                            options.known->grid.tile_size_px == map.grid.tile_size_px &&
+                            options.known->grid.cell_px == map.grid.cell_px;
   map.labels = LabelSeams(
       views, map.grid,
-      {options.moves_seams, MedianOf(flight, [](const auto& p) { return p.height_above_ground_m; })});
+      {options.moves_seams, MedianOf(flight, [](const auto& p) { return p.height_above_ground_m; }),
+       is_same_grid ? options.known : nullptr});
   map.levels = LevelSeams(views, map.labels, options.evens_light, options.threads);
   return map;
 }

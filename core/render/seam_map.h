@@ -20,6 +20,7 @@ struct SeamOptions {
   bool moves_seams = true;  // false: every cell takes the photo that stood most nearly above it
   bool evens_light = true;
   int threads = 0;
+  const KnownLabels* known = nullptr;  // of an earlier run; not used where its cells are of another size
 };
 
 struct SeamMap {

@@ -5,10 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/base/digest.h"
 #include "server/commands/terminal_progress.h"
 #include "server/stitch_job.h"
 
@@ -26,6 +28,7 @@ struct StitchArguments {
   bool no_pmtiles = false;
   bool utm = false;
   bool kmz = false;
+  bool append = false;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -43,6 +46,31 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
              report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
+}
+
+// The files of the finished map, then the others; one that is given again counts once.
+void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::InputFile>& files) {
+  auto all = FilesOfMap(out_dir);
+  if (!all) Fail(all.error());
+  std::map<std::string, std::filesystem::path> finished;
+  for (const flight::InputFile& file : *all) {
+    finished[file.name] = file.path;
+    if (std::filesystem::exists(file.path)) continue;
+    Fail({ErrorCode::kNotFound,
+          file.path.string() + " is gone; a map can only be added to where its photos still are", ""});
+  }
+  for (flight::InputFile& file : files) {
+    const auto same = finished.find(file.name);
+    if (same == finished.end()) {
+      all->push_back(std::move(file));
+      continue;
+    }
+    const Result<Digest> was = DigestOfFile(same->second), is = DigestOfFile(file.path);
+    if (was && is && *was == *is) continue;
+    Fail({ErrorCode::kConflict,
+          file.path.string() + " has the name of a file of the finished map and other content; rename it", ""});
+  }
+  files = *std::move(all);
 }
 
 void Run(StitchArguments& arguments) {
@@ -64,8 +92,9 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_pmtiles = !arguments.no_pmtiles;
   arguments.job.write_utm = arguments.utm;
   arguments.job.write_kmz = arguments.kmz;
-  const auto files = flight::ListInputFiles(arguments.inputs);
+  auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail(files.error());
+  if (arguments.append) AddFinishedFiles(arguments.out_dir, *files);
   if (arguments.job.mosaic.title.empty()) {
     std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
     if (!first.has_filename()) first = first.parent_path();
@@ -131,8 +160,14 @@ void AddStitchCommand(CLI::App& app) {
       ->excludes(no_cog);
   command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles, "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
+  command->add_flag("--append", arguments->append,
+                    "IN are photos more for the finished map in the folder: they are placed against it, and only the "
+                    "tiles below them are made anew");
+  command->add_flag("--fresh", arguments->job.is_fresh,
+                    "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, and "
+                    "photos that did not change are not compared again");
   command->footer(
-      "Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  skyquilt stitch photos/ flight.BIN -o map\n  "
+      "Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  skyquilt stitch photos/ flight.BIN -o map\n  skyquilt stitch more/ -o map --append\n  "
       "gdalinfo map/mosaic.tif");
   command->callback([arguments] { Run(*arguments); });
 }

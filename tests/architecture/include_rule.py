@@ -13,7 +13,7 @@ MAY_USE["simulate"] = {"base", "geo", "camera", "flight", "poses", "simulate"}
 # What storage and api may know of the core: values and ports, never a stage's algorithm.
 CORE_VALUES = {
     "core/base/", "core/geo/", "core/camera/intrinsics.h", "core/flight/photo.h", "core/flight/flight.h",
-    "core/flight/read_flight.h", "core/flight/input_file.h", "core/pipeline/ports.h", "core/pipeline/mosaic_options.h",
+    "core/flight/read_flight.h", "core/flight/input_file.h", "core/pipeline/ports.h", "core/pipeline/map_memory.h", "core/pipeline/mosaic_options.h",
     "core/pipeline/mosaic_report.h", "core/pipeline/locate.h", "core/alignment/aligned_flight.h",
 }
 LIBRARIES = {
@@ -36,7 +36,7 @@ def core_part(path):
 def allowed(source, target):
     """Why `source` may not include the project header `target`; None if it may."""
     top_source, top_target = source.split("/")[0], target.split("/")[0]
-    if target == "core/pipeline/ports.h":
+    if target in ("core/pipeline/ports.h", "core/pipeline/map_memory.h"):
         return None
     if top_source == "core":
         if top_target != "core":

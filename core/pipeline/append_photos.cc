@@ -1,0 +1,183 @@
+#include "core/pipeline/append_photos.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_flight.h"
+#include "core/camera/footprint.h"
+#include "core/ground/extend_ground.h"
+#include "core/ground/model_ground.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using alignment::AlignedFlight;
+using alignment::AlignedPhoto;
+
+constexpr std::size_t kMostAround = 10;  // finished photos that a new one is compared with
+constexpr double kReachWidths = 1.0;     // of a photo's width on the ground between their middles
+constexpr double kFixedSigma = 1e-4;     // metres and radians: known for good
+
+// Of ground that a photo shows, along its longer side. Posed or aligned.
+template <typename Photo>
+double WidthM(const Photo& photo) {
+  return photo.height_above_ground_m / photo.photo.intrinsics.MeanFocalPx() *
+         std::max(photo.photo.intrinsics.width_px, photo.photo.intrinsics.height_px);
+}
+
+// The new photos, in the frame of the finished flight and with the lenses found there.
+std::vector<poses::PosedPhoto> NewPhotos(const FlightFacts& known, const poses::PosedFlight& posed) {
+  std::set<std::string> finished;
+  std::map<std::string, camera::Intrinsics> lens_of_key;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    finished.insert(photo.photo.name);
+    lens_of_key.try_emplace(photo.photo.camera_key, photo.intrinsics);
+  }
+  const geo::Rigid3 posed_from_known =
+      posed.frame.ecef_from_enu().Inverse() * known.flight.frame.ecef_from_enu();
+  std::vector<poses::PosedPhoto> added;
+  for (poses::PosedPhoto photo : posed.photos) {
+    if (finished.contains(photo.photo.name)) continue;
+    photo.cam_from_enu = photo.cam_from_enu * posed_from_known;
+    if (const auto lens = lens_of_key.find(photo.photo.camera_key); lens != lens_of_key.end()) {
+      photo.photo.intrinsics = lens->second;
+    }
+    added.push_back(std::move(photo));
+  }
+  return added;
+}
+
+// Finished photos near the new ones, by number.
+std::set<std::size_t> Around(const FlightFacts& known, const std::vector<poses::PosedPhoto>& added) {
+  std::set<std::size_t> around;
+  for (const poses::PosedPhoto& photo : added) {
+    const Eigen::Vector2d middle = photo.cam_from_enu.TargetOriginInSource().head<2>();
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t i = 0; i < known.flight.photos.size(); ++i) {
+      const AlignedPhoto& other = known.flight.photos[i];
+      const double apart = (other.cam_from_enu.TargetOriginInSource().head<2>() - middle).norm();
+      if (apart < kReachWidths * WidthM(photo)) near.emplace_back(apart, i);
+    }
+    std::sort(near.begin(), near.end());
+    if (near.size() > kMostAround) near.resize(kMostAround);
+    for (const auto& [apart, i] : near) around.insert(i);
+  }
+  return around;
+}
+
+poses::PosedPhoto AsPosed(const AlignedPhoto& finished) {
+  poses::PosedPhoto photo;
+  photo.photo = finished.photo;
+  photo.photo.intrinsics = finished.intrinsics;
+  photo.cam_from_enu = finished.cam_from_enu;
+  photo.covariance = poses::Matrix6d::Identity() * kFixedSigma * kFixedSigma;
+  photo.height_above_ground_m = finished.height_above_ground_m;
+  photo.error_radius_m = finished.error_radius_m;
+  return photo;
+}
+
+geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) {
+  geo::Bounds2 bounds;
+  for (const AlignedPhoto& photo : photos) {
+    bounds.Include(
+        camera::BoundsOf(camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, ground_z_m)));
+  }
+  return bounds;
+}
+
+// The finished flight's figures with those of the new photos.
+std::string MergedReport(const std::string& known_json, const alignment::AlignReport& report,
+                         const std::set<std::string>& added) {
+  using Json = nlohmann::ordered_json;
+  if (known_json.empty()) return known_json;
+  Json merged = Json::parse(known_json);
+  const Json part = Json::parse(alignment::AlignReportJson(report));
+  for (const Json& photo : part.at("photo_reports")) {
+    if (!added.contains(photo.at("name").get<std::string>())) continue;
+    merged["photos"] = merged["photos"].get<int>() + 1;
+    if (photo.at("placement") == "aligned") merged["aligned"] = merged["aligned"].get<int>() + 1;
+    merged["photo_reports"].push_back(photo);
+  }
+  return merged.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) {
+  AlignedFlight part = flight;
+  const auto east_north = [](const AlignedPhoto& photo) -> Eigen::Vector2d {
+    return photo.cam_from_enu.TargetOriginInSource().head<2>();
+  };
+  std::size_t number = 0;
+  std::erase_if(part.photos, [&](const AlignedPhoto& photo) {
+    if (number++ >= finished) return false;
+    return std::none_of(flight.photos.begin() + static_cast<std::ptrdiff_t>(finished), flight.photos.end(),
+                        [&](const AlignedPhoto& added) {
+                          return (east_north(photo) - east_north(added)).norm() < kReachWidths * WidthM(added);
+                        });
+  });
+  return part;
+}
+
+Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
+                                                const MosaicOptions& options, const PhotoSource& source,
+                                                Progress& progress) {
+  const std::vector<poses::PosedPhoto> added = NewPhotos(known, posed);
+  const std::set<std::size_t> around = Around(known, added);
+  poses::PosedFlight part;
+  part.frame = known.flight.frame;
+  part.ground_z_in_enu_m = known.flight.ground_z_in_enu_m;
+  alignment::AlignOptions align_options;
+  align_options.threads = options.threads;
+  for (const std::size_t i : around) {
+    part.photos.push_back(AsPosed(known.flight.photos[i]));
+    align_options.fixed.push_back(1);
+  }
+  std::map<std::string, const poses::PosedPhoto*> recorded;
+  std::set<std::string> names;
+  for (const poses::PosedPhoto& photo : added) {
+    part.photos.push_back(photo);
+    align_options.fixed.push_back(0);
+    names.insert(photo.photo.name);
+  }
+  for (const poses::PosedPhoto& photo : posed.photos) recorded[photo.photo.name] = &photo;
+
+  FlightFacts grown = known;
+  alignment::AlignReport report;
+  Result<AlignedFlight> aligned = options.method == AlignMethod::kImu
+                                      ? Result<AlignedFlight>(alignment::AlignByPoseOnly(part))
+                                      : alignment::AlignFlight(part, source, align_options, report, progress);
+  if (!aligned) return aligned.error();
+  std::vector<AlignedPhoto> placed;
+  std::size_t tied = 0;
+  for (AlignedPhoto& photo : aligned->photos) {
+    if (!names.contains(photo.photo.name)) continue;
+    if (photo.placement == alignment::Placement::kAligned) ++tied;
+    photo.photo = recorded.at(photo.photo.name)->photo;  // with the lens as recorded
+    placed.push_back(std::move(photo));
+  }
+  const bool is_compared = options.method != AlignMethod::kImu && !around.empty();
+  if (is_compared && 2 * tied < placed.size()) return std::optional<FlightFacts>();
+
+  ground::ModelGroundReport ground_report;
+  const ground::GroundSurface beyond = ground::ModelGround(*aligned, ground_report);
+  grown.ground = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
+  grown.alignment_json = MergedReport(known.alignment_json, report, names);
+  for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
+  for (const flight::LeftOutPhoto& photo : aligned->left_out) {
+    if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
+  }
+  grown.flight.warnings.push_back(
+      fmt::format("{} photo{} placed against the finished flight, of which nothing was moved", placed.size(),
+                  placed.size() == 1 ? " was added and" : "s were added and"));
+  return std::optional<FlightFacts>(std::move(grown));
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,27 @@
+// AppendPhotos: photos that were added to a finished flight, placed against it. The finished photos, their
+// lenses and the ground below them stay as they are; only the new ones and those around them are looked at
+// again. Nothing comes back when that is not to be trusted (fewer than half of the new ones tie to the photos
+// around them): then the flight is better aligned as a whole. Blocking. Errors: those of EstimatePoses and of
+// the alignment; kCancelled.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/pipeline/flight_facts.h"
+#include "core/pipeline/ports.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::pipeline {
+
+// `posed`: the whole flight as recorded, finished and new photos. `known` gives the placed ones, which come
+// first in the outcome. What comes back has no thumbnails, inputs or look for the new ones.
+Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
+                                                const MosaicOptions& options, const PhotoSource& source,
+                                                Progress& progress);
+
+// The photos that came after the first `finished` ones, and those around them.
+alignment::AlignedFlight AddedAndAround(const alignment::AlignedFlight& flight, std::size_t finished);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,241 @@
+#include "core/pipeline/place_flight.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/alignment/align_by_features.h"
+#include "core/alignment/align_by_pose.h"
+#include "core/alignment/align_directly.h"
+#include "core/alignment/align_flight.h"
+#include "core/base/parallel_for.h"
+#include "core/ground/dem_grid.h"
+#include "core/ground/model_ground.h"
+#include "core/pipeline/append_photos.h"
+#include "core/pipeline/check_photos.h"
+#include "core/pipeline/control_points.h"
+#include "core/poses/estimate_poses.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using flight::InputFile;
+
+std::vector<NamedDigest> DigestsOf(const std::vector<InputFile>& files, int threads) {
+  std::vector<Result<Digest>> read(files.size(), Digest{});
+  ParallelFor(files.size(), threads, [&](std::size_t i) { read[i] = DigestOfFile(files[i].path); });
+  std::vector<NamedDigest> digests;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    // A file that cannot be read is reported where it is needed; until then it has no twin.
+    digests.push_back({files[i], read[i] ? *read[i] : Digest{}});
+  }
+  return digests;
+}
+
+// What an earlier run placed, where it was asked for the same and all its files are still there.
+struct Recalled {
+  FlightFacts facts;
+  std::vector<NamedDigest> added;  // files that it did not have
+};
+
+std::optional<Recalled> Recall(const MapMemory& memory, const MosaicOptions& options,
+                               const std::vector<NamedDigest>& inputs) {
+  if (memory.Recall().empty()) return std::nullopt;
+  Result<FlightFacts> facts = ParseFacts(memory.Recall());
+  // Facts that cannot be read are as good as none: the flight is placed anew.
+  if (!facts || facts->options != DigestOfPlacing(options) || facts->inputs.empty()) return std::nullopt;
+  std::map<std::string, Digest> given;
+  for (const NamedDigest& input : inputs) {
+    if (!given.emplace(input.file.name, input.digest).second) return std::nullopt;  // which one was which?
+  }
+  std::set<std::string> known;
+  for (const NamedDigest& input : facts->inputs) {
+    const auto same = given.find(input.file.name);
+    if (same == given.end() || same->second != input.digest) return std::nullopt;
+    known.insert(input.file.name);
+  }
+  Recalled recalled{*std::move(facts), {}};
+  for (const NamedDigest& input : inputs) {
+    if (!known.contains(input.file.name)) recalled.added.push_back(input);
+  }
+  return recalled;
+}
+
+// A flight that doubles is better aligned as a whole; so is one that was not finished, or got other files
+// than photos.
+bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
+  if (!recalled.facts.look || 2 * recalled.added.size() > recalled.facts.flight.photos.size()) return false;
+  if (options.method != AlignMethod::kAuto && options.method != AlignMethod::kImu) return false;
+  std::set<std::string> photos;
+  for (const flight::Photo& photo : read.photos) photos.insert(photo.name);
+  for (const flight::LeftOutPhoto& photo : read.left_out) photos.insert(photo.name);
+  return std::all_of(recalled.added.begin(), recalled.added.end(),
+                     [&](const NamedDigest& input) { return photos.contains(input.file.name); });
+}
+
+void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
+  std::map<std::string, const flight::Photo*> by_name;
+  for (const flight::Photo& photo : read.photos) by_name[photo.name] = &photo;
+  for (alignment::AlignedPhoto& photo : flight.photos) {
+    if (const auto found = by_name.find(photo.photo.name); found != by_name.end())
+      photo.photo = *found->second;
+  }
+}
+
+Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
+                                const DemSource* dem, StageRunner& stages) {
+  return stages.Run("pose", [&] {
+    return poses::EstimatePoses(flight, {options.origin, options.landed_at_start, dem});
+  });
+}
+
+Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
+                                       const std::vector<flight::GcpList>& control,
+                                       const MosaicOptions& options, const PhotoSource& source,
+                                       alignment::AlignReport& report, Progress& progress) {
+  alignment::AlignOptions align_options;
+  align_options.threads = options.threads;
+  align_options.control = ControlPointsOf(control);
+  switch (options.method) {
+    case AlignMethod::kImu:
+      return alignment::AlignByPoseOnly(posed);
+    case AlignMethod::kFeatures:
+      return alignment::AlignByFeatures(posed, source, align_options, report, progress);
+    case AlignMethod::kDirect:
+      return alignment::AlignDirectly(posed, source, align_options, report, progress);
+    case AlignMethod::kAuto:
+      break;
+  }
+  return alignment::AlignFlight(posed, source, align_options, report, progress);
+}
+
+// In the order of the placed photos.
+std::vector<render::Thumbnail> Ordered(const alignment::AlignedFlight& flight,
+                                       const std::vector<render::Thumbnail>& thumbnails) {
+  std::map<std::string, const render::Thumbnail*> by_name;
+  for (const render::Thumbnail& thumbnail : thumbnails) by_name[thumbnail.photo_name] = &thumbnail;
+  std::vector<render::Thumbnail> ordered;
+  ordered.reserve(flight.photos.size());
+  for (const alignment::AlignedPhoto& photo : flight.photos) ordered.push_back(*by_name.at(photo.photo.name));
+  return ordered;
+}
+
+Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options, const PhotoSource& source,
+                              const DemSource* dem, StageRunner& stages, Progress& progress) {
+  auto checked =
+      stages.Run("check", [&] { return CheckPhotos(std::move(read), source, options.threads, progress); });
+  if (!checked) return checked.error();
+  auto posed = Pose(checked->flight, options, dem, stages);
+  if (!posed) return posed.error();
+  alignment::AlignReport report;
+  auto aligned = stages.Run(
+      "align", [&] { return Align(*posed, checked->flight.gcp_lists, options, source, report, progress); });
+  if (!aligned) return aligned.error();
+  ground::ModelGroundReport ground_report;
+  FlightFacts facts;
+  facts.ground = stages.Run("ground", [&] {
+    std::optional<ground::ElevationModel> model;
+    if (dem != nullptr && posed->dem_zero_m) model = ground::ElevationModel{dem, *posed->dem_zero_m};
+    return ground::ModelGround(*aligned, ground_report, model);
+  });
+  facts.flight = *std::move(aligned);
+  facts.thumbnails = Ordered(facts.flight, checked->thumbnails);
+  if (options.method != AlignMethod::kImu) facts.alignment_json = alignment::AlignReportJson(report);
+  facts.ground_json = ground::ModelGroundReportJson(ground_report);
+  facts.poses_json = poses::PoseReportJson(posed->report);
+  facts.height_rule = posed->report.height_rule;
+  facts.is_placed = posed->is_placed;
+  return facts;
+}
+
+// Nothing: better to place the flight as a whole.
+Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::Flight& read,
+                                              const MosaicOptions& options, const PhotoSource& source,
+                                              const DemSource* dem, StageRunner& stages, Progress& progress) {
+  FlightFacts& known = recalled.facts;
+  FillPhotos(read, known.flight);
+  std::set<std::string> names;
+  for (const NamedDigest& input : recalled.added) names.insert(input.file.name);
+  flight::Flight whole = read, added;
+  std::erase_if(whole.photos, [&](const flight::Photo& photo) { return names.contains(photo.name); });
+  for (const flight::Photo& photo : read.photos) {
+    if (names.contains(photo.name)) added.photos.push_back(photo);
+  }
+  auto checked =
+      stages.Run("check", [&] { return CheckPhotos(std::move(added), source, options.threads, progress); });
+  if (!checked) return checked.error();
+  // Photos that were left out stay so.
+  std::set<std::string> left_out;
+  for (const flight::LeftOutPhoto& photo : known.flight.left_out) left_out.insert(photo.name);
+  std::erase_if(whole.photos, [&](const flight::Photo& photo) { return left_out.contains(photo.name); });
+  whole.photos.insert(whole.photos.end(), checked->flight.photos.begin(), checked->flight.photos.end());
+  std::stable_sort(whole.photos.begin(), whole.photos.end(),
+                   [](const flight::Photo& a, const flight::Photo& b) {
+                     return a.captured_at != b.captured_at ? a.captured_at < b.captured_at : a.name < b.name;
+                   });
+  auto posed = Pose(whole, options, dem, stages);
+  if (!posed) return posed.error();
+  auto grown = stages.Run("align", [&] { return AppendPhotos(known, *posed, options, source, progress); });
+  if (!grown || !*grown) return grown;
+  for (const std::vector<flight::LeftOutPhoto>& list :
+       {read.left_out, checked->flight.left_out, posed->left_out}) {
+    for (const flight::LeftOutPhoto& photo : list) {
+      if (names.contains(photo.name)) (*grown)->flight.left_out.push_back(photo);
+    }
+  }
+  std::vector<render::Thumbnail> thumbnails = known.thumbnails;
+  thumbnails.insert(thumbnails.end(), checked->thumbnails.begin(), checked->thumbnails.end());
+  (*grown)->thumbnails = Ordered((*grown)->flight, thumbnails);
+  (*grown)->poses_json = poses::PoseReportJson(posed->report);
+  return grown;
+}
+
+}  // namespace
+
+Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const MosaicOptions& options,
+                                 const PhotoSource& source, const DemSource* dem, const MapMemory* memory,
+                                 StageRunner& stages, Progress& progress) {
+  std::vector<NamedDigest> inputs;
+  auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
+    if (memory != nullptr) inputs = DigestsOf(files, options.threads);
+    return flight::ReadFlight(files, {options.threads}, progress);
+  });
+  if (!read) return read.error();
+
+  PlacedFlight placed;
+  std::optional<FlightFacts> facts;
+  if (memory != nullptr) {
+    if (std::optional<Recalled> recalled = Recall(*memory, options, inputs)) {
+      if (recalled->added.empty()) {
+        facts = std::move(recalled->facts);
+        FillPhotos(*read, facts->flight);
+      } else if (dem == nullptr && MayAppend(*recalled, *read, options)) {
+        // (An elevation model is fitted to the whole flight.)
+        auto grown = PlaceAdded(*std::move(recalled), *read, options, source, dem, stages, progress);
+        if (!grown) return grown.error();
+        facts = *std::move(grown);
+      }
+    }
+  }
+  if (!facts) {
+    auto anew = PlaceAnew(*std::move(read), options, source, dem, stages, progress);
+    if (!anew) return anew.error();
+    facts = *std::move(anew);
+  }
+  placed.facts = *std::move(facts);
+  placed.facts.options = DigestOfPlacing(options);
+  placed.facts.inputs = inputs;
+  std::map<std::string, Digest> by_path;
+  for (const NamedDigest& input : inputs) by_path[input.file.path.string()] = input.digest;
+  if (memory != nullptr) {
+    for (const alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
+      placed.digests.push_back(by_path[photo.photo.path.string()]);
+    }
+  }
+  return placed;
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,26 @@
+// PlaceFlight: the first half of the flow: from files to placed photos and the ground below them; with a
+// memory of an earlier run as little of it as has changed: the same files are not compared again, and a few
+// photos more are placed against the others. Blocking. Errors: as BuildMosaic.
+#pragma once
+
+#include <vector>
+
+#include "core/flight/read_flight.h"
+#include "core/pipeline/flight_facts.h"
+#include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/map_memory.h"
+#include "core/pipeline/ports.h"
+#include "core/pipeline/stage_runner.h"
+
+namespace skyquilt::pipeline {
+
+struct PlacedFlight {
+  FlightFacts facts;            // `look` is an earlier run's: of its photos, which come first
+  std::vector<Digest> digests;  // of the photos' files; only with a memory
+};
+
+Result<PlacedFlight> PlaceFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
+                                 const PhotoSource& source, const DemSource* dem, const MapMemory* memory,
+                                 StageRunner& stages, Progress& progress);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,50 @@
+// MapKeeper: the memory of a map between runs, in a file `mosaic.state` beside `mosaic.mbtiles`: for every
+// block a digest of what it was made from and the block as one small picture (its parents are made from it),
+// and the pipeline's facts about the flight. A run looks for what earlier ones left: its own folder's
+// temporary files (a run that was killed) and a finished map (of the same folder or of `previous`). Blocks of
+// the same digest are copied tile by tile, so their bytes and entity tags stay. Everything is checked to be
+// there before it is believed; what is not is rendered anew.
+//
+// The file is SQLite: blocks(zoom, column, row, levels, digest, tiles, base_tiles, covered_pixels, west,
+// south, east, north, half), rows from the north, bounds in EPSG:3857 metres, half zlib of RGBA; facts(name,
+// bytes): 'flight' (core/pipeline/flight_facts.h), 'tiles' (how many the map has: a state of another map is
+// not believed). Deleting it costs time on the next run, nothing else. One thread at a time, but DigestOf.
+// Errors: kOutOfSpace, kIo, kCorrupt.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/pipeline/map_memory.h"
+#include "core/pipeline/ports.h"
+#include "storage/mbtiles_writer.h"
+
+namespace skyquilt::storage {
+
+class MapKeeper final : public pipeline::MapMemory, public pipeline::TileSink {
+ public:
+  // `previous`: folder of a finished map of the same flight; empty: none but what is in `folder`.
+  static Result<std::unique_ptr<MapKeeper>> Create(const std::filesystem::path& folder,
+                                                   const std::filesystem::path& previous);
+  ~MapKeeper() override;
+  // What the finished map in a folder remembers of its flight. Errors: kNotFound (no map, or none with a memory).
+  static Result<std::string> FactsOf(const std::filesystem::path& folder);
+
+  Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format,
+                   std::span<const std::uint8_t> bytes) override;
+  std::optional<Digest> DigestOf(const geo::TileId& block) const override;
+  Result<pipeline::KeptBlock> Reuse(const geo::TileId& block) override;
+  Result<void> Keep(const geo::TileId& block, const Digest& digest, const pipeline::KeptBlock& kept) override;
+  const std::string& Recall() const override;
+  Result<void> Remember(std::string_view facts) override;
+
+  // Gives map and state their names; the earlier ones are gone then.
+  Result<void> Publish(const TilesetMetadata& metadata);
+
+ private:
+  struct State;
+  explicit MapKeeper(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace skyquilt::storage

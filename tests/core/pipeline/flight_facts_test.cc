@@ -1,0 +1,84 @@
+#include "core/pipeline/flight_facts.h"
+
+#include <gtest/gtest.h>
+
+namespace skyquilt::pipeline {
+namespace {
+
+FlightFacts SomeFacts() {
+  FlightFacts facts;
+  facts.options = DigestOfPlacing({});
+  facts.inputs = {{{"DJI_1.JPG", "/card/DJI_1.JPG"}, Digest{1, 2, 3}}, {{"n\xff.csv", "/card/n"}, Digest{4}}};
+  facts.flight.frame = geo::LocalFrame({46.8, 7.1, 512.25});
+  facts.flight.ground_z_in_enu_m = -0.125;
+  facts.flight.warnings = {"a warning"};
+  facts.flight.left_out = {{"n\xff.csv", ErrorCode::kCorrupt, "no photo"}};
+  alignment::AlignedPhoto photo;
+  photo.photo.name = "DJI_1.JPG";
+  photo.photo.camera_key = "key";
+  photo.intrinsics = camera::Intrinsics::Centered(800, 600, 700.0 / 3.0);
+  photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      Eigen::Quaterniond(0.1, 0.7, -0.7, 0.02).normalized(), {1.0 / 3.0, -20.1, 60.7});
+  photo.placement = alignment::Placement::kAligned;
+  photo.height_above_ground_m = 60.0 / 7.0;
+  facts.flight.photos = {photo};
+  facts.ground = ground::GroundSurface::Grid({-1.0, -2.0}, 0.3, 2, 2, {0.1F, 0.2F, 0.3F, 0.4F}, 0.25);
+  facts.thumbnails = {{"DJI_1.JPG", 4, 3, {1, 2, 250}}};
+  facts.alignment_json = "{}";
+  FlightLook look;
+  look.gsd_m = 0.031;
+  look.tones.resize(1);
+  look.tones[0].gain = {0.9, 1.0 / 3.0, 1.1};
+  look.tones[0].vignetting.a = {0.1, -0.2, 0.3};
+  look.grid = {19, 256, 32, 100'000'000'000, -5, 70, 3};
+  look.labels = render::SeamLabels(70, 3);
+  look.labels.Set(69, 2, 0);
+  look.labels.Set(3, 1, 0);
+  facts.look = look;
+  return facts;
+}
+
+TEST(FlightFacts, AreReadAgainExactly) {
+  const FlightFacts facts = SomeFacts();
+  const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read->options, facts.options);
+  ASSERT_EQ(read->inputs.size(), 2U);
+  EXPECT_EQ(read->inputs[1].file.name, "n\xff.csv");
+  EXPECT_EQ(read->inputs[0].digest, facts.inputs[0].digest);
+  EXPECT_EQ(read->flight.left_out.front().code, ErrorCode::kCorrupt);
+  const alignment::AlignedPhoto &now = read->flight.photos.front(), &was = facts.flight.photos.front();
+  EXPECT_EQ(now.intrinsics, was.intrinsics);
+  EXPECT_EQ(now.cam_from_enu.rotation.coeffs(), was.cam_from_enu.rotation.coeffs());
+  EXPECT_EQ(now.cam_from_enu.translation, was.cam_from_enu.translation);
+  EXPECT_EQ(now.height_above_ground_m, was.height_above_ground_m);
+  EXPECT_EQ(read->ground.Heights(), facts.ground.Heights());
+  EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
+  ASSERT_TRUE(read->look);
+  EXPECT_EQ(read->look->tones[0].gain, facts.look->tones[0].gain);
+  EXPECT_EQ(read->look->grid.first_column, facts.look->grid.first_column);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 70; ++column) {
+      EXPECT_EQ(read->look->labels.At(column, row), facts.look->labels.At(column, row));
+    }
+  }
+}
+
+TEST(FlightFacts, CutOffAnywhereAreRefusedAndNeverBelieved) {
+  const std::string bytes = WriteFacts(SomeFacts());
+  for (std::size_t length = 0; length < bytes.size(); length += 7) {
+    EXPECT_FALSE(ParseFacts(bytes.substr(0, length)).ok()) << length;
+  }
+}
+
+TEST(DigestOfPlacing, ChangesWithWhatMovesPhotosAndNotWithWhatDrawsThem) {
+  MosaicOptions options;
+  const Digest before = DigestOfPlacing(options);
+  options.jpeg_quality = 40;
+  EXPECT_EQ(DigestOfPlacing(options), before);
+  options.method = AlignMethod::kImu;
+  EXPECT_NE(DigestOfPlacing(options), before);
+}
+
+}  // namespace
+}  // namespace skyquilt::pipeline
