@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using pipeline::KeptBlock;
 
 constexpr const char* kSchema = R"sql(
-PRAGMA journal_mode = TRUNCATE;
+PRAGMA journal_mode = DELETE;
 PRAGMA synchronous = OFF;
 BEGIN;
 CREATE TABLE blocks (zoom INTEGER NOT NULL, column INTEGER NOT NULL, row INTEGER NOT NULL, levels INTEGER NOT NULL,

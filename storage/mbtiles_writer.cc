@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kSchema = R"sql(
 PRAGMA page_size = 4096;
-PRAGMA journal_mode = TRUNCATE;
+PRAGMA journal_mode = DELETE;
 PRAGMA synchronous = OFF;
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA application_id = 0x4d504258;
