@@ -55,10 +55,14 @@ Pieces FindPieces(std::size_t photos, const std::vector<PairLink>& links) {
   return pieces;
 }
 
-// Lays the photos of a piece relative to each other along the strongest links, from the given roots outwards.
-void SpreadAlongLinks(const std::vector<int>& roots, const std::vector<GroundPrior>& priors,
-                      const std::vector<PairLink>& links, const std::vector<std::vector<int>>& links_of,
-                      std::vector<char>& laid, std::vector<GroundCorrection>& corrections) {
+// Lays the photos of a piece relative to each other along the strongest links, from the given roots outwards,
+// which stay as recorded. Photos of other pieces get no correction.
+std::vector<GroundCorrection> SpreadAlongLinks(const std::vector<int>& roots,
+                                               const std::vector<GroundPrior>& priors,
+                                               const std::vector<PairLink>& links,
+                                               const std::vector<std::vector<int>>& links_of) {
+  std::vector<GroundCorrection> corrections(priors.size());
+  std::vector<char> laid(priors.size(), 0);
   using Entry = std::pair<std::size_t, int>;  // matches, minus link number: strongest first, then the earlier
   std::priority_queue<Entry> open;
   const auto open_links = [&](int photo) {
@@ -81,6 +85,7 @@ void SpreadAlongLinks(const std::vector<int>& roots, const std::vector<GroundPri
     laid[to] = 1;
     open_links(to);
   }
+  return corrections;
 }
 
 // The similarity that brings most of a piece's middles to where they were recorded.
@@ -123,6 +128,58 @@ GroundSimilarity LayOnPositions(const std::vector<int>& members, const std::vect
 struct LinkPlaces {
   std::vector<std::pair<Complex, Complex>> places;  // a few matches stand for all
 };
+
+// How far apart a link's two photos put the same places, rms.
+double LinkMiss(const PairLink& link, const LinkPlaces& places, const std::vector<GroundPrior>& priors,
+                const std::vector<GroundCorrection>& corrections) {
+  const GroundSimilarity a = AsSimilarity(corrections[link.first], priors[link.first].middle);
+  const GroundSimilarity b = AsSimilarity(corrections[link.second], priors[link.second].middle);
+  double square = 0.0;
+  for (const auto& [x, y] : places.places) square += std::norm(a * x - b * y);
+  return std::sqrt(square / static_cast<double>(places.places.size()));
+}
+
+// What a piece's corrections leave unexplained: links that miss, photos far from where they were recorded.
+double Unexplained(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
+                   const std::vector<PairLink>& links, const std::vector<LinkPlaces>& places,
+                   const std::vector<std::vector<int>>& links_of,
+                   const std::vector<GroundCorrection>& corrections, double tolerance_m) {
+  constexpr double kWideTolerances = 4.0;
+  double sum = 0.0;
+  for (const int i : members) {
+    const double away = std::abs(corrections[i].shift) / (2.0 * priors[i].sigma_m);
+    sum += std::min(1.0, away * away);
+    for (const int l : links_of[i]) {
+      if (links[l].first != i) continue;
+      const double miss =
+          LinkMiss(links[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
+      sum += std::min(1.0, miss * miss);
+    }
+  }
+  return sum;
+}
+
+// The corrections of a piece as its links lay it, brought as a whole to the recorded positions.
+std::vector<GroundCorrection> LayPieceOnPositions(const std::vector<int>& members,
+                                                  const std::vector<GroundPrior>& priors,
+                                                  const std::vector<PairLink>& links,
+                                                  const std::vector<std::vector<int>>& links_of) {
+  std::vector<GroundCorrection> corrections = SpreadAlongLinks({members.front()}, priors, links, links_of);
+  const GroundSimilarity motion = LayOnPositions(members, priors, corrections);
+  for (const int i : members) {
+    const GroundSimilarity corrected = AsSimilarity(corrections[i], priors[i].middle);
+    corrections[i] = AsCorrection(motion.After(corrected), priors[i].middle);
+  }
+  return corrections;
+}
+
+// Whether most of a piece's photos come out turned.
+bool IsTurnedAsAWhole(const std::vector<int>& members, const std::vector<GroundCorrection>& corrections) {
+  const auto turned = std::count_if(members.begin(), members.end(), [&](int i) {
+    return std::abs(std::arg(corrections[i].turn_and_scale)) > kAgreesWithYawRad;
+  });
+  return 2 * static_cast<std::size_t>(turned) > members.size();
+}
 
 // One weighted least-squares step over all photos of all pieces; unknowns (turn_and_scale, shift) a photo.
 void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<PairLink>& links,
@@ -208,40 +265,36 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
                                     (*views[link.second].laid)[link.matches[k].second].place);
     }
   }
-  std::vector<char> laid(count, 0);
   for (std::size_t p = 0; p < pieces.members.size(); ++p) {
     const std::vector<int>& members = pieces.members[p];
     std::vector<int> roots;
     for (const int i : members) {
-      graph.corrections[i].piece = static_cast<int>(p);
       if (agreeing[i] > 0) roots.push_back(i);
     }
-    const bool nothing_agrees = roots.empty();
-    if (nothing_agrees) roots.push_back(members.front());
-    SpreadAlongLinks(roots, priors, links, links_of, laid, graph.corrections);
-    if (!nothing_agrees) continue;
-    const GroundSimilarity motion = LayOnPositions(members, priors, graph.corrections);
+    std::vector<GroundCorrection> laid = LayPieceOnPositions(members, priors, links, links_of);
+    if (!roots.empty()) {
+      // Between photos that stand close, links agree with the record even where all cameras are turned alike:
+      // only the whole piece shows that.
+      std::vector<GroundCorrection> as_recorded = SpreadAlongLinks(roots, priors, links, links_of);
+      const auto unexplained = [&](const std::vector<GroundCorrection>& corrections) {
+        return Unexplained(members, priors, links, places, links_of, corrections, tolerance_m);
+      };
+      if (!IsTurnedAsAWhole(members, laid) || unexplained(laid) > 0.5 * unexplained(as_recorded)) {
+        laid = std::move(as_recorded);
+      }
+    }
     for (const int i : members) {
-      const GroundSimilarity corrected = AsSimilarity(graph.corrections[i], priors[i].middle);
-      graph.corrections[i] = AsCorrection(motion.After(corrected), priors[i].middle);
+      graph.corrections[i] = laid[i];
+      graph.corrections[i].piece = static_cast<int>(p);
     }
   }
-  for (std::size_t i = 0; i < count; ++i) graph.corrections[i].piece = pieces.of_photo[i];
 
-  const auto link_miss = [&](std::size_t l) {
-    const GroundSimilarity a = AsSimilarity(graph.corrections[links[l].first], priors[links[l].first].middle);
-    const GroundSimilarity b =
-        AsSimilarity(graph.corrections[links[l].second], priors[links[l].second].middle);
-    double square = 0.0;
-    for (const auto& [x, y] : places[l].places) square += std::norm(a * x - b * y);
-    return std::sqrt(square / static_cast<double>(places[l].places.size()));
-  };
   std::vector<double> link_weights(links.size()), turn_weights(count), shift_weights(count);
   std::vector<Complex> expected_turn(count);
   for (const double trust_width : kTrustWidths) {
     const double width = tolerance_m * trust_width;
     for (std::size_t l = 0; l < links.size(); ++l) {
-      const double miss = link_miss(l);
+      const double miss = LinkMiss(links[l], places[l], priors, graph.corrections);
       const double strength = std::min<double>(4.0, static_cast<double>(links[l].matches.size()) / 20.0);
       link_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(miss, width);
     }
@@ -263,7 +316,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
                 graph.corrections);
   }
   for (std::size_t l = 0; l < links.size(); ++l) {
-    if (link_miss(l) > 4.0 * tolerance_m) graph.link_holds[l] = 0;
+    if (LinkMiss(links[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m) graph.link_holds[l] = 0;
   }
   return graph;
 }

@@ -247,6 +247,12 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     flight.photos.push_back(std::move(photo));
   }
   report.pieces = static_cast<int>(piece_sizes.size());
+  if (report.pieces == 0 && flight.photos.size() > 1) {
+    flight.warnings.push_back(
+        "no two photos could be tied together by what they show: the map is by the recorded poses alone, and "
+        "may show steps. If the ground is not water or bare, check that positions, heights and angles are "
+        "those of this flight");
+  }
   if (report.pieces > 1) {
     flight.warnings.push_back(fmt::format(
         "the photos form {} groups without ties between them; each lies where its recorded positions say",

@@ -1,10 +1,7 @@
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <set>
 
 #include "core/flight/read_flight.h"
-#include "core/flight/side_files.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -21,8 +18,8 @@ Result<void> WalkFolder(const fs::path& folder, std::vector<fs::path>& found) {
     std::error_code ignored_kind;  // a file that vanished is no file
     if (IsHidden(it->path())) {
       if (it->is_directory(ignored_kind)) it.disable_recursion_pending();
-    } else if (it->is_regular_file(ignored_kind)) {
-      paths.push_back(it->path());
+    } else if (!it->is_directory(ignored_kind)) {
+      paths.push_back(it->path());  // links to nothing and pipes too: reading them says what is wrong
     }
     it.increment(error);
   }
@@ -50,19 +47,6 @@ std::string UniqueName(const fs::path& path, const std::set<std::string>& taken)
 }
 
 }  // namespace
-
-bool IsSideFileName(std::string_view name) {
-  constexpr std::array<std::string_view, 36> kEndings = {
-      ".bin", ".ulg",     ".tlog", ".log", ".csv",   ".tsv", ".txt", ".mrk",       ".srt",
-      ".nav", ".obs",     ".pos",  ".dat", ".json",  ".kml", ".kmz", ".gpx",       ".xml",
-      ".p4d", ".rtk",     ".ubx",  ".rnx", ".rtcm3", ".md",  ".pdf", ".ini",       ".db",
-      ".prj", ".geojson", ".xmp",  ".rtb", ".rpt",   ".bbx", ".bb3", ".waypoints", ".sbf"};
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::any_of(kEndings.begin(), kEndings.end(),
-                     [&](std::string_view ending) { return lower.ends_with(ending); });
-}
 
 Result<std::vector<InputFile>> ListInputFiles(const std::vector<fs::path>& paths) {
   std::vector<fs::path> found;

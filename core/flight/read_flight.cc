@@ -100,10 +100,7 @@ void WarnAboutFlight(Flight& flight) {
   warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
   warn(count([](const Photo& p) { return p.focal_source == FocalSource::kAssumed; }),
        "do not say their focal length; the map's scale is a guess for them.");
-  warn(count([](const Photo& p) {
-         return std::any_of(p.notes.begin(), p.notes.end(),
-                            [](const std::string& note) { return note.starts_with("Re-saved by"); });
-       }),
+  warn(count([](const Photo& p) { return p.is_resaved_by_viewer; }),
        "were re-saved by a picture viewer, which may have turned them against their recorded angles.");
   const auto local = count([](const Photo& p) { return p.captured_at && p.captured_at_is_local; });
   if (local > 0 && local < count([](const Photo& p) { return p.captured_at.has_value(); })) {

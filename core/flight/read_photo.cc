@@ -69,6 +69,7 @@ void NoteSoftware(Photo& photo) {
   for (const std::string_view viewer :
        {"Photo Viewer", "Windows Photo", "Microsoft Photo", "Picasa", "ACDSee"}) {
     if (photo.software.find(viewer) == std::string::npos) continue;
+    photo.is_resaved_by_viewer = true;
     photo.notes.push_back("Re-saved by " + photo.software +
                           ": the picture may have been turned after its angles were recorded.");
     return;

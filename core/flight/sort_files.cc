@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <span>
 #include <string_view>
 
 #include "core/flight/byte_source.h"
 #include "core/flight/elevation_model_file.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/side_files.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -22,10 +23,29 @@ bool IsPictureOrFilm(const std::vector<std::uint8_t>& head) {
                      [&](std::string_view magic) { return text.starts_with(magic); });
 }
 
+// Endings of the logs that are read here, of the formats that nothing else uses them for.
+constexpr std::array<std::string_view, 5> kLogEndings = {".bin", ".ulg", ".tlog", ".mrk", ".srt"};
+
+// Endings of what else lies in a flight's folder and is nobody's fault: side files, notes.
+constexpr std::array<std::string_view, 31> kSideEndings = {
+    ".log", ".csv", ".tsv", ".txt", ".nav", ".obs", ".pos", ".dat",     ".json",     ".kml", ".kmz",
+    ".gpx", ".xml", ".p4d", ".rtk", ".ubx", ".rnx", ".md",  ".rtcm3",   ".pdf",      ".ini", ".db",
+    ".prj", ".xmp", ".rtb", ".rpt", ".bbx", ".bb3", ".sbf", ".geojson", ".waypoints"};
+
+bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endings) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](std::string_view ending) { return lower.ends_with(ending); });
+}
+
 enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kNothing };
 
 Result<Kind> KindOf(const InputFile& file) {
-  const Kind unknown = IsSideFileName(file.name) ? Kind::kNothing : Kind::kPhoto;
+  const bool is_log_by_name = EndsWithOneOf(file.name, kLogEndings);
+  const Kind unknown =
+      is_log_by_name || EndsWithOneOf(file.name, kSideEndings) ? Kind::kNothing : Kind::kPhoto;
   const auto source = OpenFileBytes(file.path);
   if (!source) return unknown;  // reading it as a photo tells why
   constexpr std::size_t kEnoughForMagic = 16;
@@ -39,6 +59,10 @@ Result<Kind> KindOf(const InputFile& file) {
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   const auto format = RecogniseLog(head, file.name);
   if (!format) return format.error();
+  if (!*format && is_log_by_name) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 file.name + " is named like a flight log but is none that can be read; copy it again", ""};
+  }
   if (!*format) return unknown;
   return **format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error_code.h"
+#include "core/base/printable.h"
 #include "core/pipeline/inspect_flight.h"
 
 namespace skyquilt::pipeline {
@@ -88,8 +89,10 @@ std::string VerdictText(const FlightVerdict& v) {
     text += fmt::format("Cost        about {:.0f} s and {:.0f} MiB of memory on this machine\n",
                         v.expected_seconds, v.expected_memory_mib);
   }
-  for (const auto& photo : v.left_out) text += fmt::format("Left out    {}: {}\n", photo.name, photo.reason);
-  for (const std::string& warning : v.warnings) text += fmt::format("Note        {}\n", warning);
+  for (const auto& photo : v.left_out) {
+    text += fmt::format("Left out    {}\n", Printable(photo.name + ": " + photo.reason));
+  }
+  for (const std::string& warning : v.warnings) text += fmt::format("Note        {}\n", Printable(warning));
   return text;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/digest.h"
+#include "core/base/printable.h"
 #include "server/commands/terminal_progress.h"
 #include "server/stitch_job.h"
 
@@ -40,8 +41,8 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
   for (const flight::LeftOutPhoto& photo : report.left_out_photos)
-    fmt::print("  left out: {}: {}\n", photo.name, photo.reason);
-  for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", warning);
+    fmt::print("  left out: {}\n", Printable(photo.name + ": " + photo.reason));
+  for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", Printable(warning));
   if (!report.is_placed) fmt::print("  not placed: the map has its scale and north, but no place on Earth\n");
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
              report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);

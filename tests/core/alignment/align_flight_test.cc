@@ -95,6 +95,19 @@ TEST(AlignFlight, FindsALineThatIsStoredTurnedUpsideDown) {
   EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
 }
 
+TEST(AlignFlight, FindsThatTheCameraIsMountedTurned) {
+  const simulate::SimulatedFlight truth = MakeTruth(12);
+  for (const double turn : {0.5, 1.0, -0.5}) {
+    poses::PosedFlight posed = PosesOf(truth);
+    for (poses::PosedPhoto& photo : posed.photos) TurnAboutAxis(photo, turn * std::numbers::pi);
+    const Outcome outcome = Align(truth, posed);
+    EXPECT_EQ(outcome.report.aligned, 12) << turn;
+    EXPECT_FALSE(outcome.report.corrections.empty()) << turn;
+    EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM()) << turn;
+    EXPECT_LT(outcome.error.absolute_ce90_m, 5.0) << turn;
+  }
+}
+
 TEST(AlignFlight, FindsPositionsFarOffAndYawOfSomethingElse) {
   const simulate::SimulatedFlight truth = MakeTruth(12);
   poses::PosedFlight posed = PosesOf(truth);

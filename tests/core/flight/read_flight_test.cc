@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -13,7 +14,9 @@ namespace skyquilt::flight {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Folder {
  public:
@@ -146,6 +149,30 @@ TEST(ListInputFiles, NamesWhatIsMissingAndTakesEachFileOnce) {
   const auto twice = ListInputFiles({folder.path(), folder.path() / "a.jpg"});
   ASSERT_TRUE(twice.ok());
   EXPECT_EQ(twice->size(), 1u);
+}
+
+TEST(ReadFlight, ListsWhatIsNoFileAtAll) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  std::filesystem::create_symlink("/nonexistent", folder.path() / "dangling.jpg");
+  ASSERT_EQ(::mkfifo((folder.path() / "pipe.jpg").c_str(), 0600), 0);
+  const Flight flight = Read(folder);
+  ASSERT_EQ(flight.left_out.size(), 2u);
+  EXPECT_THAT(flight.left_out[0].reason, HasSubstr("No such file"));
+  EXPECT_THAT(flight.left_out[1].reason, HasSubstr("not a regular file"));
+  EXPECT_EQ(flight.photos.size(), 1u);
+}
+
+TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  Bytes noise(5000);
+  for (std::size_t i = 0; i < noise.size(); ++i)
+    noise[i] = static_cast<std::uint8_t>((i * 2654435761u) >> 13);
+  folder.Write("00000012.BIN", noise);
+  folder.Write("notes.dat", noise);
+  EXPECT_THAT(Read(folder).warnings, Contains(HasSubstr("00000012.BIN is named like a flight log")));
+  EXPECT_THAT(Read(folder).warnings, Not(Contains(HasSubstr("notes.dat"))));
 }
 
 }  // namespace

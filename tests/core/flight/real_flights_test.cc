@@ -156,9 +156,7 @@ TEST(ReadFlight, SaysWhichPhotosAViewerSavedAgain) {
   const Flight flight = Read(folder);
   std::set<std::string> noted;
   for (const Photo& photo : flight.photos) {
-    for (const std::string& note : photo.notes) {
-      if (note.starts_with("Re-saved by Microsoft Windows Photo Viewer")) noted.insert(photo.name);
-    }
+    if (photo.is_resaved_by_viewer) noted.insert(photo.name);
   }
   EXPECT_EQ(noted, (std::set<std::string>{"DJI_0024.JPG", "DJI_0025.JPG", "DJI_0026.JPG", "DJI_0027.JPG",
                                           "DJI_0028.JPG", "DJI_0029.JPG"}));
