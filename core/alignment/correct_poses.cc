@@ -20,6 +20,8 @@ Eigen::Quaterniond AboutUp(double angle_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
 }
 
+int Degrees(int quarter_turns) { return quarter_turns == 3 ? -90 : 90 * quarter_turns; }
+
 // Where the optical axis meets level ground; straight below the camera when it hardly looks down.
 Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen::Vector3d& center,
                              double ground_z_m) {
@@ -46,7 +48,7 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
       corrected.quarter_turns = (static_cast<int>(quarters) + 4) % 4;
       rotation = AboutUp(quarters * 0.5 * std::numbers::pi) * rotation;  // about z of cam
       corrected.note = fmt::format("found turned by {} degrees against its recorded yaw and turned back",
-                                   corrected.quarter_turns == 3 ? -90 : 90 * corrected.quarter_turns);
+                                   Degrees(corrected.quarter_turns));
     } else {
       rotation = rotation * AboutUp(-turn);
       rest = 0.0;
@@ -122,10 +124,10 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
                           return one.quarter_turns == corrected.front().quarter_turns;
                         });
   if (is_mount) {
-    sentences.push_back(
-        fmt::format("all photos lie turned by {} degrees against their recorded yaw, as of a camera mounted sideways; "
-                    "the mount was taken as that",
-                    corrected.front().quarter_turns == 3 ? -90 : 90 * corrected.front().quarter_turns));
+    sentences.push_back(fmt::format(
+        "all photos lie turned by {} degrees against their recorded yaw, as of a camera mounted sideways; "
+        "the mount was taken as that",
+        Degrees(corrected.front().quarter_turns)));
   }
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i + 1;
@@ -138,7 +140,7 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
       sentences.push_back(fmt::format(
           "photos {} to {} are stored turned by {} degrees against their recorded yaw; they were "
           "turned back. A viewer that saves pictures upright does this: use the originals if you can",
-          names[i], names[end - 1], quarters == 3 ? -90 : 90 * quarters));
+          names[i], names[end - 1], Degrees(quarters)));
     } else if (!corrected[i].note.empty() && !(is_mount && !corrected[i].position_was_wrong)) {
       sentences.push_back(names[i] + ": " + corrected[i].note);
     }

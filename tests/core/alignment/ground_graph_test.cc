@@ -1,0 +1,95 @@
+// The ground graph against a known truth: photos of one plane, laid on it with errors that the links must
+// show.
+#include "core/alignment/ground_graph.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kHalfWidthM = 20.0;
+
+// A block of 3 x 4 photos over level ground with a point on every metre. Each photo's record is off by
+// `recorded_turn_rad`; its position is exact.
+struct Block {
+  std::vector<GroundPrior> priors;
+  std::vector<std::vector<GroundKeypoint>> laid;
+  std::vector<GroundView> views;
+  std::vector<PairLink> links;
+};
+
+Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& recorded_turn_rad) {
+  Block block;
+  for (int i = 0; i < 12; ++i) block.priors.push_back({step_m * Complex(i % 3, i / 3), sigma_m, 0.05});
+  std::vector<std::vector<Complex>> seen(12);
+  for (int i = 0; i < 12; ++i) {
+    const Complex middle = block.priors[i].middle;
+    std::vector<GroundKeypoint>& laid = block.laid.emplace_back();
+    for (int east = -60; east <= 90; east += 4) {
+      for (int north = -60; north <= 90; north += 4) {
+        const Complex truth(east, north);
+        if (std::abs((truth - middle).real()) > kHalfWidthM ||
+            std::abs((truth - middle).imag()) > kHalfWidthM)
+          continue;
+        seen[i].push_back(truth);
+        laid.emplace_back().place = middle + std::polar(1.0, recorded_turn_rad[i]) * (truth - middle);
+      }
+    }
+  }
+  for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, &block.laid[i]});
+  for (int i = 0; i < 12; ++i) {
+    for (int j = i + 1; j < 12; ++j) {
+      PairLink link{i, j, {}, {}, 0.0};
+      std::vector<std::pair<Complex, Complex>> places;
+      for (std::size_t a = 0; a < seen[i].size(); ++a) {
+        const auto same = std::find(seen[j].begin(), seen[j].end(), seen[i][a]);
+        if (same == seen[j].end()) continue;
+        const auto b = static_cast<std::size_t>(same - seen[j].begin());
+        link.matches.push_back({static_cast<int>(a), static_cast<int>(b)});
+        places.emplace_back(block.laid[i][a].place, block.laid[j][b].place);
+      }
+      if (link.matches.size() < 10) continue;
+      link.second_from_first = FitSimilarity(places);
+      block.links.push_back(std::move(link));
+    }
+  }
+  return block;
+}
+
+void ExpectTurnedBack(const Block& block, const std::vector<double>& recorded_turn_rad) {
+  const GroundGraph graph = SolveGroundGraph(block.priors, block.links, block.views, 1.0);
+  for (std::size_t i = 0; i < block.priors.size(); ++i) {
+    const Complex turned = graph.corrections[i].turn_and_scale * std::polar(1.0, recorded_turn_rad[i]);
+    EXPECT_LT(std::abs(turned - 1.0), 0.02) << i;
+    EXPECT_LT(std::abs(graph.corrections[i].shift), 0.2) << i;
+  }
+  EXPECT_EQ(std::count(graph.link_holds.begin(), graph.link_holds.end(), 0), 0);
+}
+
+TEST(SolveGroundGraph, LeavesABlockThatAgreesAlone) {
+  const std::vector<double> turns(12, 0.0);
+  ExpectTurnedBack(MakeBlock(10.0, 2.0, turns), turns);
+}
+
+TEST(SolveGroundGraph, TurnsALineBackThatIsStoredUpsideDown) {
+  std::vector<double> turns(12, 0.0);
+  for (const int i : {3, 4, 5}) turns[i] = std::numbers::pi;
+  ExpectTurnedBack(MakeBlock(10.0, 2.0, turns), turns);
+}
+
+// So near to each other that no single link contradicts the record: the turned ground moves by less than the
+// positions are worth.
+TEST(SolveGroundGraph, FindsACameraMountedTurnedEvenWhereNeighboursStandClose) {
+  for (const double turn : {0.5, -0.5, 1.0}) {
+    const std::vector<double> turns(12, turn * std::numbers::pi);
+    ExpectTurnedBack(MakeBlock(5.0, 2.0, turns), turns);
+    ExpectTurnedBack(MakeBlock(12.0, 2.0, turns), turns);
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
