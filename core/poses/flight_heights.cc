@@ -116,6 +116,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
     }
   }
   const std::optional<double> takeoff_m = MedianIfAny(takeoff_heights);
+  std::optional<double> guessed_above_ground_m;  // only where no photo says it
   if (known > 0) {
     heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
     heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
@@ -123,13 +124,13 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
   } else if (dem != nullptr && ByElevationModel(photos, *dem, heights)) {
     return heights;
   } else {
-    const std::optional<double> guess_m = HeightFromSpacing(photos);
     std::vector<double> ellipsoid_heights;
     for (const Photo& photo : photos) {
       if (!photo.position) continue;
       if (const auto height_m = EllipsoidHeightM(*photo.position)) ellipsoid_heights.push_back(*height_m);
     }
-    const double above_ground_m = std::clamp(guess_m.value_or(60.0), 5.0, 500.0);
+    const double above_ground_m = std::clamp(HeightFromSpacing(photos).value_or(60.0), 5.0, 500.0);
+    guessed_above_ground_m = above_ground_m;
     heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
     heights.rule = HeightRule::kSpacing;
     heights.rule_in_words = "height above ground guessed from the spacing of the photos";
@@ -153,9 +154,8 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
     if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
       const double above_ground_m = *ellipsoid_m - heights.takeoff_ellipsoid_m;
       if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
-    } else if (known == 0) {
-      heights.above_ground_m[i] =
-          -heights.takeoff_ellipsoid_m;  // takeoff was set to minus the guessed height
+    } else {
+      heights.above_ground_m[i] = guessed_above_ground_m;
     }
   }
   return heights;

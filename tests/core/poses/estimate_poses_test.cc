@@ -192,6 +192,30 @@ TEST(EstimatePoses, KnowsNeighboursBetterAgainstEachOtherThanAgainstTheGround) {
   EXPECT_EQ(posed->photos.back().covariance_with_next, Matrix6d::Zero());
 }
 
+// 16 m apart with the usual three quarters of overlap: 78 m up.
+TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
+  Flight flight;
+  flight.photos = PhotosEvery2s(6);
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    const geo::Wgs84 at = TrueAt(2.0 * static_cast<double>(i));
+    flight::RecordedPosition& position = flight.photos[i].position.emplace();
+    position.position = {at.lat_deg, at.lon_deg};
+  }
+  for (const bool has_absolute_heights : {false, true}) {
+    if (has_absolute_heights) {
+      for (Photo& photo : flight.photos) photo.position->height_amsl_m = 512.0;
+    }
+    const auto posed = EstimatePoses(flight, {});
+    ASSERT_TRUE(posed.ok()) << posed.error().message;
+    ASSERT_EQ(posed->photos.size(), 6u);
+    for (const PosedPhoto& photo : posed->photos) {
+      EXPECT_NEAR(photo.height_above_ground_m, 78.2, 0.5);
+      EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed->ground_z_in_enu_m, 78.2, 0.5);
+    }
+    EXPECT_THAT(posed->warnings, Contains(HasSubstr("78 m is assumed")));
+  }
+}
+
 TEST(EstimatePoses, TakesSurveyedHeightsAgainstEachOtherAndTheBarometerForTheirZero) {
   Flight flight;
   flight.photos = PhotosEvery2s(5);
