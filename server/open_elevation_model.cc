@@ -5,17 +5,24 @@
 
 namespace skyquilt::server {
 
-Result<std::unique_ptr<pipeline::DemSource>> OpenElevationModel(const std::string& dem_path,
-                                                                const std::vector<flight::InputFile>& files) {
-  std::filesystem::path path = dem_path;
-  if (path.empty()) {
-    const std::vector<flight::InputFile> models = flight::ElevationModelsAmong(files);
-    if (models.empty()) return std::unique_ptr<pipeline::DemSource>();
-    path = models.front().path;
+Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
+                                           const std::vector<flight::InputFile>& files) {
+  GivenElevations given;
+  if (!dem_path.empty()) {
+    auto opened = storage::GeotiffDem::Open(dem_path);
+    if (!opened) return opened.error();
+    given.source = *std::move(opened);
+    return given;
   }
-  auto opened = storage::GeotiffDem::Open(path);
-  if (!opened) return opened.error();
-  return std::unique_ptr<pipeline::DemSource>(*std::move(opened));
+  for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
+    auto opened = storage::GeotiffDem::Open(model.path);
+    if (opened) {
+      given.source = *std::move(opened);
+      return given;
+    }
+    given.warnings.push_back(model.name + " is not used for the ground's heights: " + opened.error().message);
+  }
+  return given;
 }
 
 }  // namespace skyquilt::server

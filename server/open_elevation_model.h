@@ -1,6 +1,6 @@
 // OpenElevationModel: the heights of the ground that a flight is given: the file named by --dem, or else the
-// first elevation model among the flight's own files; nothing where there is none. Errors as
-// GeotiffDem::Open.
+// first elevation model among the flight's own files that can be read; nothing where there is none. A damaged
+// one among the files costs a warning, one named by --dem is an error, as of GeotiffDem::Open.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,12 @@
 
 namespace skyquilt::server {
 
-Result<std::unique_ptr<pipeline::DemSource>> OpenElevationModel(const std::string& dem_path,
-                                                                const std::vector<flight::InputFile>& files);
+struct GivenElevations {
+  std::unique_ptr<pipeline::DemSource> source;  // null: none
+  std::vector<std::string> warnings;
+};
+
+Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
+                                           const std::vector<flight::InputFile>& files);
 
 }  // namespace skyquilt::server

@@ -104,11 +104,12 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   auto keeper = storage::MapKeeper::Create(out_dir, options.previous_dir);
   if (!keeper) return keeper.error();
   const flight::FilePhotoSource photos;
-  const auto dem = OpenElevationModel(options.mosaic.dem_path, files);
-  if (!dem) return dem.error();
+  const auto elevations = OpenElevationModel(options.mosaic.dem_path, files);
+  if (!elevations) return elevations.error();
   Result<pipeline::BuiltMosaic> built =
-      pipeline::BuildMosaic(files, options.mosaic, photos, **keeper, progress, dem->get(), keeper->get());
+      pipeline::BuildMosaic(files, options.mosaic, photos, **keeper, progress, elevations->source.get(), keeper->get());
   if (!built) return built.error();
+  built->report.warnings.insert(built->report.warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
   if (auto published = (*keeper)->Publish(MetadataOf(built->report)); !published) return published.error();
   progress.BeginStage("export");
   pipeline::StageTiming exported_in{"export", 0.0, 0.0};

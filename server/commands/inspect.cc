@@ -26,10 +26,11 @@ void Run(const InspectArguments& arguments) {
   const auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) fail(files.error());
   SilentProgress progress;
-  const auto dem = OpenElevationModel("", *files);
-  if (!dem) fail(dem.error());
-  const auto verdict = pipeline::InspectFlight(*files, {}, progress, dem->get());
+  const auto elevations = OpenElevationModel("", *files);
+  if (!elevations) fail(elevations.error());
+  auto verdict = pipeline::InspectFlight(*files, {}, progress, elevations->source.get());
   if (!verdict) fail(verdict.error());
+  verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
   fmt::print("{}", arguments.as_json ? pipeline::VerdictJson(*verdict) : pipeline::VerdictText(*verdict));
   if (verdict->photos_placeable == 0) throw CLI::RuntimeError(2);
 }

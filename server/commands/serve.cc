@@ -184,10 +184,11 @@ void RunServer(const ServeOptions& options) {
   service.inspect = [](const std::vector<flight::InputFile>& files,
                        const pipeline::MosaicOptions& mosaic) -> Result<std::string> {
     SilentProgress progress;
-    const auto dem = OpenElevationModel(mosaic.dem_path, files);
-    if (!dem) return dem.error();
-    const auto verdict = pipeline::InspectFlight(files, mosaic, progress, dem->get());
+    const auto elevations = OpenElevationModel(mosaic.dem_path, files);
+    if (!elevations) return elevations.error();
+    auto verdict = pipeline::InspectFlight(files, mosaic, progress, elevations->source.get());
     if (!verdict) return verdict.error();
+    verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
     return pipeline::VerdictJson(*verdict);
   };
   const Result<int> expired = service.spool.RemoveExpired(storage::Now());

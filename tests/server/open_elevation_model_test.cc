@@ -1,0 +1,64 @@
+// Which elevation model a flight is given, and that a bad one among its files costs a warning and not the
+// map.
+#include "server/open_elevation_model.h"
+
+#include <gdal_priv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::server {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// 300 m everywhere in a tenth of a degree about 47.4, 8.5; in an unplaced site grid it cannot be used.
+flight::InputFile WriteModel(const std::filesystem::path& folder, const std::string& name, bool is_placed) {
+  GDALAllRegister();
+  OGRSpatialReference system;
+  if (is_placed) {
+    system.importFromEPSG(4326);
+  } else {
+    system.SetLocalCS("site grid");
+  }
+  const std::unique_ptr<GDALDataset> file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      (folder / name).c_str(), 10, 10, 1, GDT_Float32, nullptr));
+  double corner[6] = {8.45, 0.01, 0.0, 47.45, 0.0, -0.01};
+  file->SetGeoTransform(corner);
+  file->SetSpatialRef(&system);
+  EXPECT_EQ(file->GetRasterBand(1)->Fill(300.0), CE_None);
+  return {name, folder / name};
+}
+
+TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
+  const ScratchDir folder;
+  const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);
+  const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
+  const auto both = OpenElevationModel("", {bad, good});
+  ASSERT_TRUE(both.ok());
+  ASSERT_NE(both->source, nullptr);
+  EXPECT_NEAR(both->source->GroundHeightM({47.4, 8.5}).value_or(0.0), 300.0, 1e-3);
+  EXPECT_THAT(both->warnings, ElementsAre(HasSubstr("a.tif is not used")));
+
+  const auto none = OpenElevationModel("", {bad});
+  ASSERT_TRUE(none.ok());
+  EXPECT_EQ(none->source, nullptr);
+  EXPECT_THAT(none->warnings, ElementsAre(HasSubstr("a.tif is not used")));
+}
+
+TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
+  const ScratchDir folder;
+  const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);
+  const flight::InputFile good = WriteModel(folder.path(), "b.tif", true);
+  EXPECT_FALSE(OpenElevationModel(bad.path.string(), {good}).ok());
+  const auto named = OpenElevationModel(good.path.string(), {bad});
+  ASSERT_TRUE(named.ok());
+  EXPECT_THAT(named->warnings, IsEmpty());
+}
+
+}  // namespace
+}  // namespace skyquilt::server
