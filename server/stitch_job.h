@@ -1,8 +1,8 @@
 // StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
-// mosaic.tif (COG) with thumbnail.png, mosaic_utm.tif and mosaic.kmz by option, report.json, photos.geojson, and for OpenDroneMap cameras.json
-// and geo.txt, each written under a temporary name and published by rename. What both the `stitch` command
-// and the worker run. Blocking; one call at a time per process (it uses all the threads asked for). Errors:
-// kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
+// mosaic.tif (COG) with thumbnail.png, mosaic_utm.tif and mosaic.kmz by option, report.json, photos.geojson,
+// and for OpenDroneMap cameras.json and geo.txt, each written under a temporary name and published by rename.
+// What both the `stitch` command and the worker run. Blocking; one call at a time per process (it uses all
+// the threads asked for). Errors: kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,8 @@ struct StitchJobOptions {
   bool write_utm = false;  // needs write_cog
   bool write_kmz = false;
   bool is_fresh = false;  // nothing is taken from earlier runs
-  // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder itself.
+  // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder
+  // itself.
   std::filesystem::path previous_dir;
 };
 

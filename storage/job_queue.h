@@ -1,8 +1,9 @@
-// JobQueue: stitching jobs, handed to workers by lease, by priority and then in turn to those who asked. A worker claims a job, renews its lease by heartbeat,
-// and ends it; each write carries the lease's token, so that a worker that slept past its lease can change
-// nothing (fencing). A job whose lease ran out is handed out again, three times at most. Survives kill -9 of
-// anyone. Any thread, any number of processes. Time is given by the caller. Errors: kNotFound, kConflict (the
-// flight has an unfinished job; the job is finished), kOutOfSpace, kUnavailable.
+// JobQueue: stitching jobs, handed to workers by lease, by priority and then in turn to those who asked. A
+// worker claims a job, renews its lease by heartbeat, and ends it; each write carries the lease's token, so
+// that a worker that slept past its lease can change nothing (fencing). A job whose lease ran out is handed
+// out again, three times at most. Survives kill -9 of anyone. Any thread, any number of processes. Time is
+// given by the caller. Errors: kNotFound, kConflict (the flight has an unfinished job; the job is finished),
+// kOutOfSpace, kUnavailable.
 #pragma once
 
 #include <chrono>
@@ -31,7 +32,8 @@ struct JobError {
   std::string message;
 };
 
-// Where in the queue a job comes. Higher priorities first; among equals whoever is served least at the moment.
+// Where in the queue a job comes. Higher priorities first; among equals whoever is served least at the
+// moment.
 struct JobTurn {
   int priority = 0;
   std::string owner;  // id of a token; empty where nobody showed one
@@ -87,7 +89,8 @@ class JobQueue {
  public:
   explicit JobQueue(CatalogueDb& db) : db_(db) {}
 
-  Result<Job> Add(const std::string& flight_id, const std::string& options, Time now, const JobTurn& turn = {});
+  Result<Job> Add(const std::string& flight_id, const std::string& options, Time now,
+                  const JobTurn& turn = {});
   Result<Job> Get(const std::string& id) const;
   // Newest first; of one flight or of all.
   Result<std::vector<Job>> List(const std::optional<std::string>& flight_id, int limit) const;

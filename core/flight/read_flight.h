@@ -1,8 +1,8 @@
 // ReadFlight: files in, a Flight out. Of photos it reads headers only (EXIF, XMP, image size), never pixels;
-// logs, lists of positions and elevation models are recognised by content; the former are read whole, in bounded memory. Photos that cannot
-// be read are listed in left_out, logs that cannot in the warnings; one bad file never fails the flight.
-// Files are read on `threads` threads; the result does not depend on how many.
-// Fails only when nothing at all was given.
+// logs, lists of positions and elevation models are recognised by content; the former are read whole, in
+// bounded memory. Photos that cannot be read are listed in left_out, logs that cannot in the warnings; one
+// bad file never fails the flight. Files are read on `threads` threads; the result does not depend on how
+// many. Fails only when nothing at all was given.
 #pragma once
 
 #include <filesystem>
