@@ -1,0 +1,41 @@
+// axe over every view of the page, in Chromium against the mock server.
+import { test } from 'node:test';
+import { mapIdle } from './support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { photoFiles } from './support/photo_files.js';
+
+const { setUp } = usePages();
+
+for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
+  for (const [screen, context] of Object.entries({ laptop: {}, phone: { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true } })) {
+    test(`axe finds no fault in any view on a ${screen} in the ${colorScheme} scheme`, options, async () => {
+      const opened = await setUp({ upload_ms: 400, job_ms: 20_000 }, { ...context, colorScheme, reducedMotion: 'reduce' });
+      const { page, mock } = opened;
+      const flight = mock.seedReady('Meadow');
+      await page.reload();
+      await page.waitForSelector('.flights li');
+      await page.click('summary');
+      await assertAccessible(page, 'home');
+      await page.goto(`${mock.url}#/flights/${flight.id}`);
+      await mapIdle(page);
+      await page.waitForSelector('#report');
+      await assertAccessible(page, 'map');
+      await page.locator('#map canvas').focus();
+      await page.keyboard.press('Enter');
+      await page.waitForSelector('#photo-card:not([hidden])');
+      await page.click('#tool-layers');
+      await page.selectOption('#colour-by', 'error');
+      await assertAccessible(page, 'map with cards');
+      await page.goto(`${mock.url}#/`);
+      await page.setInputFiles('#files-input', [...photoFiles(9), { ...photoFiles(1)[0], name: 'refused.JPG' }]);
+      await page.waitForSelector('#upload-progress');
+      await assertAccessible(page, 'upload');
+      await page.waitForSelector('#upload-failures .callout');
+      await assertAccessible(page, 'failed upload');
+      await page.click('text=Make the map without them');
+      await page.waitForSelector('#job-progress');
+      await assertAccessible(page, 'processing');
+      await assertQuiet(opened, [/422/]);
+    });
+  }
+}

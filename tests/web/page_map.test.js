@@ -1,0 +1,92 @@
+// The tools of the map on the page, in Chromium against the mock server.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { mapIdle } from './support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { screenshotPixels } from './support/pixels.js';
+
+const { setUp } = usePages();
+
+test('measuring by keyboard gives the true distance', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const jump = (lon, lat) => page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), [lon, lat]);
+  await page.click('#tool-distance');
+  await page.locator('#map canvas').focus();
+  await jump(7.4391, 46.9512);
+  await page.keyboard.press('Enter');
+  await jump(7.4401, 46.9512);
+  await page.keyboard.press('Enter');
+  // GeographicLib says 76.125 m.
+  assert.match(await page.textContent('#measure-result'), /^76\.13\s/);
+  await page.click('#tool-area');
+  assert.equal(await page.getAttribute('#tool-area', 'aria-pressed'), 'true');
+  await assertQuiet(opened);
+});
+
+test('settings for other programs are saved and the download sizes are told', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow & "brook"');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('.download small')?.textContent ?? ''));
+  const download = page.waitForEvent('download');
+  await page.click('text=Settings for QGIS');
+  const file = await download;
+  assert.equal(file.suggestedFilename(), 'Meadow_brook_.qgis.xml');
+  assert.match(readFileSync(await file.path(), 'utf8'), new RegExp(`name="Meadow &amp; &quot;brook&quot;" url="${mock.url}tiles/${flight.id}/`));
+  await assertQuiet(opened);
+});
+
+test('two flights are compared by swipe and by fade', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const left = mock.seedReady('Before');
+  const right = mock.seedReady('After');
+  right.place.season = 40;
+  await page.goto(`${mock.url}#/flights/${left.id}`);
+  await mapIdle(page);
+  await page.click('#tool-compare');
+  await page.click('.choice');
+  await mapIdle(page, '#map-above');
+  const box = await page.locator('#map').boundingBox();
+  const clip = { x: Math.round(box.x + box.width * 0.3), y: Math.round(box.y + box.height * 0.3), width: 60, height: 60 };
+  const picture = async () => (await screenshotPixels(page, clip)).at(30, 30).join();
+  await page.focus('#compare-slider');
+  await page.keyboard.press('End');
+  const all_left = await picture();
+  await page.keyboard.press('Home');
+  const all_right = await picture();
+  assert.notEqual(all_left, all_right);
+  await page.check('#compare-fade');
+  await page.focus('#compare-slider');
+  await page.keyboard.press('End');
+  assert.equal(await picture(), all_right);
+  await assertAccessible(page, 'comparison');
+  await page.click('#compare-bar .icon-button');
+  await page.waitForSelector('#map-above', { state: 'detached' });
+  await assertQuiet(opened);
+});
+
+test('outlines of the land lie below the map until nothing is chosen, and that is remembered', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  const layers = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getStyle().layers.map((/** @type {any} */ { id }) => id));
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const before = await layers();
+  assert.deepEqual(before.slice(0, 3), ['ground', 'basemap-land', 'basemap-coast'], 'below the mosaic');
+  await page.click('#tool-layers');
+  assert.deepEqual(await page.locator('#basemap option').allTextContents(), ['Nothing', 'Outlines of the land']);
+  await page.selectOption('#basemap', 'none');
+  await page.waitForFunction(() => !(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
+  await page.reload();
+  await mapIdle(page);
+  assert.ok(!(await layers()).some((/** @type {string} */ id) => id.startsWith('basemap-')));
+  await assertQuiet(opened);
+});

@@ -1,0 +1,185 @@
+// From photos to the map on the page, in Chromium against the mock server: uploads, jobs, revisions.
+import assert from 'node:assert/strict';
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { test } from 'node:test';
+import { mapIdle } from './support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { photoFiles } from './support/photo_files.js';
+import { screenshotPixels } from './support/pixels.js';
+
+const { setUp, cleanUp } = usePages();
+
+/** Drops files on the page as a file manager would. */
+async function dropFiles(page, files) {
+  await page.evaluate((list) => {
+    const transfer = new DataTransfer();
+    for (const { name, base64 } of list) {
+      transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name, { type: 'image/jpeg' }));
+    }
+    for (const type of ['dragenter', 'dragover', 'drop']) {
+      document.body.dispatchEvent(new DragEvent(type, { bubbles: true, cancelable: true, dataTransfer: transfer }));
+    }
+  }, files.map(({ name, buffer }) => ({ name, base64: buffer.toString('base64') })));
+}
+
+test('dropped photos become a map, its photos open by click, and the flight can be deleted and brought back', options, async () => {
+  const opened = await setUp({ upload_ms: 60 });
+  const { page, mock } = opened;
+  await page.waitForSelector('#flights-message:not([hidden])');
+  const release = mock.holdUploads();
+  await dropFiles(page, photoFiles(18));
+  await page.waitForSelector('#upload-progress');
+  await page.waitForSelector('#verdict');
+  assert.match(await page.textContent('#verdict'), /18 photos · FC300S · 132\.\d\sm across · flown in 51\ss.*Every photo has a position/);
+  release();
+  await page.waitForSelector('#job-progress');
+  assert.match(await page.evaluate(() => location.hash), /^#\/flights\/f\d+/);
+  await mapIdle(page);
+  assert.equal([...mock.flights.values()][0].files.size, 18);
+
+  // The mosaic's own colours fill the middle of the map; the plain ground lies around it.
+  const box = await page.locator('#map').boundingBox();
+  const middle = await screenshotPixels(page, { x: box.x + box.width * 0.3, y: box.y + box.height * 0.3, width: box.width * 0.4, height: box.height * 0.4 });
+  assert.ok(middle.colours > 60, `only ${middle.colours} colours in the middle of the map`);
+  const pond = middle.share(62, 96, 104, 40);
+  assert.ok(pond > 0.01 && pond < 0.4, `the pond covers ${pond} of the middle`);
+  const corner = await screenshotPixels(page, { x: box.x + 2, y: box.y + 2, width: 20, height: 20 });
+  assert.deepEqual(corner.at(10, 10), [0xdf, 0xe4, 0xe0]);
+
+  // The camera under the pointer is the photo that opens.
+  const target = await page.evaluate(() => {
+    const { map } = /** @type {any} */ (window).skyquilt;
+    const feature = map.querySourceFeatures('cameras').find((f) => f.properties.name === 'DJI_0009.JPG');
+    const point = map.project(feature.geometry.coordinates);
+    return { x: point.x, y: point.y };
+  });
+  await page.mouse.click(box.x + target.x, box.y + target.y);
+  await page.waitForSelector('#photo-card:not([hidden])');
+  assert.equal(await page.textContent('#photo-card .card-title'), 'DJI_0009.JPG');
+  assert.match(await page.textContent('#photo-card'), /270\.0°, -0\.4°, 0\.7°/);
+
+  // The next one opens at the pixel that shows the place: it lies in the middle, under the mark.
+  await page.click('#photo-card .step-next');
+  await page.click('#photo-open');
+  await page.waitForSelector('.viewer-mark:not([hidden])');
+  await assertAccessible(page, 'photo viewer');
+  const spot = await page.evaluate(() => {
+    const middle = (/** @type {string} */ selector) => {
+      const box = /** @type {Element} */ (document.querySelector(selector)).getBoundingClientRect();
+      return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    };
+    return { view: middle('.viewer-view'), mark: middle('.viewer-mark') };
+  });
+  assert.ok(Math.hypot(spot.view.x - spot.mark.x, spot.view.y - spot.mark.y) < 1, JSON.stringify(spot));
+  await page.keyboard.press('+');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#photo-viewer', { state: 'detached' });
+
+  // The report in words.
+  assert.match(await page.textContent('#report'), /18 \/ 19/);
+  assert.match(await page.textContent('#report'), /DJI_0999\.JPGIt has no GPS position/);
+
+  await page.click('#flight-delete');
+  await page.waitForSelector('.note-action');
+  assert.equal(await page.locator('.flights li').count(), 0);
+  await page.click('.note-action');
+  await page.waitForSelector('.flights li');
+  assert.equal(mock.flights.size, 1);
+  await page.hover('.flights li');
+  await page.click('.flights li .row-actions button:nth-child(2)');
+  await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 0);
+  await page.click('.note .icon-button');
+  await page.waitForFunction(() => document.querySelectorAll('.note').length === 0 || document.querySelector('.note-error'));
+  for (let i = 0; i < 50 && mock.flights.size > 0; i += 1) await page.waitForTimeout(50);
+  assert.equal(mock.flights.size, 0);
+  await assertQuiet(opened);
+});
+
+test('a chosen folder is searched to the bottom; refused and unusable files are named, the rest goes on', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const folder = mkdtempSync(join(tmpdir(), 'skyquilt-web-'));
+  cleanUp(async () => rmSync(folder, { recursive: true, force: true }));
+  mkdirSync(join(folder, 'Meadow', 'DCIM', '100MEDIA'), { recursive: true });
+  const [a, b] = photoFiles(2);
+  writeFileSync(join(folder, 'Meadow', 'DCIM', '100MEDIA', 'a.jpg'), a.buffer);
+  writeFileSync(join(folder, 'Meadow', 'flaky.jpg'), b.buffer);
+  writeFileSync(join(folder, 'Meadow', 'refused.jpg'), b.buffer);
+  writeFileSync(join(folder, 'Meadow', 'text.jpg'), 'not a photo at all');
+  await page.setInputFiles('#folder-input', join(folder, 'Meadow'));
+  await page.waitForSelector('#upload-failures .callout');
+  assert.match(await page.textContent('#upload-failures'), /refused\.jpgThe photo is cut off/);
+  assert.match(await page.textContent('#upload-failures'), /text\.jpg/);
+  await page.click('text=Make the map without them');
+  await mapIdle(page);
+  const flight = [...mock.flights.values()][0];
+  assert.equal(flight.name, 'Meadow');
+  assert.deepEqual([...flight.files.keys()].sort(), ['a.jpg', 'flaky.jpg']);
+  await assertQuiet(opened, [/422/, /503/]);
+});
+
+test('a reload in the middle of a job returns to it; cancelling keeps the photos', options, async () => {
+  const opened = await setUp({ job_ms: 20_000 });
+  const { page } = opened;
+  await page.setInputFiles('#files-input', photoFiles(3));
+  await page.waitForSelector('#job-progress');
+  await page.reload();
+  await page.waitForSelector('#job-progress');
+  await page.waitForFunction(() => /%/.test(document.querySelector('#job .big-number')?.textContent ?? ''));
+  await page.click('#job-cancel');
+  await page.waitForSelector('#start-job');
+  assert.match(await page.textContent('#waiting'), /Cancelled/);
+  await assertQuiet(opened);
+});
+
+test('a failed job says why and can be started again', options, async () => {
+  const opened = await setUp({ job_ms: 600 });
+  const { page, mock } = opened;
+  const flight = mock.addFlight('doomed');
+  await page.evaluate((id) => (location.hash = `#/flights/${id}`), flight.id);
+  await page.waitForSelector('#waiting');
+  await page.setInputFiles('#files-input', photoFiles(2));
+  await page.waitForSelector('#failure');
+  assert.match(await page.textContent('#failure'), /No photo has a GPS position/);
+  await assertAccessible(page, 'failure');
+  flight.name = 'saved';
+  await page.click('#start-job');
+  await mapIdle(page);
+  await assertQuiet(opened);
+});
+
+test('a paused upload waits and goes on', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(12));
+  await page.waitForSelector('#upload-pause');
+  await page.click('#upload-pause');
+  await page.waitForFunction(() => document.querySelector('#upload-pause')?.textContent?.includes('Go on'));
+  while (mock.heldUploads() > 0) await page.waitForTimeout(50);  // until the page's giving up has arrived
+  release();
+  await page.waitForTimeout(600);
+  assert.equal([...mock.flights.values()][0].files.size, 0);
+  await page.click('#upload-pause');
+  await mapIdle(page);
+  assert.equal([...mock.flights.values()][0].files.size, 12);
+  await assertQuiet(opened);
+});
+
+test('a new revision of a map takes the place of the old one', options, async () => {
+  const opened = await setUp({ job_ms: 800 });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.setInputFiles('#files-input', photoFiles(20));
+  await page.click('text=Add to this flight');
+  await page.waitForSelector('#job');
+  await page.waitForSelector('#job', { state: 'detached' });
+  await mapIdle(page);
+  await page.waitForFunction(() => Object.keys(/** @type {any} */ (window).skyquilt.map.getStyle().sources).filter((id) => id.startsWith('mosaic')).join() === 'mosaic-2');
+  assert.match(await page.textContent('#report'), /20 \/ 21/);
+  await assertQuiet(opened);
+});
