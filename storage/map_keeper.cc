@@ -1,15 +1,14 @@
 #include "storage/map_keeper.h"
 
-#include <zlib.h>
-
 #include <algorithm>
-#include <cstring>
-#include <map>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "storage/earlier_map.h"
+#include "storage/map_files.h"
+#include "storage/packed_half.h"
 #include "storage/publish_file.h"
 #include "storage/sqlite_db.h"
 
@@ -28,139 +27,12 @@ CREATE TABLE blocks (zoom INTEGER NOT NULL, column INTEGER NOT NULL, row INTEGER
   west REAL, south REAL, east REAL, north REAL, half BLOB NOT NULL, PRIMARY KEY (zoom, column, row));
 CREATE TABLE facts (name TEXT NOT NULL PRIMARY KEY, bytes BLOB NOT NULL);
 )sql";
-constexpr const char* kTilesOfLevel =
-    "SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level = ?1 AND tile_column BETWEEN ?2 AND "
-    "?3 "
-    "AND tile_row BETWEEN ?4 AND ?5 ORDER BY tile_column, tile_row";
 constexpr int kBlocksACommit = 8;
-
-struct Paths {
-  fs::path tiles, state;
-};
-Paths Finished(const fs::path& folder) { return {folder / "mosaic.mbtiles", folder / "mosaic.state"}; }
-Paths Temporary(const fs::path& folder) {
-  return {folder / "mosaic.mbtiles.tmp", folder / "mosaic.state.tmp"};
-}
-Paths LeftOver(const fs::path& folder) {
-  return {folder / "mosaic.mbtiles.part", folder / "mosaic.state.part"};
-}
-
-std::string JournalOf(const fs::path& file) { return file.string() + "-journal"; }
-
-void Remove(const Paths& paths) {
-  std::error_code gone;  // a file that will not go is overwritten by the next run
-  for (const fs::path& file : {paths.tiles, paths.state}) {
-    fs::remove(file, gone);
-    fs::remove(JournalOf(file), gone);
-  }
-}
-
-// What a killed run left gets out of the way of this one's temporary files. Of several killed runs the last
-// one that had got somewhere counts: it took over what the one before had.
-void SetAside(const fs::path& folder) {
-  const Paths from = Temporary(folder), to = LeftOver(folder);
-  std::error_code none;  // nothing left, or not to be moved: then there is nothing to go on from
-  if (!fs::exists(from.state, none) || !fs::exists(from.tiles, none)) return;
-  Remove(to);
-  for (const auto& [source, target] : {std::pair{from.tiles, to.tiles}, std::pair{from.state, to.state}}) {
-    if (fs::exists(JournalOf(source), none)) fs::rename(JournalOf(source), JournalOf(target), none);
-    fs::rename(source, target, none);
-  }
-}
 
 pipeline::TileFormat FormatOf(std::span<const std::uint8_t> bytes) {
   if (!bytes.empty() && bytes[0] == 0x89) return pipeline::TileFormat::kPng;
   if (!bytes.empty() && bytes[0] == 'R') return pipeline::TileFormat::kWebp;
   return pipeline::TileFormat::kJpeg;
-}
-
-std::vector<std::uint8_t> Deflated(const std::vector<std::uint8_t>& bytes) {
-  uLongf size = compressBound(bytes.size());
-  std::vector<std::uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), bytes.size(), 1) != Z_OK) throw std::bad_alloc();
-  packed.resize(size);
-  return packed;
-}
-
-// Halves are squares of RGBA of at most this many bytes.
-constexpr uLongf kMostHalfBytes = uLongf{2048} * 2048 * 4;
-
-Result<std::vector<std::uint8_t>> Inflated(std::span<const std::uint8_t> packed) {
-  if (packed.empty()) return std::vector<std::uint8_t>();
-  for (uLongf room = uLongf{128} * 128 * 4; room <= kMostHalfBytes; room *= 4) {
-    std::vector<std::uint8_t> bytes(room);
-    uLongf size = room;
-    const int done = uncompress(bytes.data(), &size, packed.data(), packed.size());
-    if (done == Z_BUF_ERROR) continue;
-    if (done != Z_OK || size != room) break;
-    return bytes;
-  }
-  return Error{ErrorCode::kCorrupt, "the memory of the map is damaged; delete mosaic.state and start again",
-               ""};
-}
-
-// One earlier run, open for reading.
-struct Earlier {
-  SqliteDb tiles, state;
-  Statement select_tiles, select_block;
-  std::map<geo::TileId, Digest> digests;
-  std::string facts;
-};
-
-Result<std::unique_ptr<Earlier>> OpenEarlier(const Paths& paths, bool is_finished) {
-  auto earlier = std::make_unique<Earlier>();
-  // A file of a killed run is first rolled back to its last commit, which needs writing.
-  const OpenMode mode = is_finished ? OpenMode::kReadOnlyImmutable : OpenMode::kReadWriteCreate;
-  for (const auto& [db, path] :
-       {std::pair{&earlier->tiles, &paths.tiles}, std::pair{&earlier->state, &paths.state}}) {
-    auto opened = SqliteDb::Open(*path, mode);
-    if (!opened) return opened.error();
-    *db = *std::move(opened);
-  }
-  const auto prepare = [](SqliteDb& db, const char* sql, Statement& statement) -> Result<void> {
-    auto prepared = db.Prepare(sql);
-    if (!prepared) return prepared.error();
-    statement = *std::move(prepared);
-    return {};
-  };
-  Statement count, facts, digests;
-  for (const auto& [db, sql, statement] :
-       {std::tuple{&earlier->tiles, kTilesOfLevel, &earlier->select_tiles},
-        std::tuple{&earlier->tiles, "SELECT count(*) FROM tiles_shallow", &count},
-        std::tuple{
-            &earlier->state,
-            "SELECT levels, tiles, base_tiles, covered_pixels, west, south, east, north, half FROM blocks "
-            "WHERE zoom = ?1 AND column = ?2 AND row = ?3",
-            &earlier->select_block},
-        std::tuple{&earlier->state, "SELECT name, bytes FROM facts", &facts},
-        std::tuple{&earlier->state, "SELECT zoom, column, row, digest FROM blocks", &digests}}) {
-    if (auto prepared = prepare(*db, sql, *statement); !prepared) return prepared.error();
-  }
-  const Error other_map{ErrorCode::kCorrupt, "the memory of the map belongs to another map", ""};
-  if (auto counted = count.Step(); !counted) return counted.error();
-  std::string tiles;
-  while (true) {
-    const Result<bool> row = facts.Step();
-    if (!row) return row.error();
-    if (!*row) break;
-    const auto bytes = facts.ColumnBlob(1);
-    std::string& fact = facts.ColumnText(0) == "flight" ? earlier->facts : tiles;
-    fact.assign(bytes.begin(), bytes.end());
-  }
-  if (is_finished && tiles != std::to_string(count.ColumnInt64(0))) return other_map;
-  while (true) {
-    const Result<bool> row = digests.Step();
-    if (!row) return row.error();
-    if (!*row) break;
-    const auto tile =
-        geo::TileId::Make(digests.ColumnInt64(0), digests.ColumnInt64(1), digests.ColumnInt64(2));
-    const auto bytes = digests.ColumnBlob(3);
-    Digest digest;
-    if (!tile || bytes.size() != digest.size()) return other_map;
-    std::copy(bytes.begin(), bytes.end(), digest.begin());
-    earlier->digests[*tile] = digest;
-  }
-  return earlier;
 }
 
 }  // namespace
@@ -170,12 +42,12 @@ struct MapKeeper::State {
   std::unique_ptr<MbtilesWriter> writer;
   SqliteDb db;
   Statement keep, remember;
-  std::vector<std::unique_ptr<Earlier>> earlier;  // the most recent first
+  std::vector<std::unique_ptr<EarlierMap>> earlier;  // the most recent first
   std::int64_t tiles = 0;
   int uncommitted = 0;
   bool is_published = false;
 
-  Earlier* Of(const geo::TileId& block) const {
+  EarlierMap* Of(const geo::TileId& block) const {
     for (const auto& one : earlier) {
       if (one->digests.contains(block)) return one.get();
     }
@@ -203,26 +75,26 @@ MapKeeper::~MapKeeper() {
   state_->db = SqliteDb();
   state_->writer.reset();
   state_->earlier.clear();
-  Remove(Temporary(state_->folder));
-  Remove(LeftOver(state_->folder));
+  RemoveMap(TemporaryMap(state_->folder));
+  RemoveMap(LeftOverMap(state_->folder));
 }
 
 Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, const fs::path& previous) {
   auto state = std::make_unique<State>();
   state->folder = folder;
-  SetAside(folder);
-  const auto look = [&](const Paths& paths, bool is_finished) {
+  SetMapAside(folder);
+  const auto look = [&](const MapFiles& paths, bool is_finished) {
     std::error_code none;
     if (!fs::exists(paths.state, none) || !fs::exists(paths.tiles, none)) return;
     // One that cannot be read is as good as none: everything is rendered anew.
-    if (auto earlier = OpenEarlier(paths, is_finished)) state->earlier.push_back(*std::move(earlier));
+    if (auto earlier = OpenEarlierMap(paths, is_finished)) state->earlier.push_back(*std::move(earlier));
   };
-  look(LeftOver(folder), false);
-  look(Finished(previous.empty() ? folder : previous), true);
+  look(LeftOverMap(folder), false);
+  look(FinishedMap(previous.empty() ? folder : previous), true);
   auto writer = MbtilesWriter::Create(folder / "mosaic.mbtiles");
   if (!writer) return writer.error();
   state->writer = *std::move(writer);
-  const fs::path temporary = Temporary(folder).state;
+  const fs::path temporary = TemporaryMap(folder).state;
   std::error_code removed;
   fs::remove(temporary, removed);
   fs::remove(JournalOf(temporary), removed);
@@ -240,11 +112,12 @@ Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, con
 }
 
 Result<std::string> MapKeeper::FactsOf(const fs::path& folder) {
-  const auto earlier = OpenEarlier(Finished(folder), true);
+  const auto earlier = OpenEarlierMap(FinishedMap(folder), true);
   if (!earlier || (*earlier)->facts.empty()) {
-    return Error{ErrorCode::kNotFound,
-                 folder.string() + " has no map that can be added to: mosaic.mbtiles and mosaic.state are needed",
-                 earlier ? "" : earlier.error().message};
+    return Error{
+        ErrorCode::kNotFound,
+        folder.string() + " has no map that can be added to: mosaic.mbtiles and mosaic.state are needed",
+        earlier ? "" : earlier.error().message};
   }
   return std::move((*earlier)->facts);
 }
@@ -256,13 +129,13 @@ Result<void> MapKeeper::Put(const geo::TileId& tile, pipeline::TileFormat format
 }
 
 std::optional<Digest> MapKeeper::DigestOf(const geo::TileId& block) const {
-  const Earlier* earlier = state_->Of(block);
+  const EarlierMap* earlier = state_->Of(block);
   if (earlier == nullptr) return std::nullopt;
   return earlier->digests.at(block);
 }
 
 Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
-  Earlier& earlier = *state_->Of(block);
+  EarlierMap& earlier = *state_->Of(block);
   Statement& row = earlier.select_block;
   row.Bind(1, block.z())
       .Bind(2, static_cast<std::int64_t>(block.x()))
@@ -278,7 +151,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
     kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(4), row.ColumnDouble(5)));
     kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(6), row.ColumnDouble(7)));
   }
-  auto half = Inflated(row.ColumnBlob(8));
+  auto half = UnpackHalf(row.ColumnBlob(8));
   row.Reset();
   if (!half) return half.error();
   kept.half_rgba = *std::move(half);
@@ -315,7 +188,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
 Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, const KeptBlock& kept) {
   Statement& row = state_->keep;
   const std::vector<std::uint8_t> half =
-      kept.half_rgba.empty() ? std::vector<std::uint8_t>() : Deflated(kept.half_rgba);
+      kept.half_rgba.empty() ? std::vector<std::uint8_t>() : PackHalf(kept.half_rgba);
   row.Bind(1, block.z())
       .Bind(2, static_cast<std::int64_t>(block.x()))
       .Bind(3, static_cast<std::int64_t>(block.y()));
@@ -355,17 +228,17 @@ Result<void> MapKeeper::Publish(const TilesetMetadata& metadata) {
   if (auto committed = state_->db.Exec("COMMIT"); !committed) return committed;
   if (auto closed = state_->db.Close(); !closed) return closed;
   // A map never lies beside the state of another.
-  const Paths finished = Finished(state_->folder);
+  const MapFiles finished = FinishedMap(state_->folder);
   std::error_code gone;
   fs::remove(finished.state, gone);
   if (gone)
     return Error{ErrorCode::kIo, "cannot replace " + finished.state.string() + ": " + gone.message(), ""};
   if (auto published = state_->writer->Publish(metadata); !published) return published;
-  if (auto published = PublishFile(Temporary(state_->folder).state, finished.state); !published)
+  if (auto published = PublishFile(TemporaryMap(state_->folder).state, finished.state); !published)
     return published;
   state_->is_published = true;
   state_->earlier.clear();
-  Remove(LeftOver(state_->folder));
+  RemoveMap(LeftOverMap(state_->folder));
   return {};
 }
 
