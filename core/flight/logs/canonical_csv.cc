@@ -77,12 +77,9 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   std::string_view line;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
-    if (consumed && lines.offset() >= next_report) {
-      consumed(lines.offset());
-      next_report = lines.offset() + kConsumedStep;
-    }
+    steps.At(lines.offset());
     if (Trim(line).empty() || line.front() == '#') continue;
     SplitFields(line, ',', cells);
     if (sampler.Take(ReadCsvRow(columns, cells)))

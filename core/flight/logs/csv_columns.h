@@ -7,50 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace skyquilt::flight {
+#include "core/flight/logs/csv_meanings.h"
 
-enum class CsvMeaning {
-  kIgnored,
-  kTime,  // s
-  kUtc,   // text, or local time where the header does not say UTC
-  kLat,
-  kLon,  // deg
-  kHeightEllipsoid,
-  kHeightAmsl,
-  kHeightAboveTakeoff,
-  kHeightAboveGround,
-  kRange,
-  kBaroHeight,  // m
-  kPressure,    // Pa
-  kVelocityNorth,
-  kVelocityEast,
-  kVelocityDown,  // m/s
-  kSigmaHorizontal,
-  kSigmaVertical,  // m
-  kFix,
-  kGyroX,
-  kGyroY,
-  kGyroZ,  // rad/s
-  kAccelX,
-  kAccelY,
-  kAccelZ,  // m/s2
-  kQw,
-  kQx,
-  kQy,
-  kQz,
-  kRoll,
-  kPitch,
-  kYaw,  // rad
-  kGimbalRoll,
-  kGimbalPitch,
-  kGimbalYaw,  // rad
-  kSigmaTilt,
-  kSigmaYaw,  // rad
-  kEvent,     // image name or number
-  kIsPhoto,   // 1 in the row of an exposure
-  kImage,     // name
-  kCount
-};
+namespace skyquilt::flight {
 
 struct CsvColumn {
   std::string header;  // as written, trimmed
@@ -73,7 +32,5 @@ std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& h
 
 // "column -> meaning, unit" for each column that is used.
 std::vector<std::string> DescribeColumns(const std::vector<CsvColumn>& columns);
-
-std::string_view CsvMeaningName(CsvMeaning meaning);
 
 }  // namespace skyquilt::flight

@@ -56,12 +56,9 @@ template <typename OnLayout, typename OnMessage>
 void DataflashWalk::Run(LogBytes bytes, const ConsumedUpTo& consumed, const OnLayout& on_layout,
                         const OnMessage& on_message) {
   std::size_t at = 0;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (at < bytes.size()) {
-    if (at >= next_report && consumed) {
-      consumed(at);
-      next_report = at + kConsumedStep;
-    }
+    steps.At(at);
     if (!IsHead(bytes, at)) {
       const std::size_t next = FindNext(bytes, at + 1);
       skipped_bytes += next - at;

@@ -207,12 +207,9 @@ Result<FlightLog> ParseDjiSrt(std::string_view name, LogBytes bytes, const Consu
   std::string_view line;
   std::optional<double> start_s;
   std::string cue;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
-    if (consumed && lines.offset() >= next_report) {
-      consumed(lines.offset());
-      next_report = lines.offset() + kConsumedStep;
-    }
+    steps.At(lines.offset());
     if (line.find("-->") != std::string_view::npos) {
       if (start_s) reader.Take(*start_s, cue);
       start_s = CueStart(line);

@@ -26,17 +26,8 @@ bool IsSighting(const std::vector<std::string_view>& words) {
 }  // namespace
 
 bool LooksLikeGcpList(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
-  LineReader lines(TextOf(head));
-  std::string_view line;
-  if (!lines.Next(line) || !LooksLikeReferenceSystem(line)) return false;
-  std::vector<std::string_view> words;
-  while (lines.Next(line)) {
-    SplitBlanks(line, words);
-    if (words.empty() || words[0].front() == '#') continue;
-    return IsSighting(words) && !ParseNumber(words[5]);
-  }
-  return false;
+  const std::vector<std::string_view> words = FirstReferencedRow(head);
+  return IsSighting(words) && !ParseNumber(words[5]);
 }
 
 Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {

@@ -20,18 +20,8 @@ bool LooksLikeImageName(std::string_view word) {
 }  // namespace
 
 bool LooksLikeGeoTxt(LogBytes head) {
-  if (!LooksLikeText(TextOf(head))) return false;
-  LineReader lines(TextOf(head));
-  std::string_view line;
-  if (!lines.Next(line) || !LooksLikeReferenceSystem(line)) return false;
-  std::vector<std::string_view> words;
-  while (lines.Next(line)) {
-    SplitBlanks(line, words);
-    if (words.empty()) continue;
-    return words.size() >= 3 && LooksLikeImageName(words[0]) && ParseNumber(words[1]) &&
-           ParseNumber(words[2]);
-  }
-  return false;
+  const std::vector<std::string_view> words = FirstReferencedRow(head);
+  return words.size() >= 3 && LooksLikeImageName(words[0]) && ParseNumber(words[1]) && ParseNumber(words[2]);
 }
 
 Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {

@@ -46,12 +46,9 @@ Result<FlightLog> ParseGpx(std::string_view name, LogBytes bytes, const Consumed
   std::optional<UtcTime> first;
   std::uint64_t points = 0;
   std::uint64_t bad = 0;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   for (std::size_t at = text.find(open); at != std::string_view::npos;) {
-    if (consumed && at >= next_report) {
-      consumed(at);
-      next_report = at + kConsumedStep;
-    }
+    steps.At(at);
     const std::size_t next = text.find(open, at + open.size());
     std::string_view point =
         text.substr(at, std::min(kLongestPoint, (next == std::string_view::npos ? text.size() : next) - at));

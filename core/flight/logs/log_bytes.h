@@ -15,7 +15,21 @@ using LogBytes = std::span<const std::uint8_t>;
 // give its pages back. A parser that reads twice starts again at 0. May be empty.
 using ConsumedUpTo = std::function<void(std::size_t offset)>;
 
-inline constexpr std::size_t kConsumedStep = std::size_t{16} << 20;
+// Says so every 16 MiB of a pass over a file.
+class ConsumedSteps {
+ public:
+  explicit ConsumedSteps(const ConsumedUpTo& consumed) : consumed_(consumed) {}
+  void At(std::size_t offset) {
+    if (!consumed_ || offset < next_) return;
+    consumed_(offset);
+    next_ = offset + kStep;
+  }
+
+ private:
+  static constexpr std::size_t kStep = std::size_t{16} << 20;
+  const ConsumedUpTo& consumed_;
+  std::size_t next_ = kStep;
+};
 
 inline std::string_view TextOf(LogBytes bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

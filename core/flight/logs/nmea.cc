@@ -175,12 +175,9 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   std::vector<std::string_view> fields;
   std::uint64_t bad = 0;
   std::map<std::string, std::uint64_t, std::less<>> counts;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
-    if (consumed && lines.offset() >= next_report) {
-      consumed(lines.offset());
-      next_report = lines.offset() + kConsumedStep;
-    }
+    steps.At(lines.offset());
     if (Trim(line).empty()) continue;
     if (!SplitSentence(line, fields)) {
       ++bad;

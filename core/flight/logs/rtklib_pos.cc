@@ -144,12 +144,9 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   std::optional<UtcTime> first;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
-    if (consumed && lines.offset() >= next_report) {
-      consumed(lines.offset());
-      next_report = lines.offset() + kConsumedStep;
-    }
+    steps.At(lines.offset());
     if (Trim(line).empty()) continue;
     if (line.front() == '%') {
       ReadHeaderLine(line, header);

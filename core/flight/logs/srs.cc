@@ -130,4 +130,17 @@ const std::string& ReferenceSystem::name() const { return impl_->name; }
 
 bool LooksLikeReferenceSystem(std::string_view line) { return DefinitionOf(line).has_value(); }
 
+std::vector<std::string_view> FirstReferencedRow(LogBytes head) {
+  std::vector<std::string_view> words;
+  if (!LooksLikeText(TextOf(head))) return words;
+  LineReader lines(TextOf(head));
+  std::string_view line;
+  if (!lines.Next(line) || !LooksLikeReferenceSystem(line)) return words;
+  while (lines.Next(line)) {
+    SplitBlanks(line, words);
+    if (!words.empty() && words[0].front() != '#') return words;
+  }
+  return {};
+}
+
 }  // namespace skyquilt::flight

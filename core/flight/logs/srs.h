@@ -6,8 +6,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/logs/log_bytes.h"
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
@@ -35,5 +37,9 @@ class ReferenceSystem {
 
 // True for a line that looks like the first line of an ODM side file, without asking PROJ.
 bool LooksLikeReferenceSystem(std::string_view line);
+
+// The words of the first row below such a line; lines starting with # are comments. Empty where `head` is no
+// text, has no such line, or no row.
+std::vector<std::string_view> FirstReferencedRow(LogBytes head);
 
 }  // namespace skyquilt::flight

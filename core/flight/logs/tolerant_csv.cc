@@ -68,12 +68,9 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
   std::array<double, 6> v{};
   std::map<std::string, std::uint64_t, std::less<>> counts;
   std::uint64_t bad = 0;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
-    if (consumed && lines.offset() >= next_report) {
-      consumed(lines.offset());
-      next_report = lines.offset() + kConsumedStep;
-    }
+    steps.At(lines.offset());
     if (Trim(line).empty()) continue;
     SplitFields(line, ',', cells);
     if (!IsReplayRow(cells)) {
@@ -154,12 +151,9 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   CsvSampler sampler(builder, findings->clock, findings->imu_z_is_up, relative);
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
-  std::size_t next_report = kConsumedStep;
+  ConsumedSteps steps(consumed);
   while (lines.Next(line)) {
-    if (consumed && lines.offset() >= next_report) {
-      consumed(lines.offset());
-      next_report = lines.offset() + kConsumedStep;
-    }
+    steps.At(lines.offset());
     if (Trim(line).empty()) continue;
     SplitFields(line, header->separator, cells);
     if (sampler.Take(ReadCsvRow(header->columns, cells)))

@@ -23,12 +23,9 @@ class UlogParser {
 
   Result<FlightLog> Parse() {
     std::size_t at = kHeader;
-    std::size_t next_report = kConsumedStep;
+    ConsumedSteps steps(consumed_);
     while (bytes_.size() - at >= 3) {
-      if (at >= next_report && consumed_) {
-        consumed_(at);
-        next_report = at + kConsumedStep;
-      }
+      steps.At(at);
       const std::size_t size = LoadLittle<std::uint16_t>(bytes_.data() + at);
       const auto type = static_cast<char>(bytes_[at + 2]);
       if (kMessageTypes.find(type) == std::string_view::npos || size == 0) {
