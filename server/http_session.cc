@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "api/problem.h"
+#include "server/head_parser.h"
 #include "server/request_head.h"
 #include "server/request_log.h"
 #include "server/response_head.h"
@@ -39,7 +40,6 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using SystemError = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
-using Parser = http::request_parser<http::buffer_body>;
 
 constexpr std::size_t kReceiveSliceBytes = 128 * 1024;
 constexpr std::size_t kSendSliceBytes = 256 * 1024;
@@ -103,18 +103,9 @@ class Session : public std::enable_shared_from_this<Session> {
     bool has_begun = buffer_.size() > 0;
     const bool is_due = has_begun || is_first_;
     SetHeadDeadline(is_due ? context_.settings.header_deadline : context_.settings.idle_deadline);
-    std::size_t searched = 0;
-    std::size_t end = std::string_view::npos;
-    while (true) {
-      const auto bytes = buffer_.data();
-      const std::string_view view(static_cast<const char*>(bytes.data()), bytes.size());
-      end = view.find("\r\n\r\n", searched);
-      if (end != std::string_view::npos) break;
-      if (const auto refusal = CheckRawHead(view)) co_return Refuse(*refusal);
-      if (view.size() >= context_.settings.max_header_bytes) {
-        co_return Refuse({431, "The request head is longer than the server reads."});
-      }
-      searched = view.size() < 3 ? 0 : view.size() - 3;
+    HeadParser reading(context_.settings);
+    HeadState state = reading.Look(Buffered());
+    while (state == HeadState::kNeedsMore) {
       SystemError error;
       const std::size_t got = co_await stream_.async_read_some(
           buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
@@ -123,10 +114,21 @@ class Session : public std::enable_shared_from_this<Session> {
       buffer_.commit(got);
       if (!has_begun && !is_first_) SetHeadDeadline(context_.settings.header_deadline);
       has_begun = true;
+      state = reading.Look(Buffered());
     }
+    // What is known of a refused head still shapes the answer to it.
+    head_ = std::move(reading.head());
+    if (state == HeadState::kRefused) co_return Refuse(reading.refusal());
     EndHeadDeadline();
     is_idle_ = false;
-    co_return ParseHead(end);
+    buffer_.consume(reading.size());
+    parser_ = reading.TakeParser();
+    co_return Head::kRead;
+  }
+
+  std::string_view Buffered() const {
+    const auto bytes = buffer_.data();
+    return {static_cast<const char*>(bytes.data()), bytes.size()};
   }
 
   // At the deadline the read is given up, but the socket stays: who sent a part of a head is told.
@@ -152,37 +154,6 @@ class Session : public std::enable_shared_from_this<Session> {
     is_idle_ = false;
     refusal_ = std::move(refusal);
     return Head::kRefused;
-  }
-
-  Head ParseHead(std::size_t end) {
-    const std::string_view raw(static_cast<const char*>(buffer_.data().data()), end);
-    if (raw.size() > context_.settings.max_header_bytes) {
-      return Refuse({431, "The request head is longer than the server reads."});
-    }
-    if (const auto refusal = CheckRawHead(raw)) return Refuse(*refusal);
-    parser_.emplace();
-    parser_->header_limit(static_cast<std::uint32_t>(context_.settings.max_header_bytes + 4));
-    parser_->body_limit(context_.settings.max_body_bytes);
-    SystemError error;
-    const std::size_t used = parser_->put(net::buffer(buffer_.data(), end + 4), error);
-    if (error == http::error::body_limit) return Refuse({413, "The body is larger than the server takes."});
-    if (error == http::error::bad_version)
-      return Refuse({505, "Only HTTP/1.0 and HTTP/1.1 are spoken here."});
-    if (error) return Refuse({400, "The request head is not HTTP: " + error.message() + "."});
-    buffer_.consume(used);
-    const auto& message = parser_->get();
-    head_.method = std::string(message.method_string());
-    head_.target = std::string(message.target());
-    head_.version = static_cast<int>(message.version());
-    for (const auto& field : message) {
-      head_.headers.Add(std::string(field.name_string()), std::string(field.value()));
-    }
-    if (const auto refusal = CheckFields(head_)) return Refuse(*refusal);
-    if (context_.settings.loopback_names_only && !head_.host.empty() && !IsLoopbackHost(head_.host)) {
-      return Refuse(
-          {421, "This server answers to its own machine only. Start it with --open to let others in."});
-    }
-    return Head::kRead;
   }
 
   net::awaitable<void> Answer() {
@@ -417,7 +388,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionContext& context_;
   std::uint64_t key_ = 0;
   beast::flat_buffer buffer_;
-  std::optional<Parser> parser_;
+  std::unique_ptr<RequestParser> parser_;
   RequestHead head_;
   Refusal refusal_;
   std::string request_id_;
