@@ -10,6 +10,7 @@
 
 #include "core/alignment/pair_link.h"
 #include "core/base/percentile.h"
+#include "core/camera/lens_fields.h"
 #include "core/simulate/world.h"
 
 namespace skyquilt::server {
@@ -35,15 +36,7 @@ Truth Parse(std::string_view text) {
   truth.frame =
       geo::LocalFrame({origin.at("lat_deg"), origin.at("lon_deg"), origin.at("height_ellipsoid_m")});
   const Json& lens = json.at("intrinsics");
-  truth.lens = camera::Intrinsics::Centered(lens.at("width_px"), lens.at("height_px"), lens.at("focal_x_px"));
-  truth.lens.focal_y_px = lens.at("focal_y_px");
-  truth.lens.center_x_px = lens.at("center_x_px");
-  truth.lens.center_y_px = lens.at("center_y_px");
-  truth.lens.k1 = lens.at("k1");
-  truth.lens.k2 = lens.at("k2");
-  truth.lens.k3 = lens.at("k3");
-  truth.lens.p1 = lens.at("p1");
-  truth.lens.p2 = lens.at("p2");
+  camera::VisitLensFields(truth.lens, [&](const char* name, auto& value) { lens.at(name).get_to(value); });
   simulate::WorldOptions terrain;
   terrain.seed = json.at("seed");
   terrain.relief_m = json.at("relief_m");

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/camera/lens_fields.h"
 #include "core/geo/tile_id.h"
 
 namespace skyquilt::simulate {
@@ -12,17 +13,9 @@ using nlohmann::ordered_json;
 ordered_json Vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 ordered_json Lens(const camera::Intrinsics& lens) {
-  return {{"width_px", lens.width_px},
-          {"height_px", lens.height_px},
-          {"focal_x_px", lens.focal_x_px},
-          {"focal_y_px", lens.focal_y_px},
-          {"center_x_px", lens.center_x_px},
-          {"center_y_px", lens.center_y_px},
-          {"k1", lens.k1},
-          {"k2", lens.k2},
-          {"k3", lens.k3},
-          {"p1", lens.p1},
-          {"p2", lens.p2}};
+  ordered_json json;
+  camera::VisitLensFields(lens, [&](const char* name, auto value) { json[name] = value; });
+  return json;
 }
 
 }  // namespace
