@@ -53,7 +53,8 @@ Response Retry(Service& service, const Request& request) {
   if (!ended) return Problem(ended.error(), request);
   if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
   const storage::Time now = storage::Now();
-  const Result<storage::Job> job = service.queue.Add(ended->flight_id, ended->options, now, {ended->priority, request.owner});
+  const Result<storage::Job> job =
+      service.queue.Add(ended->flight_id, ended->options, now, {ended->priority, request.owner});
   if (!job) return Problem(job.error(), request);
   Response response = Json(202, JobJson(*job, now));
   response.headers.Add("Location", "/api/v1/jobs/" + job->id);

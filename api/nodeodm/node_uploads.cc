@@ -166,7 +166,8 @@ class WholeForm final : public NodeForm {
     if (done)
       done = service_.node_tasks.Add({task.uuid, flight_id_, task.choice.shown, task.created_ms, true});
     if (!done) return done.error();
-    const Result<storage::Job> job = service_.queue.Add(flight_id_, task.choice.job_options, storage::Now(), {0, request_.owner});
+    const Result<storage::Job> job =
+        service_.queue.Add(flight_id_, task.choice.job_options, storage::Now(), {0, request_.owner});
     if (!job) return job.error();
     return {};
   }
@@ -197,7 +198,8 @@ Begun BeginWhole(Service& service, const Request& request) {
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return NodeProblem(boundary.error(), request);
   const storage::Time now = storage::Now();
-  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
+  const Result<storage::Flight> flight =
+      service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
   if (!flight) return NodeProblem(flight.error(), request);
   return std::make_unique<WholeForm>(service, request, *boundary, flight->id);
 }
@@ -213,7 +215,8 @@ Response Commit(Service& service, const Request& request) {
     if (!flight) return NodeProblem(flight.error(), request);
     if (flight->file_count == 0) return NodeRefusal("Need at least 1 file.", true);
     // The job first: a commit that breaks in between is made good by the client's next try.
-    const Result<storage::Job> job = service.queue.Add(task->flight_id, flight->options, storage::Now(), {0, request.owner});
+    const Result<storage::Job> job =
+        service.queue.Add(task->flight_id, flight->options, storage::Now(), {0, request.owner});
     if (!job && job.error().code != ErrorCode::kConflict) return NodeProblem(job.error(), request);
     const Result<void> committed = service.node_tasks.Commit(*uuid);
     if (!committed) return NodeProblem(committed.error(), request);

@@ -14,10 +14,12 @@ namespace {
 using Value = nlohmann::ordered_json;
 
 constexpr const char* kHead = R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<html lang="en"><head>
+<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Skyquilt API</title></head><body>
 <h1>Skyquilt API</h1>
-<p>The same for programs: <a href="/openapi.json">openapi.json</a> (OpenAPI 3.1). Errors are problem documents (RFC 9457).</p>
+<p>The same for programs: <a href="/openapi.json">openapi.json</a> (OpenAPI 3.1).
+Errors are problem documents (RFC 9457).</p>
 )";
 
 std::string Parameters(const Value& operation) {

@@ -75,16 +75,19 @@ std::string Capabilities(const MapView& map, bool is_newer) {
   const Eigen::Vector2d high = geo::MercFromLatLon({.lat_deg = north, .lon_deg = east});
   const std::string href = XmlText(map.Link("/wms/" + map.id) + (map.token.empty() ? "?" : "&"));
   const std::string http = fmt::format(
-      R"(<DCPType><HTTP><Get><OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:type="simple" xlink:href="{}"/></Get></HTTP></DCPType>)",
+      R"(<DCPType><HTTP><Get>)"
+      R"(<OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:type="simple" xlink:href="{}"/>)"
+      R"(</Get></HTTP></DCPType>)",
       href);
   const char* crs = is_newer ? "CRS" : "SRS";
   std::string boxes =
       is_newer ? fmt::format(
-                     "<EX_GeographicBoundingBox><westBoundLongitude>{:.9f}</"
-                     "westBoundLongitude><eastBoundLongitude>{:.9f}"
-                     "</eastBoundLongitude><southBoundLatitude>{:.9f}</"
-                     "southBoundLatitude><northBoundLatitude>{:.9f}"
-                     "</northBoundLatitude></EX_GeographicBoundingBox>",
+                     "<EX_GeographicBoundingBox>"
+                     "<westBoundLongitude>{:.9f}</westBoundLongitude>"
+                     "<eastBoundLongitude>{:.9f}</eastBoundLongitude>"
+                     "<southBoundLatitude>{:.9f}</southBoundLatitude>"
+                     "<northBoundLatitude>{:.9f}</northBoundLatitude>"
+                     "</EX_GeographicBoundingBox>",
                      west, east, south, north)
                : fmt::format(
                      "<LatLonBoundingBox minx=\"{:.9f}\" miny=\"{:.9f}\" maxx=\"{:.9f}\" maxy=\"{:.9f}\"/>",
@@ -98,11 +101,13 @@ std::string Capabilities(const MapView& map, bool is_newer) {
       is_newer ? south : west, is_newer ? west : south, is_newer ? north : east, is_newer ? east : north);
   const std::string root =
       is_newer
-          ? R"(<WMS_Capabilities version="1.3.0" xmlns="http://www.opengis.net/wms" xmlns:xlink="http://www.w3.org/1999/xlink">)"
+          ? R"(<WMS_Capabilities version="1.3.0" xmlns="http://www.opengis.net/wms" )"
+            R"(xmlns:xlink="http://www.w3.org/1999/xlink">)"
           : R"(<WMT_MS_Capabilities version="1.1.1">)";
   return fmt::format(
       R"({0}
-<Service><Name>{1}</Name><Title>{2}</Title><OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="{3}"/>{4}</Service>
+<Service><Name>{1}</Name><Title>{2}</Title>
+<OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:href="{3}"/>{4}</Service>
 <Capability><Request>
 <GetCapabilities><Format>{5}</Format>{6}</GetCapabilities>
 <GetMap><Format>image/png</Format><Format>image/jpeg</Format><Format>image/webp</Format>{6}</GetMap>

@@ -35,7 +35,8 @@ std::string Operation(const char* name, const MapView& map, const std::string& r
   const std::string separator = map.token.empty() ? "?" : "&";
   const auto get = [](const std::string& href, const char* encoding) {
     return fmt::format(
-        R"(<ows:Get xlink:href="{}"><ows:Constraint name="GetEncoding"><ows:AllowedValues><ows:Value>{}</ows:Value></ows:AllowedValues></ows:Constraint></ows:Get>)",
+        R"(<ows:Get xlink:href="{}"><ows:Constraint name="GetEncoding">)"
+        R"(<ows:AllowedValues><ows:Value>{}</ows:Value></ows:AllowedValues></ows:Constraint></ows:Get>)",
         XmlText(href), encoding);
   };
   return fmt::format(
@@ -48,7 +49,9 @@ std::string Layer(const MapView& map) {
   std::string text = fmt::format(
       R"(    <Layer>
       <ows:Title>{0}</ows:Title>
-      <ows:WGS84BoundingBox><ows:LowerCorner>{1:.9f} {2:.9f}</ows:LowerCorner><ows:UpperCorner>{3:.9f} {4:.9f}</ows:UpperCorner></ows:WGS84BoundingBox>
+      <ows:WGS84BoundingBox>
+        <ows:LowerCorner>{1:.9f} {2:.9f}</ows:LowerCorner><ows:UpperCorner>{3:.9f} {4:.9f}</ows:UpperCorner>
+      </ows:WGS84BoundingBox>
       <ows:Identifier>{5}</ows:Identifier>
       <Style isDefault="true"><ows:Identifier>default</ows:Identifier></Style>
       <Format>image/png</Format><Format>image/jpeg</Format><Format>image/webp</Format>
@@ -100,13 +103,18 @@ std::string Capabilities(const MapView& map) {
   const std::string rest = "/wmts/" + map.id + "/1.0.0/WMTSCapabilities.xml";
   const std::string tile = fmt::format("/wmts/{}/{}/default/{}/", map.id, kLayer, map.matrix_set());
   return fmt::format(
-             R"(<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1" xmlns:xlink="http://www.w3.org/1999/xlink" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="http://www.opengis.net/wmts/1.0 http://schemas.opengis.net/wmts/1.0/wmtsGetCapabilities_response.xsd" version="1.0.0">
+             R"(<Capabilities version="1.0.0" xmlns="http://www.opengis.net/wmts/1.0"
+  xmlns:ows="http://www.opengis.net/ows/1.1" xmlns:xlink="http://www.w3.org/1999/xlink"
+  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="http://www.opengis.net/wmts/1.0
+  http://schemas.opengis.net/wmts/1.0/wmtsGetCapabilities_response.xsd">
   <ows:ServiceIdentification>
     <ows:Title>{}</ows:Title>
     <ows:ServiceType>OGC WMTS</ows:ServiceType>
     <ows:ServiceTypeVersion>1.0.0</ows:ServiceTypeVersion>
   </ows:ServiceIdentification>
-  <ows:ServiceProvider><ows:ProviderName>Skyquilt</ows:ProviderName><ows:ServiceContact/></ows:ServiceProvider>
+  <ows:ServiceProvider>
+    <ows:ProviderName>Skyquilt</ows:ProviderName><ows:ServiceContact/>
+  </ows:ServiceProvider>
   <ows:OperationsMetadata>
 )",
              XmlText(map.name)) +

@@ -91,12 +91,12 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   Append(std::move(part.takeoff.warnings), posed.warnings);
   if (part.placed.is_placed) return;
   report.method = "reckoned from the start without any position";
-  posed.warnings.emplace_back(has_origin ? "No position anywhere: the flight is reckoned from the given "
-                                           "origin, and its error grows with time."
-                                         : "No position anywhere: the map has the right scale and north, but "
-                                           "its place on Earth is not known; "
-                                           "it is drawn at 0 degrees north, 0 degrees east. Give --origin "
-                                           "LAT,LON of the take-off to place it.");
+  constexpr const char* kFromOrigin =
+      "No position anywhere: the flight is reckoned from the given origin, and its error grows with time.";
+  constexpr const char* kFromNowhere =
+      "No position anywhere: the map has the right scale and north, but its place on Earth is not known; "
+      "it is drawn at 0 degrees north, 0 degrees east. Give --origin LAT,LON of the take-off to place it.";
+  posed.warnings.emplace_back(has_origin ? kFromOrigin : kFromNowhere);
 }
 
 // Photos outside the log, or all of them without one. The frame is theirs where no log has set it.
@@ -115,8 +115,7 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   if (placed.without_angles > 0) {
     posed.warnings.push_back(
         fmt::format("{} of {} photos recorded no camera angles: they are taken as looking straight down, "
-                    "turned along the flight's "
-                    "course.",
+                    "turned along the flight's course.",
                     placed.without_angles, placed.photos.size()));
   }
   report.photos_by_records = static_cast<int>(placed.photos.size());
@@ -125,12 +124,12 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
 }
 
 std::string WhyWithoutPosition(bool has_log) {
-  return has_log ? "has no position: no GPS in its EXIF or XMP, and the log does not cover the time it was "
-                   "taken. Add "
-                   "the log of its flight or a geo.txt with its position."
-                 : "has no position: no GPS in its EXIF or XMP and no log that covers it. Add the flight log "
-                   "or a "
-                   "geo.txt with its position.";
+  if (has_log) {
+    return "has no position: no GPS in its EXIF or XMP, and the log does not cover the time it was taken. "
+           "Add the log of its flight or a geo.txt with its position.";
+  }
+  return "has no position: no GPS in its EXIF or XMP and no log that covers it. "
+         "Add the flight log or a geo.txt with its position.";
 }
 
 Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
@@ -140,16 +139,14 @@ Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
   }
   if (!has_log_and_photos) {
     return {ErrorCode::kUnprocessable,
-            "none of the files is a photo with a position, so there is nothing to place on the ground. Check "
-            "that the "
-            "photos come straight from the drone (editing and messengers remove GPS data), or add the flight "
-            "log.",
+            "none of the files is a photo with a position, so there is nothing to place on the ground. "
+            "Check that the photos come straight from the drone (editing and messengers remove GPS data), "
+            "or add the flight log.",
             ""};
   }
   std::string message =
-      "no photo could be tied to the log, and none has a position of its own, so there is nothing to place "
-      "on the "
-      "ground.";
+      "no photo could be tied to the log, and none has a position of its own, "
+      "so there is nothing to place on the ground.";
   for (const std::string& warning : warnings) message += " " + warning;
   return {ErrorCode::kUnprocessable, message, ""};
 }

@@ -111,7 +111,9 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen[i].IsEmpty()) continue;
     const double size_m = geo::TileSizeInMercM(block_zoom);
-    const auto column_at = [&](double x_m) { return static_cast<std::int64_t>(std::floor((x_m + geo::kMercHalfWidthM) / size_m)); };
+    const auto column_at = [&](double x_m) {
+      return static_cast<std::int64_t>(std::floor((x_m + geo::kMercHalfWidthM) / size_m));
+    };
     const auto row_at = [&](double y_m) { return geo::TileId::AtMerc(block_zoom, {0.0, y_m}).y(); };
     const std::int64_t first_column = column_at(seen[i].min.x() - margin_m);
     const std::int64_t last_column = column_at(seen[i].max.x() + margin_m);

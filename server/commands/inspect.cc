@@ -39,10 +39,16 @@ void Run(const InspectArguments& arguments) {
 
 void AddInspectCommand(CLI::App& app) {
   auto arguments = std::make_shared<InspectArguments>();
-  CLI::App* command = app.add_subcommand("inspect", "Say what is in the photos and what a map of them will be and cost");
-  command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them")->required()->check(CLI::ExistingPath);
+  CLI::App* command =
+      app.add_subcommand("inspect", "Say what is in the photos and what a map of them will be and cost");
+  command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them")
+      ->required()
+      ->check(CLI::ExistingPath);
   command->add_flag("--json", arguments->as_json, "Print JSON");
-  command->footer("Reads headers only. Ends with 2 when no photo can be placed.\nExample:\n  skyquilt inspect /media/sd/DCIM");
+  command->footer(
+      "Reads headers only. Ends with 2 when no photo can be placed.\n"
+      "Example:\n"
+      "  skyquilt inspect /media/sd/DCIM");
   command->callback([arguments] { Run(*arguments); });
 }
 

@@ -188,7 +188,8 @@ void RunServer(const ServeOptions& options) {
     if (!elevations) return elevations.error();
     auto verdict = pipeline::InspectFlight(files, mosaic, progress, elevations->source.get());
     if (!verdict) return verdict.error();
-    verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
+    verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(),
+                             elevations->warnings.end());
     return pipeline::VerdictJson(*verdict);
   };
   const Result<int> expired = service.spool.RemoveExpired(storage::Now());
@@ -234,7 +235,8 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data", "listen", "workers", "previews", "web", "public-url", "basemap", "webhooks", "open"};
+  constexpr std::string_view kOptions[] = {"data",       "listen",  "workers",  "previews", "web",
+                                           "public-url", "basemap", "webhooks", "open"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -263,7 +265,9 @@ void AddServeCommand(CLI::App& app) {
       ->check(CLI::Range(0, 64))
       ->envname(VariableOf("workers"))
       ->capture_default_str();
-  command->add_flag("--previews,!--no-previews", options->previews, "Draw flights while they are uploading (default)")
+  command
+      ->add_flag("--previews,!--no-previews", options->previews,
+                 "Draw flights while they are uploading (default)")
       ->envname(VariableOf("previews"));
   command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one")
       ->envname(VariableOf("web"));
@@ -280,7 +284,8 @@ void AddServeCommand(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--basemap", options->basemap,
-                   "What lies below the maps on the page: https://host/{z}/{x}/{y}.png, or a PMTiles file of raster tiles")
+                   "What lies below the maps on the page: https://host/{z}/{x}/{y}.png, or a PMTiles file "
+                   "of raster tiles")
       ->envname(VariableOf("basemap"));
   command
       ->add_flag("--open", options->open,

@@ -69,7 +69,8 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
     const Result<Digest> was = DigestOfFile(same->second), is = DigestOfFile(file.path);
     if (was && is && *was == *is) continue;
     Fail({ErrorCode::kConflict,
-          file.path.string() + " has the name of a file of the finished map and other content; rename it", ""});
+          file.path.string() + " has the name of a file of the finished map and other content; rename it",
+          ""});
   }
   files = *std::move(all);
 }
@@ -119,7 +120,8 @@ void AddStitchCommand(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("-o,--out", arguments->out_dir,
-                      "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, cameras.json and geo.txt; made if missing")
+                      "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, "
+                      "cameras.json and geo.txt; made if missing")
       ->required();
   command->add_option("--gsd", arguments->gsd_m,
                       "Ground size of a map pixel in metres (default: that of the photos)");
@@ -132,9 +134,9 @@ void AddStitchCommand(CLI::App& app) {
           {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
   command
       ->add_option("--method", arguments->job.mosaic.method,
-                   "auto: poses refined by image features; imu: recorded poses alone, no pixel compared; features: "
-                   "homographies chained from photo to photo, poses not looked at; direct: recorded poses "
-                   "refined by comparing whole pictures")
+                   "auto: poses refined by image features; imu: recorded poses alone, no pixel compared; "
+                   "features: homographies chained from photo to photo, poses not looked at; "
+                   "direct: recorded poses refined by comparing whole pictures")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, pipeline::AlignMethod>{{"auto", pipeline::AlignMethod::kAuto},
                                                        {"imu", pipeline::AlignMethod::kImu},
@@ -146,7 +148,8 @@ void AddStitchCommand(CLI::App& app) {
                     "A flight without any position landed where it took off");
   command
       ->add_option("--dem", arguments->job.mosaic.dem_path,
-                   "GeoTIFF with the ground's heights (default: one among the files, else what the photos show)")
+                   "GeoTIFF with the ground's heights (default: one among the files, else what the photos "
+                   "show)")
       ->check(CLI::ExistingFile);
   command->add_option("--title", arguments->job.mosaic.title, "Name of the map (default: the folder's name)");
   command
@@ -157,19 +160,24 @@ void AddStitchCommand(CLI::App& app) {
       ->capture_default_str();
   CLI::Option* no_cog =
       command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
-  command->add_flag("--utm", arguments->utm, "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
+  command
+      ->add_flag("--utm", arguments->utm, "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
       ->excludes(no_cog);
   command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
-  command->add_flag("--no-pmtiles", arguments->no_pmtiles, "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
+  command->add_flag("--no-pmtiles", arguments->no_pmtiles,
+                    "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
   command->add_flag("--append", arguments->append,
-                    "IN are photos more for the finished map in the folder: they are placed against it, and only the "
-                    "tiles below them are made anew");
+                    "IN are photos more for the finished map in the folder: they are placed against it, and "
+                    "only the tiles below them are made anew");
   command->add_flag("--fresh", arguments->job.is_fresh,
-                    "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, and "
-                    "photos that did not change are not compared again");
+                    "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "
+                    "and photos that did not change are not compared again");
   command->footer(
-      "Example:\n  skyquilt stitch /media/sd/DCIM -o map\n  skyquilt stitch photos/ flight.BIN -o map\n  skyquilt stitch more/ -o map --append\n  "
-      "gdalinfo map/mosaic.tif");
+      "Example:\n"
+      "  skyquilt stitch /media/sd/DCIM -o map\n"
+      "  skyquilt stitch photos/ flight.BIN -o map\n"
+      "  skyquilt stitch more/ -o map --append\n"
+      "  gdalinfo map/mosaic.tif");
   command->callback([arguments] { Run(*arguments); });
 }
 
