@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/poses/attitude_convention.h"
+#include "core/poses/place_cameras.h"
 #include "core/poses/recorded_series.h"
 
 namespace skyquilt::poses {
@@ -52,7 +53,7 @@ Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const fli
   PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
   Result<SmootherOutput> smoothed = SmoothChain(prepared.input);
   if (!smoothed) return smoothed.error();
-  const std::vector<PlacedCamera> cameras = PlacePhotos(prepared, *smoothed, options.ground_z_in_enu_m);
+  const std::vector<PlacedCamera> cameras = PlaceCameras(prepared, *smoothed, options.ground_z_in_enu_m);
 
   PlacedByLog placed;
   placed.is_placed = prepared.is_placed;

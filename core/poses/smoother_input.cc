@@ -7,6 +7,7 @@
 #include "core/poses/attitude_convention.h"
 #include "core/poses/chain_factors.h"
 #include "core/poses/recorded_series.h"
+#include "core/poses/rest_on_ground.h"
 #include "core/poses/so3.h"
 
 namespace skyquilt::poses {
@@ -32,54 +33,6 @@ std::optional<Quaterniond> GimbalAt(const std::vector<flight::AttitudeSample>& s
   const double w = (t_s - (next - 1)->t_s) / (next->t_s - (next - 1)->t_s);
   const Quaterniond ned_from_gimbal = (next - 1)->ned_from_body.slerp(w, next->ned_from_body);
   return (EnuFromNed() * ned_from_gimbal * CamFromGimbal().conjugate()).normalized();
-}
-
-// A steady climb and a calm hover feel like rest to inertial sensors; only rest on the ground is rest.
-bool IsAloft(const std::vector<HeightFix>& heights, const StillInterval& interval) {
-  constexpr double kGroundM = 2.5;   // the barometer's drift over a flight and its noise
-  constexpr double kAroundS = 60.0;  // take-off and landing may lie at different heights
-  double ground = 1e9;
-  for (const HeightFix& h : heights) {
-    if (h.t_s > interval.begin_s - kAroundS && h.t_s < interval.end_s + kAroundS) {
-      ground = std::min(ground, h.z_in_enu_m);
-    }
-  }
-  return std::any_of(heights.begin(), heights.end(), [&](const HeightFix& h) {
-    return h.t_s >= interval.begin_s && h.t_s <= interval.end_s && h.z_in_enu_m > ground + kGroundM;
-  });
-}
-
-// The part of a rest in which the aircraft also stayed at its height: a slow, even descent onto the ground is
-// still flight. The reference is the side away from the flight.
-StillInterval AtOneHeight(const std::vector<HeightFix>& heights, StillInterval interval,
-                          bool flight_follows) {
-  constexpr double kReferenceS = 1.5;
-  constexpr double kSameM = 0.5;  // well beyond the barometer's noise
-  constexpr double kAwayS = 0.7;  // from the last sign of motion
-  double sum = 0.0;
-  int count = 0;
-  const auto inside = [&](const HeightFix& h) {
-    return h.t_s >= interval.begin_s && h.t_s <= interval.end_s;
-  };
-  for (const HeightFix& h : heights) {
-    const double from_edge = flight_follows ? h.t_s - interval.begin_s : interval.end_s - h.t_s;
-    if (!inside(h) || from_edge > kReferenceS) continue;
-    sum += h.z_in_enu_m;
-    ++count;
-  }
-  StillInterval kept = interval;
-  // Settling onto the ground may take seconds that feel like rest.
-  if (!flight_follows) kept.begin_s = 0.5 * (interval.begin_s + interval.end_s);
-  for (const HeightFix& h : heights) {
-    if (count == 0 || !inside(h) || std::abs(h.z_in_enu_m - sum / count) < kSameM) continue;
-    if (flight_follows) {
-      kept.end_s = std::min(kept.end_s, h.t_s);
-    } else {
-      kept.begin_s = std::max(kept.begin_s, h.t_s);
-    }
-  }
-  (flight_follows ? kept.end_s : kept.begin_s) += flight_follows ? -kAwayS : kAwayS;
-  return kept;
 }
 
 class Preparation {
@@ -289,24 +242,6 @@ class Preparation {
   PreparedSmoothing out_;
 };
 
-// Where the optical axis meets the ground plane, by the pose's small errors; for the error radius.
-double CenterErrorM(const PlacedCamera& camera, double ground_z) {
-  const Quaterniond enu_from_cam = camera.cam_from_enu.rotation.conjugate();
-  const Vector3d center = camera.cam_from_enu.TargetOriginInSource();
-  const Vector3d axis = enu_from_cam * Vector3d::UnitZ();
-  const double along = (ground_z - center.z()) / std::min(axis.z(), -0.1);
-  const Vector3d ray = along * axis;
-  // Position moves the point as it is; a turn moves it by turn x ray; both then slide along the axis to the
-  // plane.
-  Matrix3d to_plane = Matrix3d::Identity();
-  to_plane.col(2) -= axis / std::min(axis.z(), -0.1);
-  Eigen::Matrix<double, 3, 6> by_pose;
-  by_pose << -Skew(ray), Matrix3d::Identity();
-  const Eigen::Matrix<double, 2, 6> on_ground = (to_plane * by_pose).topRows<2>();
-  const double trace = (on_ground * camera.covariance * on_ground.transpose()).trace();
-  return std::sqrt(std::max(0.0, trace));
-}
-
 }  // namespace
 
 PhotoPair PairInBody(const PhotoPair& pair, const Quaterniond& first_cam_from_body,
@@ -319,35 +254,6 @@ PhotoPair PairInBody(const PhotoPair& pair, const Quaterniond& first_cam_from_bo
 
 PreparedSmoothing MakeSmootherInput(const FlightSources& sources, const geo::LocalFrame& frame) {
   return Preparation(sources, frame).Make();
-}
-
-std::vector<PlacedCamera> PlacePhotos(const PreparedSmoothing& prepared, const SmootherOutput& smoothed,
-                                      double ground_z_in_enu_m) {
-  constexpr double kGimbalWhiteRad = 0.005;  // the gimbal's own jitter about the airframe's attitude
-  std::vector<PlacedCamera> cameras;
-  for (std::size_t k = 0; k < smoothed.poses.size(); ++k) {
-    const SmoothedPose& pose = smoothed.poses[k];
-    PlacedCamera camera;
-    camera.covariance = pose.covariance;
-    camera.covariance_with_next = pose.covariance_with_next;
-    const Vector3d& v = pose.velocity_in_enu_mps;
-    camera.covariance.bottomRightCorner<3, 3>() += std::pow(prepared.time_sigma_s[k], 2) * v * v.transpose();
-    camera.velocity_in_enu_mps = pose.velocity_in_enu_mps;
-    camera.attitude_origin = prepared.attitude_origins[k];
-    Quaterniond enu_from_cam = pose.enu_from_body * prepared.cam_from_body[k].conjugate();
-    if (const std::optional<Quaterniond>& recorded = prepared.recorded_enu_from_cam[k]) {
-      // Measured airframe = Exp(level axes * bias) R: the attitude system is turned by that, and the gimbal
-      // too.
-      const Vector3d turned = LevelAxes(pose.enu_from_body) * pose.attitude_bias_rad;
-      enu_from_cam = geo::RotationFromVector(-turned) * *recorded;
-      camera.covariance.topLeftCorner<3, 3>().diagonal().array() += kGimbalWhiteRad * kGimbalWhiteRad;
-    }
-    camera.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(enu_from_cam.normalized().conjugate(),
-                                                                   pose.position_in_enu_m);
-    camera.error_radius_m = CenterErrorM(camera, ground_z_in_enu_m);
-    cameras.push_back(camera);
-  }
-  return cameras;
 }
 
 }  // namespace skyquilt::poses

@@ -1,10 +1,9 @@
-// From what was recorded to the smoother and back: MakeSmootherInput gathers the series of a log and of the
-// photos in the flight's local frame, with sigmas, and says which it took; PlacePhotos turns the smoothed
-// chain into one camera pose a photo. Without a log the photos themselves are the series (XMP or EXIF:
-// position, camera angles, relative height), and the body is a level one that turns with the camera. With a
-// log the body is the airframe; a gimbal keeps its own recorded angles and shares the airframe's slow
-// attitude error. Frames: `enu` of the given LocalFrame, `body`, `cam`; the log's clock, seconds. Pure; any
-// thread.
+// MakeSmootherInput: from what was recorded to the smoother: gathers the series of a log and of the photos in
+// the flight's local frame, with sigmas, and says which it took; place_cameras.h goes the way back. Without a
+// log the photos themselves are the series (XMP or EXIF: position, camera angles, relative height), and the
+// body is a level one that turns with the camera. With a log the body is the airframe; a gimbal keeps its own
+// recorded angles and shares the airframe's slow attitude error. Frames: `enu` of the given LocalFrame,
+// `body`, `cam`; the log's clock, seconds. Pure; any thread.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -53,20 +52,7 @@ struct PreparedSmoothing {
   std::vector<std::string> notes;    // which series were taken, in words
 };
 
-struct PlacedCamera {
-  geo::Rigid3 cam_from_enu;
-  Matrix6d covariance = Matrix6d::Zero();  // as in PosedPhoto
-  Matrix6d covariance_with_next = Matrix6d::Zero();
-  Eigen::Vector3d velocity_in_enu_mps = Eigen::Vector3d::Zero();
-  AttitudeOrigin attitude_origin = AttitudeOrigin::kSmoothed;
-  double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
-};
-
 PreparedSmoothing MakeSmootherInput(const FlightSources& sources, const geo::LocalFrame& frame);
-
-// `ground_z_in_enu_m`: the plane for the error radius.
-std::vector<PlacedCamera> PlacePhotos(const PreparedSmoothing& prepared, const SmootherOutput& smoothed,
-                                      double ground_z_in_enu_m);
 
 // Motion between two photos as seen in their pictures, from cam axes to the bodies that carry the cameras.
 PhotoPair PairInBody(const PhotoPair& pair_in_cam, const Eigen::Quaterniond& first_cam_from_body,

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
-#include "core/geo/local_frame.h"
-#include "core/poses/clock_search.h"
 #include "core/poses/event_alignment.h"
+#include "core/poses/find_clock_offset.h"
+#include "core/poses/stamped_photos.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -16,10 +17,6 @@ namespace {
 using flight::CameraEvent;
 using flight::FlightLog;
 using flight::Photo;
-
-double SecondsBetween(flight::UtcTime from, flight::UtcTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 // Lower case, without folders and extension: "DCIM/IMG_1.JPG" and "img_1.jpg" are one photo.
 std::string PlainName(std::string_view name) {
@@ -32,21 +29,12 @@ std::string PlainName(std::string_view name) {
   return plain;
 }
 
-// All stamps of one camera, in order.
-struct Stamped {
-  std::vector<std::size_t> photo;
-  std::vector<double> stamp_s;  // since the first stamp of all
-  double resolution_s = 1.0;
-};
-
 class Synchroniser {
  public:
   Synchroniser(const std::vector<Photo>& photos, const FlightLog& log, const TimeSyncOptions& options)
       : photos_(photos), log_(log), options_(options) {
     sync_.photos.resize(photos.size());
-    for (const Photo& photo : photos) {
-      if (photo.captured_at && (!first_ || *photo.captured_at < *first_)) first_ = photo.captured_at;
-    }
+    first_ = FirstStamp(photos);
     const bool any_feedback = std::any_of(log.events.begin(), log.events.end(),
                                           [](const CameraEvent& e) { return e.has_time && e.is_feedback; });
     for (std::size_t i = 0; i < log.events.size(); ++i) {
@@ -60,7 +48,7 @@ class Synchroniser {
   }
 
   Result<TimeSync> Run() {
-    const std::vector<Stamped> cameras = Cameras();
+    const std::vector<StampedPhotos> cameras = StampsByCamera(photos_);
     const bool done = ByNames() || ByEvents(cameras) || (!cameras.empty() && BySearch(cameras.front()));
     if (!done) {
       return Error{
@@ -79,48 +67,6 @@ class Synchroniser {
   }
 
  private:
-  // The camera with the most stamps comes first.
-  std::vector<Stamped> Cameras() const {
-    std::map<std::string, Stamped> by_key;
-    for (std::size_t i = 0; i < photos_.size(); ++i) {
-      if (!photos_[i].captured_at) continue;
-      Stamped& camera = by_key[photos_[i].camera_key];
-      camera.photo.push_back(i);
-      camera.stamp_s.push_back(SecondsBetween(*first_, *photos_[i].captured_at));
-    }
-    std::vector<Stamped> cameras;
-    for (auto& [key, camera] : by_key) {
-      if (!std::is_sorted(camera.stamp_s.begin(), camera.stamp_s.end())) {
-        std::vector<std::size_t> order(camera.photo.size());
-        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-        std::stable_sort(order.begin(), order.end(),
-                         [&](std::size_t a, std::size_t b) { return camera.stamp_s[a] < camera.stamp_s[b]; });
-        Stamped sorted;
-        for (const std::size_t i : order) {
-          sorted.photo.push_back(camera.photo[i]);
-          sorted.stamp_s.push_back(camera.stamp_s[i]);
-        }
-        camera = std::move(sorted);
-      }
-      camera.resolution_s = ResolutionOf(camera);
-      cameras.push_back(std::move(camera));
-    }
-    std::stable_sort(cameras.begin(), cameras.end(),
-                     [](const Stamped& a, const Stamped& b) { return a.photo.size() > b.photo.size(); });
-    return cameras;
-  }
-
-  // Whole seconds, tenths, hundredths or milliseconds: the coarsest that all stamps keep to.
-  double ResolutionOf(const Stamped& camera) const {
-    for (const std::int64_t unit_us : {1'000'000, 100'000, 10'000}) {
-      const bool all = std::all_of(camera.photo.begin(), camera.photo.end(), [&](std::size_t i) {
-        return photos_[i].captured_at->time_since_epoch().count() % unit_us == 0;
-      });
-      if (all) return static_cast<double>(unit_us) * 1e-6;
-    }
-    return 1e-3;
-  }
-
   void Place(std::size_t photo, std::size_t event, double sigma_s) {
     sync_.photos[photo] = PhotoTime{log_.events[event].t_s, sigma_s, event};
   }
@@ -129,7 +75,7 @@ class Synchroniser {
   void OffsetFromMatches() {
     std::vector<double> differences;
     double resolution = 1e-3;
-    for (const Stamped& camera : Cameras()) {
+    for (const StampedPhotos& camera : StampsByCamera(photos_)) {
       for (std::size_t k = 0; k < camera.photo.size(); ++k) {
         const auto& placed = sync_.photos[camera.photo[k]];
         if (placed && placed->event) differences.push_back(camera.stamp_s[k] - placed->t_s);
@@ -167,11 +113,11 @@ class Synchroniser {
     return true;
   }
 
-  bool ByEvents(const std::vector<Stamped>& cameras) {
+  bool ByEvents(const std::vector<StampedPhotos>& cameras) {
     if (event_s_.empty()) return false;
     if (cameras.empty()) return ByCountAlone();
     bool any = false;
-    for (const Stamped& camera : cameras) {
+    for (const StampedPhotos& camera : cameras) {
       if (any && camera.photo.size() < 3) continue;
       any = ByEventsOfCamera(camera, !any) || any;
     }
@@ -190,7 +136,7 @@ class Synchroniser {
     return true;
   }
 
-  bool ByEventsOfCamera(const Stamped& camera, bool is_first) {
+  bool ByEventsOfCamera(const StampedPhotos& camera, bool is_first) {
     const StampModel model{camera.resolution_s, jitter_s_};
     const std::size_t count = camera.photo.size();
     // As many events as photos, and every difference within one unit: nothing was lost.
@@ -235,131 +181,20 @@ class Synchroniser {
     sync_.sigma_s = std::hypot(std::hypot(fit.sigma_s, 0.005), ambiguous_by_s);
   }
 
-  bool BySearch(const Stamped& camera) {
-    refined_ = RefineByTriggerInterval(camera.stamp_s, camera.resolution_s);
-    refined_of_ = camera.photo;
-    const std::string stamps =
-        refined_->refined > 0
-            ? fmt::format("; {} stamps refined by a constant trigger interval", refined_->refined)
-            : std::string();
-    const std::vector<TrackPoint> track = Track();
-    if (!track.empty() && (ByPositions(camera, track, stamps) || ByDistances(camera, track, stamps)))
-      return true;
-    // Photos that know where they were and fit nowhere on the track belong to another flight: clocks alone
-    // must not tie them to this one.
-    const auto placed = std::count_if(camera.photo.begin(), camera.photo.end(),
-                                      [&](std::size_t i) { return photos_[i].position.has_value(); });
-    if (!track.empty() && placed >= 3) return false;
-    return ByClocks(stamps);
-  }
-
-  std::vector<TrackPoint> Track() {
-    std::vector<TrackPoint> track;
-    if (log_.gnss.empty()) return track;
-    const auto& origin = log_.gnss.front().position;
-    frame_.emplace(geo::Wgs84{origin.lat_deg, origin.lon_deg, 0.0});
-    track.reserve(log_.gnss.size());
-    for (const auto& sample : log_.gnss) track.push_back({sample.t_s, InPlane(sample.position)});
-    return track;
-  }
-
-  Eigen::Vector2d InPlane(const geo::LatLon& position) const {
-    return frame_->EnuFromWgs84({position.lat_deg, position.lon_deg, 0.0}).head<2>();
-  }
-
-  bool ByPositions(const Stamped& camera, const std::vector<TrackPoint>& track, const std::string& stamps) {
-    std::vector<TimedPosition> timed;
-    for (std::size_t k = 0; k < camera.photo.size(); ++k) {
-      const Photo& photo = photos_[camera.photo[k]];
-      if (photo.position) timed.push_back({refined_->times_s[k], InPlane(photo.position->position)});
-    }
-    const auto found = SearchByPositions(timed, track);
-    // Photos of another flight fit nowhere.
-    if (!found || found->residual_m > 50.0) return false;
-    sync_.method = TimeSyncMethod::kPositions;
+  bool BySearch(const StampedPhotos& camera) {
+    auto found = FindClockOffset(photos_, camera, *first_, log_, options_);
+    if (!found) return false;
+    sync_.method = found->method;
     sync_.offset_s = found->offset_s;
-    sync_.sigma_s = std::hypot(found->sigma_s, refined_->common_sigma_s);
-    sync_.method_in_words = fmt::format("{} photo positions laid on the log's track, residual {:.2f} m{}",
-                                        timed.size(), found->residual_m, stamps);
+    sync_.sigma_s = found->sigma_s;
+    sync_.method_in_words = std::move(found->method_in_words);
+    std::move(found->notes.begin(), found->notes.end(), std::back_inserter(sync_.notes));
     return true;
-  }
-
-  bool ByDistances(const Stamped& camera, const std::vector<TrackPoint>& track, const std::string& stamps) {
-    if (options_.distance_to_next.empty()) return false;
-    std::vector<TimedDistance> timed;
-    for (std::size_t k = 0; k + 1 < camera.photo.size(); ++k) {
-      const std::size_t photo = camera.photo[k];
-      if (camera.photo[k + 1] != photo + 1 || photo >= options_.distance_to_next.size()) continue;
-      if (const auto distance = options_.distance_to_next[photo]) {
-        timed.push_back({refined_->times_s[k], refined_->times_s[k + 1], *distance});
-      }
-    }
-    const auto found = SearchByDistances(timed, track, options_.distances_in_metres);
-    if (!found || found->rival_cost_ratio > 0.9) return false;
-    sync_.method = TimeSyncMethod::kDistances;
-    sync_.offset_s = found->offset_s;
-    sync_.sigma_s = std::hypot(found->sigma_s, refined_->common_sigma_s);
-    sync_.method_in_words =
-        fmt::format("{} distances between photos compared with the log's track{}", timed.size(), stamps);
-    return true;
-  }
-
-  // Only the clocks as they stand. A local clock may be any whole quarter hour off: the one that puts the
-  // photos into the log is taken when it is the only one.
-  bool ByClocks(const std::string& stamps) {
-    if (!log_.utc_at_zero && !log_.local_at_zero) return false;
-    const auto span = LogSpan();
-    if (!span || !first_) return false;
-    const flight::UtcTime zero = log_.utc_at_zero ? *log_.utc_at_zero : *log_.local_at_zero;
-    const double as_it_stands = SecondsBetween(zero, *first_);
-    const double last = refined_->times_s.back();
-    const bool both_utc = log_.utc_at_zero && !photos_[refined_of_.front()].captured_at_is_local;
-    std::vector<double> fitting;
-    for (int quarter = -56; quarter <= 56; ++quarter) {
-      if (both_utc && quarter != 0) continue;
-      const double offset = as_it_stands - quarter * 900.0;
-      // A zone is guessed only where it puts all photos into the log; UTC holds for those that lie outside
-      // too.
-      const bool fits = both_utc ? offset < span->second && offset + last > span->first
-                                 : offset > span->first - 5.0 && offset + last < span->second + 5.0;
-      if (fits) fitting.push_back(offset);
-    }
-    if (fitting.empty()) return false;
-    const auto nearest = std::min_element(fitting.begin(), fitting.end(), [&](double a, double b) {
-      return std::abs(a - as_it_stands) < std::abs(b - as_it_stands);
-    });
-    sync_.method = TimeSyncMethod::kClocks;
-    sync_.offset_s = *nearest;
-    sync_.sigma_s = std::hypot(options_.camera_clock_sigma_s, log_.utc_sigma_s);
-    if (fitting.size() > 1) sync_.sigma_s = 900.0;
-    sync_.method_in_words = fmt::format("the clocks of camera and log as they stand{}", stamps);
-    if (!both_utc)
-      sync_.notes.emplace_back(
-          "the camera's clock is local: the zone that puts the photos into the log was taken");
-    if (fitting.size() > 1)
-      sync_.notes.push_back(fmt::format("{} time zones would fit the log", fitting.size()));
-    return true;
-  }
-
-  std::optional<std::pair<double, double>> LogSpan() const {
-    std::optional<std::pair<double, double>> span;
-    const auto widen = [&](const auto& samples) {
-      if (samples.empty()) return;
-      if (!span) span.emplace(samples.front().t_s, samples.back().t_s);
-      span->first = std::min(span->first, samples.front().t_s);
-      span->second = std::max(span->second, samples.back().t_s);
-    };
-    widen(log_.gnss);
-    widen(log_.attitude);
-    widen(log_.imu);
-    widen(log_.baro);
-    if (!event_s_.empty()) widen(log_.events);
-    return span;
   }
 
   // Photos without an event get their stamp moved to the log's clock.
-  void FillFromOffset(const std::vector<Stamped>& cameras) {
-    for (const Stamped& camera : cameras) {
+  void FillFromOffset(const std::vector<StampedPhotos>& cameras) {
+    for (const StampedPhotos& camera : cameras) {
       const RefinedStamps refined = RefineByTriggerInterval(camera.stamp_s, camera.resolution_s);
       for (std::size_t k = 0; k < camera.photo.size(); ++k) {
         auto& placed = sync_.photos[camera.photo[k]];
@@ -381,9 +216,6 @@ class Synchroniser {
   std::vector<std::size_t> event_index_;
   std::vector<double> event_s_;
   double jitter_s_ = 0.02;
-  std::optional<RefinedStamps> refined_;
-  std::vector<std::size_t> refined_of_;
-  std::optional<geo::LocalFrame> frame_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/poses/attitude_convention.h"
+#include "core/poses/place_cameras.h"
 #include "core/poses/recorded_series.h"
 #include "tests/bench/poses/recorded_sensors.h"
 
@@ -114,7 +115,7 @@ Errors Compare(const Recorded& recorded, const std::vector<PlacedCamera>& camera
 std::vector<PlacedCamera> Place(const PreparedSmoothing& prepared) {
   const auto smoothed = SmoothChain(prepared.input);
   EXPECT_TRUE(smoothed.ok()) << smoothed.error().message;
-  return PlacePhotos(prepared, *smoothed, 0.0);
+  return PlaceCameras(prepared, *smoothed, 0.0);
 }
 
 TEST(SmootherInput, PlacesPhotosByTheirXmpAlone) {
