@@ -18,6 +18,7 @@ namespace {
 
 constexpr const char* kRevalidated = "public, max-age=60, must-revalidate";
 constexpr const char* kGrowing = "no-cache";  // a preview: another edition may come any moment
+constexpr const char* kEnded = "no-store";  // what was asked for is no more, and nothing is to be kept of it
 constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
 Result<EmptyTile> EmptyTileWish(const Request& request, EmptyTile otherwise) {
@@ -143,7 +144,11 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
   const Result<void> checked = CheckId(wish.flight_id, "flight");
   if (!checked) return checked.error();
   const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(wish.flight_id);
-  if (!open) return open.error();
+  if (!open) {
+    // Who shows the preview learns of its end a moment after it: until then it has nothing more, which is no mistake.
+    if (service.tilesets.Get(wish.flight_id)) return Blank(request, wish, kPreviewTileSizePx, kEnded);
+    return open.error();
+  }
   const storage::Preview& preview = (*open)->preview;
   if (wish.tile.z() < preview.min_zoom || wish.tile.z() > preview.max_zoom) {
     return Error{ErrorCode::kNotFound, "The preview has no tiles of this zoom.", ""};

@@ -97,9 +97,13 @@ class Preview(ServerTestCase):
         _, ready = server.json("GET", f"/api/v1/flights/{flight_id}")
         self.assertIsNone(ready["preview"])
         self.assertTrue(touch(ready["bounds"], whole["bounds"]))
-        # The preview's own address has ended; the plain one shows the map.
-        status, _, _ = server.request("GET", url)
-        wait_until(lambda: server.request("GET", url)[0] == 404, "the preview did not end")
+        # The preview's own address has nothing more to show; the plain one shows the map.
+        wait_until(lambda: server.request("GET", url)[1]["Cache-Control"] == "no-store", "the preview did not end")
+        status, headers, blank = server.request("GET", url)
+        self.assertEqual((status, headers["Content-Type"], headers["ETag"]), (200, "image/png", '"blank-256"'))
+        self.assertNotEqual(blank, body)
+        self.assertEqual(server.request("GET", url + "&empty=204")[0], 204)
+        self.assertEqual(server.request("GET", url + "&empty=404")[0], 404)
         map_url, (status, _, map_tile) = self.middle_tile(server, f"/tiles/{flight_id}.json")
         self.assertIn("rev=1", map_url)
         self.assertEqual(status, 200)

@@ -58,9 +58,6 @@ async function assertGdalSeesTheSame(page, url, id, [west, south, east, north]) 
   assert.ok(mean > 20, 'the window shows ground, not the outside');
 }
 
-// A tile of the preview may be asked for in the moment in which the preview ends.
-const kEndedPreview = /404.*rev=preview/;
-
 test('a server with tokens opens to the one that was typed, and to a share link', options, async () => {
   const data = join(folder, 'guarded');
   const tokenOf = (/** @type {string} */ scope) => {
@@ -179,7 +176,7 @@ test('the preview grows while photos arrive and gives way to the map without a f
     const sources = await page.evaluate(() => Object.values(/** @type {any} */ (window).skyquilt.map.getStyle().sources).flatMap((s) => s.tiles ?? []));
     assert.ok(sources.length === 1 && sources[0].includes('rev=1'), JSON.stringify(sources));
     assert.deepEqual(foreign_requests, []);
-    assert.deepEqual(console_errors.filter((text) => !kEndedPreview.test(text)), []);
+    assert.deepEqual(console_errors, []);
   } finally {
     await context.close();
     assert.equal(await server.stop(), 0);
@@ -256,7 +253,7 @@ test('dropped photos become a map on the real server, even when it is killed in 
     await page.click('.note .icon-button');
     await page.waitForFunction(async () => (await (await fetch('/api/v1/flights')).json()).flights.length === 0);
     assert.deepEqual(foreign_requests, []);
-    assert.deepEqual(console_errors.filter((text) => !/ERR_CONNECTION|ERR_EMPTY_RESPONSE/.test(text) && !kEndedPreview.test(text)), []);
+    assert.deepEqual(console_errors.filter((text) => !/ERR_CONNECTION|ERR_EMPTY_RESPONSE/.test(text)), []);
   } finally {
     await context.close();
     assert.equal(await server.stop(), 0);
