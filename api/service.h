@@ -2,8 +2,9 @@
 #pragma once
 
 #include <atomic>
-#include <mutex>
+#include <filesystem>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@
 #include "storage/previews.h"
 #include "storage/tileset_cache.h"
 #include "storage/tokens.h"
+#include "storage/unpack_archive.h"
 #include "storage/upload_spool.h"
 #include "storage/webhooks.h"
 
@@ -56,6 +58,12 @@ struct Service {
   // the reading itself is the core's.
   std::function<Result<std::string>(const std::vector<flight::InputFile>&, const pipeline::MosaicOptions&)> inspect =
       nullptr;
+  // An archive's files into a flight's store. The server has it done by a process apart.
+  std::function<Result<std::vector<storage::UnpackedFile>>(const storage::PhotoStore&, const std::string& flight_id,
+                                                           const std::filesystem::path& archive)>
+      unpack = [](const auto& photo_store, const auto& flight_id, const auto& archive) {
+        return storage::UnpackArchive(photo_store, flight_id, archive);
+      };
 };
 
 }  // namespace skyquilt::api

@@ -2,53 +2,22 @@
 
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstring>
 #include <thread>
 #include <utility>
 
 #include "server/request_log.h"
 #include "server/run_job.h"
+#include "server/spawn_self.h"
 #include "storage/sweep.h"
-
-extern char** environ;
 
 namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::seconds kYoung{5};  // a worker that lived shorter is not started again at once
 constexpr std::chrono::seconds kBackoff{1};
-
-std::string HowItEnded(int status) {
-  if (WIFSIGNALED(status))
-    return fmt::format("by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
-  return fmt::format("with code {}", WEXITSTATUS(status));
-}
-
-// Workers start with no signal blocked and none ignored, whatever the server does with its own.
-class SpawnAttributes {
- public:
-  SpawnAttributes() {
-    posix_spawnattr_init(&attributes_);
-    sigset_t none;
-    sigset_t all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &all);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
-  SpawnAttributes(const SpawnAttributes&) = delete;
-  SpawnAttributes& operator=(const SpawnAttributes&) = delete;
-  const posix_spawnattr_t* get() const { return &attributes_; }
-
- private:
-  posix_spawnattr_t attributes_{};
-};
 
 }  // namespace
 
@@ -70,22 +39,17 @@ void WorkerPool::Start(Slot& slot, int index) {
   // One job a process: whatever memory a job took, the next one finds it given back.
   slot.name = fmt::format("serve-{}-{}-{}", getpid(), index, ++starts_);
   slot.started = Clock::now();
-  std::vector<std::string> words = {"skyquilt", "worker",  "--data",   dir_.root().string(),
-                                    "--name",   slot.name, "--parent", std::to_string(getpid()),
-                                    "--jobs",   "1"};
+  std::vector<std::string> words = {"worker",  "--data",   dir_.root().string(),     "--name",
+                                    slot.name, "--parent", std::to_string(getpid()), "--jobs",
+                                    "1"};
   if (slot.draws_previews) words.emplace_back("--previews");
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const SpawnAttributes attributes;
-  pid_t pid = 0;
-  const int failed = posix_spawn(&pid, "/proc/self/exe", nullptr, attributes.get(), argv.data(), environ);
-  if (failed != 0) {
-    LogFailure("-", "worker", fmt::format("could not be started: {}", std::strerror(failed)));
+  const Result<pid_t> started = SpawnSelf(std::move(words));
+  if (!started) {
+    LogFailure("-", "worker", "could not be started: " + started.error().detail);
     slot.not_before = Clock::now() + kBackoff;
     return;
   }
-  slot.pid = pid;
+  slot.pid = *started;
 }
 
 void WorkerPool::Reap() {

@@ -46,7 +46,7 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
                                               const storage::StoredFile& file) {
   if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
   const Result<std::vector<storage::UnpackedFile>> unpacked =
-      storage::UnpackArchive(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name));
+      service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name));
   const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
   if (removed) service.store.Remove(flight_id, removed->stored_name);
   if (!unpacked) return unpacked.error();

@@ -7,6 +7,7 @@
 #include "server/commands/simulate.h"
 #include "server/commands/stitch.h"
 #include "server/commands/token.h"
+#include "server/commands/unpack.h"
 #include "server/commands/worker.h"
 
 namespace skyquilt::server {
@@ -19,6 +20,7 @@ void AddCommands(CLI::App& app) {
   AddCompareCommand(app);
   AddSimulateCommand(app);
   AddTokenCommand(app);
+  AddUnpackCommand(app);
   AddWorkerCommand(app);
 }
 

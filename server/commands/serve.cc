@@ -22,6 +22,7 @@
 #include "server/open_elevation_model.h"
 #include "server/request_log.h"
 #include "server/static_files.h"
+#include "server/unpack_apart.h"
 #include "server/webhook_sender.h"
 #include "server/worker_pool.h"
 #include "storage/sweep.h"
@@ -192,6 +193,7 @@ void RunServer(const ServeOptions& options) {
                              elevations->warnings.end());
     return pipeline::VerdictJson(*verdict);
   };
+  service.unpack = UnpackApart;
   const Result<int> expired = service.spool.RemoveExpired(storage::Now());
   if (!expired) Fail(expired.error());
   FinishUploads(service);

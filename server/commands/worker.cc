@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 #include <thread>
 
 #include "server/preview_painter.h"
+#include "server/process_limits.h"
 #include "server/request_log.h"
 #include "server/run_job.h"
 #include "storage/catalogue_db.h"
@@ -36,18 +36,9 @@ std::atomic<bool> is_stopping{false};
 
 void OnStopSignal(int) { is_stopping = true; }
 
-// A worker whose server died must not go on for nobody.
-bool FollowParent(int parent) {
-  if (parent == 0) return true;
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  return getppid() == parent;  // it may have died before we asked to be told
-}
-
 // Tiles first: a job may use what is left of the CPU, and is the first to go when memory runs out.
 void StepBack() {
   setpriority(PRIO_PROCESS, 0, 5);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
   const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (fd < 0) return;  // not Linux as we know it: then without
   [[maybe_unused]] const ssize_t wrote = write(fd, "500", 3);
@@ -60,28 +51,23 @@ void StepBack() {
 }
 
 // What a photo may take of a machine that also has tiles to serve: decoders have been talked into more.
-void LimitMemory() {
-  const rlimit most{rlim_t{3} << 30, rlim_t{3} << 30};
-  setrlimit(RLIMIT_AS, &most);
-}
-
+constexpr std::int64_t kPreviewMemoryBytes = std::int64_t{2560} << 20;
 // A photo that keeps its decoder busy for longer ends this process; it counts as tried, and the next one goes
 // on.
-void LimitCpuOfStep() {
-  constexpr rlim_t kMostCpuS = 60;
-  rusage used{};
-  getrusage(RUSAGE_SELF, &used);
-  const rlimit most{static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + kMostCpuS,
-                    RLIM_INFINITY};
-  setrlimit(RLIMIT_CPU, &most);
-}
+constexpr std::int64_t kPreviewStepCpuS = 60;
+// No job comes near (the budget for photos and tiles is 1 GiB), but one that a codec was talked into ends
+// here instead of taking the machine with it. Address space is more than memory: files are mapped, and each
+// thread has its stack and arena.
+constexpr std::int64_t kJobMemoryBytes = std::int64_t{12} << 30;
+// A map of the most pixels that are rendered (core/render/plan_mosaic) is smaller.
+constexpr std::int64_t kJobFileBytes = std::int64_t{1} << 40;
 
 void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, bool once) {
-  LimitMemory();
+  LimitThisProcess({.more_memory_bytes = kPreviewMemoryBytes});
   storage::Previews previews(db);
   PreviewPainter painter(dir, previews);
   while (!is_stopping) {
-    LimitCpuOfStep();
+    LimitThisProcess({.more_cpu_s = kPreviewStepCpuS});
     const Result<bool> drawn = painter.Step();
     if (!drawn) {
       LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
@@ -96,7 +82,8 @@ void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, bool on
 void RunWorker(const WorkerOptions& options) {
   signal(SIGTERM, OnStopSignal);
   signal(SIGINT, OnStopSignal);
-  if (!FollowParent(options.parent)) return;
+  // A worker whose server died must not go on for nobody.
+  if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
   const Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
   if (!dir) Fail(dir.error());
@@ -106,6 +93,7 @@ void RunWorker(const WorkerOptions& options) {
     DrawPreviews(*dir, **db, options.once);
     return;
   }
+  LimitThisProcess({.more_memory_bytes = kJobMemoryBytes, .file_bytes = kJobFileBytes});
   storage::Catalogue catalogue(**db);
   storage::JobQueue queue(**db);
   storage::StageCosts costs(**db);

@@ -3,12 +3,16 @@ import base64
 import hashlib
 import io
 import json
+import os
+import pathlib
+import signal
 import struct
 import tarfile
+import threading
 import unittest
 import zipfile
 
-from server_support import ServerTestCase
+from server_support import ServerTestCase, limits_of, wait_until
 
 
 def zip_of(*entries, method=zipfile.ZIP_STORED):
@@ -108,6 +112,40 @@ class Archives(ServerTestCase):
         flight = self.files.split("/")[4]
         on_disk = list((self.server.data / "flights" / flight / "files").iterdir())
         self.assertEqual(len(on_disk), len(self.listed()))
+
+    def unpacker(self):
+        """The process that unpacks, once there is one."""
+        found = []
+
+        def is_there():
+            tasks = pathlib.Path(f"/proc/{self.server.process.pid}/task").iterdir()
+            found[:] = [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
+            return any(b"unpack" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes() and self.server.garbage() for pid in found)
+        wait_until(is_there, "nothing unpacks")
+        return found[0]
+
+    def test_an_unpacker_that_dies_leaves_nothing_and_nobody_else_notices(self):
+        self.assertEqual(self.put("photos.zip", zip_of(*self.photos))[0], 201)
+        before = self.listed()
+        many = zip_of(*((f"{number}.jpg", b"x") for number in range(19_000)))
+        answers = []
+        uploading = threading.Thread(target=lambda: answers.append(self.put("many.zip", many)))
+        uploading.start()
+        pid = self.unpacker()
+        wait_until(lambda: limits_of(pid)["Max file size"] != "unlimited", "the unpacker takes what it likes")
+        limits = limits_of(pid)
+        self.assertEqual((limits["Max core file size"], limits["Max file size"]), ("0", str(512 << 20)))
+        self.assertLess(int(limits["Max address space"]), 4 << 30)
+        self.assertLess(int(limits["Max cpu time"]), 120)
+        os.kill(pid, signal.SIGKILL)
+        uploading.join()
+        [(status, problem)] = answers
+        self.assertEqual(status, 422)
+        self.assertIn("archive", problem["detail"])
+        self.assertEqual(self.listed(), before)
+        self.assertEqual(self.server.garbage(), [])
+        flight = self.files.split("/")[4]
+        self.assertEqual(len(list((self.server.data / "flights" / flight / "files").iterdir())), len(before))
 
     def test_a_digest_is_checked(self):
         digest = lambda content: {"Content-Digest": f"sha-256=:{base64.b64encode(hashlib.sha256(content).digest()).decode()}:"}

@@ -5,7 +5,7 @@ import socket
 import sqlite3
 import unittest
 
-from server_support import ServerTestCase, wait_until
+from server_support import ServerTestCase, limits_of, wait_until
 
 
 class Kills(ServerTestCase):
@@ -38,6 +38,9 @@ class Kills(ServerTestCase):
         flight_id, job_id = self.start_job(server)
         self.wait_for_stage(server, job_id)
         for pid in server.workers():
+            limits = limits_of(pid)
+            self.assertEqual(limits["Max core file size"], "0")
+            self.assertNotEqual(limits["Max address space"], "unlimited")
             os.kill(pid, signal.SIGKILL)
         job = self.check_ended_well(server, flight_id, job_id)
         self.assertLessEqual(job["attempts"], 2)

@@ -114,6 +114,12 @@ def is_running(pid):
         return False
 
 
+def limits_of(pid):
+    """The soft limits of a process by the kernel's names for them."""
+    lines = pathlib.Path(f"/proc/{pid}/limits").read_text().splitlines()[1:]
+    return {line[:25].strip(): line[26:46].strip() for line in lines}
+
+
 def wait_until(condition, complaint):
     end = time.monotonic() + PATIENCE_S
     while not condition():

@@ -1,0 +1,39 @@
+#include "server/commands/unpack.h"
+
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "server/process_limits.h"
+#include "server/unpack_apart.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct UnpackOptions {
+  std::string archive;
+  std::string staging;
+  std::string flight;
+  int parent = 0;
+};
+
+}  // namespace
+
+void AddUnpackCommand(CLI::App& app) {
+  const auto options = std::make_shared<UnpackOptions>();
+  CLI::App* command =
+      app.add_subcommand("unpack", "Unpack an uploaded archive (serve starts this by itself)");
+  command->group("");  // not in the list of commands
+  command->add_option("ARCHIVE", options->archive)->required();
+  command->add_option("--staging", options->staging, "Folder to unpack into")->required();
+  command->add_option("--flight", options->flight, "Whose files they will be")->required();
+  command->add_option("--parent", options->parent, "Stop when this process is gone")->required();
+  command->callback([options] {
+    if (!FollowParent(options->parent, SIGKILL)) return;
+    UnpackHere(options->staging, options->flight, options->archive);
+  });
+}
+
+}  // namespace skyquilt::server
