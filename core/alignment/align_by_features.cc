@@ -190,7 +190,8 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const pip
          .links = chained.links,
          .observations = chained.followers,
          .residual_rms_px = chained.followers > 0 ? std::sqrt(chained.square_px / chained.followers) : 0.0,
-         .error_radius_m = photo.error_radius_m});
+         .error_radius_m = photo.error_radius_m,
+         .faults = {}});
     square_px += chained.square_px;
     report.observations += chained.followers;
     flight.photos.push_back(std::move(photo));

@@ -12,6 +12,7 @@
 #include "core/alignment/flight_lines.h"
 #include "core/alignment/link_photos.h"
 #include "core/alignment/link_rounds.h"
+#include "core/alignment/pairs_in_use.h"
 #include "core/alignment/place_photos.h"
 #include "core/alignment/rescue_rounds.h"
 #include "core/alignment/tie_to_control.h"
@@ -207,8 +208,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     report.pairs_by_direct = static_cast<int>(direct_tracks.size());
   }
   if (progress.IsCancelled()) return cancelled;
-  const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, linked.pairs, linked.links);
-  report.corrections = DescribeCorrections(linked.corrected, names, lines);
+  const std::vector<CandidatePair> compared = linked.pairs;
 
   BundleProblem problem = MakeBundle(posed, linked.corrected, lines);
   if (!options.fixed.empty()) {
@@ -264,6 +264,9 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     summary = AdjustBundle(problem, last);
     report.iterations += summary.iterations;
   }
+  const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, compared, linked.links);
+  report.corrections = DescribeCorrections(linked.corrected, names, lines);
+  report.pairs = PairsInUse(problem, names);
   ReportControl(problem, report.control);
   report.position_bias_m = problem.position_bias_m;
   report.tie_points = static_cast<int>(problem.tracks.size());

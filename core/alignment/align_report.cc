@@ -2,12 +2,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/check.h"
 #include "core/camera/lens_fields.h"
 
 namespace skyquilt::alignment {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+Json PairJson(const AlignPairReport& pair) {
+  return {{"first", pair.first}, {"second", pair.second}, {"matches", pair.matches}, {"rms_m", pair.rms_m}};
+}
 
 Json LensJson(const camera::Intrinsics& lens) {
   Json json;
@@ -16,6 +21,27 @@ Json LensJson(const camera::Intrinsics& lens) {
 }
 
 }  // namespace
+
+std::string_view FaultName(PhotoFault fault) {
+  switch (fault) {
+    case PhotoFault::kPositionWrong:
+      return "position_wrong";
+    case PhotoFault::kYawWrong:
+      return "yaw_wrong";
+    case PhotoFault::kStoredTurned:
+      return "stored_turned";
+    case PhotoFault::kCopy:
+      return "copy";
+    case PhotoFault::kBlurred:
+      return "blurred";
+    case PhotoFault::kOtherPlace:
+      return "other_place";
+    case PhotoFault::kFarAway:
+      return "far_away";
+  }
+  SKYQUILT_CHECK(false, "every fault has a name");
+  return {};
+}
 
 std::string AlignReportJson(const AlignReport& report) {
   Json json = {{"photos", report.photos},
@@ -58,12 +84,22 @@ std::string AlignReportJson(const AlignReport& report) {
                                      {"residual_rms_px", photo.residual_rms_px},
                                      {"moved_m", photo.moved_m},
                                      {"turned_deg", photo.turned_deg},
-                                     {"error_radius_m", photo.error_radius_m}});
+                                     {"error_radius_m", photo.error_radius_m},
+                                     {"faults", Json::array()}});
+    for (const PhotoFault fault : photo.faults) {
+      json["photo_reports"].back()["faults"].push_back(FaultName(fault));
+    }
+  }
+  json["pairs"] = Json::array();
+  for (const AlignPairReport& pair : report.pairs) {
+    Json told = PairJson(pair);
+    told["rms_px"] = pair.rms_px;
+    told["by_direct"] = pair.is_by_direct;
+    json["pairs"].push_back(std::move(told));
   }
   json["rejected_pairs"] = Json::array();
   for (const AlignPairReport& pair : report.rejected_pairs) {
-    json["rejected_pairs"].push_back(
-        {{"first", pair.first}, {"second", pair.second}, {"matches", pair.matches}, {"rms_m", pair.rms_m}});
+    json["rejected_pairs"].push_back(PairJson(pair));
   }
   json["ground_control"] = Json::array();
   for (const ControlReport& point : report.control) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
@@ -11,6 +12,18 @@
 #include "core/camera/intrinsics.h"
 
 namespace skyquilt::alignment {
+
+// What is wrong with a photo or its record, found by comparing it with the others.
+enum class PhotoFault {
+  kPositionWrong,  // recorded far off
+  kYawWrong,       // by something else than quarter turns
+  kStoredTurned,   // by quarter turns against its recorded yaw
+  kCopy,           // of an earlier photo
+  kBlurred,
+  kOtherPlace,  // nothing in common with the photos around its recorded place
+  kFarAway,     // left out: kilometres from the others
+};
+std::string_view FaultName(PhotoFault fault);
 
 struct AlignPhotoReport {
   std::string name;
@@ -23,12 +36,22 @@ struct AlignPhotoReport {
   double moved_m = 0.0;  // how far the image centre moved on the ground against the recorded pose
   double turned_deg = 0.0;
   double error_radius_m = 0.0;
+  std::vector<PhotoFault> faults;
+};
+
+// One place, as two photos show it.
+struct SharedPlace {
+  Eigen::Vector2d pixel_in_first = Eigen::Vector2d::Zero();
+  Eigen::Vector2d pixel_in_second = Eigen::Vector2d::Zero();
 };
 
 struct AlignPairReport {
   std::string first, second;
   int matches = 0;
   double rms_m = 0.0;
+  double rms_px = 0.0;            // of pairs in use
+  bool is_by_direct = false;      // tied by the pictures as a whole
+  std::vector<SharedPlace> some;  // of the matches in use, spread over all of them
 };
 
 struct AlignLensReport {
@@ -58,6 +81,7 @@ struct AlignReport {
   double matching_s = 0.0, adjustment_s = 0.0, total_s = 0.0;  // wall
   std::vector<AlignLensReport> lenses;
   std::vector<AlignPhotoReport> photo_reports;
+  std::vector<AlignPairReport> pairs;  // that hold the map together in the end
   std::vector<AlignPairReport> rejected_pairs;
   std::vector<ControlReport> control;
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control

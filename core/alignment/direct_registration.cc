@@ -217,19 +217,20 @@ std::vector<Track> DirectTracks(const LinkInput& input, const std::vector<Candid
   return tracks;
 }
 
+bool Agrees(const std::vector<View>& views, const Track& tie) {
+  return std::all_of(tie.observations.begin(), tie.observations.end(), [&](const Observation& one) {
+    return ReprojectionErrorPx(views[one.photo], one, tie.point_in_enu) < 2.0 * one.sigma_px;
+  });
+}
+
 std::vector<DirectSupport> SupportOf(const std::vector<View>& views, const std::vector<Track>& tracks) {
   std::vector<DirectSupport> support(views.size());
   for (const Track& track : tracks) {
-    const auto miss_of = [&](const Observation& one) {
-      return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu);
-    };
-    const bool agrees =
-        std::all_of(track.observations.begin(), track.observations.end(),
-                    [&](const Observation& one) { return miss_of(one) < 2.0 * one.sigma_px; });
-    if (!agrees) continue;
+    if (!Agrees(views, track)) continue;
     for (const Observation& one : track.observations) {
+      const double miss_px = ReprojectionErrorPx(views[one.photo], one, track.point_in_enu);
       ++support[one.photo].ties;
-      support[one.photo].square_px += miss_of(one) * miss_of(one);
+      support[one.photo].square_px += miss_px * miss_px;
     }
   }
   return support;

@@ -29,6 +29,9 @@ std::optional<DirectTie> RegisterDirectly(const LinkInput& input, int first, int
 std::vector<Track> DirectTracks(const LinkInput& input, const std::vector<CandidatePair>& pairs,
                                 const std::vector<PairLink>& links, const Relief& relief, int threads);
 
+// Whether a tie agrees with where both photos now lie.
+bool Agrees(const std::vector<View>& views, const Track& tie);
+
 // How many of the ties agree with where each photo now lies, and what those miss by.
 struct DirectSupport {
   int ties = 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSamePixelPx = 1.0;
 constexpr double kCopiedShare = 0.4;    // of the features that must lie at the same pixels
-constexpr double kBlurredShare = 0.35;  // of the flight's median sharpness
+constexpr double kBlurredShare = 0.35;  // of the sharpness of photos around it
 constexpr std::size_t kFewPhotos = 5;
 constexpr std::size_t kRichInFeatures = 300;
 constexpr double kSurelySharedOverlap = 0.4;
@@ -87,9 +87,10 @@ std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>
   return words;
 }
 
-void LeaveOutFarAway(AlignedFlight& flight) {
+std::vector<char> LeaveOutFarAway(AlignedFlight& flight) {
   const std::size_t count = flight.photos.size();
-  if (count < kFewPhotos) return;
+  std::vector<char> is_far(count, 0);
+  if (count < kFewPhotos) return is_far;
   std::vector<Eigen::Vector2d> places;
   std::vector<double> easts, norths;
   for (const AlignedPhoto& photo : flight.photos) {
@@ -111,8 +112,7 @@ void LeaveOutFarAway(AlignedFlight& flight) {
     if (gap_m > std::max(kLeastGapM, 2.0 * kGapOverExtent * inner_m)) kept = k;
   }
   if (static_cast<double>(count - kept) > std::max(1.0, kMostLeftOutShare * static_cast<double>(count)))
-    return;
-  std::vector<char> is_far(count, 0);
+    return is_far;
   for (std::size_t k = kept; k < count; ++k) {
     is_far[order[k]] = flight.photos[order[k]].placement == Placement::kPoseOnly ? 1 : 0;
   }
@@ -130,6 +130,7 @@ void LeaveOutFarAway(AlignedFlight& flight) {
              (places[i] - middle).norm() / 1000.0)});
   }
   flight.photos = std::move(near);
+  return is_far;
 }
 
 }  // namespace skyquilt::alignment

@@ -19,6 +19,7 @@ struct PhotoDoubt {
   bool IsAny() const { return copy_of || is_blurred || shows_other_place; }
 };
 
+// `pairs` were compared, `links` hold in the end.
 std::vector<PhotoDoubt> DoubtPhotos(const LinkInput& input, const std::vector<CandidatePair>& pairs,
                                     const std::vector<PairLink>& links);
 
@@ -26,7 +27,7 @@ std::vector<PhotoDoubt> DoubtPhotos(const LinkInput& input, const std::vector<Ca
 std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>& names);
 
 // Takes photos out that no link ties to the others and that lie so far away that the map would be mostly
-// empty; each is listed with the reason. Never takes out more than a tenth.
-void LeaveOutFarAway(AlignedFlight& flight);
+// empty; each is listed with the reason. Never takes out more than a tenth. By photo: whether it was.
+std::vector<char> LeaveOutFarAway(AlignedFlight& flight);
 
 }  // namespace skyquilt::alignment

@@ -9,6 +9,7 @@
 
 #include "core/alignment/describe_point.h"
 #include "core/alignment/scale_space.h"
+#include "core/base/percentile.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
@@ -16,8 +17,10 @@ namespace {
 
 constexpr float kContrast = 1.7F;  // grey levels
 constexpr float kLowContrast = 0.7F;
-constexpr double kLocatedTo = 0.35;        // pixels of the detector's image
-constexpr int kSharpnessPixels = 375'000;  // finer, noise counts as detail
+constexpr double kLocatedTo = 0.35;  // pixels of the detector's image
+// Finer, noise counts as detail.
+constexpr int kSharpnessPixels = 375'000;
+constexpr int kSharpnessShrink = 4;  // of the detector's pixels, at least
 constexpr int kFewFeatures = 500;
 constexpr int kCellsAcross = 16;
 
@@ -87,27 +90,68 @@ Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
   return thumbnail;
 }
 
-// Of the direction in which the picture is least sharp: motion blurs one direction alone. The energy of the
-// second derivative along (c, s), c^2 xx + 2 c s xy + s^2 yy, follows from five moments.
-double Sharpness(const cv::Mat& grey) {
-  constexpr int kDirections = 36;
-  cv::Mat xx, xy, yy;
-  cv::Sobel(grey, xx, CV_32F, 2, 0);
-  cv::Sobel(grey, xy, CV_32F, 1, 1);
-  cv::Sobel(grey, yy, CV_32F, 0, 2);
-  const double moments[] = {xx.dot(xx), 4.0 * xx.dot(xy), 4.0 * xy.dot(xy) + 2.0 * xx.dot(yy),
-                            4.0 * xy.dot(yy), yy.dot(yy)};
-  double least = std::numeric_limits<double>::max();
-  for (int k = 0; k < kDirections; ++k) {
-    const double c = std::cos(CV_PI * k / kDirections);
-    const double s = std::sin(CV_PI * k / kDirections);
-    least =
-        std::min(least, moments[0] * c * c * c * c + moments[1] * c * c * c * s + moments[2] * c * c * s * s +
-                            moments[3] * c * s * s * s + moments[4] * s * s * s * s);
+// The second derivatives of a picture. Along (c, s) the derivative is c^2 xx + 2 c s xy + s^2 yy, so the
+// energy in any direction follows from five moments.
+class Curvature {
+ public:
+  explicit Curvature(const cv::Mat& grey) {
+    cv::Sobel(grey, xx_, CV_32F, 2, 0);
+    cv::Sobel(grey, xy_, CV_32F, 1, 1);
+    cv::Sobel(grey, yy_, CV_32F, 0, 2);
   }
-  cv::Scalar mean, of_picture;
-  cv::meanStdDev(grey, mean, of_picture);
-  return least / static_cast<double>(grey.total()) / (of_picture[0] * of_picture[0] + 1.0);
+
+  struct Energy {
+    double least = std::numeric_limits<double>::max(), most = 0.0;  // over all directions, a pixel
+  };
+  // Of the cell at column x and row y of a grid of `cells` cells a side.
+  Energy In(int x, int y, int cells) const {
+    constexpr int kDirections = 36;
+    const cv::Rect cell(cv::Point(xx_.cols * x / cells, xx_.rows * y / cells),
+                        cv::Point(xx_.cols * (x + 1) / cells, xx_.rows * (y + 1) / cells));
+    const cv::Mat xx = xx_(cell), xy = xy_(cell), yy = yy_(cell);
+    const double moments[] = {xx.dot(xx), 4.0 * xx.dot(xy), 4.0 * xy.dot(xy) + 2.0 * xx.dot(yy),
+                              4.0 * xy.dot(yy), yy.dot(yy)};
+    Energy energy;
+    for (int k = 0; k < kDirections; ++k) {
+      const double c = std::cos(CV_PI * k / kDirections);
+      const double s = std::sin(CV_PI * k / kDirections);
+      const double along =
+          (moments[0] * c * c * c * c + moments[1] * c * c * c * s + moments[2] * c * c * s * s +
+           moments[3] * c * s * s * s + moments[4] * s * s * s * s) /
+          static_cast<double>(cell.area());
+      energy.least = std::min(energy.least, along);
+      energy.most = std::max(energy.most, along);
+    }
+    return energy;
+  }
+
+ private:
+  cv::Mat xx_, xy_, yy_;
+};
+
+// Motion blurs one direction alone, so the least sharp one counts; against detail four times as large, which
+// what is photographed has about as much of whatever it is. Of the cells that are sharper than most: water
+// and asphalt have no detail, but hardly fill a picture; a blurred one is sharp nowhere.
+double Sharpness(const cv::Mat& grey) {
+  constexpr double kCoarser = 4.0;
+  constexpr double kLeastEnergy = 1.0;  // grey levels squared: of a picture without anything to see
+  constexpr int kCells = 6;
+  constexpr double kShareOfCells = 0.75;
+  cv::Mat coarser;
+  cv::resize(grey, coarser, {}, 1.0 / kCoarser, 1.0 / kCoarser, cv::INTER_AREA);
+  if (coarser.cols < kCells || coarser.rows < kCells) return 0.0;
+  const Curvature fine(grey), coarse(coarser);
+  std::vector<std::pair<double, double>> cells;  // coarse detail, sharpness
+  for (int y = 0; y < kCells; ++y) {
+    for (int x = 0; x < kCells; ++x) {
+      const double detail = coarse.In(x, y, kCells).most + kLeastEnergy;
+      cells.emplace_back(detail, fine.In(x, y, kCells).least / detail);
+    }
+  }
+  std::sort(cells.begin(), cells.end());
+  std::vector<double> sharpness;
+  for (std::size_t k = cells.size() / 2; k < cells.size(); ++k) sharpness.push_back(cells[k].second);
+  return Percentile(std::move(sharpness), kShareOfCells);
 }
 
 cv::Mat AtMost(const cv::Mat& grey, int pixels) {
@@ -123,7 +167,8 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
             PhotoFeatures& features) {
   ScopedTimer timer(features.detect_s);
   cv::Mat image = AtMost(grey, options.detector_pixels);
-  features.sharpness = Sharpness(AtMost(image, kSharpnessPixels));
+  features.sharpness = Sharpness(
+      AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink)));
   features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
   if (options.max_features == 0) return;
   std::vector<Octave> octaves = BuildScaleSpace(image.cols, image.rows, image.data);

@@ -36,7 +36,7 @@ struct PhotoFeatures {
   std::vector<Descriptor> descriptors;
   Thumbnail thumbnail;
   double sigma_px = 1.0;   // how well a keypoint is located, in full-size pixels
-  double sharpness = 0.0;  // energy of its finest detail, where least sharp, over that of its contrast
+  double sharpness = 0.0;  // energy of fine over coarser detail, where and in which direction it says most
   double decode_s = 0.0;   // wall seconds
   double detect_s = 0.0;
 };

@@ -113,9 +113,11 @@ void ReportRejected(const GroundGraph& graph, const std::vector<PairLink>& links
   for (std::size_t l = 0; l < links.size(); ++l) {
     if (graph.link_holds[l]) continue;
     ++report.pairs_rejected;
-    report.rejected_pairs.push_back({posed.photos[links[l].first].photo.name,
-                                     posed.photos[links[l].second].photo.name,
-                                     static_cast<int>(links[l].matches.size()), links[l].rms_m});
+    AlignPairReport& rejected = report.rejected_pairs.emplace_back();
+    rejected.first = posed.photos[links[l].first].photo.name;
+    rejected.second = posed.photos[links[l].second].photo.name;
+    rejected.matches = static_cast<int>(links[l].matches.size());
+    rejected.rms_m = links[l].rms_m;
   }
 }
 

@@ -117,6 +117,17 @@ Eigen::Vector2d AxisOnGround(const geo::Rigid3& cam_from_enu, double ground_z_m)
   return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
 }
 
+std::vector<PhotoFault> Faults(const CorrectedPose& corrected, const PhotoDoubt& doubt) {
+  std::vector<PhotoFault> faults;
+  if (corrected.position_was_wrong) faults.push_back(PhotoFault::kPositionWrong);
+  if (corrected.yaw_was_wrong) faults.push_back(PhotoFault::kYawWrong);
+  if (corrected.quarter_turns != 0) faults.push_back(PhotoFault::kStoredTurned);
+  if (doubt.copy_of) faults.push_back(PhotoFault::kCopy);
+  if (doubt.is_blurred) faults.push_back(PhotoFault::kBlurred);
+  if (doubt.shows_other_place) faults.push_back(PhotoFault::kOtherPlace);
+  return faults;
+}
+
 // How far off surveyed points turned out to be; nothing without any.
 std::optional<double> ControlErrorM(const AlignReport& report) {
   constexpr double kSurveyM = 0.02;
@@ -243,6 +254,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                        .norm();
     told.turned_deg = geo::RadToDeg(TurnAgainst(photo.cam_from_enu, before.cam_from_enu).norm());
     told.error_radius_m = photo.error_radius_m;
+    told.faults = Faults(corrected[i], doubt);
     report.aligned += photo.placement == Placement::kAligned ? 1 : 0;
     flight.photos.push_back(std::move(photo));
   }
@@ -264,7 +276,10 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                                     [&](const Observation& one) { return piece[one.photo] >= 0; });
     if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
   }
-  LeaveOutFarAway(flight);
+  const std::vector<char> is_far = LeaveOutFarAway(flight);
+  for (std::size_t i = 0; i < is_far.size(); ++i) {
+    if (is_far[i]) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);
+  }
   return flight;
 }
 

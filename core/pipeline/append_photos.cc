@@ -105,6 +105,12 @@ std::string MergedReport(const std::string& known_json, const alignment::AlignRe
     if (photo.at("placement") == "aligned") merged["aligned"] = merged["aligned"].get<int>() + 1;
     merged["photo_reports"].push_back(photo);
   }
+  for (const Json& pair : part.at("pairs")) {
+    if (added.contains(pair.at("first").get<std::string>()) ||
+        added.contains(pair.at("second").get<std::string>())) {
+      merged["pairs"].push_back(pair);
+    }
+  }
   return merged.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "core/base/check.h"
@@ -14,6 +15,8 @@ namespace {
 constexpr double kFarthestM = 4000.0;
 constexpr int kRowsPerBatch = 32;
 constexpr int kFineSide = 3;
+constexpr double kMotionPerSamplePx = 1.5;  // further apart, the samples of a blurred picture show one by one
+constexpr int kMostSide = 12;
 const Eigen::Vector3f kSky(188.0f, 208.0f, 232.0f);
 
 struct SubSample {
@@ -25,8 +28,11 @@ struct SubSample {
 std::vector<SubSample> MakeSubSamples(const RenderPhotoOptions& options, int side) {
   const int count = side * side;
   std::vector<SubSample> samples;
+  // Steps of about the golden section that meet every moment once.
+  int step = static_cast<int>(0.618 * count) + 1;
+  while (std::gcd(step, count) != 1) ++step;
   for (int i = 0; i < count; ++i) {
-    const int moment = (i * 7 + i / side * 3) % count;
+    const int moment = i * step % count;
     samples.push_back({((i % side) + 0.5) / side - 0.5, ((i / side) + 0.5) / side - 0.5,
                        ((moment + 0.5) / count - 0.5) * options.motion_in_enu_m});
   }
@@ -53,7 +59,7 @@ class PhotoRenderer {
         half_diagonal_px_(0.5 * std::hypot(intrinsics.width_px, intrinsics.height_px)) {
     const bool moves = options.motion_in_enu_m.squaredNorm() > 0.0;
     is_adaptive_ = options.supersample == 0 && !moves && world.options().has_boxes;
-    const int everywhere = options.supersample > 0 ? options.supersample : (moves ? kFineSide : 1);
+    const int everywhere = options.supersample > 0 ? options.supersample : (moves ? SideOfMoving() : 1);
     plain_ = MakeSubSamples(options, everywhere);
     fine_ = MakeSubSamples(options, kFineSide);
   }
@@ -85,6 +91,14 @@ class PhotoRenderer {
   }
 
  private:
+  // Of a picture taken in motion over the level ground: enough samples to draw a streak, not copies.
+  int SideOfMoving() const {
+    const double motion_px =
+        options_.motion_in_enu_m.norm() * intrinsics_.MeanFocalPx() / std::max(1.0, center_.z());
+    return std::clamp(static_cast<int>(std::ceil(std::sqrt(motion_px / kMotionPerSamplePx))), kFineSide,
+                      kMostSide);
+  }
+
   Eigen::Vector3d DirectionOf(double x, double y, double& length) const {
     const Eigen::Vector3d ray_in_cam = intrinsics_.Unproject({x, y});
     length = ray_in_cam.norm();

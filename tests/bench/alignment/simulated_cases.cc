@@ -31,28 +31,57 @@ void MoveRecord(const simulate::SimulatedFlight& flight, simulate::SimulatedPhot
 const std::vector<SimulatedCase>& SimulatedCases() {
   using simulate::SimulateOptions;
   static const std::vector<SimulatedCase> cases = {
-      {"flat", 2.0, 0.0, false, false, [](SimulateOptions&) {}},
-      {"relief8", 5.0, 0.0, false, false, [](SimulateOptions& o) { o.world.relief_m = 8.0; }},
-      {"no_gimbal", 3.0, 0.0, false, false,
+      {"flat", {.show = 1, .relative_gsds = 2.0}, false, false, [](SimulateOptions&) {}},
+      {"relief8",
+       {.show = 1, .relative_gsds = 5.0},
+       false,
+       false,
+       [](SimulateOptions& o) { o.world.relief_m = 8.0; }},
+      {"no_gimbal",
+       {.show = 1, .relative_gsds = 3.0},
+       false,
+       false,
        [](SimulateOptions& o) {
          o.trajectory.max_tilt_rad = 12.0 * kDeg;
          o.trajectory.height_wander_m = 0.05 * o.trajectory.height_m;
        }},
-      {"no_attitude", 4.0, 0.0, false, false,
+      {"no_attitude",
+       {.show = 1, .relative_gsds = 4.0},
+       false,
+       false,
        [](SimulateOptions& o) { o.noise = simulate::NoiseClass::kNoAttitude; }},
-      {"rtk", 2.0, 2.0, false, false, [](SimulateOptions& o) { o.noise = simulate::NoiseClass::kRtk; }},
-      {"rows", 0.0, 0.0, false, false,
+      {"rtk",
+       {.show = 2, .relative_gsds = 2.0, .absolute_gsds = 2.0},
+       false,
+       false,
+       [](SimulateOptions& o) { o.noise = simulate::NoiseClass::kRtk; }},
+      {"control5",
+       {.show = 2, .relative_gsds = 2.0, .absolute_gsds = 2.0},
+       false,
+       true,
+       [](SimulateOptions&) {}},
+      {"rows",
+       {.show = 3, .improves_every_photo = true},
+       false,
+       false,
        [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kRows; }},
-      {"bare", 0.0, 0.0, false, false,
+      {"bare",
+       {.show = 3, .improves_every_photo = true},
+       false,
+       false,
        [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kBare; }},
-      {"boxes", 0.0, 0.0, false, false, [](SimulateOptions& o) { o.world.has_boxes = true; }},
-      {"lies", 2.0, 0.0, true, false, [](SimulateOptions&) {}},
-      {"control5", 2.0, 2.0, false, true, [](SimulateOptions&) {}},
+      {"lies", {.show = 5, .relative_gsds = 2.0}, true, false, [](SimulateOptions&) {}},
+      {"boxes", {}, false, false, [](SimulateOptions& o) { o.world.has_boxes = true; }},
   };
   return cases;
 }
 
-std::set<std::string> Lies::Pictures() const { return elsewhere; }
+std::set<std::string> Lies::All() const {
+  std::set<std::string> all;
+  for (const auto* kind : {&gnss, &yaw, &elsewhere, &duplicate, &blurred})
+    all.insert(kind->begin(), kind->end());
+  return all;
+}
 
 Lies TellLies(simulate::SimulatedFlight& flight) {
   Lies lies;
@@ -82,29 +111,32 @@ Lies TellLies(simulate::SimulatedFlight& flight) {
 }
 
 RenderedSource::RenderedSource(const simulate::SimulatedFlight& flight, const Lies& lies, std::string folder)
-    : source_(flight), elsewhere_(flight), of_elsewhere_(lies.elsewhere), folder_(std::move(folder)) {
+    : source_(flight), elsewhere_(flight), lies_(lies), folder_(std::move(folder)) {
   simulate::WorldOptions other = flight.options.world;
   other.seed += 1000;
   elsewhere_.world = simulate::World(other);
   if (folder_.empty()) return;
   // One folder a flight: everything that decides its pictures.
   const simulate::SimulateOptions& o = flight.options;
-  folder_ += fmt::format("/{}_{}_{}_{}_{:.0f}_{:.3f}_{:.1f}_{}_{}", o.seed, flight.photos.size(),
+  folder_ += fmt::format("/{}_{}_{}_{}_{:.0f}_{:.3f}_{:.1f}_{}", o.seed, flight.photos.size(),
                          o.intrinsics.width_px, static_cast<int>(o.world.texture), o.intrinsics.focal_x_px,
-                         o.trajectory.max_tilt_rad, o.world.relief_m, o.world.has_boxes, lies.gnss.size()) +
+                         o.trajectory.max_tilt_rad, o.world.relief_m, o.world.has_boxes) +
              fmt::format("_{:.2f}", o.trajectory.height_wander_m);
   std::filesystem::create_directories(folder_);
 }
 
 Result<pipeline::DecodedImage> RenderedSource::Render(const flight::Photo& photo, int denominator) const {
-  if (!of_elsewhere_.contains(photo.name)) return source_.Decode(photo, denominator);
+  if (!lies_.elsewhere.contains(photo.name)) return source_.Decode(photo, denominator);
   return simulate::SimulatedPhotoSource(elsewhere_).Decode(photo, denominator);
 }
 
 Result<pipeline::DecodedImage> RenderedSource::Decode(const flight::Photo& photo, int denominator) const {
   const double before = ThreadCpuSeconds();
+  const char* spoilt = lies_.elsewhere.contains(photo.name) ? ".elsewhere"
+                       : lies_.blurred.contains(photo.name) ? ".blurred"
+                                                            : "";
   const std::string path =
-      folder_.empty() ? "" : fmt::format("{}/{}.{}.rgb", folder_, photo.name, denominator);
+      folder_.empty() ? "" : fmt::format("{}/{}{}.{}.rgb", folder_, photo.name, spoilt, denominator);
   Result<pipeline::DecodedImage> image = Error{ErrorCode::kNotFound, "not rendered yet", ""};
   if (std::ifstream file(path, std::ios::binary); !path.empty() && file) {
     pipeline::DecodedImage kept;

@@ -12,10 +12,18 @@
 
 namespace skyquilt::alignment {
 
+// What must hold; 0 or false: is not asked.
+struct Demands {
+  int show = 0;                       // the line of the product's demands this case stands for
+  double relative_gsds = 0.0;         // of nine of ten pixels, after the best similarity
+  double absolute_gsds = 0.0;         // 0: at most a tenth more than the recorded positions are off
+  bool improves_every_photo = false;  // or makes it worse by a tenth at most
+  bool has_no_false_pairs = true;
+};
+
 struct SimulatedCase {
   std::string name;
-  double demand_gsds = 0.0;           // of the relative error; 0: only reported
-  double demand_absolute_gsds = 0.0;  // 0: none but that of the recorded positions
+  Demands demands;
   bool has_lies = false;
   bool has_control = false;  // five surveyed points
   std::function<void(simulate::SimulateOptions&)> set;
@@ -25,7 +33,7 @@ const std::vector<SimulatedCase>& SimulatedCases();
 
 struct Lies {
   std::set<std::string> gnss, yaw, elsewhere, duplicate, blurred;
-  std::set<std::string> Pictures() const;  // photos whose place the pictures cannot tell: of another place
+  std::set<std::string> All() const;
 };
 
 // Ten positions 50 m off, five yaws turned by 90 degrees, two photos of another place (one says so, one
@@ -45,7 +53,7 @@ class RenderedSource final : public pipeline::PhotoSource {
 
   simulate::SimulatedPhotoSource source_;
   simulate::SimulatedFlight elsewhere_;
-  std::set<std::string> of_elsewhere_;
+  Lies lies_;
   std::string folder_;
   mutable std::mutex mutex_;
   mutable double cpu_s_ = 0.0;

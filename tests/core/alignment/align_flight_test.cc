@@ -123,6 +123,56 @@ TEST(AlignFlight, FindsPositionsFarOffAndYawOfSomethingElse) {
   EXPECT_NE(outcome.flight.photos[9].placement_reason.find("turned"), std::string::npos);
 }
 
+bool HasFault(const AlignReport& report, const std::string& name, PhotoFault fault) {
+  const auto photo = std::find_if(report.photo_reports.begin(), report.photo_reports.end(),
+                                  [&](const AlignPhotoReport& one) { return one.name == name; });
+  if (photo == report.photo_reports.end()) return false;
+  return std::find(photo->faults.begin(), photo->faults.end(), fault) != photo->faults.end();
+}
+
+// One photo shows another world.
+class AstraySource final : public pipeline::PhotoSource {
+ public:
+  AstraySource(const simulate::SimulatedFlight& truth, std::string astray)
+      : source_(truth), other_(truth), astray_(std::move(astray)) {
+    simulate::WorldOptions world = truth.options.world;
+    world.seed += 1000;
+    other_.world = simulate::World(world);
+  }
+  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+    if (photo.name != astray_) return source_.Decode(photo, denominator);
+    return simulate::SimulatedPhotoSource(other_).Decode(photo, denominator);
+  }
+
+ private:
+  simulate::SimulatedPhotoSource source_;
+  simulate::SimulatedFlight other_;
+  std::string astray_;
+};
+
+TEST(AlignFlight, TellsABlurredPhotoFromOneOfAnotherPlaceAndAccusesNoOther) {
+  simulate::SimulatedFlight truth = MakeTruth(12);
+  truth.photos[5].render.motion_in_enu_m = Eigen::Vector3d(2.5, 1.5, 0.0);
+  const std::string blurred = truth.photos[5].photo.name, astray = truth.photos[6].photo.name;
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned = AlignFlight(PosesOf(truth), AstraySource(truth, astray), {}, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(HasFault(report, blurred, PhotoFault::kBlurred));
+  EXPECT_FALSE(HasFault(report, blurred, PhotoFault::kOtherPlace));
+  EXPECT_TRUE(HasFault(report, astray, PhotoFault::kOtherPlace));
+  EXPECT_FALSE(HasFault(report, astray, PhotoFault::kBlurred));
+  for (const AlignPhotoReport& photo : report.photo_reports) {
+    EXPECT_EQ(photo.faults.empty(), photo.name != blurred && photo.name != astray) << photo.name;
+  }
+  EXPECT_FALSE(report.pairs.empty());
+  for (const AlignPairReport& pair : report.pairs) {
+    EXPECT_NE(pair.first, astray);
+    EXPECT_NE(pair.second, astray);
+    EXPECT_LT(pair.rms_px, 5.0);
+  }
+}
+
 // Hands one photo the picture of nothing and another a damaged file.
 class SpoiltSource final : public pipeline::PhotoSource {
  public:

@@ -59,22 +59,8 @@ std::vector<Seen> Look(const simulate::SimulatedFlight& truth, const AlignedFlig
   return seen;
 }
 
-}  // namespace
-
-std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
-                                 const ground::GroundSurface& surface) {
-  std::vector<std::vector<double>> misses(flight.photos.size());
-  for (const Seen& one : Look(truth, flight, surface))
-    misses[one.photo].push_back(std::abs(one.now - one.truth));
-  std::vector<double> errors;
-  for (const std::vector<double>& of_photo : misses) errors.push_back(Percentile(of_photo, 0.5));
-  return errors;
-}
-
-GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
-                               const ground::GroundSurface& surface, const std::set<std::string>& without) {
-  std::vector<Seen> seen = Look(truth, flight, surface);
-  std::erase_if(seen, [&](const Seen& one) { return without.contains(flight.photos[one.photo].photo.name); });
+// Moves what was seen by the similarity of the plane that brings it nearest to the truth.
+void MoveOntoTruth(std::vector<Seen>& seen) {
   Complex mean_now, mean_truth;
   for (const Seen& one : seen) {
     mean_now += one.now / static_cast<double>(seen.size());
@@ -87,24 +73,55 @@ GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const Ali
     square += std::norm(one.now - mean_now);
   }
   const Complex turn = cross / square;
-  std::vector<double> absolute, relative;
-  for (const Seen& one : seen) {
-    absolute.push_back(std::abs(one.now - one.truth));
-    relative.push_back(std::abs(turn * (one.now - mean_now) + mean_truth - one.truth));
-  }
+  for (Seen& one : seen) one.now = turn * (one.now - mean_now) + mean_truth;
+}
+
+std::vector<double> MissesM(const std::vector<Seen>& seen) {
+  std::vector<double> misses;
+  for (const Seen& one : seen) misses.push_back(std::abs(one.now - one.truth));
+  return misses;
+}
+
+std::vector<double> MedianOfEachPhoto(const std::vector<Seen>& seen, std::size_t photos) {
+  std::vector<std::vector<double>> misses(photos);
+  for (const Seen& one : seen) misses[one.photo].push_back(std::abs(one.now - one.truth));
+  std::vector<double> errors;
+  for (const std::vector<double>& of_photo : misses) errors.push_back(Percentile(of_photo, 0.5));
+  return errors;
+}
+
+}  // namespace
+
+std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                                 const ground::GroundSurface& surface) {
+  return MedianOfEachPhoto(Look(truth, flight, surface), flight.photos.size());
+}
+
+std::vector<double> RelativePhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                                         const ground::GroundSurface& surface) {
+  std::vector<Seen> seen = Look(truth, flight, surface);
+  MoveOntoTruth(seen);
+  return MedianOfEachPhoto(seen, flight.photos.size());
+}
+
+GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                               const ground::GroundSurface& surface, const std::set<std::string>& without) {
+  std::vector<Seen> seen = Look(truth, flight, surface);
+  std::erase_if(seen, [&](const Seen& one) { return without.contains(flight.photos[one.photo].photo.name); });
   GroundError error;
-  error.absolute_ce90_m = Percentile(absolute, 0.9);
-  error.relative_ce90_m = Percentile(relative, 0.9);
+  error.absolute_ce90_m = Percentile(MissesM(seen), 0.9);
+  MoveOntoTruth(seen);
+  error.relative_ce90_m = Percentile(MissesM(seen), 0.9);
   const std::vector<double> photos = PhotoErrorsM(truth, flight, surface);
   error.worst_photo_m = photos.empty() ? 0.0 : *std::max_element(photos.begin(), photos.end());
   return error;
 }
 
-GnssError MeasureGnssError(const simulate::SimulatedFlight& truth) {
+GnssError MeasureGnssError(const simulate::SimulatedFlight& truth, const std::set<std::string>& without) {
   std::vector<double> misses;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const simulate::SimulatedPhoto& photo : truth.photos) {
-    if (!photo.recorded.position) continue;
+    if (!photo.recorded.position || without.contains(photo.photo.name)) continue;
     const Eigen::Vector2d miss =
         (truth.frame.EnuFromWgs84(*photo.recorded.position) - photo.pose.cam_from_enu.TargetOriginInSource())
             .head<2>();

@@ -28,11 +28,15 @@ GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const Ali
 std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                  const ground::GroundSurface& surface);
 
+// The same after the best similarity of the plane: without what all photos share, which no picture shows.
+std::vector<double> RelativePhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                                         const ground::GroundSurface& surface);
+
 struct GnssError {
   double ce90_m = 0.0;  // horizontal, of the recorded positions
   double mean_m = 0.0;  // what all photos share
 };
-GnssError MeasureGnssError(const simulate::SimulatedFlight& truth);
+GnssError MeasureGnssError(const simulate::SimulatedFlight& truth, const std::set<std::string>& without = {});
 
 // Surveyed points in the corners and the middle of the flight, each marked in up to six photos by somebody
 // whose hand is good to half a pixel, with heights above another zero than the photos'.
