@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -79,6 +80,17 @@ Result<void> SetLandedAtStart(const json& value, pipeline::MosaicOptions* option
   return {};
 }
 
+Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
+  constexpr const char* kRule = "must be a list of \"photo\", \"error\" and \"height\", each at most once";
+  if (!value.is_array()) return Refuse("layers", kRule);
+  for (const json& name : value) {
+    const auto layer = name.is_string() ? render::MapLayerNamed(name.get<std::string>()) : std::nullopt;
+    if (!layer || std::count(options->layers.begin(), options->layers.end(), *layer) > 0) return Refuse("layers", kRule);
+    options->layers.push_back(*layer);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
@@ -102,8 +114,10 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetOrigin(value, &options);
     } else if (field == "landed_at_start") {
       set = SetLandedAtStart(value, &options);
+    } else if (field == "layers") {
+      set = SetLayers(value, &options);
     } else {
-      set = Refuse(field, "is not known; known are gsd_m, format, quality, method, origin and landed_at_start");
+      set = Refuse(field, "is not known; known are gsd_m, format, quality, method, origin, landed_at_start and layers");
     }
     if (!set) return set.error();
   }

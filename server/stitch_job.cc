@@ -9,10 +9,12 @@
 #include "core/pipeline/flight_facts.h"
 #include "core/pipeline/locate.h"
 #include "core/pipeline/odm_exports.h"
+#include "core/render/render_layers.h"
 #include "server/open_elevation_model.h"
 #include "storage/cog_writer.h"
 #include "storage/kmz_writer.h"
 #include "storage/map_keeper.h"
+#include "storage/mbtiles_writer.h"
 #include "storage/pmtiles_writer.h"
 #include "storage/publish_file.h"
 #include "storage/thumbnail_writer.h"
@@ -76,6 +78,43 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
   return {};
 }
 
+// The layers that were asked for, each a tileset of its own, and what their colours mean. Those of an earlier run of
+// which nobody asked go.
+Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
+                         const std::filesystem::path& out_dir, Progress& progress) {
+  std::error_code gone;  // what cannot be removed shows up when it is written
+  for (const render::MapLayer layer : render::kMapLayers) {
+    std::filesystem::remove(out_dir / render::LayerFileName(layer), gone);
+  }
+  std::filesystem::remove(out_dir / "layers.json", gone);
+  if (options.layers.empty()) return {};
+  std::vector<std::unique_ptr<storage::MbtilesWriter>> writers;
+  std::vector<render::LayerSink> sinks;
+  for (const render::MapLayer layer : options.layers) {
+    auto writer = storage::MbtilesWriter::Create(out_dir / render::LayerFileName(layer));
+    if (!writer) return writer.error();
+    writers.push_back(*std::move(writer));
+    sinks.push_back({layer, *writers.back()});
+  }
+  const Result<render::HeightRange> heights = render::RenderLayers(built.flight, built.ground, built.seams, built.plan, sinks,
+                                                                  options.threads, progress);
+  if (!heights) return heights.error();
+  const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
+  for (std::size_t i = 0; i < sinks.size(); ++i) {
+    storage::TilesetMetadata metadata = MetadataOf(built.report);
+    metadata.name += std::string(", ") + render::NameOf(sinks[i].layer);
+    metadata.description = "Layer of the map; layers.json says what its colours mean";
+    metadata.min_zoom = zooms.min_zoom;
+    metadata.max_zoom = zooms.max_zoom;
+    metadata.tile_size_px = render::kLayerTilePx;
+    if (auto published = writers[i]->Publish(metadata); !published) return published;
+  }
+  std::vector<std::string> photo_names;
+  for (const alignment::AlignedPhoto& photo : built.flight.photos) photo_names.push_back(photo.photo.name);
+  return storage::WriteFileAtomically(out_dir / "layers.json", 
+                                      render::LayersJson(options.layers, photo_names, *heights));
+}
+
 void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
   std::error_code gone;  // what cannot be removed is of no use to the next run either
   for (const char* name : {"mosaic.state", "mosaic.state.tmp", "mosaic.state.part"}) {
@@ -118,6 +157,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
     ScopedCpuTimer cpu_timer(exported_in.cpu_s);
     if (auto exported = Export(mbtiles, options, built->report, out_dir, progress); !exported)
       return exported.error();
+    if (auto written = WriteLayers(*built, options.mosaic, out_dir, progress); !written) return written.error();
   }
   built->report.timings.push_back(exported_in);
   if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",

@@ -8,6 +8,28 @@
 
 namespace skyquilt::storage {
 
+namespace {
+
+Result<Tileset> OpenTileset(const std::string& flight_id, const Revision& revision,
+                            const std::filesystem::path& folder) {
+  Tileset tileset{flight_id, revision, nullptr, {}};
+  for (const render::MapLayer layer : render::kMapLayers) {
+    Result<std::shared_ptr<MbtilesReader>> reader = MbtilesReader::Open(folder / render::LayerFileName(layer));
+    if (reader) {
+      tileset.layers[layer] = *std::move(reader);
+    } else if (reader.error().code != ErrorCode::kNotFound) {
+      return reader.error();
+    }
+  }
+  // The map last: its absence says that the folder is gone, and no layer was looked for in vain.
+  Result<std::shared_ptr<MbtilesReader>> reader = MbtilesReader::Open(folder / "mosaic.mbtiles");
+  if (!reader) return reader.error();
+  tileset.reader = *std::move(reader);
+  return tileset;
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flight_id) {
   const auto now = std::chrono::steady_clock::now();
   {
@@ -40,13 +62,12 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
         return found->second.tileset;
       }
     }
-    const auto path = dir_.Revision(flight_id, (*revision)->revision) / "mosaic.mbtiles";
-    Result<std::shared_ptr<MbtilesReader>> reader = MbtilesReader::Open(path);
-    if (!reader) {
-      if (reader.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
-      return reader.error();
+    Result<Tileset> opened = OpenTileset(flight_id, **revision, dir_.Revision(flight_id, (*revision)->revision));
+    if (!opened) {
+      if (opened.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
+      return opened.error();
     }
-    auto tileset = std::make_shared<const Tileset>(Tileset{flight_id, **revision, *std::move(reader)});
+    auto tileset = std::make_shared<const Tileset>(*std::move(opened));
     const std::lock_guard lock(mutex_);
     Entry& entry = entries_[flight_id];
     // Two threads may have opened different revisions; a flight never goes back.

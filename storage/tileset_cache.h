@@ -6,12 +6,14 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <unordered_map>
 
 #include "core/base/result.h"
+#include "core/render/map_layer.h"
 #include "storage/catalogue.h"
 #include "storage/data_dir.h"
 #include "storage/mbtiles_reader.h"
@@ -23,6 +25,7 @@ struct Tileset {
   std::string flight_id;
   Revision revision;
   std::shared_ptr<MbtilesReader> reader;
+  std::map<render::MapLayer, std::shared_ptr<MbtilesReader>> layers;  // those that the map has
 };
 
 class TilesetCache {

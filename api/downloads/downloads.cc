@@ -83,6 +83,11 @@ void AddDownloadRoutes(Router& router, Service& service) {
   add("/api/v1/flights/{flight}/download.tif",
       {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
+  add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
+  add("/api/v1/flights/{flight}/layers.json", {"layers.json", "application/json", nullptr});
+  add("/api/v1/flights/{flight}/layer_photo.mbtiles", {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/layer_error.mbtiles", {"layer_error.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/layer_height.mbtiles", {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
   router.Add(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "api/etag.h"
@@ -22,6 +23,7 @@ struct Shown {
   int min_zoom = 0;
   int max_zoom = 0;
   int tile_size_px = 256;
+  std::string layer;  // empty: the map itself
 };
 
 Value Document(const Request& request, const storage::Flight& flight, const Shown& shown) {
@@ -33,7 +35,8 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   document["version"] = shown.version;
   document["scheme"] = "xyz";
   document["tiles"] = {
-      fmt::format("{}/tiles/{}/{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id, shown.revision)};
+      fmt::format("{}/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id,
+                  shown.layer.empty() ? "" : shown.layer + "/", shown.revision)};
   document["bounds"] = shown.bounds;
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
@@ -48,7 +51,7 @@ Result<Value> PreviewDocument(Service& service, const Request& request, const st
   const storage::Preview& preview = (*open)->preview;
   Value document = Document(request, flight,
                             {fmt::format("0.{}.0", preview.edition), std::string(kPreviewRevision),
-                             preview.bounds, preview.min_zoom, preview.max_zoom, kPreviewTileSizePx});
+                             preview.bounds, preview.min_zoom, preview.max_zoom, kPreviewTileSizePx, ""});
   document["description"] = "Preview by recorded poses, of the photos that have arrived";
   return document;
 }
@@ -59,28 +62,67 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
   const storage::Revision& revision = (*tileset)->revision;
   Value document = Document(request, flight,
                             {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision),
-                             revision.bounds, revision.min_zoom, revision.max_zoom, TileSizePx(**tileset)});
+                             revision.bounds, revision.min_zoom, revision.max_zoom, TileSizePx(**tileset), ""});
   const auto& metadata = (*tileset)->reader->metadata();
   for (const char* key : {"attribution", "description"}) {
     const auto found = metadata.find(key);
     if (found != metadata.end() && !found->second.empty()) document[key] = found->second;
   }
+  for (const auto& [layer, reader] : (*tileset)->layers) {
+    const char* name = render::NameOf(layer);
+    document["layers"].push_back(
+        {{"id", name},
+         {"tilejson", fmt::format("{}/tiles/{}/{}.json", request.base_url, flight.id, name)},
+         {"legends", fmt::format("{}/api/v1/flights/{}/layers.json", request.base_url, flight.id)}});
+  }
   return document;
 }
 
-Result<Response> TileJson(Service& service, const Request& request) {
-  // The router knows whole segments only: "{id}.json" is taken apart here.
-  std::string_view id = request.Parameter("tileset");
-  if (!id.ends_with(".json"))
-    return Error{ErrorCode::kNotFound, "There is nothing here. Did you mean .json?", ""};
-  id.remove_suffix(5);
-  const Result<void> checked = CheckId(std::string(id), "flight");
+Result<Value> LayerDocument(Service& service, const Request& request, const storage::Flight& flight,
+                            render::MapLayer layer) {
+  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight.id);
+  if (!tileset) return tileset.error();
+  const Result<std::shared_ptr<storage::MbtilesReader>> reader = FindLayer(**tileset, layer);
+  if (!reader) return reader.error();
+  const auto zoom = [&](const char* key, int otherwise) {
+    const auto found = (*reader)->metadata().find(key);
+    if (found != (*reader)->metadata().end()) {
+      std::from_chars(found->second.data(), found->second.data() + found->second.size(), otherwise);
+    }
+    return otherwise;
+  };
+  const storage::Revision& revision = (*tileset)->revision;
+  Value document =
+      Document(request, flight,
+               {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision), revision.bounds,
+                zoom("minzoom", revision.min_zoom), zoom("maxzoom", revision.max_zoom), render::kLayerTilePx,
+                render::NameOf(layer)});
+  document["name"] = fmt::format("{}, {}", flight.name, render::NameOf(layer));
+  if (layer == render::MapLayer::kHeight) document["encoding"] = "terrarium";
+  return document;
+}
+
+// The router knows whole segments only: "{name}.json" is taken apart here.
+Result<std::string> BeforeJson(std::string_view segment) {
+  if (!segment.ends_with(".json")) return Error{ErrorCode::kNotFound, "There is nothing here. Did you mean .json?", ""};
+  segment.remove_suffix(5);
+  return std::string(segment);
+}
+
+Result<storage::Flight> FlightNamed(Service& service, const std::string& id) {
+  const Result<void> checked = CheckId(id, "flight");
   if (!checked) return checked.error();
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(std::string(id));
+  return service.catalogue.GetFlight(id);
+}
+
+// Of the map, or of a layer beside it.
+Result<Response> TileJson(Service& service, const Request& request, const std::string& id,
+                          std::optional<render::MapLayer> layer) {
+  const Result<storage::Flight> flight = FlightNamed(service, id);
   if (!flight) return flight.error();
-  const Result<Value> document = ShowsPreview(service, request, flight->id)
-                                     ? PreviewDocument(service, request, *flight)
-                                     : MapDocument(service, request, *flight);
+  const Result<Value> document = layer                                        ? LayerDocument(service, request, *flight, *layer)
+                                 : ShowsPreview(service, request, flight->id) ? PreviewDocument(service, request, *flight)
+                                                                              : MapDocument(service, request, *flight);
   if (!document) return document.error();
   Response response =
       Text(200, document->dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
@@ -98,10 +140,16 @@ Result<Response> TileJson(Service& service, const Request& request) {
 
 void AddTileJsonRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) {
-    Result<Response> answer = TileJson(service, request);
-    Response response = answer ? *std::move(answer) : Problem(answer.error(), request);
-    response.headers.Add("Access-Control-Allow-Origin", "*");
-    return response;
+    const Result<std::string> id = BeforeJson(request.Parameter("tileset"));
+    if (!id) return TileResponse(id.error(), request);
+    return TileResponse(TileJson(service, request, *id, std::nullopt), request);
+  });
+  router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) {
+    const Result<std::string> name = BeforeJson(request.Parameter("tileset"));
+    if (!name) return TileResponse(name.error(), request);
+    const Result<render::MapLayer> layer = ParseLayer(*name);
+    if (!layer) return TileResponse(layer.error(), request);
+    return TileResponse(TileJson(service, request, request.Parameter("flight"), *layer), request);
   });
 }
 

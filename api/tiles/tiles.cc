@@ -1,5 +1,7 @@
 #include "api/tiles/tiles.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <map>
 #include <utility>
@@ -139,6 +141,27 @@ Result<Response> Stored(const Request& request, const TileWish& wish, storage::F
   return response;
 }
 
+// Codes, not pictures: as they are stored, in no other size or format.
+Result<Response> LayerTile(const Request& request, const storage::Tileset& tileset, const TileWish& wish) {
+  const Result<std::shared_ptr<storage::MbtilesReader>> reader = FindLayer(tileset, *wish.layer);
+  if (!reader) return reader.error();
+  if (wish.is_double || wish.format.value_or(pipeline::TileFormat::kPng) != pipeline::TileFormat::kPng) {
+    return Error{ErrorCode::kInvalidArgument, "Layers are there as .png of one size: their colours are codes.", ""};
+  }
+  Result<std::optional<storage::FoundTile>> found = (*reader)->Find(wish.tile);
+  if (!found) return found.error();
+  const char* cache_control = CacheControl(request, tileset);
+  if (!*found) {
+    if (!Touches(wish.tile, tileset.revision)) {
+      return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
+    }
+    return Blank(request, wish, render::kLayerTilePx, cache_control);
+  }
+  TileWish as_stored = wish;
+  as_stored.format.reset();
+  return Stored(request, as_stored, **std::move(found), reader->get(), cache_control);
+}
+
 // A tile of a map that is not made yet. Always 256 pixels: there is nothing finer to show for it.
 Result<Response> PreviewTile(Service& service, const Request& request, const TileWish& wish) {
   const Result<void> checked = CheckId(wish.flight_id, "flight");
@@ -191,6 +214,7 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
   const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(wish.flight_id);
   if (!tileset) return tileset.error();
   const storage::Revision& revision = (*tileset)->revision;
+  if (wish.layer) return LayerTile(request, **tileset, wish);
   if (wish.tile.z() < revision.min_zoom || wish.tile.z() > revision.max_zoom) {
     return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
   }
@@ -223,9 +247,37 @@ Response TileResponse(Result<Response> answer, const Request& request) {
   return response;
 }
 
+Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset, render::MapLayer layer) {
+  const auto found = tileset.layers.find(layer);
+  if (found != tileset.layers.end()) return found->second;
+  return Error{ErrorCode::kNotFound,
+               fmt::format("The map was made without the layer \"{0}\". Start a job with \"layers\": [\"{0}\"].",
+                           render::NameOf(layer)),
+               ""};
+}
+
+Result<render::MapLayer> ParseLayer(std::string_view name) {
+  const std::optional<render::MapLayer> layer = render::MapLayerNamed(name);
+  if (layer) return *layer;
+  return Error{ErrorCode::kNotFound, "There is no such layer; there are photo, error and height.", ""};
+}
+
 void AddTileRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}",
                   [&](const Request& request) { return TileResponse(Tile(service, request), request); });
+  router.AddQuick(Method::kGet, "/tiles/{flight}/{layer}/{z}/{x}/{y}", [&](const Request& request) {
+    const Result<render::MapLayer> layer = ParseLayer(request.Parameter("layer"));
+    if (!layer) return TileResponse(layer.error(), request);
+    const Result<TilePath> path = ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
+    if (!path) return TileResponse(path.error(), request);
+    TileWish wish;
+    wish.flight_id = request.Parameter("flight");
+    wish.layer = *layer;
+    wish.tile = path->tile;
+    wish.format = path->format;
+    wish.is_double = path->is_double;
+    return TileResponse(AnswerTile(service, request, wish), request);
+  });
 }
 
 }  // namespace skyquilt::api

@@ -1,4 +1,4 @@
-// Tiles of the map that a flight shows: XYZ images with content-hash ETags, and TileJSON 3.0.0.
+// Tiles of the map that a flight shows and of the layers beside it: XYZ images with content-hash ETags, and TileJSON 3.0.0.
 // https://github.com/mapbox/tilejson-spec/tree/master/3.0.0
 #pragma once
 
@@ -9,6 +9,7 @@
 #include "api/service.h"
 #include "core/geo/tile_id.h"
 #include "core/pipeline/ports.h"
+#include "core/render/map_layer.h"
 
 namespace skyquilt::api {
 
@@ -20,6 +21,7 @@ enum class EmptyTile { kBlank, kNoContent, kNotFound };
 // One tile as an answer, whatever address it was asked by.
 struct TileWish {
   std::string flight_id;
+  std::optional<render::MapLayer> layer;  // beside the map; absent: the map itself
   geo::TileId tile;
   std::optional<pipeline::TileFormat> format;  // absent: as stored
   bool is_double = false;                      // twice the side, for dense screens
@@ -36,5 +38,8 @@ inline constexpr int kPreviewTileSizePx = 256;
 
 // The side of a tileset's tiles, from its metadata; 256 where it does not say.
 int TileSizePx(const storage::Tileset& tileset);
+// The tileset of a layer. kNotFound: no such layer, or the map was made without it.
+Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset, render::MapLayer layer);
+Result<render::MapLayer> ParseLayer(std::string_view name);
 
 }  // namespace skyquilt::api

@@ -72,7 +72,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     if (facts.look) return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.look->tones);
     return render::EstimateExposure(aligned, ground, facts.thumbnails);
   });
-  const render::SeamMap seams = stages.Run("seam", [&] {
+  render::SeamMap seams = stages.Run("seam", [&] {
     render::SeamOptions seam_options;
     seam_options.threads = options.threads;
     std::optional<render::KnownLabels> known;
@@ -130,7 +130,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.blocks = rendered->blocks;
   report.blocks_kept = rendered->blocks_kept;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{aligned, ground, std::move(report)};
+  return BuiltMosaic{aligned, ground, *std::move(plan), std::move(seams), std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

@@ -14,12 +14,16 @@
 #include "core/pipeline/mosaic_report.h"
 #include "core/pipeline/map_memory.h"
 #include "core/pipeline/ports.h"
+#include "core/render/mosaic_plan.h"
+#include "core/render/seam_map.h"
 
 namespace skyquilt::pipeline {
 
 struct BuiltMosaic {
   alignment::AlignedFlight flight;
   ground::GroundSurface ground;
+  render::MosaicPlan plan;
+  render::SeamMap seams;
   MosaicReport report;
 };
 

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/geo/lat_lon.h"
+#include "core/render/map_layer.h"
 
 namespace skyquilt::pipeline {
 
@@ -25,6 +27,7 @@ struct MosaicOptions {
   double feather_m = 0.0;                   // width of the seams' transition; 0 = chosen from the GSD
   std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
   int threads = 0;                          // --threads: 0 = all cores
+  std::vector<render::MapLayer> layers;     // --layers: tilesets of their own beside the map
   std::string title;                        // name written into the tileset
 
   Result<void> Validate() const;

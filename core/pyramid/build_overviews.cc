@@ -6,11 +6,13 @@
 
 namespace skyquilt::pyramid {
 
-OverviewBuilder::OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit)
+OverviewBuilder::OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit,
+                                 Reduce reduce)
     : first_zoom_(first_zoom),
       min_zoom_(min_zoom),
       tile_size_px_(tile_size_px),
       emit_(std::move(emit)),
+      reduce_(std::move(reduce)),
       open_(static_cast<std::size_t>(first_zoom) + 1) {}
 
 void OverviewBuilder::AddHalf(const geo::TileId& tile, const RgbaImage& half) {
@@ -34,7 +36,7 @@ void OverviewBuilder::AddTo(int parent_zoom, const geo::TileId& child, const Rgb
 void OverviewBuilder::Close(int zoom) {
   OpenParent closed = std::exchange(open_[static_cast<std::size_t>(zoom)], {});
   emit_(closed.tile, closed.image);
-  if (zoom > min_zoom_) AddTo(zoom - 1, closed.tile, Halve(closed.image));
+  if (zoom > min_zoom_) AddTo(zoom - 1, closed.tile, reduce_(closed.image));
 }
 
 void OverviewBuilder::Finish() {

@@ -13,11 +13,13 @@ namespace skyquilt::pyramid {
 class OverviewBuilder {
  public:
   using Emit = std::function<void(const geo::TileId&, const RgbaImage&)>;
-  // Emits every tile from first_zoom - 1 down to min_zoom, each once, when its last child has come.
-  OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit);
+  using Reduce = std::function<RgbaImage(const RgbaImage&)>;
+  // Emits every tile from first_zoom - 1 down to min_zoom, each once, when its last child has come. `reduce` makes
+  // half the size of a tile.
+  OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit, Reduce reduce = Halve);
 
   // A finished tile of first_zoom. All tiles below one parent must come one after the other.
-  void Add(const geo::TileId& tile, const RgbaImage& image) { AddHalf(tile, Halve(image)); }
+  void Add(const geo::TileId& tile, const RgbaImage& image) { AddHalf(tile, reduce_(image)); }
   // The same, already at half its size.
   void AddHalf(const geo::TileId& tile, const RgbaImage& half);
   // No more tiles: closes the parents still open.
@@ -36,6 +38,7 @@ class OverviewBuilder {
   const int min_zoom_;
   const int tile_size_px_;
   const Emit emit_;
+  const Reduce reduce_;
   std::vector<OpenParent> open_;  // by zoom
 };
 

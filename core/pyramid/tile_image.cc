@@ -33,6 +33,23 @@ RgbaImage Halve(const RgbaImage& image) {
   return half;
 }
 
+RgbaImage EveryOther(const RgbaImage& image) {
+  SKYQUILT_CHECK(image.width_px % 2 == 0 && image.height_px % 2 == 0, "only even images are halved");
+  RgbaImage half = RgbaImage::Transparent(image.width_px / 2, image.height_px / 2);
+  for (int y = 0; y < half.height_px; ++y) {
+    for (int x = 0; x < half.width_px; ++x) {
+      const std::uint8_t* upper = image.Pixel(2 * x, 2 * y);
+      const std::uint8_t* lower = image.Pixel(2 * x, 2 * y + 1);
+      for (const std::uint8_t* pixel : {upper, upper + 4, lower, lower + 4}) {
+        if (pixel[3] == 0) continue;
+        std::memcpy(half.Pixel(x, y), pixel, 4);
+        break;
+      }
+    }
+  }
+  return half;
+}
+
 void Paste(const RgbaImage& quarter, int x, int y, RgbaImage& image) {
   SKYQUILT_CHECK(x + quarter.width_px <= image.width_px && y + quarter.height_px <= image.height_px,
                  "paste outside the image");

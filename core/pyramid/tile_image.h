@@ -27,6 +27,8 @@ void StraightenAlpha(const std::uint8_t* premultiplied, int count, std::uint8_t*
 // Half the size, each pixel the mean of four: what GDAL's "average" overviews do, in the stored (sRGB)
 // values.
 RgbaImage Halve(const RgbaImage& image);
+// Half the size, one pixel of each four as it is (the first that is covered): for colours that are codes.
+RgbaImage EveryOther(const RgbaImage& image);
 // Writes `quarter` at (x, y) of `image`.
 void Paste(const RgbaImage& quarter, int x, int y, RgbaImage& image);
 

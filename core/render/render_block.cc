@@ -9,6 +9,7 @@
 #include "core/render/block_geometry.h"
 #include "core/render/block_weights.h"
 #include "core/render/cubic_sampler.h"
+#include "core/render/weigh_block.h"
 
 namespace skyquilt::render {
 namespace {
@@ -215,15 +216,9 @@ int DenominatorFor(const alignment::AlignedPhoto& photo, double output_pixel_m) 
 
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block) {
   const int size_px = context.plan.BlockSizePx();
-  const BlockGeometry geometry = MakeBlockGeometry(block.tile, size_px, context.flight.frame, context.ground);
+  const auto [geometry, photos, views, shares] =
+      WeighBlock(context.flight, context.ground, context.seams, context.plan, block);
   const BlockCells cells(context.seams, block.tile, context.plan.block_levels);
-  // At the map's edge a pixel may be seen by a photo that has no cell here.
-  const std::vector<std::uint32_t> photos = cells.IsInner() ? cells.Photos() : block.photos;
-  std::vector<PhotoView> views;
-  views.reserve(photos.size());
-  for (const std::uint32_t photo : photos) views.push_back(ViewBlock(context.flight.photos[photo], geometry));
-  const BlockShares shares =
-      WeighPhotos(context.flight, photos, views, geometry, cells, context.plan.feather_m);
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
   Mixture mixture(size_px, shares.square_px);

@@ -163,6 +163,13 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_flag("--utm", arguments->utm, "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
       ->excludes(no_cog);
+  command
+      ->add_option("--layers", arguments->job.mosaic.layers,
+                   "Also tilesets of their own, with layers.json: photo (which photo a pixel came from), error (how far "
+                   "off it may lie), height (the ground's)")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(std::map<std::string, render::MapLayer>{
+          {"photo", render::MapLayer::kPhoto}, {"error", render::MapLayer::kError}, {"height", render::MapLayer::kHeight}}));
   command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles,
                     "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");

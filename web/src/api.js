@@ -109,8 +109,8 @@ export async function listFiles(id) {
   return answer.files ?? [];
 }
 
-/** @param {string} id @returns {Promise<Job>} */
-export const startJob = (id) => request('POST', `${flight_path(id)}/jobs`, { options: {} });
+/** With the layers that the map page offers. @param {string} id @returns {Promise<Job>} */
+export const startJob = (id) => request('POST', `${flight_path(id)}/jobs`, { options: { layers: ['photo', 'error', 'height'] } });
 
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Job>} */
 export const getJob = (id, signal) => request('GET', `/api/v1/jobs/${encodeURIComponent(id)}`, undefined, signal);
@@ -140,6 +140,9 @@ export const photoPath = (id, name) => readable(`${flight_path(id)}/files/${enco
 
 /** @param {string} path @param {AbortSignal} [signal] @returns {Promise<TileJson>} */
 export const getTileJson = (path, signal) => request('GET', path, undefined, signal);
+
+/** @param {string} path @returns {Promise<import('./types.js').LayerLegends>} */
+export const getLegends = (path) => request('GET', path);
 
 /** @param {string} id @param {'mbtiles'|'tif'} kind @returns {string} */
 export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;

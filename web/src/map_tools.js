@@ -1,12 +1,16 @@
 // What floats over the map: the tool column, the layers card with its legend, and the coordinates.
 /** @import { MapView } from './map_view.js' */
 /** @import { CoordinateForm } from './coordinates.js' */
+import { showNote } from './announce.js';
+import { getLegends, getTileJson } from './api.js';
 import { chosenBasemap, keepBasemap, offeredBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { h, put } from './dom.js';
 import { formatLength } from './format.js';
 import { compassNeedle, icon } from './icons.js';
+import { overlayLegend } from './map_layers.js';
 import { strings } from './strings.js';
+import { ownHost } from './tile_addresses.js';
 
 /**
  * @param {MapView} view
@@ -110,11 +114,13 @@ function layersCard(view) {
     keepBasemap(kind);
     void view.setBasemap(kind);
   });
+  const overlay = overlayChooser(view);
   const element = h(
     'section',
     { class: 'layers-card floating', id: 'layers-card', 'aria-label': words.layers, hidden: true },
     h('label', { for: 'opacity', class: 'small-label' }, words.opacity),
     opacity,
+    overlay.element,
     check(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on)),
     check(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
     h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
@@ -127,7 +133,47 @@ function layersCard(view) {
     element,
     draw: () => {
       draw();
+      overlay.draw();
       void drawBasemaps();
+    },
+  };
+}
+
+/**
+ * Which of the map's layers lies over it, and what its colours mean. Not there where the map has none.
+ * @param {MapView} view
+ */
+function overlayChooser(view) {
+  const words = strings.map;
+  const choice = h('select', { id: 'overlay', class: 'field' });
+  const legend = h('div', { class: 'map-legend' });
+  const element = h('div', { class: 'overlay-choice', hidden: true }, h('label', { for: 'overlay', class: 'small-label' }, words.overlay), choice, legend);
+  let turn = 0;
+  choice.addEventListener('change', async () => {
+    const own_turn = (turn += 1);
+    const layer = view.layers.find(({ id }) => id === choice.value);
+    view.hideOverlay();
+    put(legend);
+    if (!layer) return;
+    try {
+      const [tilejson, legends] = await Promise.all([getTileJson(ownHost(layer.tilejson)), getLegends(ownHost(layer.legends))]);
+      // Another choice, or another map, meanwhile.
+      if (own_turn !== turn || !view.layers.includes(layer)) return;
+      view.showOverlay(layer.id, tilejson, legends);
+      put(legend, ...overlayLegend(layer.id, legends));
+    } catch (error) {
+      choice.value = 'none';
+      showNote(/** @type {Error} */ (error).message, { is_error: true });
+    }
+  });
+  return {
+    element,
+    draw() {
+      element.hidden = view.layers.length === 0;
+      const kinds = /** @type {const} */ (['none', ...view.layers.map(({ id }) => id)]);
+      put(choice, ...kinds.map((kind) => h('option', { value: kind }, words.overlays[kind])));
+      choice.value = view.overlay || 'none';
+      if (!view.overlay) put(legend);
     },
   };
 }

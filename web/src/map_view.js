@@ -1,11 +1,13 @@
 // MapView: one MapLibre map with a flight's mosaic and photos on a plain ground. Knows nothing of panels.
 // The container's data-map-state says 'empty', 'loading' or 'idle' (everything drawn).
-/** @import { Bounds, PhotoCollection, PhotoRecord, TileJson } from './types.js' */
+/** @import { Bounds, LayerLegends, MapLayer, PhotoCollection, PhotoRecord, TileJson } from './types.js' */
+/** @import { LayerKind } from './map_layers.js' */
 /** @import { ColourBy } from './map_style.js' */
 import * as maplibre from '../vendor/maplibre-gl.mjs';
 import { authorization } from './access.js';
 import { basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
+import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
 import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { strings } from './strings.js';
 import { ownHost, tilesIn } from './tile_addresses.js';
@@ -19,6 +21,10 @@ export class MapView {
   photos = null;
   /** @type {Bounds|null} */
   bounds = null;
+  /** @type {MapLayer[]} that the map has beside it */
+  layers = [];
+  /** @type {LayerKind|''} which of them is shown */
+  overlay = '';
   /** @type {ColourBy} */
   colour_by = 'placement';
   opacity = 1;
@@ -86,6 +92,8 @@ export class MapView {
     const old = this.#mosaic;
     this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
     this.bounds = bounds;
+    this.hideOverlay();
+    this.layers = tilejson.layers ?? [];
     this.map.addSource(this.#mosaic, {
       type: 'raster',
       tiles: tilejson.tiles.map(ownHost),
@@ -118,6 +126,26 @@ export class MapView {
   growMosaic(bounds, changed) {
     this.bounds = bounds;
     if (this.#mosaic) this.map.refreshTiles(this.#mosaic, tilesIn(changed, ...this.#zooms));
+  }
+
+  /**
+   * Lays one of the map's layers over it.
+   * @param {LayerKind} kind
+   * @param {TileJson} tilejson
+   * @param {LayerLegends} legends
+   */
+  showOverlay(kind, tilejson, legends) {
+    this.hideOverlay();
+    this.overlay = kind;
+    const { source, layer } = overlayParts(kind, tilejson, legends, this.opacity);
+    this.map.addSource(kOverlay, source);
+    const above = this.map.getStyle().layers.find(({ id }) => photo_layers.includes(id) || path_layers.includes(id))?.id;
+    this.map.addLayer(layer, above);
+  }
+
+  hideOverlay() {
+    this.#remove(kOverlay, [kOverlay]);
+    this.overlay = '';
   }
 
   /** @param {import('./basemap.js').BasemapKind} kind what lies below everything else */
@@ -154,6 +182,8 @@ export class MapView {
     await this.ready;
     this.#remove(this.#mosaic, [this.#mosaic]);
     this.#mosaic = '';
+    this.hideOverlay();
+    this.layers = [];
     this.#remove('photos', ['photos-fill', 'photos-line']);
     this.#remove('cameras', ['cameras']);
     this.#remove('flight-path', path_layers);
@@ -190,6 +220,7 @@ export class MapView {
   setOpacity(opacity) {
     this.opacity = opacity;
     if (this.#mosaic) this.map.setPaintProperty(this.#mosaic, 'raster-opacity', opacity);
+    if (this.overlay) this.map.setPaintProperty(kOverlay, overlayOpacity(this.overlay), opacity);
   }
 
   /** @param {boolean} visible */

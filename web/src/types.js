@@ -72,6 +72,22 @@
  * @property {number} [maxzoom]
  * @property {number[]} [bounds]
  * @property {number} [tileSize] side of a tile's picture in pixels; 256 when not said
+ * @property {MapLayer[]} [layers] beside the map
+ */
+
+/**
+ * @typedef {object} MapLayer
+ * @property {'photo'|'error'|'height'} id
+ * @property {string} tilejson address
+ * @property {string} legends address
+ */
+
+/**
+ * What the colours of a map's layers mean.
+ * @typedef {object} LayerLegends
+ * @property {{colours: {photo: string, colour: string}[]}} [photo]
+ * @property {{stops: {error_radius_m: number, colour: string}[]}} [error]
+ * @property {{range_m: [number, number]}} [height]
  */
 
 /**

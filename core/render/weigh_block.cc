@@ -1,0 +1,21 @@
+#include "core/render/weigh_block.h"
+
+namespace skyquilt::render {
+
+WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                        const SeamMap& seams, const MosaicPlan& plan, const RenderBlock& block) {
+  WeighedBlock weighed;
+  weighed.geometry = MakeBlockGeometry(block.tile, plan.BlockSizePx(), flight.frame, ground);
+  const BlockCells cells(seams, block.tile, plan.block_levels);
+  // At the map's edge a pixel may be seen by a photo that has no cell here.
+  weighed.photos = cells.IsInner() ? cells.Photos() : block.photos;
+  weighed.views.reserve(weighed.photos.size());
+  for (const std::uint32_t photo : weighed.photos) {
+    weighed.views.push_back(ViewBlock(flight.photos[photo], weighed.geometry));
+  }
+  weighed.shares =
+      WeighPhotos(flight, weighed.photos, weighed.views, weighed.geometry, cells, plan.feather_m);
+  return weighed;
+}
+
+}  // namespace skyquilt::render
