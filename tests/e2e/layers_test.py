@@ -13,7 +13,7 @@ LAYERS = ["photo", "error", "height"]
 class Layers(ServerTestCase):
     def map_of(self, server, options):
         status, answer = server.upload(self.photos, name="Layers", options=json.dumps(options))
-        self.assertEqual(status, 201, answer)
+        self.assertEqual(status, 202, answer)
         flight_id, job_id = answer["flight"]["id"], answer["job"]["id"]
         job = server.wait_for_job(job_id)
         self.assertEqual(job["state"], "successful", job)

@@ -205,6 +205,36 @@ async function assertOpensAtItsPixel(page, url, id) {
   await page.waitForSelector('#photo-viewer', { state: 'detached' });
 }
 
+/** Each layer covers the middle of the map in its own colours, and goes again. */
+async function assertLayersLieOverTheMap(page, url, id, middle) {
+  const legends = await (await fetch(`${url}api/v1/flights/${id}/layers.json`)).json();
+  const parts = (/** @type {string} */ hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+  const share = async (colours, tolerance) => {
+    const seen = await screenshotPixels(page, middle);
+    return colours.map((hex) => seen.share(.../** @type {[number, number, number]} */ (parts(hex)), tolerance)).reduce((a, b) => a + b, 0);
+  };
+  await page.click('#tool-layers');
+  await page.uncheck('#show-footprints');
+  const photo_colours = legends.photo.colours.map(({ colour }) => colour);
+  assert.ok((await share(photo_colours, 6)) < 0.3, 'the picture first');
+  await page.selectOption('#overlay', 'photo');
+  await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getLayer('overlay')?.type === 'raster');
+  await mapIdle(page);
+  assert.ok((await share(photo_colours, 6)) > 0.9, 'every pixel has the colour of a photo');
+  await page.selectOption('#overlay', 'height');
+  await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getLayer('overlay')?.type === 'color-relief');
+  await mapIdle(page);
+  assert.ok((await share(photo_colours, 6)) < 0.3, 'the photos\' colours are gone');
+  assert.ok((await screenshotPixels(page, middle)).colours < 200, 'heights, no picture');
+  assert.match(await page.textContent('.overlay-choice .map-legend'), /m.*m/);
+  await page.selectOption('#overlay', 'none');
+  await page.waitForFunction(() => !(/** @type {any} */ (window).skyquilt.map.getLayer('overlay')));
+  await mapIdle(page);
+  assert.ok((await screenshotPixels(page, middle)).colours > 60, 'the picture again');
+  await page.check('#show-footprints');
+  await page.click('#tool-layers');
+}
+
 test('dropped photos become a map on the real server, even when it is killed in between', options, async () => {
   let server = await startServer(join(folder, 'data'));
   const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
@@ -224,7 +254,8 @@ test('dropped photos become a map on the real server, even when it is killed in 
     await mapIdle(page);
     assert.match(await page.textContent('#report'), /6 \/ 6/);
     const box = await page.locator('#map').boundingBox();
-    const middle = await screenshotPixels(page, { x: box.x + box.width * 0.35, y: box.y + box.height * 0.35, width: box.width * 0.3, height: box.height * 0.3 });
+    const clip = { x: box.x + box.width * 0.35, y: box.y + box.height * 0.35, width: box.width * 0.3, height: box.height * 0.3 };
+    const middle = await screenshotPixels(page, clip);
     assert.ok(middle.colours > 60, `only ${middle.colours} colours in the middle of the map`);
 
     // Every photo has its footprint, and its camera stands within the mosaic's bounds.
@@ -239,6 +270,7 @@ test('dropped photos become a map on the real server, even when it is killed in 
       assert.ok(properties.camera_lon > west && properties.camera_lon < east, properties.name);
       assert.ok(properties.camera_lat > south && properties.camera_lat < north, properties.name);
     }
+    await assertLayersLieOverTheMap(page, server.url, id, clip);
     await page.locator('#map canvas').focus();
     await page.keyboard.press('Enter');
     await page.waitForSelector('#photo-card:not([hidden])');
