@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 
 #include "core/base/median.h"
 
@@ -26,6 +25,35 @@ std::string Key(const std::string& name) {
 
 }  // namespace
 
+MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
+                           const std::vector<char>& is_tied)
+    : views_(views), is_tied_(is_tied) {
+  for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
+}
+
+std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
+  told.name = point.name;
+  Track track;
+  for (const ControlSighting& sighting : point.sightings) {
+    const auto photo = number_of_.find(Key(sighting.photo_name));
+    if (photo == number_of_.end() || !views_[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
+      continue;
+    ++told.sightings;
+    if (is_tied_[photo->second]) {
+      track.observations.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
+    }
+  }
+  if (track.observations.size() < 2) {
+    told.reason = "is marked in fewer than two photos that are tied to others";
+    return std::nullopt;
+  }
+  if (!Triangulate(views_, track)) {
+    told.reason = "its marks do not meet in one point on the ground";
+    return std::nullopt;
+  }
+  return track;
+}
+
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports) {
   problem.control.clear();
@@ -34,31 +62,16 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
   for (const Track& track : problem.tracks) {
     for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
   }
-  std::map<std::string, int> photo_of;
-  for (std::size_t i = 0; i < posed.photos.size(); ++i) photo_of.emplace(Key(posed.photos[i].photo.name), i);
+  std::vector<std::string> names;
+  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
   const std::vector<View> views = ViewsOf(problem);
+  const MarkedPhotos photos(names, views, is_tied);
 
   for (const ControlPoint& point : control) {
-    ControlReport& told = reports.emplace_back();
-    told.name = point.name;
+    std::optional<Track> track = photos.TrackOf(point, reports.emplace_back());
+    if (!track) continue;
     BundleControl tied;
-    for (const ControlSighting& sighting : point.sightings) {
-      const auto photo = photo_of.find(Key(sighting.photo_name));
-      if (photo == photo_of.end() || !views[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
-        continue;
-      ++told.sightings;
-      if (is_tied[photo->second]) {
-        tied.track.observations.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
-      }
-    }
-    if (tied.track.observations.size() < 2) {
-      told.reason = "is marked in fewer than two photos that are tied to others";
-      continue;
-    }
-    if (!Triangulate(views, tied.track)) {
-      told.reason = "its marks do not meet in one point on the ground";
-      continue;
-    }
+    tied.track = *std::move(track);
     tied.has_height = point.height_m.has_value();
     tied.surveyed_in_enu = posed.frame.EnuFromWgs84(
         {point.position.lat_deg, point.position.lon_deg,

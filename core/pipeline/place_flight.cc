@@ -17,6 +17,7 @@
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/check_photos.h"
 #include "core/pipeline/control_points.h"
+#include "core/pipeline/move_to_control.h"
 #include "core/poses/estimate_poses.h"
 
 namespace skyquilt::pipeline {
@@ -74,6 +75,16 @@ bool MayAppend(const Recalled& recalled, const flight::Flight& read, const Mosai
   for (const flight::LeftOutPhoto& photo : read.left_out) photos.insert(photo.name);
   return std::all_of(recalled.added.begin(), recalled.added.end(),
                      [&](const NamedDigest& input) { return photos.contains(input.file.name); });
+}
+
+// The flight got its first surveyed points, and nothing else.
+bool MayMove(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
+  if (options.method != AlignMethod::kAuto || !recalled.facts.is_placed) return false;
+  std::set<std::string> lists;
+  for (const flight::GcpList& list : read.gcp_lists) lists.insert(list.file_name);
+  return lists.size() == recalled.added.size() &&
+         std::all_of(recalled.added.begin(), recalled.added.end(),
+                     [&](const NamedDigest& input) { return lists.contains(input.file.name); });
 }
 
 void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
@@ -212,6 +223,9 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
         FillPhotos(*read, facts->flight);
+      } else if (dem == nullptr && MayMove(*recalled, *read, options)) {
+        FillPhotos(*read, recalled->facts.flight);
+        facts = stages.Run("align", [&] { return MoveToControl(recalled->facts, read->gcp_lists); });
       } else if (dem == nullptr && MayAppend(*recalled, *read, options)) {
         // (An elevation model is fitted to the whole flight.)
         auto grown = PlaceAdded(*std::move(recalled), *read, options, source, dem, stages, progress);

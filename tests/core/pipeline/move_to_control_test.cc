@@ -1,0 +1,180 @@
+// A flight whose truth is known, displaced as a whole, and brought back by a few surveyed points.
+#include "core/pipeline/move_to_control.h"
+
+#include <gtest/gtest.h>
+
+#include <complex>
+
+#include "core/geo/lat_lon.h"
+#include "core/simulate/simulate_flight.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kGroundZ = 0.0;
+
+// How a finished flight is wrong as a whole.
+struct Displacement {
+  double turn_rad = 0.0;
+  double scale = 1.0;
+  Complex shift_m;
+};
+
+struct Displaced {
+  simulate::SimulatedFlight truth;
+  FlightFacts known;
+
+  explicit Displaced(const Displacement& by) {
+    simulate::SimulateOptions options;
+    options.trajectory.photos = 20;
+    truth = *simulate::PlanSimulatedFlight(options);
+    known.flight.frame = truth.frame;
+    known.look = FlightLook{};
+    for (const simulate::SimulatedPhoto& real : truth.photos) {
+      alignment::AlignedPhoto photo;
+      photo.photo = real.photo;
+      photo.intrinsics = truth.options.intrinsics;
+      const Eigen::Vector3d center = real.pose.cam_from_enu.TargetOriginInSource();
+      const Complex place = std::polar(by.scale, by.turn_rad) * Complex(center.x(), center.y()) + by.shift_m;
+      photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+          real.pose.cam_from_enu.rotation *
+              Eigen::Quaterniond(Eigen::AngleAxisd(-by.turn_rad, Eigen::Vector3d::UnitZ())),
+          {place.real(), place.imag(), kGroundZ + by.scale * (center.z() - kGroundZ)});
+      photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z();
+      photo.placement = alignment::Placement::kAligned;
+      photo.error_radius_m = 1.5;
+      known.flight.photos.push_back(photo);
+    }
+  }
+
+  // Surveyed where they truly are, marked in every photo that shows them; the first may be surveyed wrongly.
+  std::vector<flight::GcpList> Survey(std::size_t points,
+                                      const Eigen::Vector3d& first_off_by = {0, 0, 0}) const {
+    const Eigen::Vector3d places[] = {
+        {-25.0, -30.0, 0.0}, {25.0, 30.0, 0.0}, {-20.0, 25.0, 0.0}, {22.0, -28.0, 0.0}, {0.0, 0.0, 0.0}};
+    flight::GcpList list;
+    list.file_name = "gcp_list.txt";
+    for (std::size_t k = 0; k < points; ++k) {
+      const geo::Wgs84 place =
+          truth.frame.Wgs84FromEnu(k == 0 ? Eigen::Vector3d(places[k] + first_off_by) : places[k]);
+      list.points.push_back(
+          {"point" + std::to_string(k), {place.lat_deg, place.lon_deg}, place.height_ellipsoid_m});
+      for (const simulate::SimulatedPhoto& photo : truth.photos) {
+        const auto pixel = truth.options.intrinsics.Project(photo.pose.cam_from_enu * places[k]);
+        if (pixel && truth.options.intrinsics.IsInImage(*pixel)) {
+          list.sightings.push_back({photo.photo.name, pixel->x() + 0.5, pixel->y() + 0.5, k});
+        }
+      }
+    }
+    return {list};
+  }
+
+  double WorstCameraM(const FlightFacts& facts) const {
+    double worst_m = 0.0;
+    for (std::size_t i = 0; i < truth.photos.size(); ++i) {
+      worst_m = std::max(worst_m, (facts.flight.photos[i].cam_from_enu.TargetOriginInSource() -
+                                   truth.photos[i].pose.cam_from_enu.TargetOriginInSource())
+                                      .norm());
+    }
+    return worst_m;
+  }
+
+  double WorstTurnRad(const FlightFacts& facts) const {
+    double worst_rad = 0.0;
+    for (std::size_t i = 0; i < truth.photos.size(); ++i) {
+      worst_rad = std::max(worst_rad, facts.flight.photos[i].cam_from_enu.rotation.angularDistance(
+                                          truth.photos[i].pose.cam_from_enu.rotation));
+    }
+    return worst_rad;
+  }
+};
+
+class BySomePoints : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(BySomePoints, AShiftedFlightComesBack) {
+  const Displaced flight({0.0, 1.0, {1.9, -2.6}});
+  EXPECT_GT(flight.WorstCameraM(flight.known), 3.0);
+  const auto moved = MoveToControl(flight.known, flight.Survey(GetParam()));
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
+  EXPECT_FALSE(moved->look.has_value());
+  EXPECT_EQ(moved->flight.warnings.size(), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(OneToFour, BySomePoints, testing::Values(1u, 2u, 3u, 4u));
+
+TEST(MoveToControl, TurnsAndStretchesByPointsThatLieFarApart) {
+  const Displaced flight({0.02, 1.01, {-1.2, 0.7}});
+  EXPECT_GT(flight.WorstTurnRad(flight.known), 0.015);
+  for (const std::size_t points : {2u, 3u, 4u}) {
+    const auto moved = MoveToControl(flight.known, flight.Survey(points));
+    ASSERT_TRUE(moved.has_value());
+    EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
+    EXPECT_LT(flight.WorstTurnRad(*moved), 1e-4);
+    EXPECT_LT(moved->flight.photos.front().error_radius_m, 0.1);
+  }
+}
+
+TEST(MoveToControl, TakesTheGroundAlong) {
+  Displaced flight({0.0, 1.0, {2.0, 0.0}});
+  // A ramp that rises to the east, one metre in ten.
+  std::vector<float> heights_m;
+  for (int row = 0; row < 21; ++row) {
+    for (int column = 0; column < 21; ++column) heights_m.push_back(static_cast<float>(column - 10));
+  }
+  flight.known.ground =
+      ground::GroundSurface::Grid({-100.0, -100.0}, 10.0, 21, 21, std::move(heights_m), 0.0);
+  const auto moved = MoveToControl(flight.known, flight.Survey(1));
+  ASSERT_TRUE(moved.has_value());
+  for (const double east : {-50.0, 3.0, 41.0}) {
+    EXPECT_NEAR(moved->ground.HeightAt({east, 5.0}), flight.known.ground.HeightAt({east + 2.0, 5.0}), 1e-3);
+  }
+}
+
+TEST(MoveToControl, OfLessThanAnyPixelWouldShowChangesNothing) {
+  const Displaced flight({0.0, 1.0, {0.0002, 0.0}});
+  const auto moved = MoveToControl(flight.known, flight.Survey(3));
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_TRUE(moved->look.has_value());
+  EXPECT_EQ(flight.WorstCameraM(*moved), flight.WorstCameraM(flight.known));
+  EXPECT_TRUE(moved->flight.warnings.empty());
+}
+
+TEST(MoveToControl, LeavesManyPointsToTheAlignment) {
+  const Displaced flight({0.0, 1.0, {1.0, 1.0}});
+  EXPECT_FALSE(MoveToControl(flight.known, flight.Survey(5)).has_value());
+  EXPECT_FALSE(MoveToControl(flight.known, {}).has_value());
+}
+
+TEST(MoveToControl, LeavesPointsThatOnlyABentFlightFitsToTheAlignment) {
+  const Displaced flight({0.0, 1.0, {1.0, 1.0}});
+  EXPECT_FALSE(MoveToControl(flight.known, flight.Survey(4, {1.5, 0.0, 0.0})).has_value());
+  const Displaced turned({0.2, 1.0, {}});
+  EXPECT_FALSE(MoveToControl(turned.known, turned.Survey(3)).has_value());
+}
+
+TEST(MoveToControl, NamesAPointThatItCannotUse) {
+  const Displaced flight({0.0, 1.0, {1.0, 0.0}});
+  std::vector<flight::GcpList> lists = flight.Survey(2);
+  std::vector<flight::GcpSighting>& sightings = lists.front().sightings;
+  const auto first_of_second = std::find_if(sightings.begin(), sightings.end(),
+                                            [](const flight::GcpSighting& one) { return one.point == 1; });
+  sightings.erase(first_of_second + 1, sightings.end());
+  const auto moved = MoveToControl(flight.known, lists);
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
+  ASSERT_EQ(moved->flight.warnings.size(), 2u);
+  EXPECT_NE(moved->flight.warnings.front().find("point1 is not used"), std::string::npos);
+}
+
+TEST(MoveToControl, ASinglePointMakesNoOneSurer) {
+  const Displaced flight({0.0, 1.0, {1.0, 0.0}});
+  const auto moved = MoveToControl(flight.known, flight.Survey(1));
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_EQ(moved->flight.photos.front().error_radius_m, 1.5);
+}
+
+}  // namespace
+}  // namespace skyquilt::pipeline
