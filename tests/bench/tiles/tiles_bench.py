@@ -1,5 +1,6 @@
-"""What a tile costs, beside nginx sending the same tiles as files: CPU microseconds a request (which a busy machine does
-not spoil), 304s, memory with many maps. Needs wrk and nginx: python3 tests/bench/tiles/tiles_bench.py [--out FILE]."""
+"""What a tile costs, beside other servers sending the same tiles in the same minutes: CPU microseconds a request (which a
+busy machine spoils least), 304s, memory with a hundred maps. Needs wrk, and of the peers (peers.py) what is installed:
+python3 tests/bench/tiles/tiles_bench.py [--out FILE]."""
 import argparse
 import os
 import pathlib
@@ -11,15 +12,13 @@ import sys
 import tempfile
 import time
 
+import peers as others
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "e2e"))
 from server_support import BINARY, Server  # noqa: E402
 
 SECONDS, ROUNDS, CONNECTIONS = 4, 3, 32
 TICKS = os.sysconf("SC_CLK_TCK")
-NGINX = """worker_processes 2; pid {folder}/nginx.pid; error_log stderr; daemon off; events {{ worker_connections 4096; }}
-http {{ access_log off; sendfile on; tcp_nopush on; keepalive_requests 1000000; server {{ listen 127.0.0.1:{port}; root {folder}/tiles; }} }}"""
-
-
 def processes(pid):
     """A process with its children, theirs included."""
     children = [int(text) for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for text in (task / "children").read_text().split()]
@@ -51,58 +50,76 @@ def load(url, paths, pid, folder, header=""):
     return spent / count * 1e6, count / SECONDS
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--out", default="")
-    arguments = parser.parse_args()
-    for tool in ("wrk", "nginx"):
-        if not shutil.which(tool):
-            sys.exit(f"{tool} is not here: apt-get install wrk nginx-light")
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_bench_"))
+def hundred_maps(data, flight):
+    """The flight's map under 99 more names; their ids."""
+    names = [f"{number:026d}" for number in range(99)]
+    with sqlite3.connect(data / "catalogue.db") as db:
+        for table, key in (("flight", "id"), ("revision", "flight_id")):
+            columns = [row[1] for row in db.execute(f"PRAGMA table_info({table})") if row[1] != key]
+            for name in names:
+                db.execute(f"INSERT INTO {table} ({key}, {', '.join(columns)}) SELECT ?, {', '.join(columns)} FROM {table} WHERE {key} = ?",
+                           (name, flight))
+    for name in names:
+        shutil.copytree(data / "flights" / flight, data / "flights" / name, ignore=shutil.ignore_patterns("files"))
+        (data / "flights" / name / "files").mkdir()
+    return [flight, *names]
+
+
+def make_map(folder):
+    """(the server's data folder, the flight, its tiles as zoom, column, row from the south, bytes)."""
     subprocess.run([BINARY, "simulate", "-o", folder / "sim", "--photos", "8", "--size", "1600x1200", "--no-world"], check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir()) if path.suffix.upper() == ".JPG"]
     server = Server(folder / "data", "--workers", "1")
     _, made = server.upload(photos)
     assert server.wait_for_job(made["job"]["id"])["state"] == "successful"
+    server.stop()
     flight = made["flight"]["id"]
     [mbtiles] = (folder / "data/flights" / flight).glob("r*/mosaic.mbtiles")
-    tiles = []
-    for zoom, column, tms_row, content in sqlite3.connect(mbtiles).execute("SELECT * FROM tiles"):
-        path = f"{zoom}/{column}/{2**zoom - 1 - tms_row}"
-        tiles.append((path, content))
-        file = folder / "tiles" / path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(content)
+    return folder / "data", flight, sqlite3.connect(mbtiles).execute("SELECT * FROM tiles").fetchall()
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--out", default="")
+    arguments = parser.parse_args()
+    if not shutil.which("wrk"):
+        sys.exit("wrk is not here: apt-get install wrk")
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_bench_"))
     os.chmod(folder, 0o755)
-    server.stop()
-    server = Server(folder / "data", "--workers", "0")
-    port = server.port + 1 if server.port < 60000 else server.port - 1
-    (folder / "nginx.conf").write_text(NGINX.format(folder=folder, port=port))
-    nginx = subprocess.Popen(["nginx", "-c", folder / "nginx.conf"])
-    time.sleep(1)
-    mine = [f"/tiles/{flight}/{path}" for path, _ in tiles]
-    theirs = [f"/{path}" for path, _ in tiles]
+    data, flight, tiles = make_map(folder)
+    maps = hundred_maps(data, flight)
+    started = time.monotonic()
+    server = Server(data, "--workers", "0")
+    ready_s = time.monotonic() - started
+    below = [f"{zoom}/{column}/{2**zoom - 1 - row}" for zoom, column, row, _ in tiles]
+    mine = [f"/tiles/{flight}/{path}" for path in below]
+    url = f"http://127.0.0.1:{server.port}"
     etag = server.request("GET", mine[0])[1]["ETag"].replace('"', '\\"')
-    rows = {"skyquilt": [], "skyquilt, 304": [], "nginx, static files": []}
+    known = f'["If-None-Match"]="{etag}"'
+    rivals, missing = others.start_all(folder, tiles)
+    rows = {name: [] for name in ["skyquilt", "skyquilt, 304", *(rival.name for rival in rivals)]}
     try:
         for _ in range(ROUNDS):  # in turns, so that a busy spell hits all alike
-            rows["skyquilt"].append(load(f"http://127.0.0.1:{server.port}", mine, server.process.pid, folder))
-            rows["skyquilt, 304"].append(load(f"http://127.0.0.1:{server.port}", mine[:1], server.process.pid, folder,
-                                              f'["If-None-Match"]="{etag}"'))
-            rows["nginx, static files"].append(load(f"http://127.0.0.1:{port}", theirs, nginx.pid, folder))
+            rows["skyquilt"].append(load(url, mine, server.process.pid, folder))
+            rows["skyquilt, 304"].append(load(url, mine[:1], server.process.pid, folder, known))
+            for rival in rivals:
+                rows[rival.name].append(load(rival.url, rival.paths, rival.pid, folder))
+        load(url, [f"/tiles/{name}/{path}" for name in maps for path in below[:: max(1, len(below) // 20)]], server.process.pid, folder)
         used_mib = memory_mib(server.process.pid)
     finally:
-        nginx.terminate()
-        nginx.wait()
+        for rival in rivals:
+            rival.stop()
         server.stop()
         shutil.rmtree(folder)
-    size = sum(len(content) for _, content in tiles) / len(tiles)
+    best = {name: min(cost for cost, _ in rounds) for name, rounds in rows.items()}
+    size = sum(len(content) for _, _, _, content in tiles) / len(tiles)
     lines = [f"{len(tiles)} tiles of {size / 1000:.1f} KB on average, {CONNECTIONS} connections, best of {ROUNDS} rounds of {SECONDS} s",
-             "", "| server | CPU us a request | requests a second |", "|---|---|---|"]
+             "", "| server | CPU us a request | requests a second | skyquilt costs of it |", "|---|---|---|---|"]
     for name, rounds in rows.items():
-        lines.append(f"| {name} | {min(cost for cost, _ in rounds):.1f} | {max(rate for _, rate in rounds):.0f} |")
-    lines += ["", f"Memory of skyquilt after it: {used_mib:.0f} MiB"]
+        lines.append(f"| {name} | {best[name]:.1f} | {max(rate for _, rate in rounds):.0f} | {best['skyquilt'] / best[name]:.2f} |")
+    lines += ["", f"Memory of skyquilt with {len(maps)} maps asked for: {used_mib:.0f} MiB; ready {ready_s:.2f} s after its start"]
+    lines += [f"Not here: {name}" for name in missing]
     text = "\n".join(lines) + "\n"
     print(text)
     if arguments.out:
