@@ -3,10 +3,15 @@ import hashlib
 import hmac
 import http.server
 import json
+import os
+import pathlib
+import shutil
+import ssl
 import subprocess
 import threading
 import time
 import unittest
+from unittest import mock
 
 from server_support import BINARY, ServerTestCase, path_of, wait_until
 
@@ -14,7 +19,7 @@ from server_support import BINARY, ServerTestCase, path_of, wait_until
 class Receiver(http.server.ThreadingHTTPServer):
     """Hears webhooks; refuses the first it hears."""
 
-    def __init__(self):
+    def __init__(self, certificate=None):
         self.heard = []
         outer = self
 
@@ -28,6 +33,10 @@ class Receiver(http.server.ThreadingHTTPServer):
             def log_message(self, *_):
                 pass
         super().__init__(("127.0.0.1", 0), Handler)
+        if certificate:
+            tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+            tls.load_cert_chain(certificate)
+            self.socket = tls.wrap_socket(self.socket, server_side=True)
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
 
@@ -111,6 +120,34 @@ class Sharing(ServerTestCase):
         self.assertEqual(set(told), {"job", "map"})
         self.assertEqual(told["job"]["job"]["state"], "successful")
         self.assertEqual(server.request("DELETE", f"/api/v1/webhooks/{hook['id']}")[0], 204)
+        receiver.shutdown()
+
+    def test_over_tls_only_those_are_told_whose_certificate_is_good(self):
+        if shutil.which("openssl") is None:
+            self.skipTest("openssl is not here")
+        both = f"{self.data}.pem"
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=receiver", "-addext",
+                        "subjectAltName=IP:127.0.0.1", "-keyout", f"{both}.key", "-out", f"{both}.crt"], check=True, capture_output=True)
+        pathlib.Path(both).write_text("".join(pathlib.Path(both + part).read_text() for part in (".key", ".crt")))
+        receiver = Receiver(both)
+
+        def tell(host):
+            """A job ends, and this host is to hear of it."""
+            _, hook = server.json("POST", "/api/v1/webhooks", {"url": f"https://{host}:{receiver.server_port}/{host}"})
+            _, made = server.upload([("notes.jpg", b"no picture")])
+            server.wait_for_job(made["job"]["id"])
+            return hook
+        server = self.serve("--webhooks", "any")
+        tell("127.0.0.1")
+        wait_until(lambda: "certificate verify failed" in server.errors(), "a certificate of nobody was taken")
+        server.stop()
+        self.assertEqual(receiver.heard, [])
+        with mock.patch.dict(os.environ, {"SSL_CERT_FILE": f"{both}.crt"}):
+            server = self.serve("--webhooks", "any")
+        tell("localhost")  # a name that the certificate does not have
+        wait_until(lambda: any(path == "/127.0.0.1" for path, _, _ in receiver.heard), f"nothing was heard: {server.errors()}")
+        wait_until(lambda: "certificate verify failed" in server.errors(), "another's certificate was taken")
+        self.assertEqual({path for path, _, _ in receiver.heard}, {"/127.0.0.1"})
         receiver.shutdown()
 
     def test_nobody_is_told_by_default_and_nothing_private(self):

@@ -1,6 +1,7 @@
 """Other tile servers over the same tiles, for tiles_bench.py. Each is started where it is installed, answers on a port of
 its own, and knows the addresses of the tiles: nginx (nginx-light) with the tiles as files, MapCache (libapache2-mod-mapcache,
 apache2-bin), MapProxy (mapproxy, gunicorn), tileserver-gl-light (npm; its folder in SKYQUILT_TILESERVER_GL)."""
+import gzip
 import json
 import os
 import pathlib
@@ -81,13 +82,14 @@ class Peer:
         self.pid = self.process.pid
 
     def check(self, tiles):
-        """It sends the very bytes; those that it does not send so are not asked for."""
+        """It sends the very bytes (tileserver-gl-light gzips them); those that it does not send so are not asked for."""
         wait_for(self.url + self.paths[0])
         asked = []
         for path, (_, _, _, content) in zip(self.paths, tiles):
             try:
                 with urllib.request.urlopen(self.url + path) as answer:
-                    same = answer.read() == content
+                    got = answer.read()
+                    same = (gzip.decompress(got) if got[:2] == b"\x1f\x8b" else got) == content
             except urllib.error.HTTPError:
                 same = False
             if same:
@@ -146,7 +148,7 @@ def mapproxy(folder, tiles, mbtiles):
     (folder / "mapproxy.yaml").write_text(MAPPROXY.format(mbtiles=mbtiles, levels=LEVELS, folder=folder))
     (folder / "mapproxy_app.py").write_text("from mapproxy.wsgiapp import make_wsgi_app\n"
                                             f"application = make_wsgi_app({str(folder / 'mapproxy.yaml')!r})\n")
-    paths = [f"/tms/1.0.0/map/drone/{zoom}/{column}/{row}.jpeg" for zoom, column, row, _ in tiles]
+    paths = [f"/tiles/map/drone/{zoom}/{column}/{row}.jpeg" for zoom, column, row, _ in tiles]
     return Peer("MapProxy, gunicorn 2x4", ["gunicorn", "-w", "2", "--threads", "4", "-b", f"127.0.0.1:{port}", "mapproxy_app:application"],
                 port, paths, cwd=folder)
 
