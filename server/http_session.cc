@@ -112,9 +112,11 @@ class Session : public std::enable_shared_from_this<Session> {
       if (error && is_late_ && has_begun) co_return Refuse({408, "The request head came too slowly."});
       if (error) co_return Head::kClosed;
       buffer_.commit(got);
-      if (!has_begun && !is_first_) SetHeadDeadline(context_.settings.header_deadline);
-      has_begun = true;
       state = reading.Look(Buffered());
+      // Most heads come whole, and setting a timer that is sooner than all others costs a system call.
+      if (state == HeadState::kNeedsMore && !has_begun && !is_first_)
+        SetHeadDeadline(context_.settings.header_deadline);
+      has_begun = true;
     }
     // What is known of a refused head still shapes the answer to it.
     head_ = std::move(reading.head());

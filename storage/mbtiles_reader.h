@@ -1,5 +1,5 @@
-// MbtilesReader: tiles out of one finished MBTiles file, which never changes again (opened immutable, read
-// through mmap). Any file with `tiles` is read; one with integer-keyed `tiles_shallow` + `tiles_data` answers
+// MbtilesReader: tiles out of one finished MBTiles file, which never changes again (opened immutable).
+// Any file with `tiles` is read; one with integer-keyed `tiles_shallow` + `tiles_data` answers
 // "which bytes" without touching the bytes, so that a 304 reads no blob page. Any number of threads; each
 // takes a connection of a pool for the time of a call. The file may be unlinked while it is open. Errors:
 // kNotFound, kCorrupt, kIo. https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md

@@ -46,11 +46,10 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
   }
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
-  const Result<void> ready =
-      db.Exec(mode == OpenMode::kReadOnlyImmutable
-                  ? "PRAGMA mmap_size=2147418112; PRAGMA query_only=1; PRAGMA cache_size=-256;"
-                    "PRAGMA trusted_schema=0; SELECT count(*) FROM sqlite_master;"
-                  : "PRAGMA foreign_keys=1; SELECT count(*) FROM sqlite_master;");
+  const Result<void> ready = db.Exec(mode == OpenMode::kReadOnlyImmutable
+                                         ? "PRAGMA query_only=1; PRAGMA cache_size=-64;"
+                                           "PRAGMA trusted_schema=0; SELECT count(*) FROM sqlite_master;"
+                                         : "PRAGMA foreign_keys=1; SELECT count(*) FROM sqlite_master;");
   if (!ready)
     return Error{ready.error().code, ready.error().message, path.string() + ": " + ready.error().detail};
   return db;

@@ -17,8 +17,8 @@ namespace skyquilt::storage {
 
 enum class OpenMode {
   kReadWriteCreate,    // waits up to 10 s for another writer
-  kReadOnlyImmutable,  // the file never changes again: no locks, read through mmap (2 GiB at most, then
-                       // read())
+  kReadOnlyImmutable,  // the file never changes again: no locks. Not mapped: a hundred maps would count as
+                       // this process's memory, and a page that cannot be read would end it
 };
 
 class SqliteDb {
