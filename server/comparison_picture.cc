@@ -41,7 +41,7 @@ Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const Look& loo
   };
   Result<api::Pixels> pixels = api::RenderWindow(tileset, window);
   if (!pixels) return pixels.error();
-  pyramid::RgbaImage image{pixels->width, pixels->height, std::move(pixels->rgba)};
+  pyramid::RgbaImage image{pixels->width, pixels->height, {pixels->rgba.begin(), pixels->rgba.end()}};
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     for (std::size_t c = 0; c < 3; ++c) {
       image.rgba[i + c] = static_cast<std::uint8_t>(image.rgba[i + c] * image.rgba[i + 3] / 255);
@@ -89,8 +89,9 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
       pictures.push_back({std::move(caption), *std::move(image)});
     }
   }
-  pyramid::RgbaImage sheet = pyramid::PictureSheet(pictures, static_cast<int>(drawn.size()));
-  return api::EncodeTile({sheet.width_px, sheet.height_px, std::move(sheet.rgba)}, pipeline::TileFormat::kPng);
+  const pyramid::RgbaImage sheet = pyramid::PictureSheet(pictures, static_cast<int>(drawn.size()));
+  return api::EncodeTile({sheet.width_px, sheet.height_px, {sheet.rgba.begin(), sheet.rgba.end()}},
+                         pipeline::TileFormat::kPng);
 }
 
 }  // namespace skyquilt::server

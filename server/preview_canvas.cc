@@ -26,7 +26,7 @@ Result<RgbaImage> Decode(std::string_view bytes) {
       pixels->rgba[c] = static_cast<std::uint8_t>((pixels->rgba[c] * alpha + 127) / 255);
     }
   }
-  return RgbaImage{kSidePx, kSidePx, std::move(pixels->rgba)};
+  return RgbaImage{kSidePx, kSidePx, {pixels->rgba.begin(), pixels->rgba.end()}};
 }
 
 void LayOver(const RgbaImage& above, RgbaImage& below) {

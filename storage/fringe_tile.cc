@@ -1,6 +1,5 @@
 #include "storage/fringe_tile.h"
 
-#include <png.h>
 #include <turbojpeg.h>
 
 #include <algorithm>
@@ -8,6 +7,8 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
+
+#include "storage/png_tile.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -59,18 +60,9 @@ std::string EncodeJpeg(const TileCanvas& canvas, int quality) {
 Error Damaged() { return {ErrorCode::kCorrupt, "a stored tile is damaged; stitch the flight again", ""}; }
 
 Result<TileCanvas> DecodePng(std::string_view bytes, int side_px) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return Damaged();
-  const auto side = static_cast<png_uint_32>(side_px);
-  if (image.width != side || image.height != side) {
-    png_image_free(&image);
-    return Damaged();
-  }
-  image.format = PNG_FORMAT_RGBA;
-  TileCanvas canvas = TileCanvas::Transparent(side_px);
-  if (png_image_finish_read(&image, nullptr, canvas.rgba.data(), 0, nullptr) == 0) return Damaged();
-  return canvas;
+  auto rgba = DecodePngTile(bytes, side_px);
+  if (!rgba) return rgba.error();
+  return TileCanvas{side_px, *std::move(rgba)};
 }
 
 Result<TileCanvas> DecodeJpeg(std::string_view bytes, int side_px) {

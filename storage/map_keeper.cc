@@ -8,7 +8,6 @@
 
 #include "storage/earlier_map.h"
 #include "storage/map_files.h"
-#include "storage/packed_half.h"
 #include "storage/publish_file.h"
 #include "storage/sqlite_db.h"
 
@@ -151,10 +150,9 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
     kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(4), row.ColumnDouble(5)));
     kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(6), row.ColumnDouble(7)));
   }
-  auto half = UnpackHalf(row.ColumnBlob(8));
+  const auto half = row.ColumnBlob(8);
+  kept.half.assign(half.begin(), half.end());
   row.Reset();
-  if (!half) return half.error();
-  kept.half_rgba = *std::move(half);
   std::int64_t tiles = 0;
   for (int level = 0; level <= kept.levels; ++level) {
     const int zoom = block.z() + level;
@@ -187,8 +185,6 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
 
 Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, const KeptBlock& kept) {
   Statement& row = state_->keep;
-  const std::vector<std::uint8_t> half =
-      kept.half_rgba.empty() ? std::vector<std::uint8_t>() : PackHalf(kept.half_rgba);
   row.Bind(1, block.z())
       .Bind(2, static_cast<std::int64_t>(block.x()))
       .Bind(3, static_cast<std::int64_t>(block.y()));
@@ -200,7 +196,7 @@ Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, con
     row.Bind(9, kept.covered_in_merc.min.x()).Bind(10, kept.covered_in_merc.min.y());
     row.Bind(11, kept.covered_in_merc.max.x()).Bind(12, kept.covered_in_merc.max.y());
   }
-  row.Bind(13, std::span<const std::uint8_t>(half));
+  row.Bind(13, std::span<const std::uint8_t>(kept.half));
   if (auto kept_row = row.Run(); !kept_row) return kept_row;
   if (++state_->uncommitted < kBlocksACommit) return {};
   return state_->Commit();

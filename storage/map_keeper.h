@@ -6,10 +6,10 @@
 // there before it is believed; what is not is rendered anew.
 //
 // The file is SQLite: blocks(zoom, column, row, levels, digest, tiles, base_tiles, covered_pixels, west,
-// south, east, north, half), rows from the north, bounds in EPSG:3857 metres, half zlib of RGBA; facts(name,
-// bytes): 'flight' (core/pipeline/flight_facts.h), 'tiles' (how many the map has: a state of another map is
-// not believed). Deleting it costs time on the next run, nothing else. One thread at a time, but DigestOf.
-// Errors: kOutOfSpace, kIo, kCorrupt.
+// south, east, north, half), rows from the north, bounds in EPSG:3857 metres, half as pyramid::PackPicture
+// has it; facts(name, bytes): 'flight' (core/pipeline/flight_facts.h), 'tiles' (how many the map has: a state
+// of another map is not believed). Deleting it costs time on the next run, nothing else. One thread at a
+// time, but DigestOf. Errors: kOutOfSpace, kIo, kCorrupt.
 #pragma once
 
 #include <filesystem>
@@ -27,7 +27,8 @@ class MapKeeper final : public pipeline::MapMemory, public pipeline::TileSink {
   static Result<std::unique_ptr<MapKeeper>> Create(const std::filesystem::path& folder,
                                                    const std::filesystem::path& previous);
   ~MapKeeper() override;
-  // What the finished map in a folder remembers of its flight. Errors: kNotFound (no map, or none with a memory).
+  // What the finished map in a folder remembers of its flight. Errors: kNotFound (no map, or none with a
+  // memory).
   static Result<std::string> FactsOf(const std::filesystem::path& folder);
 
   Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format,

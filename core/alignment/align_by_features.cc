@@ -12,6 +12,7 @@
 #include "core/alignment/extract_all.h"
 #include "core/alignment/pair_link.h"
 #include "core/alignment/plane_homography.h"
+#include "core/alignment/reprojection_cost.h"
 #include "core/alignment/residuals.h"
 #include "core/base/scoped_timer.h"
 
@@ -83,16 +84,13 @@ std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhot
   rotation.row(1) = rotation.row(2).cross(rotation.row(0));
   const Eigen::Vector3d center = *middle + Eigen::Vector3d(0.0, 0.0, gsd_m * lens.MeanFocalPx());
 
+  const auto start = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(rotation), center);
   double pose[kPoseSize] = {};
   double as_recorded[kLensSize] = {0.0, 0.0, 0.0, lens.k1, lens.k2, lens.p1, lens.p2};
   ceres::Problem problem;
   for (auto& [pixel, point] : seen) {
-    auto* residual = new ReprojectionResidual{
-        rotation, center, {lens.focal_x_px, lens.focal_y_px}, {lens.center_x_px, lens.center_y_px}, lens.k3,
-        pixel,    1.0};
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, kPoseSize, 3, kLensSize>(residual), nullptr,
-        pose, point.data(), as_recorded);
+    problem.AddResidualBlock(MakeReprojectionCost(start, lens, pixel, 1.0), nullptr, pose, point.data(),
+                             as_recorded);
     problem.SetParameterBlockConstant(point.data());
   }
   problem.SetParameterBlockConstant(as_recorded);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/alignment/reprojection_cost.h"
 #include "core/alignment/residuals.h"
 #include "core/base/median.h"
 
@@ -249,15 +250,8 @@ class Round {
   void AddObservation(double* point, const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
     const camera::Intrinsics& lens = recorded_[photo.lens];
-    auto* residual = new ReprojectionResidual{photo.cam_from_enu.rotation.toRotationMatrix(),
-                                              photo.cam_from_enu.TargetOriginInSource(),
-                                              {lens.focal_x_px, lens.focal_y_px},
-                                              {lens.center_x_px, lens.center_y_px},
-                                              lens.k3,
-                                              seen.pixel_in_image,
-                                              seen.sigma_px};
     ceres_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, kPoseSize, 3, kLensSize>(residual),
+        MakeReprojectionCost(photo.cam_from_enu, lens, seen.pixel_in_image, seen.sigma_px),
         new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens));
   }
 

@@ -45,7 +45,7 @@ bool IsHarmlessWarning(std::string_view message) {
 }
 
 // Adobe's CMYK is stored inverted, and that is how all JPEGs with four components come.
-void RgbFromInvertedCmyk(const std::vector<std::uint8_t>& cmyk, std::vector<std::uint8_t>& rgb) {
+void RgbFromInvertedCmyk(const PixelBytes& cmyk, PixelBytes& rgb) {
   for (std::size_t i = 0; i < cmyk.size() / 4; ++i) {
     const int black = cmyk[4 * i + 3];
     for (std::size_t c = 0; c < 3; ++c)
@@ -68,7 +68,7 @@ Result<DecodedImage> DecodeJpeg(const std::vector<std::uint8_t>& bytes, int widt
       static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px);
   image.rgb.resize(3 * pixels);
   const bool is_cmyk = colorspace == TJCS_CMYK || colorspace == TJCS_YCCK;
-  std::vector<std::uint8_t> cmyk(is_cmyk ? 4 * pixels : 0);
+  PixelBytes cmyk(is_cmyk ? 4 * pixels : 0);
   const int status =
       tjDecompress2(turbo.get(), bytes.data(), bytes.size(), is_cmyk ? cmyk.data() : image.rgb.data(),
                     image.width_px, 0, image.height_px, is_cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_LIMITSCANS);

@@ -15,21 +15,23 @@ LocalFrame::LocalFrame(const Wgs84& origin) : origin_(origin) {
   enu_from_ecef_ = ecef_from_enu_.Inverse();
 }
 
-Eigen::Vector3d LocalFrame::EnuFromWgs84(const Wgs84& wgs84) const { return enu_from_ecef_ * EcefFromWgs84(wgs84); }
+Eigen::Vector3d LocalFrame::EnuFromWgs84(const Wgs84& wgs84) const {
+  return enu_from_ecef_ * EcefFromWgs84(wgs84);
+}
 
 Wgs84 LocalFrame::Wgs84FromEnu(const Eigen::Vector3d& point_in_enu) const {
   return Wgs84FromEcef(ecef_from_enu_ * point_in_enu);
 }
 
+Vertical LocalFrame::VerticalAt(const LatLon& position) const {
+  const double lat = DegToRad(position.lat_deg), lon = DegToRad(position.lon_deg);
+  const Eigen::Vector3d up_in_ecef(std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon),
+                                   std::sin(lat));
+  return {EnuFromWgs84({position.lat_deg, position.lon_deg, 0.0}), enu_from_ecef_.rotation * up_in_ecef};
+}
+
 Eigen::Vector3d LocalFrame::EnuAtHeight(const LatLon& position, double z_in_enu_m) const {
-  Wgs84 point{position.lat_deg, position.lon_deg, origin_.height_ellipsoid_m + z_in_enu_m};
-  Eigen::Vector3d enu = EnuFromWgs84(point);
-  // The local vertical differs from the frame's z by distance/Earth radius: two corrections leave nanometres.
-  for (int i = 0; i < 2; ++i) {
-    point.height_ellipsoid_m += z_in_enu_m - enu.z();
-    enu = EnuFromWgs84(point);
-  }
-  return enu;
+  return VerticalAt(position).AtHeight(z_in_enu_m);
 }
 
 }  // namespace skyquilt::geo

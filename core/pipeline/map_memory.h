@@ -22,7 +22,7 @@ struct KeptBlock {
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
   geo::Bounds2 covered_in_merc;
-  std::vector<std::uint8_t> half_rgba;  // the block as one tile at half its size, premultiplied; empty: no tile
+  std::vector<std::uint8_t> half;  // the block as one tile at half its size (pyramid::PackPicture); empty: no tile
 };
 
 // What an earlier run left: finished blocks and facts of the flight, so that a job that was killed goes on and a

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include "core/base/pixel_bytes.h"
 #include "core/base/result.h"
 #include "core/flight/photo.h"
 #include "core/geo/lat_lon.h"
@@ -19,7 +19,7 @@ namespace skyquilt::pipeline {
 struct DecodedImage {
   int width_px = 0;
   int height_px = 0;
-  std::vector<std::uint8_t> rgb;
+  PixelBytes rgb;
 
   const std::uint8_t* Row(int y) const { return rgb.data() + static_cast<std::size_t>(y) * width_px * 3; }
 };

@@ -38,14 +38,18 @@ MatchLength LengthOf(int length) {
 }
 
 // Every row after its filter byte: what the mean of the pixels to the left and above did not foretell.
-std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int size_px) {
+std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int size_px, PngAlpha alpha) {
   const auto row_bytes = static_cast<std::size_t>(size_px) * 4;
   std::vector<std::uint8_t> filtered((row_bytes + 1) * static_cast<std::size_t>(size_px));
   // Four zeros before each row are the pixel to the left of its first.
   std::vector<std::uint8_t> above(row_bytes + 4, 0), row(row_bytes + 4, 0);
   std::uint8_t* out = filtered.data();
   for (int dy = 0; dy < size_px; ++dy) {
-    StraightenAlpha(image.Pixel(x, y + dy), size_px, row.data() + 4);
+    if (alpha == PngAlpha::kStraight) {
+      StraightenAlpha(image.Pixel(x, y + dy), size_px, row.data() + 4);
+    } else {
+      std::memcpy(row.data() + 4, image.Pixel(x, y + dy), row_bytes);
+    }
     *out++ = kAverageFilter;
     const std::uint8_t* left = row.data();
     const std::uint8_t* here = row.data() + 4;
@@ -146,11 +150,11 @@ void CloseChunk(std::string_view name, std::uint8_t* chunk, std::size_t size) {
 
 }  // namespace
 
-std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px) {
+std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px, PngAlpha alpha) {
   SKYQUILT_CHECK(
       size_px > 0 && x >= 0 && y >= 0 && x + size_px <= image.width_px && y + size_px <= image.height_px,
       "a picture beyond the image");
-  const std::vector<std::uint8_t> filtered = Filtered(image, x, y, size_px);
+  const std::vector<std::uint8_t> filtered = Filtered(image, x, y, size_px, alpha);
   std::vector<std::uint32_t> counts(kSymbols, 0);
   Walk(
       filtered, size_px, [&](std::uint8_t byte) { ++counts[byte]; },

@@ -11,7 +11,10 @@
 
 namespace skyquilt::pyramid {
 
-// The square of `image` that starts at (x, y), its alpha made straight.
-std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px);
+enum class PngAlpha { kStraight, kAsItIs };
+
+// The square of `image` that starts at (x, y), its alpha made straight, as PNG asks, or left premultiplied.
+std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px,
+                                    PngAlpha alpha = PngAlpha::kStraight);
 
 }  // namespace skyquilt::pyramid

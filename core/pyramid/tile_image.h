@@ -3,18 +3,18 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+
+#include "core/base/pixel_bytes.h"
 
 namespace skyquilt::pyramid {
 
 struct RgbaImage {
   int width_px = 0;
   int height_px = 0;
-  std::vector<std::uint8_t> rgba;
+  PixelBytes rgba;
 
   static RgbaImage Transparent(int width_px, int height_px) {
-    return {width_px, height_px,
-            std::vector<std::uint8_t>(static_cast<std::size_t>(width_px) * height_px * 4, 0)};
+    return {width_px, height_px, PixelBytes(static_cast<std::size_t>(width_px) * height_px * 4, 0)};
   }
   std::uint8_t* Pixel(int x, int y) { return rgba.data() + (static_cast<std::size_t>(y) * width_px + x) * 4; }
   const std::uint8_t* Pixel(int x, int y) const {

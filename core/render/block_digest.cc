@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/render/block_geometry.h"
 #include "core/render/block_weights.h"
 
 namespace skyquilt::render {
 namespace {
 
 // Raised whenever the same input gives other pixels than before.
-constexpr int kRendererVersion = 1;
+constexpr int kRendererVersion = 2;
 // Ground nearer together than this is the same: a grid that grew tells it a rounding error differently.
 constexpr double kGroundStepM = 1e-4;
 constexpr std::int32_t kOtherPhoto = -2;  // one that shows nothing of the block itself
@@ -30,17 +29,17 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
 }  // namespace
 
 Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& encode,
-                   const std::vector<Digest>& photo_digests, const RenderBlock& block) {
+                   const std::vector<Digest>& photo_digests, const RenderBlock& block,
+                   const BlockGeometry& geometry) {
   const MosaicPlan& plan = context.plan;
   const SeamGrid& grid = context.seams.grid;
   Hasher hasher;
   hasher.Add(kRendererVersion).Add(encode.use_webp).Add(encode.quality);
   hasher.Add(plan.block_levels).Add(plan.tile_size_px).Add(plan.feather_m);
   hasher.Add(grid.cell_px).Add(context.seams.cell_m).Add(context.flight.frame.origin().lat_deg);
-  const BlockGeometry geometry =
-      MakeBlockGeometry(block.tile, plan.BlockSizePx(), context.flight.frame, context.ground);
   for (const Eigen::Vector3d& node : geometry.ground_in_enu) {
-    for (const double metres : {node.x(), node.y(), node.z()}) hasher.Add(std::llround(metres / kGroundStepM));
+    for (const double metres : {node.x(), node.y(), node.z()})
+      hasher.Add(std::llround(metres / kGroundStepM));
   }
   const BlockCells cells(context.seams, block.tile, plan.block_levels);
   const std::vector<std::uint32_t> photos = cells.IsInner() ? cells.Photos() : block.photos;

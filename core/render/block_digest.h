@@ -8,12 +8,14 @@
 
 #include "core/base/digest.h"
 #include "core/pyramid/encode_tile.h"
+#include "core/render/block_geometry.h"
 #include "core/render/render_block.h"
 
 namespace skyquilt::render {
 
-// photo_digests[i]: of the file of flight.photos[i].
+// photo_digests[i]: of the file of flight.photos[i]; geometry: GeometryOf(context, block).
 Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& encode,
-                   const std::vector<Digest>& photo_digests, const RenderBlock& block);
+                   const std::vector<Digest>& photo_digests, const RenderBlock& block,
+                   const BlockGeometry& geometry);
 
 }  // namespace skyquilt::render

@@ -22,12 +22,11 @@ BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, cons
       // World-wide pixel numbers are exact in double, so every block gives a node the same place.
       const double world_x = static_cast<double>(block_tile.x()) * size_px + column * kNodeStepPx;
       const double world_y = static_cast<double>(block_tile.y()) * size_px + row * kNodeStepPx;
-      const geo::LatLon position = geo::LatLonFromMerc(
-          {(world_x + 0.5) * pixel_m - geo::kMercHalfWidthM, geo::kMercHalfWidthM - (world_y + 0.5) * pixel_m});
-      Eigen::Vector3d point = frame.EnuAtHeight(position, ground.MeanHeight());
-      if (!ground.IsPlane()) {
-        point = frame.EnuAtHeight(position, ground.HeightAt(point.head<2>()));
-      }
+      const geo::LatLon position = geo::LatLonFromMerc({(world_x + 0.5) * pixel_m - geo::kMercHalfWidthM,
+                                                        geo::kMercHalfWidthM - (world_y + 0.5) * pixel_m});
+      const geo::Vertical vertical = frame.VerticalAt(position);
+      Eigen::Vector3d point = vertical.AtHeight(ground.MeanHeight());
+      if (!ground.IsPlane()) point = vertical.AtHeight(ground.HeightAt(point.head<2>()));
       block.ground_in_enu.push_back(point);
     }
   }

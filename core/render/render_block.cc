@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "core/geo/web_mercator.h"
-#include "core/render/block_geometry.h"
 #include "core/render/block_weights.h"
 #include "core/render/cubic_sampler.h"
 #include "core/render/weigh_block.h"
@@ -214,10 +214,19 @@ int DenominatorFor(const alignment::AlignedPhoto& photo, double output_pixel_m) 
   return denominator;
 }
 
+BlockGeometry GeometryOf(const RenderContext& context, const RenderBlock& block) {
+  return MakeBlockGeometry(block.tile, context.plan.BlockSizePx(), context.flight.frame, context.ground);
+}
+
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block) {
+  return RenderBlockPixels(context, block, GeometryOf(context, block));
+}
+
+Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
+                                             BlockGeometry ground_below) {
   const int size_px = context.plan.BlockSizePx();
   const auto [geometry, photos, views, shares] =
-      WeighBlock(context.flight, context.ground, context.seams, context.plan, block);
+      WeighBlock(context.flight, context.seams, context.plan, block, std::move(ground_below));
   const BlockCells cells(context.seams, block.tile, context.plan.block_levels);
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);

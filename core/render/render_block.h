@@ -6,6 +6,7 @@
 #include "core/base/result.h"
 #include "core/ground/ground_surface.h"
 #include "core/pyramid/tile_image.h"
+#include "core/render/block_geometry.h"
 #include "core/render/exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/photo_cache.h"
@@ -24,6 +25,10 @@ struct RenderContext {
 
 // The block's pixels, plan.BlockSizePx() a side; transparent where no photo sees the ground.
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block);
+// The same by whoever has the ground below the block already.
+BlockGeometry GeometryOf(const RenderContext& context, const RenderBlock& block);
+Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
+                                             BlockGeometry ground_below);
 
 // Ground size of a pixel at the base zoom.
 double OutputPixelM(const MosaicPlan& plan, const alignment::AlignedFlight& flight);

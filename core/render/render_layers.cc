@@ -134,7 +134,8 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;
-    const WeighedBlock weighed = WeighBlock(flight, ground, seams, plan, block);
+    const WeighedBlock weighed = WeighBlock(
+        flight, seams, plan, block, MakeBlockGeometry(block.tile, plan.BlockSizePx(), flight.frame, ground));
     const std::vector<std::int32_t> owners = OwnersOf(weighed);
     if (std::all_of(owners.begin(), owners.end(), [](std::int32_t owner) { return owner == kNoPhoto; })) {
       return drawn;

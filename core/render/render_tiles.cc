@@ -10,6 +10,7 @@
 #include "core/base/parallel_for.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
+#include "core/pyramid/pack_picture.h"
 #include "core/render/block_digest.h"
 
 namespace skyquilt::render {
@@ -26,7 +27,8 @@ struct FinishedBlock {
   bool is_kept = false;          // an earlier run made it: nothing below but the digest
   std::vector<FinishedTile>
       tiles;  // base zoom first, then the block's own overviews but the topmost's parents
-  std::optional<pyramid::RgbaImage> top;  // the block as one tile; nothing if no pixel is covered
+  std::optional<pyramid::RgbaImage> half;  // the block as half a tile; nothing if no pixel is covered
+  std::vector<std::uint8_t> packed_half;   // the same, only where somebody remembers
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
   geo::Bounds2 covered_in_merc;
@@ -64,9 +66,9 @@ void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, 
 }
 
 FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options,
-                          const RenderBlock& block) {
+                          const RenderBlock& block, const BlockGeometry& geometry) {
   FinishedBlock finished;
-  Result<pyramid::RgbaImage> rendered = RenderBlockPixels(context, block);
+  Result<pyramid::RgbaImage> rendered = RenderBlockPixels(context, block, geometry);
   if (!rendered) {
     finished.error = rendered.error();
     return finished;
@@ -90,29 +92,29 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
     }
     if (level > 0) image = pyramid::Halve(image);
   }
-  finished.top = std::move(image);
+  finished.half = pyramid::Halve(image);
   return finished;
 }
 
 // Puts the tiles of a block, newly made or an earlier run's, and says what the rest of the map needs of it.
 template <typename Put>
-Result<pipeline::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile, const FinishedBlock& block,
-                                     const RenderMemory* memory, const Put& put) {
+Result<pipeline::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile,
+                                     const FinishedBlock& block, const RenderMemory* memory, const Put& put) {
   if (block.is_kept) return memory->map.Reuse(tile);
   for (const FinishedTile& finished : block.tiles) put(finished.tile, finished.encoded);
-  pipeline::KeptBlock kept{plan.block_levels,    static_cast<std::int64_t>(block.tiles.size()),
-                           block.base_tiles,     block.covered_pixels,
-                           block.covered_in_merc, {}};
-  if (block.top) kept.half_rgba = pyramid::Halve(*block.top).rgba;
+  pipeline::KeptBlock kept{plan.block_levels,     static_cast<std::int64_t>(block.tiles.size()),
+                           block.base_tiles,      block.covered_pixels,
+                           block.covered_in_merc, block.packed_half};
   if (memory == nullptr) return kept;
-  if (const Result<void> remembered = memory->map.Keep(tile, *block.digest, kept); !remembered) return remembered.error();
+  if (const Result<void> remembered = memory->map.Keep(tile, *block.digest, kept); !remembered)
+    return remembered.error();
   return kept;
 }
 
 }  // namespace
 
-Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options, pipeline::TileSink& sink,
-                                 Progress& progress, const RenderMemory* memory) {
+Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options,
+                                 pipeline::TileSink& sink, Progress& progress, const RenderMemory* memory) {
   RenderReport report;
   std::optional<Error> failure;
   std::atomic<bool> stop{false};
@@ -144,11 +146,15 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           return skipped;
         }
         const RenderBlock& block = context.plan.blocks[i];
-        if (memory == nullptr) return FinishBlock(context, options, block);
-        const Digest digest = DigestBlock(context, options.encode, memory->photo_digests, block);
+        const BlockGeometry geometry = GeometryOf(context, block);
+        if (memory == nullptr) return FinishBlock(context, options, block, geometry);
+        const Digest digest = DigestBlock(context, options.encode, memory->photo_digests, block, geometry);
         FinishedBlock finished;
         finished.is_kept = memory->map.DigestOf(block.tile) == digest;
-        if (!finished.is_kept) finished = FinishBlock(context, options, block);
+        if (!finished.is_kept) {
+          finished = FinishBlock(context, options, block, geometry);
+          if (finished.half) finished.packed_half = pyramid::PackPicture(*finished.half);
+        }
         finished.digest = digest;
         return finished;
       },
@@ -159,7 +165,8 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           stop = true;
           return;
         }
-        Result<pipeline::KeptBlock> kept = TakeOver(context.plan, context.plan.blocks[i].tile, block, memory, put);
+        Result<pipeline::KeptBlock> kept =
+            TakeOver(context.plan, context.plan.blocks[i].tile, block, memory, put);
         if (!kept) {
           failure = kept.error();
           stop = true;
@@ -169,10 +176,16 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           report.tiles += kept->tiles;
           ++report.blocks_kept;
         }
-        if (!kept->half_rgba.empty()) {
-          const int half_px = context.plan.tile_size_px / 2;
-          overviews.AddHalf(context.plan.blocks[i].tile, {half_px, half_px, std::move(kept->half_rgba)});
+        if (block.is_kept && !kept->half.empty()) {
+          auto half = pyramid::UnpackPicture(kept->half, context.plan.tile_size_px / 2);
+          if (!half) {
+            failure = half.error();
+            stop = true;
+            return;
+          }
+          block.half = *std::move(half);
         }
+        if (block.half) overviews.AddHalf(context.plan.blocks[i].tile, *block.half);
         report.base_tiles += kept->base_tiles;
         report.covered_merc_m2 += static_cast<double>(kept->covered_pixels) * pixel_m * pixel_m;
         report.covered_in_merc.Include(kept->covered_in_merc);

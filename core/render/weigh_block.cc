@@ -1,11 +1,13 @@
 #include "core/render/weigh_block.h"
 
+#include <utility>
+
 namespace skyquilt::render {
 
-WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                        const SeamMap& seams, const MosaicPlan& plan, const RenderBlock& block) {
+WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const SeamMap& seams, const MosaicPlan& plan,
+                        const RenderBlock& block, BlockGeometry geometry) {
   WeighedBlock weighed;
-  weighed.geometry = MakeBlockGeometry(block.tile, plan.BlockSizePx(), flight.frame, ground);
+  weighed.geometry = std::move(geometry);
   const BlockCells cells(seams, block.tile, plan.block_levels);
   // At the map's edge a pixel may be seen by a photo that has no cell here.
   weighed.photos = cells.IsInner() ? cells.Photos() : block.photos;

@@ -1,12 +1,12 @@
-// WeighBlock: which photos show which pixels of a block, from the seam map and the photos' views, before any photo is
-// decoded. What the picture and the layers beside it are made from, so that they agree. Pure; any thread.
+// WeighBlock: which photos show which pixels of a block, from the seam map and the photos' views, before any
+// photo is decoded. What the picture and the layers beside it are made from, so that they agree. Pure; any
+// thread.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
-#include "core/ground/ground_surface.h"
 #include "core/render/block_geometry.h"
 #include "core/render/block_weights.h"
 #include "core/render/mosaic_plan.h"
@@ -21,7 +21,7 @@ struct WeighedBlock {
   BlockShares shares;
 };
 
-WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                        const SeamMap& seams, const MosaicPlan& plan, const RenderBlock& block);
+WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const SeamMap& seams, const MosaicPlan& plan,
+                        const RenderBlock& block, BlockGeometry geometry);
 
 }  // namespace skyquilt::render

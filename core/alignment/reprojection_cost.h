@@ -1,0 +1,21 @@
+// MakeReprojectionCost: where a photo saw a point against where pose (kPoseSize), point (enu) and lens
+// (kLensSize) say it should be, as residuals.h has these numbers, in sigmas. The one cost term that is asked
+// tens of thousands of times a solve, so its derivatives are written out. The caller owns what comes back.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/camera/intrinsics.h"
+#include "core/geo/rigid3.h"
+
+namespace ceres {
+class CostFunction;
+}
+
+namespace skyquilt::alignment {
+
+ceres::CostFunction* MakeReprojectionCost(const geo::Rigid3& start_cam_from_enu,
+                                          const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                                          double sigma_px);
+
+}  // namespace skyquilt::alignment

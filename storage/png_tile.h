@@ -1,0 +1,17 @@
+// DecodePngTile: a PNG (ISO/IEC 15948) of 8-bit RGBA without interlacing, which is what tilesets hold,
+// several times faster than a reader of every kind. Pure; any thread. Errors: kCorrupt (any other kind of
+// picture too).
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace skyquilt::storage {
+
+// side_px x side_px pixels of red, green, blue and straight alpha.
+Result<std::vector<std::uint8_t>> DecodePngTile(std::string_view bytes, int side_px);
+
+}  // namespace skyquilt::storage
