@@ -1,13 +1,16 @@
 """The map through GIS programs: GDAL and QGIS read the server's tiles and get the pixels of the MBTiles."""
 import json
+import math
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.request
 import xml.etree.ElementTree as xml_parser
 
+from npm_clients import install_clients, script
 from server_support import Server, ServerTestCase
 
 WORLD_M = 20037508.342789244
@@ -198,6 +201,28 @@ class Gis(ServerTestCase):
                 self.assertAlmostEqual(ours, theirs, places=6)
             picture = wms.getmap(layers=["map"], srs="EPSG:4326", bbox=box, size=(300, 200), format="image/png")
             self.assertTrue(picture.read().startswith(b"\x89PNG"))
+
+    def test_openlayers_reads_the_capabilities(self):
+        clients = install_clients()
+        if clients is None:
+            self.skipTest("npm's OpenLayers cannot be had")
+        column, row, west, north, pixel_m, side = self.inner_window(1)
+        zoom = self.tilejson["maxzoom"]
+        lon = math.degrees((west + pixel_m * side / 2) / WORLD_M * math.pi)
+        lat = math.degrees(math.atan(math.sinh((north - pixel_m * side / 2) / WORLD_M * math.pi)))
+        capabilities = {"KVP": f"/wmts/{self.flight_id}?SERVICE=WMTS&REQUEST=GetCapabilities",
+                        "REST": f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml"}
+        for encoding, path in capabilities.items():
+            done = subprocess.run(["node", script(clients, "openlayers_wmts.mjs"), self.address(path), "map", encoding, str(lon), str(lat),
+                                   str(zoom)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            found = json.loads(done.stdout)
+            self.assertEqual((found["column"], found["row"]), (column, row))
+            self.assertAlmostEqual(found["resolution_m"], pixel_m, delta=pixel_m * 1e-6)
+            with urllib.request.urlopen(found["url"]) as answer:
+                kind = answer.headers["Content-Type"].removeprefix("image/")
+                want = self.server.request("GET", f"/tiles/{self.flight_id}/{zoom}/{column}/{row}.{kind}")[2]
+                self.assertEqual(answer.read(), want, encoding)
 
     def test_the_versions_of_wms_agree_on_where_north_is(self):
         west, south, east, north = self.tilejson["bounds"]

@@ -3,46 +3,21 @@ server. The clients come from npm; without them these tests skip."""
 import base64
 import hashlib
 import http.client
-import os
 import pathlib
 import random
 import re
-import shutil
 import socket
 import subprocess
 import tempfile
 import time
 import unittest
 
+from npm_clients import install_clients, script
 from server_support import Server, ServerTestCase, wait_until
 
-CLIENTS = pathlib.Path(__file__).resolve().parent / "clients"
 MIB = 1 << 20
 VERSION = {"Tus-Resumable": "1.0.0"}
 CHUNK = {**VERSION, "Content-Type": "application/offset+octet-stream"}
-
-
-def install_clients():
-    """The folder with the clients' modules, or None."""
-    given = os.environ.get("SKYQUILT_TEST_CLIENTS")
-    if given:
-        return pathlib.Path(given)
-    if not shutil.which("npm"):
-        return None
-    folder = pathlib.Path(tempfile.gettempdir(), f"skyquilt_test_clients_{os.getuid()}")
-    folder.mkdir(exist_ok=True)
-    for name in ("package.json", "package-lock.json"):
-        shutil.copy(CLIENTS / name, folder)
-    if not (folder / "node_modules" / "tus-js-client").exists():
-        done = subprocess.run(["npm", "ci", "--no-audit", "--no-fund"], cwd=folder, capture_output=True)
-        if done.returncode != 0:
-            return None
-    return folder
-
-
-def script(folder, name):
-    """A module finds its packages beside itself."""
-    return shutil.copy(CLIENTS / name, folder)
 
 
 def metadata(flight, name="a.jpg"):
