@@ -76,8 +76,10 @@ std::optional<Refusal> CheckFraming(RequestHead& head) {
 }  // namespace
 
 std::optional<Refusal> CheckRawHead(std::string_view raw) {
-  std::string_view line = raw.substr(0, raw.find("\r\n"));
-  if (line.ends_with('\r')) line.remove_suffix(1);  // the other half of the line end is still on its way
+  const std::size_t end = raw.find("\r\n");
+  std::string_view line = raw.substr(0, end);
+  // The other half of the line end is still on its way.
+  if (end == std::string_view::npos && line.ends_with('\r')) line.remove_suffix(1);
   for (const char c : line) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte >= 0x80) return BadRequest("The request line has bytes that are not ASCII.");
