@@ -264,7 +264,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     summary = AdjustBundle(problem, last);
     report.iterations += summary.iterations;
   }
-  const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, compared, linked.links);
+  const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, compared, linked.links, relief);
   report.corrections = DescribeCorrections(linked.corrected, names, lines);
   report.pairs = PairsInUse(problem, names);
   ReportControl(problem, report.control);

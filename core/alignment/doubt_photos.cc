@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
+#include "core/alignment/sharpness.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
 
@@ -14,7 +16,8 @@ namespace {
 
 constexpr double kSamePixelPx = 1.0;
 constexpr double kCopiedShare = 0.4;    // of the features that must lie at the same pixels
-constexpr double kBlurredShare = 0.35;  // of the sharpness of photos around it
+constexpr double kBlurredShare = 0.35;  // of the fine detail that others show of the same ground
+constexpr std::size_t kEnoughToCompare = 2;
 constexpr std::size_t kFewPhotos = 5;
 constexpr std::size_t kRichInFeatures = 300;
 constexpr double kSurelySharedOverlap = 0.4;
@@ -35,10 +38,52 @@ bool ShowsTheSamePixels(const PairLink& link, const LinkInput& input) {
   return static_cast<double>(same) > kCopiedShare * static_cast<double>(fewer);
 }
 
+// Against those that are linked, and so surely show the same ground; a photo without links, which may show
+// any, must besides be of little sharpness by itself, whatever it shows.
+std::vector<char> FindBlurred(const LinkInput& input, const std::vector<CandidatePair>& pairs,
+                              const std::vector<PairLink>& links, const Relief& relief) {
+  const std::size_t count = input.views.size();
+  std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
+  const auto against = [&](int own, int other, std::vector<std::vector<double>>& shares) {
+    const std::optional<double> share =
+        SharpnessAgainst(input.features[own]->detail, input.views[own], input.features[other]->detail,
+                         input.views[other], relief);
+    if (share) shares[own].push_back(*share);
+  };
+  for (const PairLink& link : links) {
+    against(link.first, link.second, linked);
+    against(link.second, link.first, linked);
+  }
+  std::vector<double> sharpness(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (input.features[i] != nullptr) sharpness[i] = SharpnessByItself(input.features[i]->detail);
+  }
+  for (const CandidatePair& pair : pairs) {
+    if (pair.overlap < kSurelySharedOverlap || !input.features[pair.first] || !input.features[pair.second])
+      continue;
+    for (const auto& [own, other] : {std::pair(pair.first, pair.second), {pair.second, pair.first}}) {
+      if (linked[own].size() >= kEnoughToCompare) continue;
+      against(own, other, overlapping);
+      by_itself[own].push_back(sharpness[own] / (sharpness[other] + 1e-9));
+    }
+  }
+  const auto is_less_sharp = [](const std::vector<double>& shares) {
+    return shares.size() >= kEnoughToCompare && Median(shares) < kBlurredShare;
+  };
+  std::vector<char> is_blurred(count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_linked = linked[i].size() >= kEnoughToCompare;
+    const bool is =
+        is_linked ? is_less_sharp(linked[i]) : is_less_sharp(overlapping[i]) && is_less_sharp(by_itself[i]);
+    is_blurred[i] = is ? 1 : 0;
+  }
+  return is_blurred;
+}
+
 }  // namespace
 
 std::vector<PhotoDoubt> DoubtPhotos(const LinkInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<PairLink>& links) {
+                                    const std::vector<PairLink>& links, const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<PhotoDoubt> doubts(count);
   std::vector<int> linked(count, 0), witnesses(count, 0);
@@ -48,25 +93,14 @@ std::vector<PhotoDoubt> DoubtPhotos(const LinkInput& input, const std::vector<Ca
     PhotoDoubt& later = doubts[link.second];
     if (!later.copy_of && ShowsTheSamePixels(link, input)) later.copy_of = link.first;
   }
-  // Against those that show the same ground: fields are less detailed than towns, and no worse for it.
-  std::vector<std::vector<double>> shares(count);
-  for (const CandidatePair& pair : pairs) {
-    if (pair.overlap < kSurelySharedOverlap || !input.features[pair.first] || !input.features[pair.second])
-      continue;
-    const double first = input.features[pair.first]->sharpness;
-    const double second = input.features[pair.second]->sharpness;
-    shares[pair.first].push_back(first / (second + 1e-9));
-    shares[pair.second].push_back(second / (first + 1e-9));
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    doubts[i].is_blurred = shares[i].size() >= 2 && Median(shares[i]) < kBlurredShare;
-  }
+  const std::vector<char> is_blurred = FindBlurred(input, pairs, links, relief);
   for (const CandidatePair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];
     if (linked[pair.first] > 1) ++witnesses[pair.second];
   }
   for (std::size_t i = 0; i < count; ++i) {
+    doubts[i].is_blurred = is_blurred[i] != 0;
     doubts[i].shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && input.features[i] &&
                                   input.features[i]->keypoints.size() >= kRichInFeatures &&
                                   !doubts[i].is_blurred;
@@ -81,8 +115,7 @@ std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>
   if (doubt.is_blurred) add("is blurred");
   if (doubt.shows_other_place) {
     add("has nothing in common with the photos around its recorded place: of another place, or of something "
-        "that "
-        "moves; used only where no other photo is");
+        "that moves; used only where no other photo is");
   }
   return words;
 }

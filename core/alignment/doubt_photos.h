@@ -19,9 +19,9 @@ struct PhotoDoubt {
   bool IsAny() const { return copy_of || is_blurred || shows_other_place; }
 };
 
-// `pairs` were compared, `links` hold in the end.
+// `pairs` were compared, `links` hold in the end, over `relief`.
 std::vector<PhotoDoubt> DoubtPhotos(const LinkInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<PairLink>& links);
+                                    const std::vector<PairLink>& links, const Relief& relief);
 
 // A sentence for the user, empty without doubt.
 std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>& names);

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
 #include "core/alignment/describe_point.h"
 #include "core/alignment/scale_space.h"
-#include "core/base/percentile.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
@@ -90,70 +88,6 @@ Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
   return thumbnail;
 }
 
-// The second derivatives of a picture. Along (c, s) the derivative is c^2 xx + 2 c s xy + s^2 yy, so the
-// energy in any direction follows from five moments.
-class Curvature {
- public:
-  explicit Curvature(const cv::Mat& grey) {
-    cv::Sobel(grey, xx_, CV_32F, 2, 0);
-    cv::Sobel(grey, xy_, CV_32F, 1, 1);
-    cv::Sobel(grey, yy_, CV_32F, 0, 2);
-  }
-
-  struct Energy {
-    double least = std::numeric_limits<double>::max(), most = 0.0;  // over all directions, a pixel
-  };
-  // Of the cell at column x and row y of a grid of `cells` cells a side.
-  Energy In(int x, int y, int cells) const {
-    constexpr int kDirections = 36;
-    const cv::Rect cell(cv::Point(xx_.cols * x / cells, xx_.rows * y / cells),
-                        cv::Point(xx_.cols * (x + 1) / cells, xx_.rows * (y + 1) / cells));
-    const cv::Mat xx = xx_(cell), xy = xy_(cell), yy = yy_(cell);
-    const double moments[] = {xx.dot(xx), 4.0 * xx.dot(xy), 4.0 * xy.dot(xy) + 2.0 * xx.dot(yy),
-                              4.0 * xy.dot(yy), yy.dot(yy)};
-    Energy energy;
-    for (int k = 0; k < kDirections; ++k) {
-      const double c = std::cos(CV_PI * k / kDirections);
-      const double s = std::sin(CV_PI * k / kDirections);
-      const double along =
-          (moments[0] * c * c * c * c + moments[1] * c * c * c * s + moments[2] * c * c * s * s +
-           moments[3] * c * s * s * s + moments[4] * s * s * s * s) /
-          static_cast<double>(cell.area());
-      energy.least = std::min(energy.least, along);
-      energy.most = std::max(energy.most, along);
-    }
-    return energy;
-  }
-
- private:
-  cv::Mat xx_, xy_, yy_;
-};
-
-// Motion blurs one direction alone, so the least sharp one counts; against detail four times as large, which
-// what is photographed has about as much of whatever it is. Of the cells that are sharper than most: water
-// and asphalt have no detail, but hardly fill a picture; a blurred one is sharp nowhere.
-double Sharpness(const cv::Mat& grey) {
-  constexpr double kCoarser = 4.0;
-  constexpr double kLeastEnergy = 1.0;  // grey levels squared: of a picture without anything to see
-  constexpr int kCells = 6;
-  constexpr double kShareOfCells = 0.75;
-  cv::Mat coarser;
-  cv::resize(grey, coarser, {}, 1.0 / kCoarser, 1.0 / kCoarser, cv::INTER_AREA);
-  if (coarser.cols < kCells || coarser.rows < kCells) return 0.0;
-  const Curvature fine(grey), coarse(coarser);
-  std::vector<std::pair<double, double>> cells;  // coarse detail, sharpness
-  for (int y = 0; y < kCells; ++y) {
-    for (int x = 0; x < kCells; ++x) {
-      const double detail = coarse.In(x, y, kCells).most + kLeastEnergy;
-      cells.emplace_back(detail, fine.In(x, y, kCells).least / detail);
-    }
-  }
-  std::sort(cells.begin(), cells.end());
-  std::vector<double> sharpness;
-  for (std::size_t k = cells.size() / 2; k < cells.size(); ++k) sharpness.push_back(cells[k].second);
-  return Percentile(std::move(sharpness), kShareOfCells);
-}
-
 cv::Mat AtMost(const cv::Mat& grey, int pixels) {
   const double shrink = std::sqrt(static_cast<double>(pixels) / static_cast<double>(grey.total()));
   if (shrink >= 0.98) return grey;
@@ -167,8 +101,9 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
             PhotoFeatures& features) {
   ScopedTimer timer(features.detect_s);
   cv::Mat image = AtMost(grey, options.detector_pixels);
-  features.sharpness = Sharpness(
-      AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink)));
+  const cv::Mat small =
+      AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink));
+  features.detail = MeasureDetail(small.cols, small.rows, small.data);
   features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
   if (options.max_features == 0) return;
   std::vector<Octave> octaves = BuildScaleSpace(image.cols, image.rows, image.data);

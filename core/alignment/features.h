@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/alignment/describe_point.h"
+#include "core/alignment/picture_detail.h"
 #include "core/base/result.h"
 #include "core/pipeline/ports.h"
 
@@ -35,9 +36,9 @@ struct PhotoFeatures {
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
   Thumbnail thumbnail;
-  double sigma_px = 1.0;   // how well a keypoint is located, in full-size pixels
-  double sharpness = 0.0;  // energy of fine over coarser detail, where and in which direction it says most
-  double decode_s = 0.0;   // wall seconds
+  double sigma_px = 1.0;  // how well a keypoint is located, in full-size pixels
+  PictureDetail detail;
+  double decode_s = 0.0;  // wall seconds
   double detect_s = 0.0;
 };
 

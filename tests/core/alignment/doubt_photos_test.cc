@@ -49,6 +49,13 @@ TEST(LeaveOutFarAway, KeepsASecondBlockOfSomeSize) {
   EXPECT_EQ(flight.photos.size(), 25u);
 }
 
+// As much in all directions and everywhere.
+PictureDetail EvenDetail(float fine) {
+  return {std::vector<DetailCell>(
+      kDetailCells * kDetailCells,
+      DetailCell{{fine, 0.0F, 2.0F * fine, 0.0F, fine}, {100.0F, 0.0F, 200.0F, 0.0F, 100.0F}, 128.0F})};
+}
+
 // Photos that overlap fully; the last may be unlinked or a copy.
 struct Overlapping {
   std::vector<PhotoFeatures> features;
@@ -61,9 +68,13 @@ struct Overlapping {
       for (int k = 0; k < 400; ++k) {
         features[i].keypoints.push_back({static_cast<float>(10 * k + 37 * i), 5.0F, 0.0F, 8.0F, 1.0F});
       }
-      features[i].sharpness = 1.0;
+      features[i].detail = EvenDetail(100.0F);
       input.features.push_back(&features[i]);
-      input.views.emplace_back();
+      View view;
+      view.intrinsics = camera::Intrinsics::Centered(600, 600, 600.0);
+      view.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin({0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 60.0});
+      view.height_above_ground_m = 60.0;
+      input.views.push_back(view);
     }
     for (int i = 0; i < count; ++i) {
       for (int j = i + 1; j < count; ++j) pairs.push_back({i, j, 0.8});
@@ -81,7 +92,7 @@ TEST(DoubtPhotos, KnowsACopyByItsPixels) {
   photos.features[2].keypoints = photos.features[0].keypoints;
   photos.Link(0, 1);
   photos.Link(0, 2);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links);
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
   EXPECT_FALSE(doubts[1].IsAny());
   ASSERT_TRUE(doubts[2].copy_of.has_value());
   EXPECT_EQ(*doubts[2].copy_of, 0);
@@ -92,7 +103,7 @@ TEST(DoubtPhotos, KnowsAPhotoOfAnotherPlaceByItsSilentNeighbours) {
   for (int i = 0; i < 4; ++i) {
     for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
   }
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links);
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
   EXPECT_TRUE(doubts[4].shows_other_place);
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(doubts[i].IsAny());
 }
@@ -102,10 +113,21 @@ TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
   for (int i = 0; i < 4; ++i) {
     for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
   }
-  photos.features[1].sharpness = 0.1;
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links);
+  photos.features[1].detail = EvenDetail(10.0F);
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
   EXPECT_TRUE(doubts[1].is_blurred);
   EXPECT_FALSE(doubts[0].is_blurred);
+}
+
+TEST(DoubtPhotos, KnowsABlurredPhotoThatMatchesNothing) {
+  Overlapping photos(5);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
+  }
+  photos.features[4].detail = EvenDetail(10.0F);
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
+  EXPECT_TRUE(doubts[4].is_blurred);
+  EXPECT_FALSE(doubts[4].shows_other_place);
 }
 
 }  // namespace
