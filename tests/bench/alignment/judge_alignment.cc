@@ -33,6 +33,11 @@ std::optional<double> MissPx(const simulate::SimulatedFlight& truth, const simul
   return (*pixel - shared.pixel_in_second).norm();
 }
 
+// Of a photo taken in motion: every point of it is anywhere along a line of this length.
+double StreakPx(const simulate::SimulatedFlight& truth, const simulate::SimulatedPhoto& photo) {
+  return photo.render.motion_in_enu_m.norm() / truth.GsdM();
+}
+
 void JudgePairs(const AlignedCase& flown, const TruePhotos& by_name, Judgement& judged) {
   const int width_px = flown.truth->options.intrinsics.width_px;
   for (const AlignPairReport& pair : flown.report->pairs) {
@@ -48,7 +53,9 @@ void JudgePairs(const AlignedCase& flown, const TruePhotos& by_name, Judgement& 
     }
     const double miss_px = Median(std::move(misses));
     judged.worst_pair_px = std::max(judged.worst_pair_px, miss_px);
-    if (miss_px > kFalsePairShare * width_px) ++judged.false_pairs;
+    const double streak_px = StreakPx(*flown.truth, *by_name.at(pair.first)) +
+                             StreakPx(*flown.truth, *by_name.at(pair.second));
+    if (miss_px > kFalsePairShare * width_px + 0.5 * streak_px) ++judged.false_pairs;
   }
 }
 
