@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <string>
@@ -94,6 +95,25 @@ void JudgeTheRest(const SimulatedCase& one, const Lies& lies, const Setup& setup
   }
 }
 
+void JudgeThreads(const Run& run, const simulate::SimulatedFlight& truth, Setup setup, Judgement& judged) {
+  setup.threads = 1;
+  const Result<Run> alone = Align(truth, {}, false, setup);
+  if (!alone) return judged.faults.push_back(alone.error().message);
+  const auto is_same = [](const AlignedPhoto& a, const AlignedPhoto& b) {
+    return a.photo.name == b.photo.name && a.placement == b.placement &&
+           a.cam_from_enu.rotation.coeffs() == b.cam_from_enu.rotation.coeffs() &&
+           a.cam_from_enu.translation == b.cam_from_enu.translation && a.intrinsics == b.intrinsics &&
+           a.error_radius_m == b.error_radius_m;
+  };
+  const std::vector<AlignedPhoto>& photos = run.aligned.photos;
+  if (!std::equal(photos.begin(), photos.end(), alone->aligned.photos.begin(), alone->aligned.photos.end(),
+                  is_same) ||
+      run.aligned.tie_points_in_enu != alone->aligned.tie_points_in_enu ||
+      run.surface.Heights() != alone->surface.Heights()) {
+    judged.faults.push_back("one thread gives another result");
+  }
+}
+
 void PrintFates(const Lies& lies, const Run& run) {
   const auto print = [&](const char* lie, const std::set<std::string>& names) {
     for (const std::string& name : names) {
@@ -126,6 +146,7 @@ bool RunCase(const SimulatedCase& one, int seed, const Setup& setup) {
   Judgement judged =
       JudgeAlignment({&*truth, &lies, &run->posed, &run->aligned, &run->surface, &run->report}, one.demands);
   if (one.has_lies) JudgeTheRest(one, lies, setup, seed, *truth, judged);
+  if (one.demands.is_same_on_one_thread) JudgeThreads(*run, *truth, setup, judged);
   const double gsd = truth->GsdM();
   fmt::print(
       "{:<12} {:>4} {:>4} {:>5.3f} {:>3}/{:<3} {:>3} {:>7.2f} {:>8.2f} {:>6.2f} {:>8.2f} {:>6.2f} {:>6} "

@@ -53,8 +53,8 @@ void JudgePairs(const AlignedCase& flown, const TruePhotos& by_name, Judgement& 
     }
     const double miss_px = Median(std::move(misses));
     judged.worst_pair_px = std::max(judged.worst_pair_px, miss_px);
-    const double streak_px = StreakPx(*flown.truth, *by_name.at(pair.first)) +
-                             StreakPx(*flown.truth, *by_name.at(pair.second));
+    const double streak_px =
+        StreakPx(*flown.truth, *by_name.at(pair.first)) + StreakPx(*flown.truth, *by_name.at(pair.second));
     if (miss_px > kFalsePairShare * width_px + 0.5 * streak_px) ++judged.false_pairs;
   }
 }

@@ -71,6 +71,7 @@ const std::vector<SimulatedCase>& SimulatedCases() {
        false,
        [](SimulateOptions& o) { o.world.texture = simulate::TextureLevel::kBare; }},
       {"lies", {.show = 5, .relative_gsds = 2.0}, true, false, [](SimulateOptions&) {}},
+      {"one_thread", {.show = 7, .is_same_on_one_thread = true}, false, false, [](SimulateOptions&) {}},
       {"boxes", {}, false, false, [](SimulateOptions& o) { o.world.has_boxes = true; }},
   };
   return cases;

@@ -19,6 +19,7 @@ struct Demands {
   double absolute_gsds = 0.0;         // 0: at most a tenth more than the recorded positions are off
   bool improves_every_photo = false;  // or makes it worse by a tenth at most
   bool has_no_false_pairs = true;
+  bool is_same_on_one_thread = false;  // to the last bit
 };
 
 struct SimulatedCase {
