@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kHearWithin{500};
 }  // namespace
 
 StageShares UsualShares() {
-  return {{"read", 0.04},   {"check", 0.01},   {"pose", 0.01},   {"align", 0.40},
+  return {{"read", 0.04},   {"check", 0.15},   {"pose", 0.01},   {"align", 0.26},
           {"ground", 0.01}, {"plan", 0.01},    {"expose", 0.02}, {"seam", 0.04},
           {"render", 0.34}, {"measure", 0.02}, {"export", 0.10}};
 }

@@ -24,23 +24,31 @@ void FillOutside(TileCanvas& canvas) {
     for (int left = 0; left < canvas.side_px; left += kUnitPx) {
       const int bottom = std::min(top + kUnitPx, canvas.side_px),
                 right = std::min(left + kUnitPx, canvas.side_px);
-      std::array<int, 3> sum{};
       int covered = 0;
+      for (int y = top; y < bottom; ++y) {
+        const std::uint8_t* alpha = canvas.At(left, y) + 3;
+        for (int x = left; x < right; ++x, alpha += 4) covered += *alpha >= kCoveredAlpha ? 1 : 0;
+      }
+      if (covered == (bottom - top) * (right - left)) continue;
+      if (covered == 0) {
+        for (int y = top; y < bottom; ++y)
+          std::fill(canvas.At(left, y), canvas.At(right - 1, y) + 3, std::uint8_t{0});
+        continue;
+      }
       const auto visit = [&](auto&& act) {
         for (int y = top; y < bottom; ++y) {
           for (int x = left; x < right; ++x) act(canvas.At(x, y));
         }
       };
+      std::array<int, 3> sum{};
       visit([&](const std::uint8_t* pixel) {
         if (pixel[3] < kCoveredAlpha) return;
-        ++covered;
         for (std::size_t c = 0; c < 3; ++c) sum[c] += pixel[c];
       });
       visit([&](std::uint8_t* pixel) {
         if (pixel[3] >= kCoveredAlpha) return;
-        for (std::size_t c = 0; c < 3; ++c) {
-          pixel[c] = covered == 0 ? 0 : static_cast<std::uint8_t>((sum[c] + covered / 2) / covered);
-        }
+        for (std::size_t c = 0; c < 3; ++c)
+          pixel[c] = static_cast<std::uint8_t>((sum[c] + covered / 2) / covered);
       });
     }
   }
@@ -98,12 +106,10 @@ FringeTile SplitAlpha(TileCanvas canvas, int jpeg_quality) {
   const std::size_t row_bytes = (static_cast<std::size_t>(canvas.side_px) + 7) / 8;
   fringe.mask_bits.assign(row_bytes * static_cast<std::size_t>(canvas.side_px), 0);
   for (int y = 0; y < canvas.side_px; ++y) {
-    for (int x = 0; x < canvas.side_px; ++x) {
-      if (canvas.At(x, y)[3] < kCoveredAlpha) continue;
-      fringe.is_empty = false;
-      fringe.mask_bits[static_cast<std::size_t>(y) * row_bytes + static_cast<std::size_t>(x) / 8] |=
-          static_cast<std::uint8_t>(0x80 >> (x % 8));
-    }
+    std::uint8_t* bits = fringe.mask_bits.data() + static_cast<std::size_t>(y) * row_bytes;
+    for (int x = 0; x < canvas.side_px; ++x)
+      bits[x / 8] |= static_cast<std::uint8_t>((canvas.At(x, y)[3] >= kCoveredAlpha ? 0x80 : 0) >> (x % 8));
+    fringe.is_empty &= std::all_of(bits, bits + row_bytes, [](std::uint8_t eight) { return eight == 0; });
   }
   FillOutside(canvas);
   fringe.jpeg = EncodeJpeg(canvas, jpeg_quality);

@@ -125,11 +125,8 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const pip
   if (Result<void> valid = options.Validate(); !valid) return valid.error();
   report = {};
   ScopedTimer total_timer(report.total_s);
-  FeatureOptions feature_options;
-  feature_options.detector_pixels = options.detector_pixels;
-  feature_options.max_features = options.max_features;
   const Photographed photographed =
-      ExtractAll(posed, source, feature_options, options.threads, 0.7, progress);
+      ExtractAll(posed, source, options.Features(), {}, options.threads, 0.7, progress);
   ChainInput input;
   input.features = photographed.Readable();
   for (const poses::PosedPhoto& photo : posed.photos) input.lenses.push_back(photo.photo.intrinsics);

@@ -28,7 +28,7 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const pipel
   thumbnails_only.detector_pixels = options.detector_pixels;
   thumbnails_only.max_features = 0;
   const Photographed photographed =
-      ExtractAll(posed, source, thumbnails_only, options.threads, 0.8, progress);
+      ExtractAll(posed, source, thumbnails_only, {}, options.threads, 0.8, progress);
   const std::size_t count = posed.photos.size();
   LinkInput input = MakeLinkInput(posed);
   input.features = photographed.Readable();

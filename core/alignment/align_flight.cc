@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/alignment/bundle_setup.h"
 #include "core/alignment/correct_poses.h"
 #include "core/alignment/direct_registration.h"
-#include "core/alignment/extract_all.h"
 #include "core/alignment/flight_lines.h"
 #include "core/alignment/link_photos.h"
 #include "core/alignment/link_rounds.h"
@@ -145,6 +145,13 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
 
 }  // namespace
 
+FeatureOptions AlignOptions::Features() const {
+  FeatureOptions features;
+  features.detector_pixels = detector_pixels;
+  features.max_features = max_features;
+  return features;
+}
+
 Result<void> AlignOptions::Validate() const {
   if (threads < 0) {
     return Error{ErrorCode::kInvalidArgument, fmt::format("threads is {}; it must be 0 or more", threads),
@@ -165,7 +172,8 @@ Result<void> AlignOptions::Validate() const {
 }
 
 Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
-                                  const AlignOptions& options, AlignReport& report, Progress& progress) {
+                                  const AlignOptions& options, AlignReport& report, Progress& progress,
+                                  FoundFeatures found) {
   if (Result<void> valid = options.Validate(); !valid) return valid.error();
   const Error cancelled{ErrorCode::kCancelled, "the alignment was cancelled", ""};
   report = {};
@@ -179,11 +187,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
   }
 
-  FeatureOptions feature_options;
-  feature_options.detector_pixels = options.detector_pixels;
-  feature_options.max_features = options.max_features;
   const Photographed photographed =
-      ExtractAll(posed, source, feature_options, options.threads, 0.7, progress);
+      ExtractAll(posed, source, options.Features(), std::move(found), options.threads, 0.7, progress);
   if (progress.IsCancelled()) return cancelled;
   report.photo_reports.resize(count);
   LinkInput input = MakeLinkInput(posed);

@@ -1,16 +1,17 @@
 // AlignFlight: refines recorded poses by what the photos show, and keeps every photo on the map: one without
-// links stays at its pose, moved as its neighbours were. One decode a photo; only features and thumbnails are
-// kept, about 0.4 MB a photo. The result does not depend on the number of threads. Cancelled through
-// `progress`. Errors: kCancelled. Photos that cannot be decoded are placed by pose and say so. Method:
-// features laid on the ground by the recorded poses, matched in windows their uncertainty allows; a graph of
-// ground motions finds records that lie; bundle adjustment with the records as priors, twice, the second time
-// with matches searched on the relief of the first.
+// links stays at its pose, moved as its neighbours were. At most one decode a photo; only features and
+// thumbnails are kept, about 0.4 MB a photo. The result does not depend on the number of threads. Cancelled
+// through `progress`. Errors: kCancelled. Photos that cannot be decoded are placed by pose and say so.
+// Method: features laid on the ground by the recorded poses, matched in windows their uncertainty allows; a
+// graph of ground motions finds records that lie; bundle adjustment with the records as priors, twice, the
+// second time with matches searched on the relief of the first.
 #pragma once
 
 #include <vector>
 
 #include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
+#include "core/alignment/extract_all.h"
 #include "core/alignment/ground_control.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -29,10 +30,13 @@ struct AlignOptions {
   // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
   std::vector<char> fixed;
 
+  FeatureOptions Features() const;
   Result<void> Validate() const;
 };
 
+// `found`: features with options.Features() of photos that were decoded before; the others are decoded here.
 Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
-                                  const AlignOptions& options, AlignReport& report, Progress& progress);
+                                  const AlignOptions& options, AlignReport& report, Progress& progress,
+                                  FoundFeatures found = {});
 
 }  // namespace skyquilt::alignment

@@ -1,6 +1,7 @@
 #include "core/alignment/extract_all.h"
 
 #include <atomic>
+#include <utility>
 
 #include "core/base/parallel_for.h"
 
@@ -15,14 +16,17 @@ std::vector<const PhotoFeatures*> Photographed::Readable() const {
 }
 
 Photographed ExtractAll(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
-                        const FeatureOptions& options, int threads, double last_fraction,
+                        const FeatureOptions& options, FoundFeatures found, int threads, double last_fraction,
                         Progress& progress) {
   const std::size_t count = posed.photos.size();
   Photographed photographed{std::vector<PhotoFeatures>(count), std::vector<std::string>(count)};
   std::atomic<std::size_t> done{0};
   ParallelFor(count, threads, [&](std::size_t i) {
     if (progress.IsCancelled()) return;
-    Result<PhotoFeatures> features = ExtractFeatures(posed.photos[i].photo, source, options);
+    const flight::Photo& photo = posed.photos[i].photo;
+    const auto known = found.find(photo.name);
+    Result<PhotoFeatures> features =
+        known != found.end() ? std::move(known->second) : ExtractFeatures(photo, source, options);
     if (features) {
       photographed.features[i] = *std::move(features);
     } else {

@@ -2,6 +2,7 @@
 // features, not the flight: the reason stands in its place. Same result for any number of threads.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,13 @@ struct Photographed {
   std::vector<const PhotoFeatures*> Readable() const;
 };
 
-// Reports progress up to `last_fraction`; stops early, with what there is, when it is cancelled.
+// By the photo's name, where somebody who decoded the photo before found them.
+using FoundFeatures = std::map<std::string, PhotoFeatures>;
+
+// Takes what was found with the same options. Reports progress up to `last_fraction`; stops early, with what
+// there is, when it is cancelled.
 Photographed ExtractAll(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
-                        const FeatureOptions& options, int threads, double last_fraction, Progress& progress);
+                        const FeatureOptions& options, FoundFeatures found, int threads, double last_fraction,
+                        Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -22,16 +22,6 @@ constexpr int kSharpnessShrink = 4;  // of the detector's pixels, at least
 constexpr int kFewFeatures = 500;
 constexpr int kCellsAcross = 16;
 
-// The smallest size that still holds `pixels`; JPEG decoders scale by these for almost nothing.
-int Denominator(const flight::Photo& photo, int pixels) {
-  for (int denominator = 8; denominator > 1; denominator /= 2) {
-    const double kept = static_cast<double>(photo.intrinsics.width_px) * photo.intrinsics.height_px /
-                        (denominator * denominator);
-    if (kept >= pixels) return denominator;
-  }
-  return 1;
-}
-
 // Keeps in each cell of the image its strongest spots, and orders all by their rank inside the cell.
 std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<ScalePoint> found,
                                int width_px, int height_px, int max_features) {
@@ -136,22 +126,40 @@ void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOption
 
 }  // namespace
 
+// The smallest size that still holds the pixels; JPEG decoders scale by these for almost nothing.
+int DenominatorOf(const flight::Photo& photo, const FeatureOptions& options) {
+  for (int denominator = 8; denominator > 1; denominator /= 2) {
+    const double kept = static_cast<double>(photo.intrinsics.width_px) * photo.intrinsics.height_px /
+                        (denominator * denominator);
+    if (kept >= options.detector_pixels) return denominator;
+  }
+  return 1;
+}
+
+Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const pipeline::DecodedImage& decoded,
+                                 const FeatureOptions& options) {
+  if (decoded.width_px < 16 || decoded.height_px < 16) {
+    return Error{ErrorCode::kCorrupt, "the picture of " + photo.name + " is smaller than 16 pixels", ""};
+  }
+  PhotoFeatures features;
+  const cv::Mat rgb(decoded.height_px, decoded.width_px, CV_8UC3,
+                    const_cast<std::uint8_t*>(decoded.rgb.data()));
+  cv::Mat grey;
+  cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
+  Detect(grey, photo, options, features);
+  return features;
+}
+
 Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const pipeline::PhotoSource& source,
                                       const FeatureOptions& options) {
-  PhotoFeatures features;
-  cv::Mat grey;
-  {
-    ScopedTimer timer(features.decode_s);
-    Result<pipeline::DecodedImage> decoded =
-        source.Decode(photo, Denominator(photo, options.detector_pixels));
-    if (!decoded) return decoded.error();
-    if (decoded->width_px < 16 || decoded->height_px < 16) {
-      return Error{ErrorCode::kCorrupt, "the picture of " + photo.name + " is smaller than 16 pixels", ""};
-    }
-    const cv::Mat rgb(decoded->height_px, decoded->width_px, CV_8UC3, decoded->rgb.data());
-    cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
-  }
-  Detect(grey, photo, options, features);
+  double decode_s = 0.0;
+  const Result<pipeline::DecodedImage> decoded = [&] {
+    ScopedTimer timer(decode_s);
+    return source.Decode(photo, DenominatorOf(photo, options));
+  }();
+  if (!decoded) return decoded.error();
+  Result<PhotoFeatures> features = FeaturesOf(photo, *decoded, options);
+  if (features) features->decode_s = decode_s;
   return features;
 }
 

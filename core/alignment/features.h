@@ -48,7 +48,12 @@ struct FeatureOptions {
   int thumbnail_px = 256;           // longer side
 };
 
-// Errors: those of PhotoSource::Decode; kCorrupt when the picture is not of the size its header promised.
+// What a photo is shrunk by when it is decoded for its features.
+int DenominatorOf(const flight::Photo& photo, const FeatureOptions& options);
+// Of a photo decoded so. Errors: kCorrupt when it is too small for anything.
+Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const pipeline::DecodedImage& decoded,
+                                 const FeatureOptions& options);
+// Decodes it too. Errors: also those of PhotoSource::Decode.
 Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const pipeline::PhotoSource& source,
                                       const FeatureOptions& options);
 

@@ -4,46 +4,68 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/vector_clones.h"
 #include "core/geo/bounds.h"
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 namespace skyquilt::alignment {
 namespace {
 
 constexpr int kFarthest = std::numeric_limits<int>::max();
 
-int SquaredDistance(const Descriptor& a, const Descriptor& b) {
-#if defined(__SSE2__)
-  const __m128i zero = _mm_setzero_si128();
-  __m128i sum = zero;
-  for (int k = 0; k < 128; k += 16) {
-    const __m128i x = _mm_loadu_si128(reinterpret_cast<const __m128i*>(a.data() + k));
-    const __m128i y = _mm_loadu_si128(reinterpret_cast<const __m128i*>(b.data() + k));
-    const __m128i apart = _mm_or_si128(_mm_subs_epu8(x, y), _mm_subs_epu8(y, x));
-    const __m128i low = _mm_unpacklo_epi8(apart, zero);
-    const __m128i high = _mm_unpackhi_epi8(apart, zero);
-    sum = _mm_add_epi32(sum, _mm_add_epi32(_mm_madd_epi16(low, low), _mm_madd_epi16(high, high)));
-  }
-  sum = _mm_add_epi32(sum, _mm_shuffle_epi32(sum, _MM_SHUFFLE(1, 0, 3, 2)));
-  sum = _mm_add_epi32(sum, _mm_shuffle_epi32(sum, _MM_SHUFFLE(2, 3, 0, 1)));
-  return _mm_cvtsi128_si32(sum);
-#else
+SKYQUILT_VECTOR_CLONES int SquaredDistance(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
-  for (int k = 0; k < 128; ++k) {
-    const int apart = static_cast<int>(a[k]) - static_cast<int>(b[k]);
+  for (std::size_t k = 0; k < 128; ++k) {
+    const auto apart = static_cast<std::int16_t>(a[k] - b[k]);
     sum += apart * apart;
   }
   return sum;
-#endif
 }
 
-// Keypoints in square cells, so that a circle is looked up by the few cells it touches.
+// Keypoints by square cells, so that a circle is looked up by the few cells it touches: number after number,
+// for a loop over them to take several at once.
+struct ByCell {
+  std::vector<double> east, north;
+  std::vector<float> angle_rad, log2_scale;
+  std::vector<int> index;  // of the keypoint
+
+  explicit ByCell(std::size_t count)
+      : east(count), north(count), angle_rad(count), log2_scale(count), index(count) {}
+};
+
+struct Wanted {
+  std::complex<double> place;
+  double most_distance2, angle_rad, log2_scale, most_log2_scale, most_turn_rad;
+};
+
+// Marks which of the keypoints from `first` to before `last` are wanted.
+SKYQUILT_VECTOR_CLONES void MarkWanted(const ByCell& cells, std::size_t first, std::size_t last,
+                                       const Wanted& wanted, std::uint8_t* __restrict is_wanted) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const double* east = cells.east.data();
+  const double* north = cells.north.data();
+  const float* angle_rad = cells.angle_rad.data();
+  const float* log2_scale = cells.log2_scale.data();
+  const double at_east = wanted.place.real(), at_north = wanted.place.imag();
+  for (std::size_t k = first; k < last; ++k) {
+    const double de = east[k] - at_east, dn = north[k] - at_north;
+    const double grown = std::abs(static_cast<double>(log2_scale[k]) - wanted.log2_scale);
+    // Angles are a few turns at most: no division.
+    double turn = std::abs(static_cast<double>(angle_rad[k]) - wanted.angle_rad);
+    turn = turn > kTurn ? turn - kTurn : turn;
+    turn = turn > kTurn ? turn - kTurn : turn;
+    turn = std::min(turn, kTurn - turn);
+    is_wanted[k] =
+        static_cast<std::uint8_t>((de * de + dn * dn <= wanted.most_distance2) &
+                                  (grown <= wanted.most_log2_scale) & (turn <= wanted.most_turn_rad));
+  }
+}
+
 class CellIndex {
  public:
-  CellIndex(const std::vector<GroundKeypoint>& laid, int count, double cell_m) {
+  CellIndex(const std::vector<GroundKeypoint>& laid, int count, double cell_m)
+      : members_(static_cast<std::size_t>(std::count_if(
+            laid.begin(), laid.begin() + count, [](const GroundKeypoint& one) { return one.is_on_ground; }))),
+        is_wanted_(members_.index.size()) {
     for (int i = 0; i < count; ++i) {
       if (laid[i].is_on_ground) bounds_.Include(Eigen::Vector2d(laid[i].place.real(), laid[i].place.imag()));
     }
@@ -56,28 +78,36 @@ class CellIndex {
       if (laid[i].is_on_ground) ++starts_[CellOf(laid[i].place) + 1];
     }
     for (std::size_t c = 1; c < starts_.size(); ++c) starts_[c] += starts_[c - 1];
-    members_.resize(starts_.back());
-    std::vector<int> next(starts_.begin(), starts_.end() - 1);
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
     for (int i = 0; i < count; ++i) {
-      if (laid[i].is_on_ground) members_[next[CellOf(laid[i].place)]++] = i;
+      if (!laid[i].is_on_ground) continue;
+      const std::size_t k = next[CellOf(laid[i].place)]++;
+      members_.east[k] = laid[i].place.real(), members_.north[k] = laid[i].place.imag();
+      members_.angle_rad[k] = laid[i].angle_rad, members_.log2_scale[k] = laid[i].log2_scale;
+      members_.index[k] = i;
     }
   }
 
   template <typename Visit>
-  void Around(std::complex<double> place, double radius_m, const Visit& visit) const {
-    if (members_.empty()) return;
+  void ForEach(const Wanted& wanted, const Visit& visit) {
+    if (members_.index.empty()) return;
+    const double radius_m = std::sqrt(wanted.most_distance2);
     const auto clamp = [](double cells, int size) {
       return static_cast<int>(std::clamp(std::floor(cells), -1.0, static_cast<double>(size)));
     };
-    const int left = std::max(0, clamp((place.real() - radius_m - bounds_.min.x()) / cell_m_, columns_));
-    const int right =
-        std::min(columns_ - 1, clamp((place.real() + radius_m - bounds_.min.x()) / cell_m_, columns_));
-    const int low = std::max(0, clamp((place.imag() - radius_m - bounds_.min.y()) / cell_m_, rows_));
-    const int high = std::min(rows_ - 1, clamp((place.imag() + radius_m - bounds_.min.y()) / cell_m_, rows_));
+    const double east_m = wanted.place.real() - bounds_.min.x(),
+                 north_m = wanted.place.imag() - bounds_.min.y();
+    const int left = std::max(0, clamp((east_m - radius_m) / cell_m_, columns_));
+    const int right = std::min(columns_ - 1, clamp((east_m + radius_m) / cell_m_, columns_));
+    const int low = std::max(0, clamp((north_m - radius_m) / cell_m_, rows_));
+    const int high = std::min(rows_ - 1, clamp((north_m + radius_m) / cell_m_, rows_));
+    if (left > right) return;
     for (int row = low; row <= high; ++row) {
-      for (int column = left; column <= right; ++column) {
-        const std::size_t cell = static_cast<std::size_t>(row) * columns_ + column;
-        for (int k = starts_[cell]; k < starts_[cell + 1]; ++k) visit(members_[k]);
+      const std::size_t of_row = static_cast<std::size_t>(row) * columns_;
+      const std::size_t first = starts_[of_row + left], last = starts_[of_row + right + 1];
+      MarkWanted(members_, first, last, wanted, is_wanted_.data());
+      for (std::size_t k = first; k < last; ++k) {
+        if (is_wanted_[k] != 0) visit(members_.index[k]);
       }
     }
   }
@@ -92,30 +122,28 @@ class CellIndex {
   geo::Bounds2 bounds_;
   double cell_m_ = 1.0;
   int columns_ = 0, rows_ = 0;
-  std::vector<int> starts_, members_;
+  std::vector<std::size_t> starts_;
+  ByCell members_;
+  std::vector<std::uint8_t> is_wanted_;
 };
 
 struct BestTwo {
   int best = kFarthest, second = kFarthest, index = -1;
 
-  // `same`: the newcomer is the present best seen again (another direction of one keypoint), not a rival.
-  void Offer(int distance, int candidate, bool same) {
+  // is_same(a, b): these are one keypoint seen in two directions, so that they are no rivals.
+  template <typename IsSame>
+  void Offer(int distance, int candidate, const IsSame& is_same) {
+    if (distance >= best && distance >= second) return;
+    const bool same = index >= 0 && is_same(index, candidate);
     if (distance < best) {
       if (!same) second = best;
       best = distance;
       index = candidate;
-    } else if (!same && distance < second) {
+    } else if (!same) {
       second = distance;
     }
   }
 };
-
-// 0 to pi. The innermost question of the search, and the angles are a few turns at most: no division.
-double TurnBetween(double from_rad, double to_rad) {
-  double turn = std::abs(to_rad - from_rad);
-  while (turn > 2.0 * std::numbers::pi) turn -= 2.0 * std::numbers::pi;
-  return std::min(turn, 2.0 * std::numbers::pi - turn);
-}
 
 }  // namespace
 
@@ -128,28 +156,28 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
   const int count_second = std::min<int>(window.max_features, static_cast<int>(laid_second.size()));
   const bool anywhere = !std::isfinite(window.radius_m);
   const double radius_m = anywhere ? 1e9 : window.radius_m;
-  const CellIndex index(laid_second, count_second, anywhere ? 1e9 : 0.5 * window.radius_m);
+  CellIndex index(laid_second, count_second, anywhere ? 1e9 : 0.5 * window.radius_m);
   const double turned = std::arg(second_from_first.turn_and_scale);
   const double grown = std::log2(std::abs(second_from_first.turn_and_scale));
-  const auto is_same = [](const PhotoFeatures& features, int a, int b) {
-    if (a < 0) return false;
-    const Keypoint& x = features.keypoints[a];
-    const Keypoint& y = features.keypoints[b];
-    const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
-    return dx * dx + dy * dy < near * near;
+  const auto is_same_of = [](const PhotoFeatures& features) {
+    return [&features](int a, int b) {
+      const Keypoint& x = features.keypoints[a];
+      const Keypoint& y = features.keypoints[b];
+      const float dx = x.x_px - y.x_px, dy = x.y_px - y.y_px, near = 0.5F * std::min(x.scale_px, y.scale_px);
+      return dx * dx + dy * dy < near * near;
+    };
   };
+  const auto same_of_first = is_same_of(*first.features), same_of_second = is_same_of(*second.features);
   std::vector<BestTwo> of_first(count_first), of_second(count_second);
   for (int i = 0; i < count_first; ++i) {
     if (!laid_first[i].is_on_ground) continue;
-    const std::complex<double> expected = second_from_first * laid_first[i].place;
-    index.Around(expected, radius_m, [&](int j) {
-      const GroundKeypoint& other = laid_second[j];
-      if (!anywhere && std::norm(other.place - expected) > radius_m * radius_m) return;
-      if (std::abs(other.log2_scale - laid_first[i].log2_scale - grown) > window.max_log2_scale) return;
-      if (TurnBetween(laid_first[i].angle_rad + turned, other.angle_rad) > window.max_turn_rad) return;
+    const GroundKeypoint& one = laid_first[i];
+    const Wanted wanted{second_from_first * one.place, radius_m * radius_m,   one.angle_rad + turned,
+                        one.log2_scale + grown,        window.max_log2_scale, window.max_turn_rad};
+    index.ForEach(wanted, [&](int j) {
       const int distance = SquaredDistance(first.features->descriptors[i], second.features->descriptors[j]);
-      of_first[i].Offer(distance, j, is_same(*second.features, of_first[i].index, j));
-      of_second[j].Offer(distance, i, is_same(*first.features, of_second[j].index, i));
+      of_first[i].Offer(distance, j, same_of_second);
+      of_second[j].Offer(distance, i, same_of_first);
     });
   }
   const double max_ratio = window.max_distance_ratio * window.max_distance_ratio;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <optional>
+
+#include "core/base/vector_clones.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -44,7 +47,7 @@ inline void AddPair(const std::uint16_t* a, const std::uint16_t* b, std::uint16_
 }
 
 // Down each column, then along each row; beyond the edge the last pixels go on.
-BlurredImage Blur(const BlurredImage& image, double sigma_px) {
+SKYQUILT_VECTOR_CLONES BlurredImage Blur(const BlurredImage& image, double sigma_px) {
   const Kernel kernel(sigma_px);
   const int width = image.width_px, height = image.height_px, radius = kernel.radius;
   BlurredImage blurred{width, height, std::vector<std::uint16_t>(image.values.size())};
@@ -86,9 +89,10 @@ class Differences {
     const auto k = static_cast<std::size_t>(layer);
     return static_cast<int>(layers_[k + 1].values[i]) - static_cast<int>(layers_[k].values[i]);
   }
+  // Among the pixels of the layers next to its own.
   bool StandsOut(int layer, int x, int y, int value) const {
     const int sign = value > 0 ? 1 : -1;
-    for (const int other : {layer, layer - 1, layer + 1}) {
+    for (const int other : {layer - 1, layer + 1}) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
           if (sign * At(other, x + dx, y + dy) > sign * value) return false;
@@ -101,6 +105,71 @@ class Differences {
  private:
   const std::vector<BlurredImage>& layers_;
   const int width_;
+};
+
+SKYQUILT_VECTOR_CLONES void Subtract(const std::uint16_t* coarser, const std::uint16_t* finer,
+                                     std::size_t count, std::int16_t* __restrict difference) {
+  for (std::size_t x = 0; x < count; ++x) difference[x] = static_cast<std::int16_t>(coarser[x] - finer[x]);
+}
+
+// Not 0 where the middle row's pixel is beyond the threshold and none of the eight around it is beyond it;
+// least and most are room for a row.
+SKYQUILT_VECTOR_CLONES void MarkPeaks(const std::array<const std::int16_t*, 3>& rows, std::size_t count,
+                                      std::int16_t threshold, std::int16_t* __restrict least,
+                                      std::int16_t* __restrict most, std::uint8_t* __restrict is_peak) {
+  const std::int16_t* above = rows[0];
+  const std::int16_t* here = rows[1];
+  const std::int16_t* below = rows[2];
+  for (std::size_t x = 0; x < count; ++x) {
+    least[x] = std::min(std::min(above[x], here[x]), below[x]);
+    most[x] = std::max(std::max(above[x], here[x]), below[x]);
+  }
+  for (std::size_t x = 1; x + 1 < count; ++x) {
+    const std::int16_t lowest = std::min(std::min(least[x - 1], least[x]), least[x + 1]);
+    const std::int16_t highest = std::max(std::max(most[x - 1], most[x]), most[x + 1]);
+    const std::int16_t value = here[x];
+    is_peak[x] = ((value > threshold) & (value == highest)) | ((value < -threshold) & (value == lowest));
+  }
+}
+
+// The pixels of one layer of differences that stand out from those beside them, row by row: all of a row at
+// once, which leaves few to look at one by one.
+class RowPeaks {
+ public:
+  explicit RowPeaks(std::size_t width)
+      : width_(width), least_(width), most_(width), is_peak_((width + 7) / 8 * 8, 0) {
+    for (auto& row : rows_) row.resize(width);
+  }
+  void Start(const BlurredImage& finer, const BlurredImage& coarser) {
+    for (int y = 0; y < 2; ++y) Subtract(coarser.Row(y), finer.Row(y), width_, RowOf(y).data());
+  }
+  // The differences of row y; rows are asked for in turn, from the second to the last but one.
+  const std::int16_t* Next(const BlurredImage& finer, const BlurredImage& coarser, int y,
+                           std::int16_t threshold) {
+    Subtract(coarser.Row(y + 1), finer.Row(y + 1), width_, RowOf(y + 1).data());
+    MarkPeaks({RowOf(y - 1).data(), RowOf(y).data(), RowOf(y + 1).data()}, width_, threshold, least_.data(),
+              most_.data(), is_peak_.data());
+    return RowOf(y).data();
+  }
+  template <typename Visit>
+  void ForEach(const Visit& visit) const {
+    for (std::size_t x = 0; x < is_peak_.size(); x += 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, is_peak_.data() + x, 8);
+      if (eight == 0) continue;
+      for (std::size_t k = x; k < x + 8; ++k) {
+        if (is_peak_[k] != 0) visit(static_cast<int>(k));
+      }
+    }
+  }
+
+ private:
+  std::vector<std::int16_t>& RowOf(int y) { return rows_[static_cast<std::size_t>(y % 3)]; }
+
+  const std::size_t width_;
+  std::array<std::vector<std::int16_t>, 3> rows_;
+  std::vector<std::int16_t> least_, most_;
+  std::vector<std::uint8_t> is_peak_;
 };
 
 struct Place {
@@ -184,36 +253,25 @@ std::vector<ScalePoint> FindScalePoints(const std::vector<Octave>& octaves, floa
   std::vector<ScalePoint> points;
   // A pixel may be a little weaker than the spot between it and its neighbours.
   const auto threshold = static_cast<std::int16_t>(0.5F * least_contrast * kLevels);
-  std::vector<std::int16_t> row;
-  std::vector<std::uint8_t> may_stand_out;
   for (std::size_t o = 0; o < octaves.size(); ++o) {
     const Octave& octave = octaves[o];
     const Differences differences(octave);
     const BlurredImage& size = octave.layers[0];
-    row.resize(static_cast<std::size_t>(size.width_px));
-    may_stand_out.resize(static_cast<std::size_t>(size.width_px));
+    const auto width = static_cast<std::size_t>(size.width_px);
+    RowPeaks peaks(width);
     for (int layer = 1; layer <= kLayersAnOctave; ++layer) {
+      const BlurredImage& finer = octave.layers[static_cast<std::size_t>(layer)];
+      const BlurredImage& coarser = octave.layers[static_cast<std::size_t>(layer) + 1];
+      peaks.Start(finer, coarser);
       for (int y = 1; y + 1 < size.height_px; ++y) {
-        const std::uint16_t* finer = octave.layers[static_cast<std::size_t>(layer)].Row(y);
-        const std::uint16_t* coarser = octave.layers[static_cast<std::size_t>(layer) + 1].Row(y);
-        for (int x = 0; x < size.width_px; ++x)
-          row[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(coarser[x] - finer[x]);
-        // All pixels of the row at once: few are left to look at one by one.
-        const std::int16_t* difference = row.data();
-        for (int x = 1; x + 1 < size.width_px; ++x) {
-          const std::int16_t value = difference[x], before = difference[x - 1], after = difference[x + 1];
-          const bool is_bright = (value > threshold) & (value >= before) & (value >= after);
-          const bool is_dark = (value < -threshold) & (value <= before) & (value <= after);
-          may_stand_out[static_cast<std::size_t>(x)] = is_bright | is_dark;
-        }
-        for (int x = 1; x + 1 < size.width_px; ++x) {
-          if (may_stand_out[static_cast<std::size_t>(x)] == 0) continue;
-          if (!differences.StandsOut(layer, x, y, difference[x])) continue;
+        const std::int16_t* difference = peaks.Next(finer, coarser, y, threshold);
+        peaks.ForEach([&](int x) {
+          if (!differences.StandsOut(layer, x, y, difference[x])) return;
           std::optional<ScalePoint> point = Refine(differences, size, {layer, x, y}, least_contrast);
-          if (!point) continue;
+          if (!point) return;
           point->octave = static_cast<int>(o);
           points.push_back(*point);
-        }
+        });
       }
     }
   }

@@ -2,20 +2,53 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <atomic>
-#include <optional>
+#include <utility>
 
 #include "core/base/parallel_for.h"
+#include "core/base/scoped_timer.h"
 
 namespace skyquilt::pipeline {
 
-Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source, int threads, Progress& progress) {
+namespace {
+
+struct CheckedPhoto {
+  render::Thumbnail thumbnail;
+  std::optional<alignment::PhotoFeatures> features;
+};
+
+Result<CheckedPhoto> Check(const flight::Photo& photo, const PhotoSource& source,
+                           const std::optional<alignment::FeatureOptions>& features) {
+  int denominator = render::ThumbnailDenominator(photo);
+  if (features) denominator = std::min(denominator, alignment::DenominatorOf(photo, *features));
+  double decode_s = 0.0;
+  const Result<DecodedImage> decoded = [&] {
+    ScopedTimer timer(decode_s);
+    return source.Decode(photo, denominator);
+  }();
+  if (!decoded) return decoded.error();
+  CheckedPhoto checked{render::MakeThumbnail(photo, *decoded), {}};
+  if (!features) return checked;
+  // A photo too small for features is a matter of the alignment, not of whether it is damaged.
+  if (auto found = alignment::FeaturesOf(photo, *decoded, *features)) {
+    checked.features = *std::move(found);
+    checked.features->decode_s = decode_s;
+  }
+  return checked;
+}
+
+}  // namespace
+
+Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source,
+                                  const std::optional<alignment::FeatureOptions>& features, int threads,
+                                  Progress& progress) {
   const std::size_t count = flight.photos.size();
-  std::vector<std::optional<Result<render::Thumbnail>>> made(count);
+  std::vector<std::optional<Result<CheckedPhoto>>> made(count);
   std::atomic<std::size_t> done{0};
   ParallelFor(count, threads, [&](std::size_t i) {
     if (progress.IsCancelled()) return;
-    made[i] = render::MakeThumbnail(source, flight.photos[i]);
+    made[i] = Check(flight.photos[i], source, features);
     const std::size_t finished = ++done;
     progress.Report(static_cast<double>(finished) / static_cast<double>(count),
                     fmt::format("photo {} of {}", finished, count));
@@ -28,7 +61,9 @@ Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& sour
   for (std::size_t i = 0; i < count; ++i) {
     if (made[i]->ok()) {
       checked.flight.photos.push_back(std::move(photos[i]));
-      checked.thumbnails.push_back(**std::move(made[i]));
+      CheckedPhoto& one = **made[i];
+      checked.thumbnails.push_back(std::move(one.thumbnail));
+      if (one.features) checked.features.emplace(checked.flight.photos.back().name, *std::move(one.features));
     } else {
       checked.flight.left_out.push_back({photos[i].name, made[i]->error().code, made[i]->error().message});
     }

@@ -1,9 +1,12 @@
-// CheckPhotos: decodes every photo once, small: what is damaged is found before anything is placed, and the small
-// pictures serve the exposure model. Parallel; the result does not depend on threads. Memory: about 60 kB a photo.
+// CheckPhotos: decodes every photo once, small: what is damaged is found before anything is placed, the small
+// pictures serve the exposure model, and the features, where they are asked for, the alignment. Parallel; the result does
+// not depend on threads. Memory: about 60 kB a photo, 0.4 MB with features.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "core/alignment/extract_all.h"
 #include "core/base/progress.h"
 #include "core/flight/flight.h"
 #include "core/pipeline/ports.h"
@@ -14,8 +17,11 @@ namespace skyquilt::pipeline {
 struct CheckedFlight {
   flight::Flight flight;                       // without the damaged photos, which are in left_out
   std::vector<render::Thumbnail> thumbnails;   // one a photo
+  alignment::FoundFeatures features;
 };
 
-Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source, int threads, Progress& progress);
+Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source,
+                                  const std::optional<alignment::FeatureOptions>& features, int threads,
+                                  Progress& progress);
 
 }  // namespace skyquilt::pipeline

@@ -106,7 +106,8 @@ Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOption
 Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
                                        const std::vector<flight::GcpList>& control,
                                        const MosaicOptions& options, const PhotoSource& source,
-                                       alignment::AlignReport& report, Progress& progress) {
+                                       alignment::FoundFeatures found, alignment::AlignReport& report,
+                                       Progress& progress) {
   alignment::AlignOptions align_options;
   align_options.threads = options.threads;
   align_options.control = ControlPointsOf(control);
@@ -120,7 +121,7 @@ Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
     case AlignMethod::kAuto:
       break;
   }
-  return alignment::AlignFlight(posed, source, align_options, report, progress);
+  return alignment::AlignFlight(posed, source, align_options, report, progress, std::move(found));
 }
 
 // In the order of the placed photos.
@@ -136,14 +137,18 @@ std::vector<render::Thumbnail> Ordered(const alignment::AlignedFlight& flight,
 
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options, const PhotoSource& source,
                               const DemSource* dem, StageRunner& stages, Progress& progress) {
-  auto checked =
-      stages.Run("check", [&] { return CheckPhotos(std::move(read), source, options.threads, progress); });
+  auto checked = stages.Run("check", [&] {
+    std::optional<alignment::FeatureOptions> features;
+    if (options.method == AlignMethod::kAuto) features = alignment::AlignOptions().Features();
+    return CheckPhotos(std::move(read), source, features, options.threads, progress);
+  });
   if (!checked) return checked.error();
   auto posed = Pose(checked->flight, options, dem, stages);
   if (!posed) return posed.error();
   alignment::AlignReport report;
-  auto aligned = stages.Run(
-      "align", [&] { return Align(*posed, checked->flight.gcp_lists, options, source, report, progress); });
+  auto aligned = stages.Run("align", [&] {
+    return Align(*posed, checked->flight.gcp_lists, options, source, std::move(checked->features), report, progress);
+  });
   if (!aligned) return aligned.error();
   ground::ModelGroundReport ground_report;
   FlightFacts facts;
@@ -176,7 +181,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
     if (names.contains(photo.name)) added.photos.push_back(photo);
   }
   auto checked =
-      stages.Run("check", [&] { return CheckPhotos(std::move(added), source, options.threads, progress); });
+      stages.Run("check", [&] { return CheckPhotos(std::move(added), source, {}, options.threads, progress); });
   if (!checked) return checked.error();
   // Photos that were left out stay so.
   std::set<std::string> left_out;

@@ -1,6 +1,6 @@
 #include "core/pyramid/png_encoder.h"
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <array>
@@ -144,8 +144,7 @@ void PutBigEndian(std::uint32_t value, std::uint8_t* out) {
 void CloseChunk(std::string_view name, std::uint8_t* chunk, std::size_t size) {
   PutBigEndian(static_cast<std::uint32_t>(size), chunk);
   std::memcpy(chunk + 4, name.data(), 4);
-  PutBigEndian(static_cast<std::uint32_t>(crc32(0, chunk + 4, static_cast<uInt>(size + 4))),
-               chunk + 8 + size);
+  PutBigEndian(libdeflate_crc32(0, chunk + 4, size + 4), chunk + 8 + size);
 }
 
 }  // namespace
@@ -194,8 +193,7 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
       });
   out.Put(code.words[kEndOfBlock]);
   std::uint8_t* end = out.Finish();
-  PutBigEndian(static_cast<std::uint32_t>(adler32(1, filtered.data(), static_cast<uInt>(filtered.size()))),
-               end);
+  PutBigEndian(libdeflate_adler32(1, filtered.data(), filtered.size()), end);
   const auto size = static_cast<std::size_t>(end + kSum - content);
   CloseChunk("IDAT", chunk, size);
   chunk += kAroundChunk + size;

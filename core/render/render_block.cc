@@ -11,6 +11,10 @@
 #include "core/render/cubic_sampler.h"
 #include "core/render/weigh_block.h"
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace skyquilt::render {
 namespace {
 
@@ -122,12 +126,21 @@ Four Clamped(Four value) {
   return value < white ? value : white;
 }
 
+// Of numbers from 0 to 255.
 void Write(const Four& value, std::uint8_t* rgba) {
+#if defined(__SSE2__)
+  const __m128i whole = _mm_cvttps_epi32(value + 0.5f);
+  const __m128i halves = _mm_packs_epi32(whole, whole);
+  const auto pixel =
+      static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_packus_epi16(halves, halves))) | 0xff000000U;
+  std::memcpy(rgba, &pixel, 4);
+#else
   using FourInts = std::int32_t __attribute__((vector_size(16)));
   using FourBytes = std::uint8_t __attribute__((vector_size(4)));
   const FourBytes bytes = __builtin_convertvector(__builtin_convertvector(value + 0.5f, FourInts), FourBytes);
   std::memcpy(rgba, &bytes, 4);
   rgba[3] = 255;
+#endif
 }
 
 // Squares in which photos mix: their weighted sums until all have been added.

@@ -9,15 +9,22 @@
 
 namespace skyquilt::render {
 
-Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo) {
+int ThumbnailDenominator(const flight::Photo& photo) {
   const int long_side = std::max(photo.intrinsics.width_px, photo.intrinsics.height_px);
-  const int denominator = long_side >= 8 * kThumbnailSidePx ? 8 : long_side >= 4 * kThumbnailSidePx ? 4 : 1;
-  Result<pipeline::DecodedImage> decoded = source.Decode(photo, denominator);
+  return long_side >= 8 * kThumbnailSidePx ? 8 : long_side >= 4 * kThumbnailSidePx ? 4 : 1;
+}
+
+Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo) {
+  const Result<pipeline::DecodedImage> decoded = source.Decode(photo, ThumbnailDenominator(photo));
   if (!decoded) return decoded.error();
-  const cv::Mat3b full(decoded->height_px, decoded->width_px,
-                       reinterpret_cast<cv::Vec3b*>(decoded->rgb.data()));
+  return MakeThumbnail(photo, *decoded);
+}
+
+Thumbnail MakeThumbnail(const flight::Photo& photo, const pipeline::DecodedImage& decoded) {
+  const cv::Mat full(decoded.height_px, decoded.width_px, CV_8UC3,
+                     const_cast<std::uint8_t*>(decoded.rgb.data()));
   const double scale = std::min(1.0, static_cast<double>(kThumbnailSidePx) / std::max(full.cols, full.rows));
-  cv::Mat3b small;
+  cv::Mat small;
   cv::resize(full, small, {std::max(1, cvRound(full.cols * scale)), std::max(1, cvRound(full.rows * scale))},
              0, 0, cv::INTER_AREA);
   Thumbnail thumbnail{photo.name, small.cols, small.rows, {}};

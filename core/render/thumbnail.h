@@ -27,7 +27,11 @@ struct DecodedThumbnail {
   std::vector<std::uint8_t> rgb;
 };
 
-// Errors: those of decoding.
+// What a photo is shrunk by when it is decoded for its thumbnail.
+int ThumbnailDenominator(const flight::Photo& photo);
+// Of a photo decoded so, or larger.
+Thumbnail MakeThumbnail(const flight::Photo& photo, const pipeline::DecodedImage& decoded);
+// Decodes it too. Errors: those of decoding.
 Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo);
 
 DecodedThumbnail Decode(const Thumbnail& thumbnail);
