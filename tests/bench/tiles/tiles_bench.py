@@ -6,7 +6,9 @@ import os
 import pathlib
 import re
 import shutil
+import socket
 import sqlite3
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -17,8 +19,10 @@ import peers as others
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "e2e"))
 from server_support import BINARY, Server  # noqa: E402
 
-SECONDS, ROUNDS, CONNECTIONS = 4, 3, 32
+SECONDS, ROUNDS, CONNECTIONS, SLOW = 4, 3, 32, 1000
 TICKS = os.sysconf("SC_CLK_TCK")
+
+
 def processes(pid):
     """A process with its children, theirs included."""
     children = [int(text) for task in pathlib.Path(f"/proc/{pid}/task").iterdir() for text in (task / "children").read_text().split()]
@@ -48,6 +52,31 @@ def load(url, paths, pid, folder, header=""):
         raise AssertionError(said)
     count = int(re.search(r"(\d+) requests in", said).group(1))
     return spent / count * 1e6, count / SECONDS
+
+
+def median_ms(url, paths, folder):
+    """Of the time that a tile takes, as one who asks for one after the other sees it."""
+    script = folder / "median.lua"
+    script.write_text("local paths = {" + ",".join(f'"{path}"' for path in paths) + "}\nrequest = function()\n"
+                      "  return wrk.format('GET', paths[math.random(#paths)])\nend\n")
+    said = subprocess.run(["wrk", "-t1", "-c2", f"-d{SECONDS}s", "--latency", "-s", script, url], check=True, capture_output=True,
+                          text=True).stdout
+    number, unit = re.search(r"50%\s+([\d.]+)(us|ms|s)", said).groups()
+    return float(number) * {"us": 1e-3, "ms": 1.0, "s": 1e3}[unit]
+
+
+def beside_slow_ones(server, url, paths, folder):
+    """A tile's median time alone and beside a thousand who never finish their request; medians of rounds in turns."""
+    alone, crowded = [], []
+    for _ in range(ROUNDS):
+        alone.append(median_ms(url, paths, folder))
+        slow = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(SLOW)]
+        for client in slow:
+            client.sendall(b"GET /healthz HTTP/1.1\r\nHost: ")
+        crowded.append(median_ms(url, paths, folder))
+        for client in slow:
+            client.close()
+    return statistics.median(alone), statistics.median(crowded)
 
 
 def hundred_maps(data, flight):
@@ -105,6 +134,7 @@ def main():
             rows["skyquilt, 304"].append(load(url, mine[:1], server.process.pid, folder, known))
             for rival in rivals:
                 rows[rival.name].append(load(rival.url, rival.paths, rival.pid, folder))
+        alone_ms, crowded_ms = beside_slow_ones(server, url, mine, folder)
         load(url, [f"/tiles/{name}/{path}" for name in maps for path in below[:: max(1, len(below) // 20)]], server.process.pid, folder)
         used_mib = memory_mib(server.process.pid)
     finally:
@@ -119,6 +149,7 @@ def main():
     for name, rounds in rows.items():
         lines.append(f"| {name} | {best[name]:.1f} | {max(rate for _, rate in rounds):.0f} | {best['skyquilt'] / best[name]:.2f} |")
     lines += ["", f"Memory of skyquilt with {len(maps)} maps asked for: {used_mib:.0f} MiB; ready {ready_s:.2f} s after its start"]
+    lines += [f"Median time of a tile {alone_ms:.3f} ms, beside {SLOW} slow connections {crowded_ms:.3f} ms ({crowded_ms / alone_ms:.2f} times)"]
     lines += [f"Not here: {name}" for name in missing]
     text = "\n".join(lines) + "\n"
     print(text)
