@@ -6,6 +6,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/browser.js';
+import { assertOpensAtItsPixel } from './support/photo_pixel.js';
 import { screenshotPixels } from './support/pixels.js';
 import { binary, findPhotos, missingBinary, startServer } from './support/real_server.js';
 
@@ -182,28 +183,6 @@ test('the preview grows while photos arrive and gives way to the map without a f
     assert.equal(await server.stop(), 0);
   }
 });
-
-/** The photo that the card opens is the server's first for the map's centre, marked at the server's pixel. */
-async function assertOpensAtItsPixel(page, url, id) {
-  const { lng, lat } = await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getCenter());
-  const { photos } = await (await fetch(`${url}api/v1/flights/${id}/at?lon=${lng}&lat=${lat}`)).json();
-  assert.equal(await page.textContent('#photo-card .card-title'), photos[0].name);
-  // And back: that pixel shows the place.
-  const ground = await (await fetch(`${url}api/v1/flights/${id}/photos/${photos[0].name}/ground?x=${photos[0].x}&y=${photos[0].y}`)).json();
-  assert.ok(Math.hypot((ground.lon - lng) * Math.cos((lat * Math.PI) / 180), ground.lat - lat) * 111_000 < 0.05, JSON.stringify({ ground, lng, lat }));
-  await page.click('#photo-open');
-  await page.waitForSelector('.viewer-mark:not([hidden])');
-  const marked = await page.evaluate(() => {
-    const box = (/** @type {string} */ selector) => /** @type {Element} */ (document.querySelector(selector)).getBoundingClientRect();
-    const [image, mark] = [box('.viewer-image'), box('.viewer-mark')];
-    const width = /** @type {HTMLImageElement} */ (document.querySelector('.viewer-image')).naturalWidth;
-    const scale = image.width / width;
-    return { x: (mark.x + mark.width / 2 - image.x) / scale - 0.5, y: (mark.y + mark.height / 2 - image.y) / scale - 0.5 };
-  });
-  assert.ok(Math.hypot(marked.x - photos[0].x, marked.y - photos[0].y) < 1, JSON.stringify({ marked, first: photos[0] }));
-  await page.keyboard.press('Escape');
-  await page.waitForSelector('#photo-viewer', { state: 'detached' });
-}
 
 /** Each layer covers the middle of the map in its own colours, and goes again. */
 async function assertLayersLieOverTheMap(page, url, id, middle) {
