@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { join, posix } from 'node:path';
 import { test } from 'node:test';
 import { web_root } from './support/mock_server.js';
 
@@ -31,6 +31,17 @@ test('nothing in the page names another host', () => {
 test('no script or style is inline, so that a strict content policy holds', () => {
   const html = readFileSync(join(web_root, 'index.html'), 'utf8');
   assert.doesNotMatch(html, /<style|style=|\son[a-z]+=|<script(?![^>]*src=)/i);
+});
+
+test('the page names every module that it starts with, so that none waits for another to be read', () => {
+  const importsOf = (/** @type {string} */ path) => {
+    const code = readFileSync(join(web_root, path), 'utf8').replace(/\/\*[^]*?\*\//g, '');
+    return [...code.matchAll(/^(?:import|export)\s[^;]*?from '([^']+)'/gm)].map((match) => posix.join(posix.dirname(path), match[1]));
+  };
+  const needed = new Set(importsOf('src/main.js'));
+  for (const path of needed) if (path.startsWith('src/')) for (const next of importsOf(path)) needed.add(next);
+  const named = [...readFileSync(join(web_root, 'index.html'), 'utf8').matchAll(/rel="modulepreload" href="([^"]+)"/g)].map((match) => match[1]);
+  assert.deepEqual(named, [...needed].sort());
 });
 
 test('the lockfile names no registry', () => {

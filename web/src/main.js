@@ -124,6 +124,7 @@ function show(route) {
 /** @param {Extract<Route, {id: string}>} route */
 async function openFlight(route) {
   if (!open_view) {
+    stage.prepare();
     const had_focus = document.activeElement !== document.body;
     open_view = new FlightView(route.id, stage, {
       rename,

@@ -42,6 +42,11 @@ export class Stage {
     this.area.append(this.note, this.preview_note);
   }
 
+  /** Fetches what draws maps while the server is still being asked for a flight. */
+  prepare() {
+    import('./map_view.js').catch(() => undefined);  // #map() tells of it
+  }
+
   /** @returns {Promise<MapView|null>} null when this browser cannot draw maps */
   async #map() {
     if (this.#view) return this.#view;
