@@ -107,7 +107,7 @@ void LookAgain(const poses::PosedFlight& posed, const BundleProblem& problem, co
   relief =
       Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
   const std::size_t count = input.views.size();
-  linked.pairs = OnlyLinkedPhotos(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
+  linked.pairs = OnlyWithinPieces(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
                                   linked.links, count);
   linked.links =
       LinkPhotos(input, LayAll(input, relief, options.threads), linked.pairs, pass, options.threads);

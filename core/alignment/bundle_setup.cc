@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "core/alignment/pieces.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {
@@ -86,16 +87,16 @@ double MedianWidthM(const std::vector<View>& views) {
   return widths.empty() ? 1.0 : Median(widths);
 }
 
-std::vector<CandidatePair> OnlyLinkedPhotos(const std::vector<CandidatePair>& pairs,
+std::vector<CandidatePair> OnlyWithinPieces(const std::vector<CandidatePair>& pairs,
                                             const std::vector<PairLink>& links, std::size_t photos) {
-  std::vector<char> is_linked(photos, 0);
+  const std::vector<int> piece = FindPieces(photos, links).of_photo;
   std::map<std::pair<int, int>, double> kept;  // overlap
   for (const PairLink& link : links) {
-    is_linked[link.first] = is_linked[link.second] = 1;
     kept.emplace(std::pair(link.first, link.second), 0.0);
   }
   for (const CandidatePair& pair : pairs) {
-    if (is_linked[pair.first] && is_linked[pair.second]) kept[{pair.first, pair.second}] = pair.overlap;
+    if (piece[pair.first] >= 0 && piece[pair.first] == piece[pair.second])
+      kept[{pair.first, pair.second}] = pair.overlap;
   }
   std::vector<CandidatePair> sorted;
   for (const auto& [photos_of_pair, overlap] : kept) {

@@ -3,9 +3,10 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <queue>
+
+#include "core/alignment/pieces.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -19,41 +20,6 @@ constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.
 constexpr int kMostPlacesPerLink = 24;
 
 double Cauchy(double miss, double scale) { return 1.0 / (1.0 + (miss / scale) * (miss / scale)); }
-
-struct Pieces {
-  std::vector<int> of_photo;
-  std::vector<std::vector<int>> members;
-};
-
-Pieces FindPieces(std::size_t photos, const std::vector<PairLink>& links) {
-  std::vector<int> root(photos);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  std::vector<char> linked(photos, 0);
-  for (const PairLink& link : links) {
-    linked[link.first] = linked[link.second] = 1;
-    const int a = find(link.first);
-    const int b = find(link.second);
-    root[std::max(a, b)] = std::min(a, b);
-  }
-  Pieces pieces;
-  pieces.of_photo.assign(photos, -1);
-  std::vector<int> number(photos, -1);
-  for (std::size_t i = 0; i < photos; ++i) {
-    if (!linked[i]) continue;
-    const int r = find(static_cast<int>(i));
-    if (number[r] < 0) {
-      number[r] = static_cast<int>(pieces.members.size());
-      pieces.members.emplace_back();
-    }
-    pieces.of_photo[i] = number[r];
-    pieces.members[number[r]].push_back(static_cast<int>(i));
-  }
-  return pieces;
-}
 
 // Lays the photos of a piece relative to each other along the strongest links, from the given roots outwards,
 // which stay as recorded. Photos of other pieces get no correction.

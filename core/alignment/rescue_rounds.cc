@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/alignment/bundle_setup.h"
+#include "core/alignment/pieces.h"
 #include "core/alignment/rescue_photos.h"
 #include "core/base/median.h"
 
@@ -12,14 +13,23 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr int kMostRounds = 4;
+constexpr std::size_t kSmallPiece = 5;  // of photos, which hold each other but not where they all are
 
-std::vector<char> TiedPhotos(const BundleProblem& problem) {
+// By enough points, and not only to a few others apart from the rest.
+std::vector<char> TiedPhotos(const BundleProblem& problem, const std::vector<PairLink>& links) {
   std::vector<int> seen(problem.photos.size(), 0);
   for (const Track& track : problem.tracks) {
     for (const Observation& one : track.observations) ++seen[one.photo];
   }
   std::vector<char> tied(seen.size());
   for (std::size_t i = 0; i < seen.size(); ++i) tied[i] = seen[i] >= kEnoughObservations ? 1 : 0;
+  const Pieces pieces = FindPieces(seen.size(), links);
+  std::size_t largest = 0;
+  for (const std::vector<int>& members : pieces.members) largest = std::max(largest, members.size());
+  for (const std::vector<int>& members : pieces.members) {
+    if (members.size() > kSmallPiece || 2 * members.size() > largest) continue;
+    for (const int i : members) tied[i] = 0;
+  }
   return tied;
 }
 
@@ -42,7 +52,7 @@ double ExpectedMissM(const poses::PosedFlight& posed, const BundleProblem& probl
 
 int RescueInRounds(const poses::PosedFlight& posed, const Relief& relief, int threads, LinkInput& input,
                    Linked& linked, BundleProblem& problem) {
-  std::vector<char> tied = TiedPhotos(problem);
+  std::vector<char> tied = TiedPhotos(problem, linked.links);
   if (std::count(tied.begin(), tied.end(), 1) == 0 || std::count(tied.begin(), tied.end(), 0) == 0) return 0;
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeLinkInput(posed));
   const double expected_m = ExpectedMissM(posed, problem, recorded, tied);
