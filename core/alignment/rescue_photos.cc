@@ -23,6 +23,7 @@ constexpr int kMinMatchesOfALink = 6;
 constexpr double kLeastRadiusShare = 0.15;
 constexpr double kExpectedMisses = 4.0;
 constexpr int kFeaturesAnywhere = 1000;
+constexpr int kMostLooks = 4;
 
 struct Candidate {
   int neighbour = 0;
@@ -56,11 +57,12 @@ std::vector<int> Neighbours(const LinkInput& input, const std::vector<char>& is_
   return chosen;
 }
 
-std::vector<Candidate> Collect(const LinkInput& input, const Laid& laid, const Relief& relief,
-                               const std::vector<int>& neighbours, int lost, const MatchWindow& window) {
+std::vector<Candidate> Collect(const LinkInput& input, const std::vector<GroundView>& laid,
+                               const Relief& relief, const std::vector<int>& neighbours, int lost,
+                               const MatchWindow& window) {
   std::vector<Candidate> candidates;
   for (const int i : neighbours) {
-    for (const KeypointMatch& match : MatchOnGround(laid.views[i], laid.views[lost], {}, window)) {
+    for (const KeypointMatch& match : MatchOnGround(laid[i], laid[lost], {}, window)) {
       const Keypoint& seen = input.features[i]->keypoints[match.first];
       Candidate candidate{i, match, {}};
       if (MeetGround(input.views[i], relief, {seen.x_px, seen.y_px}, &candidate.place_in_enu)) {
@@ -81,15 +83,16 @@ geo::Rigid3 Moved(const geo::Rigid3& cam_from_enu, const GroundSimilarity& motio
 }
 
 // One match is enough for a guess of turn and place; the guess most others follow.
-std::optional<GroundSimilarity> GuessMotion(const Laid& laid, const std::vector<Candidate>& candidates,
-                                            int lost, double tolerance_m) {
-  const std::vector<GroundKeypoint>& of_lost = *laid.views[lost].laid;
+std::optional<GroundSimilarity> GuessMotion(const std::vector<GroundView>& laid,
+                                            const std::vector<Candidate>& candidates, int lost,
+                                            double tolerance_m) {
+  const std::vector<GroundKeypoint>& of_lost = *laid[lost].laid;
   const std::size_t step = std::max<std::size_t>(1, candidates.size() / kMostGuesses);
   std::size_t most = 0;
   std::optional<GroundSimilarity> best;
   for (std::size_t k = 0; k < candidates.size(); k += step) {
     const GroundKeypoint& from = of_lost[candidates[k].match.second];
-    const GroundKeypoint& to = (*laid.views[candidates[k].neighbour].laid)[candidates[k].match.first];
+    const GroundKeypoint& to = (*laid[candidates[k].neighbour].laid)[candidates[k].match.first];
     for (const double turn : {0.0, static_cast<double>(to.angle_rad - from.angle_rad)}) {
       const std::complex<double> rotor = std::polar(1.0, turn);
       const GroundSimilarity motion{rotor, candidates[k].Place() - rotor * from.place};
@@ -203,7 +206,7 @@ std::vector<PairLink> AsLinks(const std::vector<Candidate>& candidates, const st
 }
 
 // The pose most candidates follow, when more do than would by chance.
-std::optional<RescuedPhoto> Resect(const LinkInput& input, const Laid& laid,
+std::optional<RescuedPhoto> Resect(const LinkInput& input, const std::vector<GroundView>& laid,
                                    const std::vector<Candidate>& candidates, int lost,
                                    double search_area_m2) {
   if (candidates.size() < kMinFollowers) return std::nullopt;
@@ -233,6 +236,35 @@ std::optional<RescuedPhoto> Resect(const LinkInput& input, const Laid& laid,
   return rescued;
 }
 
+std::size_t MatchesOf(const RescuedPhoto& one) {
+  std::size_t matches = 0;
+  for (const PairLink& link : one.links) matches += link.matches.size();
+  return matches;
+}
+
+// A photo that was far off is found by what lies within reach of its old place, which may be one corner of it
+// and holds the rest badly. From where that puts it, the rest is within reach: again, as long as it brings
+// more.
+RescuedPhoto LookFromThere(LinkInput input, std::vector<GroundView> laid, const Relief& relief,
+                           const std::vector<int>& neighbours, RescuedPhoto found) {
+  const int photo = found.photo;
+  MatchWindow window;
+  window.radius_m = kLeastRadiusShare * input.views[photo].WidthM();
+  window.max_turn_rad = 0.45;
+  for (int look = 0; look < kMostLooks; ++look) {
+    input.views[photo].cam_from_enu = found.cam_from_enu;
+    const std::vector<GroundKeypoint> keypoints =
+        LayOnGround(*input.features[photo], input.views[photo], relief);
+    laid[photo].laid = &keypoints;
+    std::optional<RescuedPhoto> again =
+        Resect(input, laid, Collect(input, laid, relief, neighbours, photo, window), photo,
+               std::numbers::pi * window.radius_m * window.radius_m);
+    if (!again || MatchesOf(*again) <= MatchesOf(found)) break;
+    found = *std::move(again);
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<RescuedPhoto> RescuePhotos(const LinkInput& input, const Relief& relief,
@@ -256,17 +288,18 @@ std::vector<RescuedPhoto> RescuePhotos(const LinkInput& input, const Relief& rel
     const int photo = lost[k];
     const double width_m = input.views[photo].WidthM();
     const std::vector<int> neighbours = Neighbours(input, is_aligned, middles, photo);
-    MatchWindow window;
-    window.radius_m = std::clamp(kExpectedMisses * expected_miss_m, kLeastRadiusShare * width_m, width_m);
-    window.max_turn_rad = 0.8;
-    found[k] = Resect(input, laid, Collect(input, laid, relief, neighbours, photo, window), photo,
-                      std::numbers::pi * window.radius_m * window.radius_m);
-    if (found[k]) return;
-    MatchWindow anywhere;
+    MatchWindow near, anywhere;
+    near.radius_m = std::clamp(kExpectedMisses * expected_miss_m, kLeastRadiusShare * width_m, width_m);
+    near.max_turn_rad = 0.8;
     anywhere.max_features = kFeaturesAnywhere;
     anywhere.max_distance_ratio = 0.8;
-    found[k] = Resect(input, laid, Collect(input, laid, relief, neighbours, photo, anywhere), photo,
-                      width_m * width_m);
+    const double near_area_m2 = std::numbers::pi * near.radius_m * near.radius_m;
+    for (const auto& [window, area_m2] : {std::pair(near, near_area_m2), {anywhere, width_m * width_m}}) {
+      if (found[k]) break;
+      found[k] = Resect(input, laid.views, Collect(input, laid.views, relief, neighbours, photo, window),
+                        photo, area_m2);
+    }
+    if (found[k]) found[k] = LookFromThere(input, laid.views, relief, neighbours, *std::move(found[k]));
   });
   std::vector<RescuedPhoto> rescued;
   for (std::optional<RescuedPhoto>& one : found) {
