@@ -24,6 +24,7 @@
 #include "core/simulate/noise.h"
 #include "core/simulate/simulate_flight.h"
 #include "core/simulate/write_photo.h"
+#include "tests/bench/alignment/thread_cpu.h"
 
 namespace {
 
@@ -92,13 +93,6 @@ Result<void> WriteFlight(const std::filesystem::path& folder, int photos, int th
     if (!one) return one.error();
   }
   return {};
-}
-
-double ThreadCpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_THREAD, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 // Counts what decoding costs.

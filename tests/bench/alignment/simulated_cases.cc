@@ -1,23 +1,17 @@
 #include "tests/bench/alignment/simulated_cases.h"
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "tests/bench/alignment/thread_cpu.h"
+
 namespace skyquilt::alignment {
 namespace {
 
 constexpr double kDeg = 3.14159265358979 / 180.0;
-
-double ThreadCpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_THREAD, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 void MoveRecord(const simulate::SimulatedFlight& flight, simulate::SimulatedPhoto& photo,
                 const Eigen::Vector3d& by_m) {
