@@ -36,11 +36,14 @@ BundleLens MakeLens(const flight::Photo& photo, int photos) {
   lens.sigma_p = few ? 0.0003 : 0.0006;
   switch (photo.focal_source) {
     case flight::FocalSource::kDewarpData:
-    case flight::FocalSource::kCalibrated:
       lens.sigma_focal_share = 0.003;
       lens.sigma_center_px = 0.001 * width;
       lens.sigma_k1 = lens.sigma_k2 = 0.005;
       lens.sigma_p = 0.0003;
+      break;
+    case flight::FocalSource::kCalibrated:  // focal length and centre: they tell nothing of the distortion
+      lens.sigma_focal_share = 0.003;
+      lens.sigma_center_px = 0.001 * width;
       break;
     case flight::FocalSource::k35mmEquivalent:
       lens.sigma_focal_share = 0.02;  // whole millimetres of an equivalent
