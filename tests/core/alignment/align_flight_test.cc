@@ -70,6 +70,18 @@ TEST(AlignFlight, HoldsOnReliefToo) {
   EXPECT_LT(outcome.error.relative_ce90_m, 5.0 * truth.GsdM());
 }
 
+TEST(AlignFlight, FindsTheDistortionOfALensWhoseFocalLengthAloneIsRecorded) {
+  simulate::SimulateOptions options = MakeTruth(12).options;
+  options.intrinsics.k1 = -0.08;
+  options.intrinsics.k2 = 0.03;
+  const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  const Outcome outcome = Align(truth, PosesOf(truth));
+  EXPECT_EQ(outcome.report.aligned, 12);
+  ASSERT_EQ(outcome.report.lenses.size(), 1u);
+  EXPECT_EQ(outcome.report.lenses.front().recorded.k1, 0.0);
+  EXPECT_NEAR(outcome.report.lenses.front().adjusted.k1, -0.08, 0.012);
+}
+
 TEST(AlignFlight, GivesTheSameBytesOnOneThreadAndOnTwo) {
   const simulate::SimulatedFlight truth = MakeTruth(8);
   const poses::PosedFlight posed = PosesOf(truth);
