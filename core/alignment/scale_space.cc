@@ -50,7 +50,8 @@ inline void AddPair(const std::uint16_t* a, const std::uint16_t* b, std::uint16_
 SKYQUILT_VECTOR_CLONES BlurredImage Blur(const BlurredImage& image, double sigma_px) {
   const Kernel kernel(sigma_px);
   const int width = image.width_px, height = image.height_px, radius = kernel.radius;
-  BlurredImage blurred{width, height, std::vector<std::uint16_t>(image.values.size())};
+  BlurredImage blurred{width, height, {}};
+  blurred.values.resize(image.values.size());
   std::vector<std::uint16_t> down(static_cast<std::size_t>(width + 2 * radius));
   std::uint16_t* const middle = down.data() + radius;
   for (int y = 0; y < height; ++y) {

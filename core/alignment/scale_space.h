@@ -7,13 +7,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/pixel_bytes.h"
+
 namespace skyquilt::alignment {
 
 // Rows without padding, in 128ths of a grey level.
 struct BlurredImage {
   int width_px = 0;
   int height_px = 0;
-  std::vector<std::uint16_t> values;
+  std::vector<std::uint16_t, PixelAllocator<std::uint16_t>> values;
 
   const std::uint16_t* Row(int y) const { return values.data() + static_cast<std::size_t>(y) * width_px; }
   std::uint16_t* Row(int y) { return values.data() + static_cast<std::size_t>(y) * width_px; }

@@ -58,7 +58,8 @@ Eigen::Vector2d Intrinsics::Undistort(const Eigen::Vector2d& distorted) const {
 }
 
 double Intrinsics::MaxRadiusSquared() const {
-  // d/dr of r(1 + k1 r2 + k2 r4 + k3 r6) = 1 + 3 k1 s + 5 k2 s2 + 7 k3 s3 with s = r2: its first positive root.
+  // d/dr of r(1 + k1 r2 + k2 r4 + k3 r6) = 1 + 3 k1 s + 5 k2 s2 + 7 k3 s3 with s = r2: its first positive
+  // root.
   const auto slope = [&](double s) { return 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3)); };
   constexpr double kWidest = 25.0;  // tan(79 degrees) squared: wider than any lens this model serves
   constexpr int kSteps = 500;
@@ -82,7 +83,11 @@ double Intrinsics::MaxRadiusSquared() const {
 std::optional<Eigen::Vector2d> Intrinsics::Project(const Eigen::Vector3d& point_in_cam) const {
   if (point_in_cam.z() <= 1e-9) return std::nullopt;
   const Eigen::Vector2d normalised = point_in_cam.head<2>() / point_in_cam.z();
-  if (HasDistortion() && normalised.squaredNorm() > MaxRadiusSquared()) return std::nullopt;
+  const double s = normalised.squaredNorm();
+  // The search for the largest radius is dear, and most rays lie where the slope cannot have fallen to 0 yet.
+  const double least_slope =
+      1.0 + s * (std::min(0.0, 3.0 * k1) + s * (std::min(0.0, 5.0 * k2) + s * std::min(0.0, 7.0 * k3)));
+  if (least_slope <= 0.0 && s > MaxRadiusSquared()) return std::nullopt;
   const Eigen::Vector2d bent = Distort(normalised);
   return Eigen::Vector2d{focal_x_px * bent.x() + center_x_px, focal_y_px * bent.y() + center_y_px};
 }

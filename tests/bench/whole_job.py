@@ -81,18 +81,18 @@ def is_there(*command):
 
 
 def measure_peers(program, photos, files, threads):
-    """Rows of (name, wall s, processor s, peak bytes); a peer that is not installed or fails is named and left out."""
-    rows = []
-
+    """A line a peer, as soon as it is measured; one that is not installed or fails is named and left out."""
     def add(name, needs, measure):
         missing = [tool for tool in needs if not shutil.which(tool)]
         if missing:
             print(f"{name:<34} left out: {', '.join(missing)} not installed")
             return
         try:
-            rows.append((name, *measure()))
+            wall_s, cpu_s, peak = measure()
         except RuntimeError as failure:
-            print(f"{name:<34} failed: {failure}")
+            print(f"{name:<34} failed: {failure}", flush=True)
+            return
+        print(f"{name:<34} wall {wall_s:7.1f} s  cpu {cpu_s:7.1f} s  peak {peak / (1 << 30):5.2f} GiB", flush=True)
     with tempfile.TemporaryDirectory() as out:
         timed([program, "stitch", photos, "-o", out, "--threads", threads])
         zoom = json.loads(pathlib.Path(out, "report.json").read_text())["max_zoom"]
@@ -110,7 +110,6 @@ def measure_peers(program, photos, files, threads):
     with tempfile.TemporaryDirectory() as out:
         add("whole job: Hugin", ["pto_gen", "cpfind", "autooptimiser", "nona", "enblend"],
             lambda: hugin(out, [path.resolve() for path in files]))
-    return rows
 
 
 def main():
@@ -141,8 +140,7 @@ def main():
         good &= value <= bar
         print(f"{name:<24} {value:7.2f} {unit:<3} (bar {bar:g}) {'ok' if value <= bar else 'TOO MUCH'}")
     if asked.peers:
-        for name, peer_wall_s, peer_cpu_s, peer_peak in measure_peers(asked.program, asked.photos, files, asked.threads):
-            print(f"{name:<34} wall {peer_wall_s:7.1f} s  cpu {peer_cpu_s:7.1f} s  peak {peer_peak / (1 << 30):5.2f} GiB", flush=True)
+        measure_peers(asked.program, asked.photos, files, asked.threads)
     return 0 if good else 1
 
 
