@@ -62,9 +62,11 @@ std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int siz
   return filtered;
 }
 
-// Walks the filtered rows: literal(byte) for what is written as it is, run(n) for n zeros that follow a zero.
-template <typename Literal, typename Run>
-void Walk(const std::vector<std::uint8_t>& filtered, int size_px, const Literal& literal, const Run& run) {
+// Walks the filtered rows: literal(byte) and as_is(pixel) for what is written as it is, run(n) for n zeros
+// that follow a zero.
+template <typename Literal, typename AsIs, typename Run>
+void Walk(const std::vector<std::uint8_t>& filtered, int size_px, const Literal& literal, const AsIs& as_is,
+          const Run& run) {
   const std::uint8_t* in = filtered.data();
   for (int y = 0; y < size_px; ++y) {
     literal(*in++);
@@ -81,7 +83,7 @@ void Walk(const std::vector<std::uint8_t>& filtered, int size_px, const Literal&
           rest -= taken;
         }
       } else {
-        for (int c = 0; c < 4; ++c) literal(in[c]);
+        as_is(in);
         zeros = 1;
       }
       in += 4 * zeros;
@@ -106,6 +108,9 @@ class BitWriter {
     }
   }
   void Put(const HuffmanCode::Word& word) { Put(word.bits, word.length); }
+  void Put(const HuffmanCode::Word& first, const HuffmanCode::Word& second) {
+    Put(first.bits | std::uint64_t{second.bits} << first.length, first.length + second.length);
+  }
   // Where the whole bytes end.
   std::uint8_t* Finish() {
     for (; count_ > 0; count_ -= 8, held_ >>= 8) *out_++ = static_cast<std::uint8_t>(held_);
@@ -155,9 +160,17 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
       "a picture beyond the image");
   const std::vector<std::uint8_t> filtered = Filtered(image, x, y, size_px, alpha);
   std::vector<std::uint32_t> counts(kSymbols, 0);
+  // Each channel by itself, so that no sum waits for another.
+  std::array<std::array<std::uint32_t, 256>, 4> counts_of{};
   Walk(
       filtered, size_px, [&](std::uint8_t byte) { ++counts[byte]; },
+      [&](const std::uint8_t* pixel) {
+        for (std::size_t c = 0; c < 4; ++c) ++counts_of[c][pixel[c]];
+      },
       [&](int length) { ++counts[LengthOf(length).symbol]; });
+  for (const auto& of_channel : counts_of) {
+    for (std::size_t byte = 0; byte < of_channel.size(); ++byte) counts[byte] += of_channel[byte];
+  }
   ++counts[kEndOfBlock];
   const HuffmanCode code = HuffmanCode::Of(counts);
 
@@ -185,6 +198,10 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
   PutCode(code, out);
   Walk(
       filtered, size_px, [&](std::uint8_t byte) { out.Put(code.words[byte]); },
+      [&](const std::uint8_t* pixel) {
+        out.Put(code.words[pixel[0]], code.words[pixel[1]]);
+        out.Put(code.words[pixel[2]], code.words[pixel[3]]);
+      },
       [&](int length) {
         const MatchLength match = LengthOf(length);
         out.Put(code.words[match.symbol]);
