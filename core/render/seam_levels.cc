@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <opencv2/imgproc.hpp>
 
@@ -15,9 +14,12 @@ namespace {
 constexpr int kReach = 12;
 // The difference of two photos is read off a patch of this many cells around.
 constexpr int kPatch = 7;
-// A difference beyond this is another thing, not another light.
-constexpr int kMostDifference = 28;
-constexpr float kMostLevels = 15.8f;
+// What differs by more from what its surroundings do is another thing, not another light.
+constexpr float kMostDifference = 28.0f;
+// Grass and water against the sun or with it differ by this much, all alike.
+constexpr float kMostLight = 48.0f;
+constexpr int kSurroundings = 15;  // cells
+constexpr float kMostLevels = 0.5f * kMostLight;
 // With less than this share of a patch in agreement the correction fades out.
 constexpr float kLeastShare = 0.08f;
 
@@ -57,6 +59,9 @@ std::map<std::int32_t, Neighbour> NeighboursOf(const LowResView& view, const Sea
 
 // other - view where both see the same, smoothed; with how sure that is.
 void AddDifference(const LowResView& view, const LowResView& other, const cv::Mat1f& share, cv::Mat3f& sum) {
+  const auto most = [](const cv::Vec3f& step) {
+    return std::max({std::abs(step[0]), std::abs(step[1]), std::abs(step[2])});
+  };
   cv::Mat1f agree(view.rows, view.columns, 0.0f);
   cv::Mat3f difference(view.rows, view.columns, cv::Vec3f(0, 0, 0));
   for (int y = 0; y < view.rows; ++y) {
@@ -67,10 +72,23 @@ void AddDifference(const LowResView& view, const LowResView& other, const cv::Ma
         continue;
       const auto& a = view.rgb[i];
       const auto& b = other.rgb[static_cast<std::size_t>(j)];
-      const cv::Vec3i step(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-      if (std::max({std::abs(step[0]), std::abs(step[1]), std::abs(step[2])}) > kMostDifference) continue;
+      const cv::Vec3f step = cv::Vec3i(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+      if (most(step) > kMostLight) continue;
       agree(y, x) = 1.0f;
-      difference(y, x) = cv::Vec3f(step);
+      difference(y, x) = step;
+    }
+  }
+  cv::Mat1f around_share;
+  cv::Mat3f around;
+  const cv::Size surroundings(kSurroundings, kSurroundings);
+  cv::blur(agree, around_share, surroundings, {-1, -1}, cv::BORDER_CONSTANT);
+  cv::blur(difference, around, surroundings, {-1, -1}, cv::BORDER_CONSTANT);
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      if (agree(y, x) == 0.0f) continue;
+      if (most(difference(y, x) - around(y, x) * (1.0f / around_share(y, x))) <= kMostDifference) continue;
+      agree(y, x) = 0.0f;
+      difference(y, x) = cv::Vec3f(0, 0, 0);
     }
   }
   cv::blur(agree, agree, {kPatch, kPatch}, {-1, -1}, cv::BORDER_CONSTANT);
@@ -112,7 +130,7 @@ PhotoLevels LevelsOf(std::int32_t photo, const std::vector<LowResView>& views, c
       for (int c = 0; c < 3; ++c) {
         const float level = std::clamp(sum(y, x)[c] / shares(y, x), -kMostLevels, kMostLevels);
         levels.eighths[static_cast<std::size_t>(y) * view.columns + x][static_cast<std::size_t>(c)] =
-            static_cast<std::int8_t>(std::lround(8.0f * level));
+            static_cast<std::int16_t>(std::lround(8.0f * level));
       }
     }
   }

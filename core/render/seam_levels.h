@@ -18,7 +18,7 @@ namespace skyquilt::render {
 struct PhotoLevels {
   int column = 0, row = 0, columns = 0, rows = 0;
   std::vector<bool> sees_whole;                     // the photo's edge is not near the cell
-  std::vector<std::array<std::int8_t, 3>> eighths;  // of a grey level; empty: no correction
+  std::vector<std::array<std::int16_t, 3>> eighths;  // of a grey level; empty: no correction
 
   bool SeesWhole(int grid_column, int grid_row) const {
     const int x = grid_column - column, y = grid_row - row;
