@@ -1,5 +1,6 @@
 #include "core/pyramid/pack_picture.h"
 
+#include <new>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
