@@ -41,6 +41,12 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
       mode == OpenMode::kReadWriteCreate ? std::filesystem::absolute(path).string() : UriOf(path);
   const int code = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
   SqliteDb db(handle);
+  if (code == SQLITE_CANTOPEN && mode == OpenMode::kReadWriteCreate) {
+    return Error{ErrorCode::kIo,
+                 fmt::format("{} cannot be written. Choose a folder that exists and that you may write to.",
+                             path.string()),
+                 handle != nullptr ? sqlite3_errmsg(handle) : ""};
+  }
   if (code != SQLITE_OK) {
     return SqliteError(code, "open " + path.string(), handle != nullptr ? sqlite3_errmsg(handle) : "");
   }

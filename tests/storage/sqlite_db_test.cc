@@ -79,6 +79,15 @@ TEST(SqliteDb, OpensImmutableFilesWithOddNames) {
   EXPECT_EQ(select->ColumnInt64(0), 7);
 }
 
+TEST(SqliteDb, NamesThePlaceThatCannotBeWritten) {
+  ScratchDir dir;
+  const auto db = SqliteDb::Open(dir.path() / "none" / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_FALSE(db);
+  EXPECT_EQ(db.error().code, ErrorCode::kIo);
+  EXPECT_NE(db.error().message.find((dir.path() / "none" / "a.db").string()), std::string::npos)
+      << db.error().message;
+}
+
 TEST(SqliteDb, ReportsAFullDatabaseAsOutOfSpace) {
   ScratchDir dir;
   auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
