@@ -1,5 +1,6 @@
 // Ids made by the server: 26 characters of [0-9a-z] (Crockford's alphabet), 48 bits of time and 80 of the
-// kernel's randomness, so that they sort by age and cannot be guessed. Any thread.
+// kernel's randomness, so that they cannot be guessed and sort by age; those of one process in the very order
+// they were made. Any thread.
 #pragma once
 
 #include <string>

@@ -1,0 +1,21 @@
+#include "storage/ids.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace skyquilt::storage {
+namespace {
+
+TEST(Ids, SortInTheOrderTheyWereMadeHoweverFast) {
+  std::string last = NewId();
+  for (int i = 0; i < 20'000; ++i) {
+    const std::string next = NewId();
+    ASSERT_TRUE(IsId(next)) << next;
+    ASSERT_LT(last, next);
+    last = next;
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
