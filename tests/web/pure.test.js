@@ -150,11 +150,14 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
     file('empty.jpg', [], 'card/empty.jpg'),
     file('film.MP4', [1], 'card/film.MP4'),
     file('letter.docx', [1], 'card/letter.docx'),
+    file('old.rar', [1], 'card/old.rar'),
+    file('rest.tar.gz', [1], 'card/rest.tar.gz'),
+    file('one.gz', [1], 'card/one.gz'),
     file('.DS_Store', [1], 'card/.DS_Store'),
   ]);
-  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'log.csv']);
-  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.MP4', 'card/letter.docx']);
-  assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 4);
+  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'log.csv', 'rest.tar.gz']);
+  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.MP4', 'card/letter.docx', 'card/old.rar', 'card/one.gz']);
+  assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 5);
   assert.equal(folder, 'card');
 });
 

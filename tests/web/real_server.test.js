@@ -184,6 +184,22 @@ test('the preview grows while photos arrive and gives way to the map without a f
   }
 });
 
+test('an archive of photos is sent as it is and becomes the map of what is in it', options, async () => {
+  const archive = join(folder, 'card.tar');
+  assert.equal(spawnSync('tar', ['-cf', archive, '-C', join(folder, 'flight'), 'photos']).status, 0);
+  const server = await startServer(join(folder, 'archived'));
+  const { page, context, console_errors } = await openPage(browser, server.url);
+  try {
+    await page.setInputFiles('#files-input', archive);
+    await page.waitForSelector('#report', { timeout: 240_000 });
+    assert.match(await page.textContent('#report'), /6 \/ 6/);
+    assert.deepEqual(console_errors, []);
+  } finally {
+    await context.close();
+    assert.equal(await server.stop(), 0);
+  }
+});
+
 /** Each layer covers the middle of the map in its own colours, and goes again. */
 async function assertLayersLieOverTheMap(page, url, id, middle) {
   const legends = await (await fetch(`${url}api/v1/flights/${id}/layers.json`)).json();

@@ -76,7 +76,7 @@ const photo = (/** @type {number} */ i, more = {}) => ({
 });
 
 test('a good flight is called good, with its size and time', () => {
-  const verdict = { ...verdictOf(Array.from({ length: 20 }, (_, i) => photo(i))), logs: 0 };
+  const verdict = { ...verdictOf(Array.from({ length: 20 }, (_, i) => photo(i))), logs: 0, archives: 0 };
   const words = verdictWords(verdict);
   assert.deepEqual(words.warnings, []);
   assert.ok(Math.abs(verdict.span_m - 147) < 1);
@@ -87,12 +87,15 @@ test('missing positions, a stray photo and a long pause are told', () => {
   const flight = Array.from({ length: 20 }, (_, i) => photo(i, { taken_s: 1000 + 3 * i + (i > 10 ? 600 : 0) }));
   flight[3] = photo(3, { lon_deg: null, lat_deg: null });
   flight[5] = photo(5, { lat_deg: 45 });
-  const { warnings } = verdictWords({ ...verdictOf(flight), logs: 0 });
+  const { warnings } = verdictWords({ ...verdictOf(flight), logs: 0, archives: 0 });
   assert.equal(warnings.length, 3);
   assert.match(warnings[0], /^1 photo has no GPS/);
   assert.match(warnings[1], /p5\.jpg/);
   assert.match(warnings[2], /10\smin/);
-  assert.match(verdictWords({ ...verdictOf([photo(0, { lat_deg: null, lon_deg: null })]), logs: 0 }).warnings[0], /cannot be placed/);
+  const in_archive = verdictWords({ ...verdictOf([]), logs: 0, archives: 1 });
+  assert.deepEqual(in_archive.warnings, []);
+  assert.match(in_archive.facts, /^1 archive; what is inside/);
+  assert.match(verdictWords({ ...verdictOf([photo(0, { lat_deg: null, lon_deg: null })]), logs: 0, archives: 0 }).warnings[0], /cannot be placed/);
 });
 
 test('settings for other programs hold any name', () => {

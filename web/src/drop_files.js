@@ -10,7 +10,9 @@ import { strings } from './strings.js';
 const kPhotos = new Set(['jpg', 'jpeg', 'tif', 'tiff', 'png', 'dng']);
 const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'mrk', 'pos', 'json', 'gpx', 'nmea']);
 const kVideos = new Set(['mp4', 'mov', 'avi', 'mkv', 'lrf', 'lrv', 'ts']);
-const kArchives = new Set(['zip', '7z', 'rar', 'tar', 'gz', 'tgz']);
+// The server unpacks these into the files in them.
+const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
+const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
 
 /**
  * All files of a drop. The items must be taken before the first await: the browser empties them afterwards.
@@ -67,6 +69,9 @@ function extension(name) {
   return dot < 0 ? '' : name.slice(dot + 1).toLowerCase();
 }
 
+/** @param {string} name @returns {boolean} whether the server opens it */
+export const isArchive = (name) => kArchiveName.test(name);
+
 /**
  * @param {Uint8Array} head the first bytes of a file
  * @returns {boolean} JPEG, TIFF (also DNG) or PNG
@@ -100,8 +105,8 @@ export async function selectFiles(found) {
     const kind = extension(name);
     let reason = '';
     if (kVideos.has(kind)) reason = reasons.video;
-    else if (kArchives.has(kind)) reason = reasons.archive;
-    else if (!kPhotos.has(kind) && !kLogs.has(kind)) reason = reasons.kind;
+    else if (kOtherArchives.has(kind) && !isArchive(name)) reason = reasons.archive;
+    else if (!kPhotos.has(kind) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
     else if (file.size === 0) reason = reasons.empty;
     else if (kPhotos.has(kind) && !looksLikePhoto(new Uint8Array(await file.slice(0, 8).arrayBuffer()))) {
       reason = reasons.not_photo;

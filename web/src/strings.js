@@ -7,7 +7,7 @@ export const strings = {
   welcome: {
     title: 'Drop a flight here',
     lead: 'Photos from your drone, a whole folder at once. They become one map, right on the ground.',
-    kinds: 'JPEG, TIFF, PNG or DNG with GPS; flight logs are welcome beside them.',
+    kinds: 'JPEG, TIFF, PNG or DNG with GPS, also in a zip or tar; flight logs are welcome beside them.',
     steps: /** @type {[string, string][]} */ ([
       ['Drop', 'Photos and logs go to this server and nowhere else.'],
       ['Wait a little', 'Every photo is placed by its recorded pose, then fitted to its neighbours.'],
@@ -65,7 +65,7 @@ export const strings = {
     reasons: {
       empty: 'The file is empty.',
       video: 'Videos are not used. Save still photos during the flight.',
-      archive: 'Unpack the archive and drop the folder.',
+      archive: 'Of archives only zip and tar are opened: unpack this one and drop the folder.',
       kind: 'Neither a photo nor a flight log.',
       not_photo: 'The name says photo, but the content does not.',
     },
@@ -75,6 +75,7 @@ export const strings = {
     span: (/** @type {string} */ length) => `${length} across`,
     duration: (/** @type {string} */ time) => `flown in ${time}`,
     logs: (/** @type {number} */ n) => count(n, 'flight log', 'flight logs'),
+    archives: (/** @type {number} */ n) => `${count(n, 'archive', 'archives')}; what is inside shows when the server has unpacked it`,
     no_photos: 'There is no photo among these files, only logs.',
     no_position: 'No photo has a GPS position, and there is no flight log: they cannot be placed.',
     some_without: (/** @type {number} */ n) => `${count(n, 'photo has', 'photos have')} no GPS position. A flight log would help.`,

@@ -2,6 +2,7 @@
 // Judged in the browser from each photo's first bytes; a few seconds for a thousand photos.
 /** @import { ChosenFile } from './drop_files.js' */
 /** @import { PhotoGlance } from './exif_reader.js' */
+import { isArchive } from './drop_files.js';
 import { glanceAtPhoto, kHeadBytes } from './exif_reader.js';
 import { geodesicLength } from './geodesy.js';
 
@@ -10,6 +11,7 @@ import { geodesicLength } from './geodesy.js';
  * @property {number} photos
  * @property {number} with_position
  * @property {number} logs
+ * @property {number} archives whose content is not known yet
  * @property {number} span_m the diagonal of the camera positions' box
  * @property {number} duration_s from the first to the last photo; 0 when unknown
  * @property {string[]} far names of photos that lie far from all others
@@ -31,7 +33,8 @@ export async function judge(files, on_progress = () => {}) {
     glances.push({ name, glance: glanceAtPhoto(await file.slice(0, kHeadBytes).arrayBuffer()) });
     if (glances.length % 25 === 0) on_progress(glances.length);
   }
-  return { ...verdictOf(glances), logs: files.length - photos.length };
+  const archives = files.filter(({ name }) => isArchive(name)).length;
+  return { ...verdictOf(glances), archives, logs: files.length - photos.length - archives };
 }
 
 /** @param {number[]} values @returns {number} */
@@ -43,7 +46,7 @@ function median(values) {
 
 /**
  * @param {{name: string, glance: PhotoGlance}[]} glances
- * @returns {Omit<Verdict, 'logs'>}
+ * @returns {Omit<Verdict, 'logs'|'archives'>}
  */
 export function verdictOf(glances) {
   const placed = glances.flatMap(({ name, glance }) =>
