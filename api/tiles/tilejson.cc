@@ -34,9 +34,8 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   document["name"] = flight.name;
   document["version"] = shown.version;
   document["scheme"] = "xyz";
-  document["tiles"] = {
-      fmt::format("{}/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id,
-                  shown.layer.empty() ? "" : shown.layer + "/", shown.revision)};
+  document["tiles"] = {fmt::format("{}/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id,
+                                   shown.layer.empty() ? "" : shown.layer + "/", shown.revision)};
   document["bounds"] = shown.bounds;
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
@@ -45,24 +44,14 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   return document;
 }
 
-Result<Value> PreviewDocument(Service& service, const Request& request, const storage::Flight& flight) {
-  const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(flight.id);
-  if (!open) return open.error();
-  const storage::Preview& preview = (*open)->preview;
-  Value document = Document(request, flight,
-                            {fmt::format("0.{}.0", preview.edition), std::string(kPreviewRevision),
-                             preview.bounds, preview.min_zoom, preview.max_zoom, kPreviewTileSizePx, ""});
-  document["description"] = "Preview by recorded poses, of the photos that have arrived";
-  return document;
-}
-
 Result<Value> MapDocument(Service& service, const Request& request, const storage::Flight& flight) {
   const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight.id);
   if (!tileset) return tileset.error();
   const storage::Revision& revision = (*tileset)->revision;
-  Value document = Document(request, flight,
-                            {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision),
-                             revision.bounds, revision.min_zoom, revision.max_zoom, TileSizePx(**tileset), ""});
+  Value document =
+      Document(request, flight,
+               {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision), revision.bounds,
+                revision.min_zoom, revision.max_zoom, TileSizePx(**tileset), ""});
   const auto& metadata = (*tileset)->reader->metadata();
   for (const char* key : {"attribution", "description"}) {
     const auto found = metadata.find(key);
@@ -75,6 +64,21 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
          {"tilejson", fmt::format("{}/tiles/{}/{}.json", request.base_url, flight.id, name)},
          {"legends", fmt::format("{}/api/v1/flights/{}/layers.json", request.base_url, flight.id)}});
   }
+  return document;
+}
+
+Result<Value> PreviewDocument(Service& service, const Request& request, const storage::Flight& flight) {
+  const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(flight.id);
+  if (!open) {
+    // Who follows the preview learns of its end a moment after it: the map has taken its place.
+    return service.tilesets.Get(flight.id) ? MapDocument(service, request, flight)
+                                           : Result<Value>(open.error());
+  }
+  const storage::Preview& preview = (*open)->preview;
+  Value document = Document(request, flight,
+                            {fmt::format("0.{}.0", preview.edition), std::string(kPreviewRevision),
+                             preview.bounds, preview.min_zoom, preview.max_zoom, kPreviewTileSizePx, ""});
+  document["description"] = "Preview by recorded poses, of the photos that have arrived";
   return document;
 }
 
@@ -104,7 +108,8 @@ Result<Value> LayerDocument(Service& service, const Request& request, const stor
 
 // The router knows whole segments only: "{name}.json" is taken apart here.
 Result<std::string> BeforeJson(std::string_view segment) {
-  if (!segment.ends_with(".json")) return Error{ErrorCode::kNotFound, "There is nothing here. Did you mean .json?", ""};
+  if (!segment.ends_with(".json"))
+    return Error{ErrorCode::kNotFound, "There is nothing here. Did you mean .json?", ""};
   segment.remove_suffix(5);
   return std::string(segment);
 }
@@ -120,9 +125,10 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
                           std::optional<render::MapLayer> layer) {
   const Result<storage::Flight> flight = FlightNamed(service, id);
   if (!flight) return flight.error();
-  const Result<Value> document = layer                                        ? LayerDocument(service, request, *flight, *layer)
-                                 : ShowsPreview(service, request, flight->id) ? PreviewDocument(service, request, *flight)
-                                                                              : MapDocument(service, request, *flight);
+  const Result<Value> document = layer ? LayerDocument(service, request, *flight, *layer)
+                                 : ShowsPreview(service, request, flight->id)
+                                     ? PreviewDocument(service, request, *flight)
+                                     : MapDocument(service, request, *flight);
   if (!document) return document.error();
   Response response =
       Text(200, document->dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");

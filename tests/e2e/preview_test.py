@@ -105,6 +105,7 @@ class Preview(ServerTestCase):
         self.assertEqual(server.request("GET", url + "&empty=204")[0], 204)
         self.assertEqual(server.request("GET", url + "&empty=404")[0], 404)
         map_url, (status, _, map_tile) = self.middle_tile(server, f"/tiles/{flight_id}.json")
+        self.assertEqual(server.json("GET", f"/tiles/{flight_id}.json?rev=preview"), server.json("GET", f"/tiles/{flight_id}.json"))
         self.assertIn("rev=1", map_url)
         self.assertEqual(status, 200)
         self.assertEqual(sorted(path.name for path in (server.data / "flights" / flight_id).iterdir()), ["files", "r1"])
