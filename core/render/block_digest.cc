@@ -42,7 +42,7 @@ Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& e
       hasher.Add(std::llround(metres / kGroundStepM));
   }
   const BlockCells cells(context.seams, block.tile, plan.block_levels);
-  const std::vector<std::uint32_t> photos = cells.IsInner() ? cells.Photos() : block.photos;
+  const std::vector<std::uint32_t> photos = cells.PhotosOf(block);
   for (const std::uint32_t photo : photos) {
     hasher.AddBytes(photo_digests[photo].data(), photo_digests[photo].size());
     AddPhoto(context.flight.photos[photo], context.exposure.photos[photo], hasher);

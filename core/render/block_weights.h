@@ -9,6 +9,7 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/render/block_geometry.h"
+#include "core/render/mosaic_plan.h"
 #include "core/render/seam_map.h"
 
 namespace skyquilt::render {
@@ -39,11 +40,12 @@ struct BlockCells {
   int side = 0;            // cells
 
   BlockCells(const SeamMap& map, const geo::TileId& block_tile, int block_levels);
-  // The photos that show some of it, with the cells around that blend into it.
-  std::vector<std::uint32_t> Photos() const {
-    return seams.PhotosIn(corner.x() - 1, corner.y() - 1, side + 2, side + 2);
+  // The photos that may show some of the block, rising: those of its cells and of the cells around that blend
+  // into it; at the map's edge, where a pixel may be seen by a photo that has no cell here, all that see it.
+  std::vector<std::uint32_t> PhotosOf(const RenderBlock& block) const {
+    return IsInner() ? seams.PhotosIn(corner.x() - 1, corner.y() - 1, side + 2, side + 2) : block.photos;
   }
-  // Whether all of it is shown by those alone: no map edge, no photo edge within.
+  // Whether all of it is shown by the cells' photos: no map edge, no photo edge within.
   bool IsInner() const;
 };
 

@@ -238,9 +238,8 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
                                              BlockGeometry ground_below) {
   const int size_px = context.plan.BlockSizePx();
-  const auto [geometry, photos, views, shares] =
+  const auto [cells, geometry, photos, views, shares] =
       WeighBlock(context.flight, context.seams, context.plan, block, std::move(ground_below));
-  const BlockCells cells(context.seams, block.tile, context.plan.block_levels);
 
   pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
   Mixture mixture(size_px, shares.square_px);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/bilinear_grid.h"
 #include "core/base/parallel_for.h"
 #include "core/pyramid/build_overviews.h"
 #include "core/pyramid/png_encoder.h"
@@ -52,24 +53,19 @@ std::vector<std::int32_t> OwnersOf(const WeighedBlock& block) {
 
 // Heights of the ground at the middles of the layers' pixels.
 std::vector<double> HeightsOf(const BlockGeometry& geometry, const geo::LocalFrame& frame) {
-  std::vector<double> at_nodes;
+  std::vector<float> at_nodes;
   at_nodes.reserve(geometry.ground_in_enu.size());
   for (const Eigen::Vector3d& ground : geometry.ground_in_enu) {
-    at_nodes.push_back(frame.Wgs84FromEnu(ground).height_ellipsoid_m);
+    at_nodes.push_back(static_cast<float>(frame.Wgs84FromEnu(ground).height_ellipsoid_m));
   }
   const double step = static_cast<double>(geometry.size_px) / kLayerTilePx;
   std::vector<double> heights(kPixels);
+  const auto node = [&](int pixel) { return ((pixel + 0.5) * step - 0.5) / kNodeStepPx; };
+  const int side = geometry.nodes_per_side;
   for (int y = 0; y < kLayerTilePx; ++y) {
-    const double node_y = ((y + 0.5) * step - 0.5) / kNodeStepPx;
-    const int row = std::clamp(static_cast<int>(node_y), 0, geometry.nodes_per_side - 2);
     for (int x = 0; x < kLayerTilePx; ++x) {
-      const double node_x = ((x + 0.5) * step - 0.5) / kNodeStepPx;
-      const int column = std::clamp(static_cast<int>(node_x), 0, geometry.nodes_per_side - 2);
-      const double* north = at_nodes.data() + static_cast<std::ptrdiff_t>(row) * geometry.nodes_per_side + column;
-      const double* south = north + geometry.nodes_per_side;
-      const double u = node_x - column, v = node_y - row;
       heights[static_cast<std::size_t>(y) * kLayerTilePx + static_cast<std::size_t>(x)] =
-          (1.0 - v) * (north[0] + u * (north[1] - north[0])) + v * (south[0] + u * (south[1] - south[0]));
+          BilinearAt(at_nodes, side, side, node(x), node(y));
     }
   }
   return heights;

@@ -6,11 +6,8 @@ namespace skyquilt::render {
 
 WeighedBlock WeighBlock(const alignment::AlignedFlight& flight, const SeamMap& seams, const MosaicPlan& plan,
                         const RenderBlock& block, BlockGeometry geometry) {
-  WeighedBlock weighed;
-  weighed.geometry = std::move(geometry);
   const BlockCells cells(seams, block.tile, plan.block_levels);
-  // At the map's edge a pixel may be seen by a photo that has no cell here.
-  weighed.photos = cells.IsInner() ? cells.Photos() : block.photos;
+  WeighedBlock weighed{cells, std::move(geometry), cells.PhotosOf(block), {}, {}};
   weighed.views.reserve(weighed.photos.size());
   for (const std::uint32_t photo : weighed.photos) {
     weighed.views.push_back(ViewBlock(flight.photos[photo], weighed.geometry));

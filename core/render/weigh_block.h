@@ -15,6 +15,7 @@
 namespace skyquilt::render {
 
 struct WeighedBlock {
+  BlockCells cells;  // refers to the seam map
   BlockGeometry geometry;
   std::vector<std::uint32_t> photos;  // indices in the flight, rising
   std::vector<PhotoView> views;       // by photos
