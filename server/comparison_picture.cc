@@ -81,7 +81,8 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
       Result<pyramid::RgbaImage> image = Draw(tilesets[k], look);
       if (!image) return image.error();
       const MethodOutcome& outcome = *drawn[k];
-      std::string caption = fmt::format("{}: {} of {} photos", outcome.method, outcome.placed, outcome.photos);
+      std::string caption =
+          fmt::format("{}: {} of {} photos", outcome.method, outcome.placed, outcome.photos);
       if (outcome.truth) caption += fmt::format(", CE90 {:.2f} m", outcome.truth->relative_ce90_m);
       if (pictures.size() >= drawn.size()) {
         caption = fmt::format("{}: the middle, {:.1f} cm a pixel", outcome.method, 100.0 * best.gsd_m);

@@ -1,5 +1,6 @@
-// HeadParser: one request head out of the bytes that have come so far. Refuses what is not HTTP, not unambiguous or
-// not for this server, as early as the bytes tell. Touches no socket and never waits; one thread.
+// HeadParser: one request head out of the bytes that have come so far. Refuses what is not HTTP, not
+// unambiguous or not for this server, as early as the bytes tell. Touches no socket and never waits; one
+// thread.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,7 @@ class parser;
 namespace skyquilt::server {
 
 // Beast's, which goes on with the body.
-using RequestParser =
-    boost::beast::http::parser<true, boost::beast::http::buffer_body, std::allocator<char>>;
+using RequestParser = boost::beast::http::parser<true, boost::beast::http::buffer_body, std::allocator<char>>;
 
 enum class HeadState { kNeedsMore, kWhole, kRefused };
 

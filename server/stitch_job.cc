@@ -60,7 +60,8 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
     const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
     if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
       return written;
-    if (auto written = storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kThumbnailPx);
+    if (auto written =
+            storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kThumbnailPx);
         !written)
       return written;
   }
@@ -78,8 +79,8 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
   return {};
 }
 
-// The layers that were asked for, each a tileset of its own, and what their colours mean. Those of an earlier run of
-// which nobody asked go.
+// The layers that were asked for, each a tileset of its own, and what their colours mean. Those of an earlier
+// run of which nobody asked go.
 Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
                          const std::filesystem::path& out_dir, Progress& progress) {
   std::error_code gone;  // what cannot be removed shows up when it is written
@@ -96,8 +97,8 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
     writers.push_back(*std::move(writer));
     sinks.push_back({layer, *writers.back()});
   }
-  const Result<render::HeightRange> heights = render::RenderLayers(built.flight, built.ground, built.seams, built.plan, sinks,
-                                                                  options.threads, progress);
+  const Result<render::HeightRange> heights = render::RenderLayers(
+      built.flight, built.ground, built.seams, built.plan, sinks, options.threads, progress);
   if (!heights) return heights.error();
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
@@ -111,7 +112,7 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
   }
   std::vector<std::string> photo_names;
   for (const alignment::AlignedPhoto& photo : built.flight.photos) photo_names.push_back(photo.photo.name);
-  return storage::WriteFileAtomically(out_dir / "layers.json", 
+  return storage::WriteFileAtomically(out_dir / "layers.json",
                                       render::LayersJson(options.layers, photo_names, *heights));
 }
 
@@ -145,10 +146,11 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   const flight::FilePhotoSource photos;
   const auto elevations = OpenElevationModel(options.mosaic.dem_path, files);
   if (!elevations) return elevations.error();
-  Result<pipeline::BuiltMosaic> built =
-      pipeline::BuildMosaic(files, options.mosaic, photos, **keeper, progress, elevations->source.get(), keeper->get());
+  Result<pipeline::BuiltMosaic> built = pipeline::BuildMosaic(
+      files, options.mosaic, photos, **keeper, progress, elevations->source.get(), keeper->get());
   if (!built) return built.error();
-  built->report.warnings.insert(built->report.warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
+  built->report.warnings.insert(built->report.warnings.end(), elevations->warnings.begin(),
+                                elevations->warnings.end());
   if (auto published = (*keeper)->Publish(MetadataOf(built->report)); !published) return published.error();
   progress.BeginStage("export");
   pipeline::StageTiming exported_in{"export", 0.0, 0.0};
@@ -157,7 +159,8 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
     ScopedCpuTimer cpu_timer(exported_in.cpu_s);
     if (auto exported = Export(mbtiles, options, built->report, out_dir, progress); !exported)
       return exported.error();
-    if (auto written = WriteLayers(*built, options.mosaic, out_dir, progress); !written) return written.error();
+    if (auto written = WriteLayers(*built, options.mosaic, out_dir, progress); !written)
+      return written.error();
   }
   built->report.timings.push_back(exported_in);
   if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",

@@ -14,7 +14,8 @@ Result<Tileset> OpenTileset(const std::string& flight_id, const Revision& revisi
                             const std::filesystem::path& folder) {
   Tileset tileset{flight_id, revision, nullptr, {}};
   for (const render::MapLayer layer : render::kMapLayers) {
-    Result<std::shared_ptr<MbtilesReader>> reader = MbtilesReader::Open(folder / render::LayerFileName(layer));
+    Result<std::shared_ptr<MbtilesReader>> reader =
+        MbtilesReader::Open(folder / render::LayerFileName(layer));
     if (reader) {
       tileset.layers[layer] = *std::move(reader);
     } else if (reader.error().code != ErrorCode::kNotFound) {
@@ -62,7 +63,8 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
         return found->second.tileset;
       }
     }
-    Result<Tileset> opened = OpenTileset(flight_id, **revision, dir_.Revision(flight_id, (*revision)->revision));
+    Result<Tileset> opened =
+        OpenTileset(flight_id, **revision, dir_.Revision(flight_id, (*revision)->revision));
     if (!opened) {
       if (opened.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return opened.error();

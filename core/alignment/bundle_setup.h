@@ -17,8 +17,8 @@ namespace skyquilt::alignment {
 LinkInput MakeLinkInput(const poses::PosedFlight& posed);
 std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const LinkInput& input);
 double MedianWidthM(const std::vector<View>& views);
-// Pairs of photos that links hold together already, and every linked pair however little it overlaps. Others lie
-// too uncertainly to each other for a narrow look: what is alike there is alike by chance.
+// Pairs of photos that links hold together already, and every linked pair however little it overlaps. Others
+// lie too uncertainly to each other for a narrow look: what is alike there is alike by chance.
 std::vector<CandidatePair> OnlyWithinPieces(const std::vector<CandidatePair>& pairs,
                                             const std::vector<PairLink>& links, std::size_t photos);
 

@@ -126,7 +126,8 @@ AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) 
     if (number++ >= finished) return false;
     return std::none_of(flight.photos.begin() + static_cast<std::ptrdiff_t>(finished), flight.photos.end(),
                         [&](const AlignedPhoto& added) {
-                          return (east_north(photo) - east_north(added)).norm() < kReachWidths * WidthM(added);
+                          return (east_north(photo) - east_north(added)).norm() <
+                                 kReachWidths * WidthM(added);
                         });
   });
   return part;

@@ -65,7 +65,9 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   }
 
   const std::optional<double> gsd_m = options.gsd_m || !facts.look ? options.gsd_m : facts.look->gsd_m;
-  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, {gsd_m, options.feather_m}); });
+  auto plan = stages.Run("plan", [&] {
+    return render::PlanMosaic(aligned, ground, {gsd_m, options.feather_m});
+  });
   if (!plan) return plan.error();
 
   const render::ExposureModel exposure = stages.Run("expose", [&] {

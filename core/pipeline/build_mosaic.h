@@ -1,6 +1,6 @@
-// BuildMosaic: the whole flow, photos and logs in, tiles out, one stage after the other. Blocking; uses all the
-// threads asked for. A photo that cannot be read, decoded or placed is left out and listed; it never fails the map.
-// Errors: kUnprocessable (nothing could be placed), kCancelled, those of the sink.
+// BuildMosaic: the whole flow, photos and logs in, tiles out, one stage after the other. Blocking; uses all
+// the threads asked for. A photo that cannot be read, decoded or placed is left out and listed; it never
+// fails the map. Errors: kUnprocessable (nothing could be placed), kCancelled, those of the sink.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 #include "core/base/result.h"
 #include "core/flight/read_flight.h"
 #include "core/ground/ground_surface.h"
+#include "core/pipeline/map_memory.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/mosaic_report.h"
-#include "core/pipeline/map_memory.h"
 #include "core/pipeline/ports.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seam_map.h"
@@ -27,8 +27,8 @@ struct BuiltMosaic {
   MosaicReport report;
 };
 
-// `dem`: heights of the ground where known; may be null. `memory`: what earlier runs left of this map; may be null.
-// With it blocks of which nothing has changed are not rendered again; the map is the same as without.
+// `dem`: heights of the ground where known; may be null. `memory`: what earlier runs left of this map; may be
+// null. With it blocks of which nothing has changed are not rendered again; the map is the same as without.
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                 const PhotoSource& photo_source, TileSink& sink, Progress& progress,
                                 const DemSource* dem = nullptr, MapMemory* memory = nullptr);

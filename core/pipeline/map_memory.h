@@ -1,5 +1,5 @@
-// MapMemory: the port through which a map remembers what it was made from. Like ports.h, and beside it so that what
-// needs only photos and tiles does not know of it; the implementation lives in storage (MapKeeper).
+// MapMemory: the port through which a map remembers what it was made from. Like ports.h, and beside it so
+// that what needs only photos and tiles does not know of it; the implementation lives in storage (MapKeeper).
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace skyquilt::pipeline {
 
 // What is known of a finished block of the map without its pixels.
 struct KeptBlock {
-  int levels = 0;                 // zooms from the block as one tile down to the base tiles
-  std::int64_t tiles = 0;         // base tiles and the block's own overviews
+  int levels = 0;          // zooms from the block as one tile down to the base tiles
+  std::int64_t tiles = 0;  // base tiles and the block's own overviews
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
   geo::Bounds2 covered_in_merc;
-  std::vector<std::uint8_t> half;  // the block as one tile at half its size (pyramid::PackPicture); empty: no tile
+  std::vector<std::uint8_t> half;  // half its size, by pyramid::PackPicture; empty: no tile
 };
 
-// What an earlier run left: finished blocks and facts of the flight, so that a job that was killed goes on and a
-// flight that grew is not rendered whole. DigestOf: any thread; the others: one thread at a time.
+// What an earlier run left: finished blocks and facts of the flight, so that a job that was killed goes on
+// and a flight that grew is not rendered whole. DigestOf: any thread; the others: one thread at a time.
 class MapMemory {
  public:
   virtual ~MapMemory() = default;

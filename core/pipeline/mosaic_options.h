@@ -1,5 +1,5 @@
-// MosaicOptions: everything a user can choose about a map. Plain values with defaults; Validate names the field,
-// the value and the rule.
+// MosaicOptions: everything a user can choose about a map. Plain values with defaults; Validate names the
+// field, the value and the rule.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,17 @@ enum class TileEncoding { kJpegPng, kWebp };
 
 struct MosaicOptions {
   AlignMethod method = AlignMethod::kAuto;  // --method auto|imu|features|direct
-  std::optional<double> gsd_m;              // --gsd: ground size of an output pixel; default: that of the photos
-  std::optional<geo::LatLon> origin;        // --origin: where a flight without any position starts
-  bool landed_at_start = false;             // --landed-at-start: a flight without any position ended where it began
-  std::string dem_path;                     // --dem: a GeoTIFF of the ground's heights; empty: flat ground
+  std::optional<double> gsd_m;        // --gsd: ground size of an output pixel; default: that of the photos
+  std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts
+  bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began
+  std::string dem_path;               // --dem: a GeoTIFF of the ground's heights; empty: flat ground
   TileEncoding encoding = TileEncoding::kJpegPng;  // --format auto|webp
-  int jpeg_quality = 85;                    // --quality 1..100
-  double feather_m = 0.0;                   // width of the seams' transition; 0 = chosen from the GSD
+  int jpeg_quality = 85;                           // --quality 1..100
+  double feather_m = 0.0;                          // width of the seams' transition; 0 = chosen from the GSD
   std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
-  int threads = 0;                          // --threads: 0 = all cores
-  std::vector<render::MapLayer> layers;     // --layers: tilesets of their own beside the map
-  std::string title;                        // name written into the tileset
+  int threads = 0;                                        // --threads: 0 = all cores
+  std::vector<render::MapLayer> layers;                   // --layers: tilesets of their own beside the map
+  std::string title;                                      // name written into the tileset
 
   Result<void> Validate() const;
   // What of the memory is left for decoded photos beside the program, the threads' blocks and the open tiles.

@@ -147,7 +147,8 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   if (!posed) return posed.error();
   alignment::AlignReport report;
   auto aligned = stages.Run("align", [&] {
-    return Align(*posed, checked->flight.gcp_lists, options, source, std::move(checked->features), report, progress);
+    return Align(*posed, checked->flight.gcp_lists, options, source, std::move(checked->features), report,
+                 progress);
   });
   if (!aligned) return aligned.error();
   ground::ModelGroundReport ground_report;
@@ -180,8 +181,8 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   for (const flight::Photo& photo : read.photos) {
     if (names.contains(photo.name)) added.photos.push_back(photo);
   }
-  auto checked =
-      stages.Run("check", [&] { return CheckPhotos(std::move(added), source, {}, options.threads, progress); });
+  auto checked = stages.Run(
+      "check", [&] { return CheckPhotos(std::move(added), source, {}, options.threads, progress); });
   if (!checked) return checked.error();
   // Photos that were left out stay so.
   std::set<std::string> left_out;

@@ -1,5 +1,5 @@
-// The ports of the core: what it needs from outside, as interfaces. The only pipeline header that every stage may
-// include. Implementations live in core/flight (photo files) and storage (tiles).
+// The ports of the core: what it needs from outside, as interfaces. The only pipeline header that every stage
+// may include. Implementations live in core/flight (photo files) and storage (tiles).
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace skyquilt::pipeline {
 
-// 8-bit RGB, rows without padding, first row on top, as the sensor stored it (EXIF orientation not applied: the
-// recorded angles belong to the sensor).
+// 8-bit RGB, rows without padding, first row on top, as the sensor stored it (EXIF orientation not applied:
+// the recorded angles belong to the sensor).
 struct DecodedImage {
   int width_px = 0;
   int height_px = 0;
@@ -32,8 +32,8 @@ class PhotoSource {
   virtual Result<DecodedImage> Decode(const flight::Photo& photo, int denominator) const = 0;
 };
 
-// Heights of the ground, above whatever zero the model has: only differences and, where the model counts from sea
-// level, absolute heights make sense.
+// Heights of the ground, above whatever zero the model has: only differences and, where the model counts from
+// sea level, absolute heights make sense.
 class DemSource {
  public:
   virtual ~DemSource() = default;
@@ -47,7 +47,8 @@ class TileSink {
  public:
   virtual ~TileSink() = default;
   // Takes one encoded tile. Called by one thread at a time, in an order that does not depend on threads.
-  virtual Result<void> Put(const geo::TileId& tile, TileFormat format, std::span<const std::uint8_t> bytes) = 0;
+  virtual Result<void> Put(const geo::TileId& tile, TileFormat format,
+                           std::span<const std::uint8_t> bytes) = 0;
 };
 
 }  // namespace skyquilt::pipeline

@@ -6,8 +6,7 @@
 
 namespace skyquilt::pyramid {
 
-OverviewBuilder::OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit,
-                                 Reduce reduce)
+OverviewBuilder::OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit, Reduce reduce)
     : first_zoom_(first_zoom),
       min_zoom_(min_zoom),
       tile_size_px_(tile_size_px),

@@ -14,8 +14,8 @@ class OverviewBuilder {
  public:
   using Emit = std::function<void(const geo::TileId&, const RgbaImage&)>;
   using Reduce = std::function<RgbaImage(const RgbaImage&)>;
-  // Emits every tile from first_zoom - 1 down to min_zoom, each once, when its last child has come. `reduce` makes
-  // half the size of a tile.
+  // Emits every tile from first_zoom - 1 down to min_zoom, each once, when its last child has come. `reduce`
+  // makes half the size of a tile.
   OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit, Reduce reduce = Halve);
 
   // A finished tile of first_zoom. All tiles below one parent must come one after the other.

@@ -16,9 +16,9 @@ struct ErrorStop {
   Rgb colour;
 };
 // Viridis at equal steps: even to the eye, and readable without telling red from green.
-constexpr ErrorStop kErrorStops[] = {
-    {0.01, {68, 1, 84}},    {0.0316, {65, 68, 135}}, {0.1, {42, 120, 142}},  {0.316, {34, 168, 132}},
-    {1.0, {122, 209, 81}}, {3.16, {189, 222, 38}},  {10.0, {253, 231, 37}}};
+constexpr ErrorStop kErrorStops[] = {{0.01, {68, 1, 84}},     {0.0316, {65, 68, 135}}, {0.1, {42, 120, 142}},
+                                     {0.316, {34, 168, 132}}, {1.0, {122, 209, 81}},   {3.16, {189, 222, 38}},
+                                     {10.0, {253, 231, 37}}};
 
 Rgb FromHsv(double hue, double saturation, double value) {
   Rgb rgb{};
@@ -30,15 +30,20 @@ Rgb FromHsv(double hue, double saturation, double value) {
   return rgb;
 }
 
-std::string Hex(const Rgb& colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]); }
+std::string Hex(const Rgb& colour) {
+  return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]);
+}
 
 }  // namespace
 
 const char* NameOf(MapLayer layer) {
   switch (layer) {
-    case MapLayer::kPhoto: return "photo";
-    case MapLayer::kError: return "error";
-    case MapLayer::kHeight: return "height";
+    case MapLayer::kPhoto:
+      return "photo";
+    case MapLayer::kError:
+      return "error";
+    case MapLayer::kHeight:
+      return "height";
   }
   return "";
 }
@@ -111,13 +116,15 @@ std::string LayersJson(const std::vector<MapLayer>& layers, const std::vector<st
         break;
       }
       case MapLayer::kError:
-        entry["shows"] = "the error radius of the photo that a pixel came from (1 sigma, horizontal), in metres";
+        entry["shows"] =
+            "the error radius of the photo that a pixel came from (1 sigma, horizontal), in metres";
         for (const ErrorStop& stop : kErrorStops) {
           entry["stops"].push_back({{"error_radius_m", stop.error_radius_m}, {"colour", Hex(stop.colour)}});
         }
         break;
       case MapLayer::kHeight:
-        entry["shows"] = "the height of the ground in metres, counted from the zero that the flight's heights have";
+        entry["shows"] =
+            "the height of the ground in metres, counted from the zero that the flight's heights have";
         entry["encoding"] = "terrarium";
         entry["range_m"] = {heights.least_m, heights.most_m};
         entry["metres"] = "R * 256 + G + B / 256 - 32768";

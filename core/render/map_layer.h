@@ -1,6 +1,6 @@
-// MapLayer: what a map can show beside its picture, as a tileset of its own: which photo every pixel came from, how far
-// off it may lie, how high the ground is. Colours are exact (no averaging, no JPEG), so that a tool reads the value back.
-// Values and pure functions; any thread.
+// MapLayer: what a map can show beside its picture, as a tileset of its own: which photo every pixel came
+// from, how far off it may lie, how high the ground is. Colours are exact (no averaging, no JPEG), so that a
+// tool reads the value back. Values and pure functions; any thread.
 #pragma once
 
 #include <array>
@@ -34,8 +34,8 @@ std::vector<Rgb> PhotoColours(std::size_t count);
 // known (NaN), the last colour.
 Rgb ErrorColour(double error_radius_m);
 
-// "Terrarium" coding of heights, which MapLibre, Mapbox and QGIS read: metres = R * 256 + G + B / 256 - 32768.
-// https://github.com/tilezen/joerd/blob/master/docs/formats.md
+// "Terrarium" coding of heights, which MapLibre, Mapbox and QGIS read: metres = R * 256 + G + B / 256 -
+// 32768. https://github.com/tilezen/joerd/blob/master/docs/formats.md
 Rgb HeightColour(double height_m);
 
 // What the ground's heights lie between.
@@ -44,7 +44,8 @@ struct HeightRange {
   double most_m = 0.0;
 };
 
-// What the colours of these layers mean, and which tileset holds each: the text of layers.json. Photos as in the flight.
+// What the colours of these layers mean, and which tileset holds each: the text of layers.json. Photos as in
+// the flight.
 std::string LayersJson(const std::vector<MapLayer>& layers, const std::vector<std::string>& photo_names,
                        const HeightRange& heights);
 

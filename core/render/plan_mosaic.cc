@@ -24,7 +24,8 @@ constexpr int kBlockSizePx = 1024;
 constexpr std::int64_t kMostBlocksAPhoto = 20'000;
 constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
 
-// Across the date line the map goes on beyond the edge of the merc square, so that a flight stays in one piece.
+// Across the date line the map goes on beyond the edge of the merc square, so that a flight stays in one
+// piece.
 Eigen::Vector2d UnwrappedMerc(const geo::LatLon& position, const AlignedFlight& flight) {
   Eigen::Vector2d point = geo::MercFromLatLon(position);
   const double origin_x = geo::MercFromLatLon({0.0, flight.frame.origin().lon_deg}).x();
@@ -32,8 +33,10 @@ Eigen::Vector2d UnwrappedMerc(const geo::LatLon& position, const AlignedFlight& 
   return point;
 }
 
-std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight, double plane_z_m) {
-  std::vector<Eigen::Vector2d> polygon = camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m);
+std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight,
+                                             double plane_z_m) {
+  std::vector<Eigen::Vector2d> polygon =
+      camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m);
   for (Eigen::Vector2d& point : polygon) {
     const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), plane_z_m});
     point = UnwrappedMerc({wgs84.lat_deg, wgs84.lon_deg}, flight);
@@ -42,7 +45,8 @@ std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const Al
 }
 
 // What the photo can see for any height the ground takes.
-geo::Bounds2 BoundsSeen(const AlignedPhoto& photo, const AlignedFlight& flight, const ground::GroundSurface& ground) {
+geo::Bounds2 BoundsSeen(const AlignedPhoto& photo, const AlignedFlight& flight,
+                        const ground::GroundSurface& ground) {
   geo::Bounds2 bounds;
   for (const double z_m : {ground.MinHeight(), ground.MaxHeight()}) {
     bounds.Include(camera::BoundsOf(FootprintInMerc(photo, flight, z_m)));
@@ -89,8 +93,10 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     if (const auto gsd_m = GsdM(flight.photos[i], ground.MeanHeight())) gsds.push_back(*gsd_m);
   }
   if (gsds.empty()) {
-    return Error{ErrorCode::kUnprocessable,
-                 "no photo looks at the ground: by the recorded angles and heights all look at the sky or from below", ""};
+    return Error{
+        ErrorCode::kUnprocessable,
+        "no photo looks at the ground: by the recorded angles and heights all look at the sky or from below",
+        ""};
   }
   plan.gsd_m = Median(std::move(gsds));
   const double lat_deg = flight.frame.origin().lat_deg;
@@ -122,10 +128,11 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     const std::int64_t across = last_column - first_column + 1;
     const std::int64_t down = std::int64_t{last_row} - first_row + 1;
     if (across * down > kMostBlocksAPhoto) {
-      return Error{ErrorCode::kTooLarge,
-                   fmt::format("{} would cover {} x {} blocks of the map at this resolution. Choose a coarser --gsd.",
-                               flight.photos[i].photo.name, across, down),
-                   ""};
+      return Error{
+          ErrorCode::kTooLarge,
+          fmt::format("{} would cover {} x {} blocks of the map at this resolution. Choose a coarser --gsd.",
+                      flight.photos[i].photo.name, across, down),
+          ""};
     }
     const std::int64_t side = std::int64_t{1} << block_zoom;
     for (std::uint32_t y = first_row; y <= last_row; ++y) {
@@ -140,9 +147,11 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   plan.blocks.reserve(by_hilbert.size());
   for (auto& [index, block] : by_hilbert) plan.blocks.push_back(std::move(block));
   plan.min_zoom = CommonAncestorZoom(plan.blocks);
-  plan.output_pixels = static_cast<std::int64_t>(plan.blocks.size()) * plan.BlockSizePx() * plan.BlockSizePx();
+  plan.output_pixels =
+      static_cast<std::int64_t>(plan.blocks.size()) * plan.BlockSizePx() * plan.BlockSizePx();
   if (plan.output_pixels > kMaxOutputPixels) {
-    return Error{ErrorCode::kTooLarge, "the map would have more than a million megapixels; choose a coarser --gsd", ""};
+    return Error{ErrorCode::kTooLarge,
+                 "the map would have more than a million megapixels; choose a coarser --gsd", ""};
   }
   return plan;
 }

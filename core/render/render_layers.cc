@@ -18,10 +18,12 @@
 namespace skyquilt::render {
 namespace {
 
-constexpr HeightRange kNoHeights{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+constexpr HeightRange kNoHeights{std::numeric_limits<double>::infinity(),
+                                 -std::numeric_limits<double>::infinity()};
 constexpr std::size_t kPixels = static_cast<std::size_t>(kLayerTilePx) * kLayerTilePx;
 
-// By pixel of the layers' tile: the photo that shows most of it; kNoPhoto where less than half of it is shown.
+// By pixel of the layers' tile: the photo that shows most of it; kNoPhoto where less than half of it is
+// shown.
 std::vector<std::int32_t> OwnersOf(const WeighedBlock& block) {
   const int step = block.geometry.size_px / kLayerTilePx;
   std::vector<float> total(kPixels, 0.0f), most(kPixels, 0.0f), own(kPixels, 0.0f);
@@ -94,9 +96,10 @@ class LayerPyramid {
  public:
   LayerPyramid(pipeline::TileSink& sink, const LayerZooms& zooms)
       : sink_(sink),
-        overviews_(zooms.max_zoom, zooms.min_zoom, kLayerTilePx,
-                   [this](const geo::TileId& tile, const pyramid::RgbaImage& image) { Put(tile, image); },
-                   pyramid::EveryOther) {}
+        overviews_(
+            zooms.max_zoom, zooms.min_zoom, kLayerTilePx,
+            [this](const geo::TileId& tile, const pyramid::RgbaImage& image) { Put(tile, image); },
+            pyramid::EveryOther) {}
 
   void Add(const geo::TileId& tile, const pyramid::RgbaImage& image) {
     Put(tile, image);
@@ -125,8 +128,8 @@ LayerZooms ZoomsOfLayers(const MosaicPlan& plan) {
 }
 
 Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                          const SeamMap& seams, const MosaicPlan& plan, const std::vector<LayerSink>& layers,
-                          int threads, Progress& progress) {
+                                 const SeamMap& seams, const MosaicPlan& plan,
+                                 const std::vector<LayerSink>& layers, int threads, Progress& progress) {
   const std::vector<Rgb> photo_colours = PhotoColours(flight.photos.size());
   const auto draw = [&](const RenderBlock& block) {
     DrawnBlock drawn;
@@ -139,7 +142,8 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
     for (const LayerSink& layer : layers) {
       switch (layer.layer) {
         case MapLayer::kPhoto:
-          drawn.images.push_back(Draw(owners, [&](std::size_t, std::size_t photo) { return photo_colours[photo]; }));
+          drawn.images.push_back(
+              Draw(owners, [&](std::size_t, std::size_t photo) { return photo_colours[photo]; }));
           break;
         case MapLayer::kError:
           drawn.images.push_back(Draw(owners, [&](std::size_t, std::size_t photo) {
@@ -170,9 +174,7 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
   HeightRange heights = kNoHeights;
   ParallelOrdered<DrawnBlock>(
       count, threads, window,
-      [&](std::size_t i) {
-        return stop || progress.IsCancelled() ? DrawnBlock() : draw(plan.blocks[i]);
-      },
+      [&](std::size_t i) { return stop || progress.IsCancelled() ? DrawnBlock() : draw(plan.blocks[i]); },
       [&](std::size_t i, DrawnBlock&& drawn) {
         heights.least_m = std::min(heights.least_m, drawn.heights.least_m);
         heights.most_m = std::max(heights.most_m, drawn.heights.most_m);

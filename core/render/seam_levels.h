@@ -17,7 +17,7 @@ namespace skyquilt::render {
 // A photo's correction, cell by cell of its view.
 struct PhotoLevels {
   int column = 0, row = 0, columns = 0, rows = 0;
-  std::vector<bool> sees_whole;                     // the photo's edge is not near the cell
+  std::vector<bool> sees_whole;                      // the photo's edge is not near the cell
   std::vector<std::array<std::int16_t, 3>> eighths;  // of a grey level; empty: no correction
 
   bool SeesWhole(int grid_column, int grid_row) const {

@@ -1,5 +1,4 @@
 #include "server/commands/inspect.h"
-#include "server/open_elevation_model.h"
 
 #include <fmt/core.h>
 
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "core/pipeline/inspect_flight.h"
+#include "server/open_elevation_model.h"
 
 namespace skyquilt::server {
 namespace {

@@ -119,9 +119,10 @@ void AddStitchCommand(CLI::App& app) {
   command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them (an SD card's DCIM will do)")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option("-o,--out", arguments->out_dir,
-                      "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, "
-                      "cameras.json and geo.txt; made if missing")
+  command
+      ->add_option("-o,--out", arguments->out_dir,
+                   "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, "
+                   "cameras.json and geo.txt; made if missing")
       ->required();
   command->add_option("--gsd", arguments->gsd_m,
                       "Ground size of a map pixel in metres (default: that of the photos)");
@@ -161,24 +162,29 @@ void AddStitchCommand(CLI::App& app) {
   CLI::Option* no_cog =
       command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
   command
-      ->add_flag("--utm", arguments->utm, "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
+      ->add_flag("--utm", arguments->utm,
+                 "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
       ->excludes(no_cog);
   command
-      ->add_option("--layers", arguments->job.mosaic.layers,
-                   "Also tilesets of their own, with layers.json: photo (which photo a pixel came from), error (how far "
-                   "off it may lie), height (the ground's)")
+      ->add_option(
+          "--layers", arguments->job.mosaic.layers,
+          "Also tilesets of their own, with layers.json: photo (which photo a pixel came from), error (how far "
+          "off it may lie), height (the ground's)")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(std::map<std::string, render::MapLayer>{
-          {"photo", render::MapLayer::kPhoto}, {"error", render::MapLayer::kError}, {"height", render::MapLayer::kHeight}}));
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, render::MapLayer>{{"photo", render::MapLayer::kPhoto},
+                                                  {"error", render::MapLayer::kError},
+                                                  {"height", render::MapLayer::kHeight}}));
   command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles,
                     "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
   command->add_flag("--append", arguments->append,
                     "IN are photos more for the finished map in the folder: they are placed against it, and "
                     "only the tiles below them are made anew");
-  command->add_flag("--fresh", arguments->job.is_fresh,
-                    "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "
-                    "and photos that did not change are not compared again");
+  command->add_flag(
+      "--fresh", arguments->job.is_fresh,
+      "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "
+      "and photos that did not change are not compared again");
   command->footer(
       "Example:\n"
       "  skyquilt stitch /media/sd/DCIM -o map\n"

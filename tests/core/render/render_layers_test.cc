@@ -69,13 +69,17 @@ TEST(RenderLayers, NamesThePhotoItsErrorAndTheGroundsHeightAtEveryZoom) {
   for (std::size_t i = 0; i < map.flight.photos.size(); ++i) {
     // Straight below a camera nobody sees better than that camera.
     const Eigen::Vector3d below = map.flight.photos[i].cam_from_enu.TargetOriginInSource();
-    const geo::Wgs84 place = map.flight.frame.Wgs84FromEnu({below.x(), below.y(), map.ground.HeightAt(below.head<2>())});
+    const geo::Wgs84 place =
+        map.flight.frame.Wgs84FromEnu({below.x(), below.y(), map.ground.HeightAt(below.head<2>())});
     const Eigen::Vector2d in_merc = geo::MercFromLatLon({place.lat_deg, place.lon_deg});
     const auto photo = ColourAt(layers.photo, zooms.max_zoom, in_merc);
     ASSERT_TRUE(photo.has_value());
-    if (*photo == colours[i]) ++seen;
-    else continue;
-    EXPECT_EQ(ColourAt(layers.error, zooms.max_zoom, in_merc), ErrorColour(map.flight.photos[i].error_radius_m));
+    if (*photo == colours[i])
+      ++seen;
+    else
+      continue;
+    EXPECT_EQ(ColourAt(layers.error, zooms.max_zoom, in_merc),
+              ErrorColour(map.flight.photos[i].error_radius_m));
     const auto height = ColourAt(layers.height, zooms.max_zoom, in_merc);
     ASSERT_TRUE(height.has_value());
     const double height_m = (*height)[0] * 256.0 + (*height)[1] + (*height)[2] / 256.0 - 32768.0;
