@@ -217,14 +217,16 @@ export class Stage {
    */
   async #draw(view, flight, tilejson, photos) {
     const revision = flight.tilejson ? String(flight.revision ?? '') : kPreview;
-    const bounds = flight.bounds ?? flight.preview?.bounds;
+    // The preview may have given way to the map since the flight was asked for: then this is the map's document.
+    const is_preview = !flight.tilejson && tilejson.version?.startsWith('0.') === true;
+    const bounds = is_preview ? flight.preview?.bounds : (flight.bounds ?? tilejson.bounds);
     const is_new = this.#shown?.id !== flight.id;
     if (!bounds || (!is_new && this.#shown?.revision === revision)) return;
     this.#shown = { id: flight.id, revision };
     this.endCompare();
     this.#parts?.card.close();
     if (is_new) this.#parts?.measure.end();
-    await view.showMosaic(tilejson, bounds, !flight.tilejson);
+    await view.showMosaic(tilejson, bounds, is_preview);
     if (photos) await view.showPhotos(photos);
     this.#parts?.tools.drawLayers();
     view.map.resize();

@@ -70,7 +70,8 @@
  * @property {string[]} tiles
  * @property {number} [minzoom]
  * @property {number} [maxzoom]
- * @property {number[]} [bounds]
+ * @property {string} [version] of a preview it begins with "0."
+ * @property {Bounds} [bounds]
  * @property {number} [tileSize] side of a tile's picture in pixels; 256 when not said
  * @property {MapLayer[]} [layers] beside the map
  */
