@@ -1,4 +1,4 @@
-// StartSession: serves one connection until it closes: reads a request head under a deadline, checks it,
+// StartSession: serves one connection (server/connection) until it closes: takes a request head,
 // finds its route, streams bodies in slices, answers, and goes on (keep-alive, pipelining). Handlers that
 // wait for the disk run on the pool, quick ones where the socket is served. Never throws into the io_context.
 #pragma once

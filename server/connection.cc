@@ -1,0 +1,208 @@
+#include "server/connection.h"
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <exception>
+#include <vector>
+
+#include "server/head_parser.h"
+#include "server/request_log.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using SystemError = boost::system::error_code;
+
+constexpr std::size_t kDeadlineBytes = 128 * 1024;
+constexpr std::size_t kLingerSliceBytes = 128 * 1024;
+constexpr std::uint64_t kLingerBytes = 64 << 20;
+constexpr std::chrono::seconds kLingerTime{2};
+
+class SocketConnection : public Connection, public std::enable_shared_from_this<SocketConnection> {
+ public:
+  SocketConnection(net::io_context& io, net::ip::tcp::socket socket, net::thread_pool& disk_pool,
+                   const HttpSettings& settings)
+      : io_(io), stream_(std::move(socket)), disk_pool_(disk_pool), settings_(settings), head_deadline_(io) {}
+
+  Awaitable<Head> ReadHead() override {
+    is_idle_ = true;
+    head_ = RequestHead();
+    bool has_begun = buffer_.size() > 0;
+    const bool is_due = has_begun || is_first_;
+    SetHeadDeadline(is_due ? settings_.header_deadline : settings_.idle_deadline);
+    HeadParser reading(settings_);
+    HeadState state = reading.Look(Buffered());
+    while (state == HeadState::kNeedsMore) {
+      SystemError error;
+      const std::size_t got = co_await stream_.async_read_some(
+          buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
+      if (error && is_late_ && has_begun) co_return Refuse({408, "The request head came too slowly."});
+      if (error) co_return Head::kClosed;
+      buffer_.commit(got);
+      state = reading.Look(Buffered());
+      // Most heads come whole, and setting a timer that is sooner than all others costs a system call.
+      if (state == HeadState::kNeedsMore && !has_begun && !is_first_)
+        SetHeadDeadline(settings_.header_deadline);
+      has_begun = true;
+    }
+    // What is known of a refused head still shapes the answer to it.
+    head_ = std::move(reading.head());
+    if (state == HeadState::kRefused) co_return Refuse(reading.refusal());
+    EndHeadDeadline();
+    buffer_.consume(reading.size());
+    parser_ = reading.TakeParser();
+    since_deadline_ = kDeadlineBytes;
+    co_return Head::kRead;
+  }
+
+  bool KeepsAlive() const override { return parser_->get().keep_alive(); }
+  bool IsBodyRead() const override { return parser_->is_done(); }
+
+  Awaitable<BodySlice> ReadBody(std::span<std::uint8_t> into) override {
+    parser_->get().body().data = into.data();
+    parser_->get().body().size = into.size();
+    // One deadline for so many bytes, however many pieces they come in: dripping does not help.
+    if (since_deadline_ >= kDeadlineBytes) {
+      stream_.expires_after(settings_.slice_deadline);
+      since_deadline_ = 0;
+    }
+    SystemError error;
+    co_await http::async_read_some(stream_, buffer_, *parser_,
+                                   net::redirect_error(net::use_awaitable, error));
+    const std::size_t size = into.size() - parser_->get().body().size;
+    since_deadline_ += size;
+    if (!error || error == http::error::need_buffer) co_return BodySlice{.size = size};
+    if (error == http::error::body_limit) co_return BodySlice{.fault = BodySlice::Fault::kTooLarge};
+    const bool is_bad_http = error.category() == http::make_error_code(http::error::bad_chunk).category() &&
+                             error != http::error::partial_message && error != http::error::end_of_stream;
+    if (is_bad_http) co_return BodySlice{.fault = BodySlice::Fault::kNotHttp, .reason = error.message()};
+    has_failed_ = true;  // the client is gone, or too slow
+    co_return BodySlice{.fault = BodySlice::Fault::kConnection};
+  }
+
+  Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) override {
+    const std::array<net::const_buffer, 2> buffers = {net::buffer(head.data(), head.size()),
+                                                      net::buffer(body.data(), body.size())};
+    stream_.expires_after(settings_.slice_deadline);
+    SystemError error;
+    co_await net::async_write(stream_, buffers, net::redirect_error(net::use_awaitable, error));
+    if (error) has_failed_ = true;
+  }
+
+  Awaitable<void> OnPool(std::function<void()> work) override {
+    co_await net::async_initiate<const net::use_awaitable_t<>&, void(std::exception_ptr)>(
+        [this, &work](auto handler) {
+          auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+          net::post(disk_pool_, [this, &work, shared] {
+            std::exception_ptr failure;
+            try {
+              work();
+            } catch (...) {
+              failure = std::current_exception();  // carried to the coroutine, which ends the connection
+            }
+            net::post(io_, [shared, failure] { (*shared)(failure); });
+          });
+        },
+        net::use_awaitable);
+  }
+
+  Awaitable<void> Pause(std::chrono::milliseconds time) override {
+    net::steady_timer pause(io_);
+    pause.expires_after(time);
+    SystemError error;
+    co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
+  }
+
+  Awaitable<void> EndGently() override {
+    SystemError error;
+    stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, error);
+    stream_.expires_after(kLingerTime);
+    std::vector<std::uint8_t> slice(kLingerSliceBytes);
+    std::uint64_t dropped = 0;
+    while (!error && dropped < kLingerBytes) {
+      dropped += co_await stream_.async_read_some(net::buffer(slice),
+                                                  net::redirect_error(net::use_awaitable, error));
+    }
+  }
+
+  void CloseIfIdle() override {
+    if (is_idle_) stream_.close();
+  }
+
+ private:
+  std::string_view Buffered() const {
+    const auto bytes = buffer_.data();
+    return {static_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+  // At the deadline the read is given up, but the socket stays: who sent a part of a head is told.
+  void SetHeadDeadline(std::chrono::seconds time) {
+    stream_.expires_never();
+    is_late_ = false;
+    head_deadline_.expires_after(time);
+    head_deadline_.async_wait([weak = weak_from_this(), round = ++deadline_round_](const SystemError& error) {
+      const std::shared_ptr<SocketConnection> self = weak.lock();
+      if (error || self == nullptr || round != self->deadline_round_) return;
+      self->is_late_ = true;
+      self->stream_.cancel();
+    });
+  }
+
+  void EndHeadDeadline() {
+    ++deadline_round_;  // one that has rung already, but was not heard, is too late
+    head_deadline_.cancel();
+    is_idle_ = false;
+    is_first_ = false;
+  }
+
+  Head Refuse(Refusal refusal) {
+    EndHeadDeadline();
+    refusal_ = std::move(refusal);
+    return Head::kRefused;
+  }
+
+  net::io_context& io_;
+  beast::tcp_stream stream_;
+  net::thread_pool& disk_pool_;
+  const HttpSettings& settings_;
+  beast::flat_buffer buffer_;
+  std::unique_ptr<RequestParser> parser_;
+  net::steady_timer head_deadline_;
+  int deadline_round_ = 0;
+  std::size_t since_deadline_ = 0;
+  bool is_late_ = false;
+  bool is_idle_ = true;
+  bool is_first_ = true;
+};
+
+}  // namespace
+
+std::shared_ptr<Connection> TakeConnection(net::io_context& io, int fd, net::thread_pool& disk_pool,
+                                           const HttpSettings& settings) {
+  net::ip::tcp::socket socket(io);
+  SystemError error;
+  socket.assign(net::ip::tcp::v4(), fd, error);
+  if (error) {
+    LogFailure("-", "accept", error.message());
+    return nullptr;
+  }
+  socket.set_option(net::ip::tcp::no_delay(true), error);
+  return std::make_shared<SocketConnection>(io, std::move(socket), disk_pool, settings);
+}
+
+}  // namespace skyquilt::server
