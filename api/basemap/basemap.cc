@@ -12,14 +12,13 @@ namespace skyquilt::api {
 namespace {
 
 Response Describe(const Basemap& basemap) {
-  if (!basemap.pmtiles.empty()) {
-    return Json(200, JsonObject({{"tilejson", JsonString("3.0.0")},
-                                 {"tiles", JsonArray({})},
-                                 {"pmtiles", JsonString("/basemap.pmtiles")}}));
-  }
   const std::vector<std::string> tiles =
       basemap.tiles.empty() ? std::vector<std::string>() : std::vector{JsonString(basemap.tiles)};
-  return Json(200, JsonObject({{"tilejson", JsonString("3.0.0")}, {"tiles", JsonArray(tiles)}}));
+  std::vector<std::pair<std::string_view, std::string>> fields = {{"tilejson", JsonString("3.0.0")},
+                                                                  {"tiles", JsonArray(tiles)}};
+  if (!basemap.pmtiles.empty()) fields.emplace_back("pmtiles", JsonString("/basemap.pmtiles"));
+  if (!basemap.attribution.empty()) fields.emplace_back("attribution", JsonString(basemap.attribution));
+  return Json(200, JsonObject(fields));
 }
 
 Response SendPmtiles(const Basemap& basemap, const Request& request) {
@@ -37,8 +36,13 @@ Response SendPmtiles(const Basemap& basemap, const Request& request) {
 
 std::string Basemap::Origin() const { return tiles.substr(0, tiles.find('/', tiles.find("//") + 2)); }
 
-Result<Basemap> BasemapFrom(const std::string& text) {
+Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribution) {
   Basemap basemap;
+  basemap.attribution = attribution;
+  if (text.empty() && !attribution.empty()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "--basemap-attribution: there is no --basemap whose makers it could name.", ""};
+  }
   if (text.empty()) return basemap;
   if (text.starts_with("http://") || text.starts_with("https://")) {
     for (const char* part : {"{z}", "{x}", "{y}"}) {

@@ -13,12 +13,13 @@ namespace skyquilt::api {
 struct Basemap {
   std::string tiles;              // "https://host/{z}/{x}/{y}.png"; or:
   std::filesystem::path pmtiles;  // of raster tiles
+  std::string attribution;        // plain text, never markup: whom the page names beside the map
   // "https://host" of `tiles`, for the page's Content-Security-Policy; empty without.
   std::string Origin() const;
 };
 
-// An address with {z}, {x} and {y}, or a path. Errors: kInvalidArgument, kNotFound.
-Result<Basemap> BasemapFrom(const std::string& text);
+// `text`: an address with {z}, {x} and {y}, or a path. Errors: kInvalidArgument, kNotFound.
+Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribution);
 
 void AddBasemapRoutes(Router& router, const Basemap& basemap);
 

@@ -41,6 +41,7 @@ struct ServeOptions {
   std::string web_dir;
   std::string public_url;
   std::string basemap;
+  std::string basemap_attribution;
   std::string webhooks = "off";
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
@@ -206,7 +207,7 @@ void RunServer(const ServeOptions& options) {
   const Result<int> expired = service.spool.RemoveExpired(storage::Now());
   if (!expired) Fail(expired.error());
   FinishUploads(service);
-  const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap);
+  const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap, options.basemap_attribution);
   if (!basemap) Fail(basemap.error());
   service.basemap = *basemap;
   service.sends_webhooks = options.webhooks != "off";
@@ -245,8 +246,9 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data",       "listen",  "workers",  "previews", "web",
-                                           "public-url", "basemap", "webhooks", "open"};
+  constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews",
+                                           "web",      "public-url", "basemap", "basemap-attribution",
+                                           "webhooks", "open"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -297,6 +299,10 @@ void AddServeCommand(CLI::App& app) {
                    "What lies below the maps on the page: https://host/{z}/{x}/{y}.png, or a PMTiles file "
                    "of raster tiles")
       ->envname(VariableOf("basemap"));
+  command
+      ->add_option("--basemap-attribution", options->basemap_attribution,
+                   "Whom the page names as the makers of the basemap; plain text")
+      ->envname(VariableOf("basemap-attribution"));
   command
       ->add_flag("--open", options->open,
                  "Permit an address that other machines can reach, without any token")

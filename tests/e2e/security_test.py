@@ -84,6 +84,16 @@ class Security(ServerTestCase):
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("SKYQUILT_SERVE_WROKERS", refused.stderr)
 
+    def test_the_basemap_says_whose_it_is(self):
+        text = "Makers <b>& Sons</b>, \u00a9 2026"
+        config = pathlib.Path(self.data, "skyquilt.toml")
+        config.write_text(f'workers = 0\nbasemap = "https://tiles.example/{{z}}/{{x}}/{{y}}.png"\nbasemap-attribution = "{text}"\n')
+        server = self.serve("--config", str(config))
+        basemap = {"tilejson": "3.0.0", "tiles": ["https://tiles.example/{z}/{x}/{y}.png"], "attribution": text}
+        self.assertEqual(server.json("GET", "/basemap.json"), (200, basemap))
+        server.stop()
+        self.assertIn("no --basemap", self.refusal("--listen", "127.0.0.1:0", "--basemap-attribution", text))
+
     def test_half_a_head_is_told_that_it_is_late(self):
         server = self.serve("--workers", "0")
         with socket.create_connection(("127.0.0.1", server.port)) as slow:

@@ -90,3 +90,20 @@ test('outlines of the land lie below the map until nothing is chosen, and that i
   assert.ok(!(await layers()).some((/** @type {string} */ id) => id.startsWith('basemap-')));
   await assertQuiet(opened);
 });
+
+test('the basemap of the server names its makers, and what they wrote is text', options, async () => {
+  const makers = 'Makers <b>& "Sons"</b><img src=x onerror=alert(1)>';
+  const opened = await setUp({ basemap_makers: makers });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.click('#tool-layers');
+  await page.selectOption('#basemap', 'server');
+  await page.waitForFunction((text) => document.querySelector('#map .maplibregl-ctrl-attrib-inner')?.textContent === text, makers);
+  assert.equal(await page.locator('#map .maplibregl-ctrl-attrib-inner *').count(), 0);
+  await assertAccessible(page, 'map with a basemap');
+  await page.selectOption('#basemap', 'none');
+  await page.waitForSelector('#map .maplibregl-ctrl-attrib.maplibregl-attrib-empty', { state: 'hidden' });
+  await assertQuiet(opened);
+});

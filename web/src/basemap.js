@@ -31,6 +31,16 @@ export function chosenBasemap() {
   return kept === 'none' || kept === 'server' ? kept : 'land';
 }
 
+/**
+ * What the operator wrote is text; the map's attribution control reads markup.
+ * @param {string} text
+ */
+function asMarkup(text) {
+  const element = document.createElement('span');
+  element.textContent = text;
+  return element.innerHTML;
+}
+
 /** @param {BasemapKind} kind */
 export const keepBasemap = (kind) => localStorage.setItem(kKey, kind);
 
@@ -55,7 +65,7 @@ export async function basemapParts(kind) {
   const tilejson = await offeredBasemap();
   if (!tilejson) return null;
   /** @type {any} */
-  const source = { type: 'raster', tileSize: 256, attribution: tilejson.attribution ?? '' };
+  const source = { type: 'raster', tileSize: 256, attribution: asMarkup(tilejson.attribution ?? '') };
   if (tilejson.pmtiles) {
     // Neither library may come with the first view: this module does.
     const [{ PMTiles, Protocol }, { addProtocol }] = await Promise.all([import('../vendor/pmtiles.mjs'), import('../vendor/maplibre-gl.mjs')]);

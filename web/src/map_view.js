@@ -57,6 +57,8 @@ export class MapView {
       locale: { 'Map.Title': label },
     });
     this.map.addControl(new maplibre.ScaleControl({ maxWidth: 130, unit: 'metric' }), 'bottom-left');
+    // Shows whom the sources in sight name: the makers of the basemap.
+    this.map.addControl(new maplibre.AttributionControl({ compact: false, customAttribution: [] }), 'bottom-left');
     container.dataset.mapState = 'empty';
     this.map.on('movestart', (event) => {
       if (event.originalEvent) this.is_moved = true;

@@ -10,7 +10,7 @@ import { setTimeout as delay } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import { boundsOf, photosGeoJson, reportOf } from './mock_flight.js';
 import { mockTus } from './mock_tus.js';
-import { countrysideTile } from './tile_picture.js';
+import { countrysideTile, encodePng } from './tile_picture.js';
 
 export const web_root = join(dirname(fileURLToPath(import.meta.url)), '../../../web');
 const max_zoom = 21;
@@ -30,7 +30,8 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number}} [options] upload_ms: time each file takes at least
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string}} [options] upload_ms: time each file takes at least;
+ *   basemap_makers: there is a basemap, of theirs
  */
 export async function startMockServer(options = {}) {
   const job_ms = options.job_ms ?? 2500;
@@ -151,7 +152,11 @@ export async function startMockServer(options = {}) {
     if (answered && response.destroyed) return undefined;
     if (answered) return send(answered.status, answered.body ?? null, answered.body ? 'application/problem+json' : 'text/plain', answered.headers);
     let match;
-    if (path === '/basemap.json') return send(200, { tilejson: '3.0.0', tiles: [] });
+    if (path === '/basemap.json') {
+      if (!options.basemap_makers) return send(200, { tilejson: '3.0.0', tiles: [] });
+      return send(200, { tilejson: '3.0.0', tiles: [`http://${request.headers.host}/basemap.png?{z}/{x}/{y}`], attribution: options.basemap_makers });
+    }
+    if (path === '/basemap.png') return send(200, encodePng(1, 1, new Uint8Array([200, 210, 200, 255])), 'image/png');
     if (path === '/api/v1/events') {
       response.writeHead(200, { 'Content-Type': 'text/event-stream', ...security_headers });
       response.write(': nothing happens here but what the page asks for\n\n');
