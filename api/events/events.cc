@@ -8,6 +8,7 @@
 #include "api/json_codec.h"
 #include "api/problem.h"
 #include "api/responses.h"
+#include "storage/ids.h"
 
 namespace skyquilt::api {
 namespace {
@@ -88,6 +89,12 @@ Response Follow(Service& service, const Request& request) {
   storage::EventFilter filter;
   if (const auto flight = request.Query("flight")) filter.flight_id = *flight;
   if (const auto job = request.Query("job")) filter.job_id = *job;
+  for (const auto& id : {filter.flight_id, filter.job_id}) {
+    if (!id || storage::IsId(*id)) continue;
+    return Problem(
+        {ErrorCode::kInvalidArgument, "\"flight\" and \"job\" are ids as the server gave them.", ""},
+        request);
+  }
   // A browser sends the header when it comes back; the parameter is for whoever knows where to begin.
   std::string_view from = request.headers.Find("Last-Event-ID");
   if (from.empty()) from = request.Query("after").value_or("");
