@@ -171,6 +171,10 @@ class BadInput(ServerTestCase):
             thread.start()
         for thread in two:
             thread.join()
+        # One may have cut the other off: as the protocol has it, whoever was refused asks where to go on.
+        done = int(self.shared.request("HEAD", place, headers=TUS)[1]["Upload-Offset"])
+        if done < 10:
+            self.shared.request("PATCH", place, b"0123456789"[done:], {**CHUNK, "Upload-Offset": str(done)})
         self.refused("PATCH", place, b"x", {**CHUNK, "Upload-Offset": "10"}, (413,))
         [stored] = (self.shared.data / "flights" / flight / "files").iterdir()
         self.assertEqual(stored.read_bytes(), b"0123456789")
