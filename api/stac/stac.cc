@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "api/json_codec.h"
 #include "api/ogc/map_view.h"
@@ -18,7 +21,22 @@ Value Link(const std::string& href, const char* rel, const char* type) {
   return {{"rel", rel}, {"href", href}, {"type", type}};
 }
 
-Value Item(const MapView& map) {
+// When the photos were taken, earliest and latest; empty where no camera knew it in UTC.
+std::set<std::string> CaptureTimes(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "photos.geojson", std::ios::binary);
+  const Value photos = Value::parse(file, nullptr, false);
+  std::set<std::string> times;
+  if (!photos.is_object()) return times;
+  for (const Value& photo : photos.value("features", Value::array())) {
+    const Value& time = photo.at("properties").at("captured_at");
+    if (!time.is_string() || !time.get<std::string>().ends_with('Z')) continue;
+    times.insert(time.get<std::string>());
+    if (times.size() > 2) times.erase(std::next(times.begin()));
+  }
+  return times;
+}
+
+Value Item(const MapView& map, const std::filesystem::path& folder) {
   const auto& [west, south, east, north] = map.revision().bounds;
   Value ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
   Value item;
@@ -34,6 +52,11 @@ Value Item(const MapView& map) {
                         {"created", FormatTime(map.revision().created)},
                         {"gsd", map.revision().gsd_m},
                         {"proj:epsg", 3857}};
+  if (const std::set<std::string> times = CaptureTimes(folder); !times.empty()) {
+    item["properties"]["datetime"] = *times.begin();
+    item["properties"]["start_datetime"] = *times.begin();
+    item["properties"]["end_datetime"] = *times.rbegin();
+  }
   Value links = Value::array();
   links.push_back(Link(map.Link("/stac/" + map.id), "self", "application/geo+json"));
   links.push_back(Link(map.Link("/ogc/collections/" + map.id), "related", "application/json"));
@@ -56,7 +79,13 @@ Value Item(const MapView& map) {
        asset("/download.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "Map", "data")},
       {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
       {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
-      {"report", asset("/report", "application/json", "How it was made", "metadata")}};
+      {"report", asset("/report", "application/json", "How it was made", "metadata")},
+      {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
+  if (std::filesystem::exists(folder / "mosaic.pmtiles")) {
+    constexpr const char* kPmtiles = "application/vnd.pmtiles";
+    item["assets"]["pmtiles"] = asset("/download.pmtiles", kPmtiles, "Tiles", "data");
+    item["links"].push_back(Link(map.Link(api + "/download.pmtiles"), "pmtiles", kPmtiles));
+  }
   return item;
 }
 
@@ -66,8 +95,10 @@ void AddStacRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
     const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
     if (!map) return Problem(map.error(), request);
-    Response response =
-        Text(200, Item(*map).dump(-1, ' ', false, Value::error_handler_t::replace), "application/geo+json");
+    Response response = Text(200,
+                             Item(*map, service.store.dir().Revision(map->id, map->revision().revision))
+                                 .dump(-1, ' ', false, Value::error_handler_t::replace),
+                             "application/geo+json");
     response.headers.Add("Access-Control-Allow-Origin", "*");
     response.headers.Add("Cache-Control", "no-cache");
     return response;

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.parse
 import urllib.request
 import xml.etree.ElementTree as xml_parser
 
@@ -26,25 +27,26 @@ from qgis.core import (QgsApplication, QgsCoordinateReferenceSystem, QgsMapRende
                        QgsRasterLayer, QgsRectangle)
 from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtGui import QColor, QImage, QPainter
-url, zoom, west, south, east, north, side, out = sys.argv[1:]
+west, south, east, north, side, out, *sources = sys.argv[1:]
 application = QgsApplication([], False)
 application.initQgis()
-layer = QgsRasterLayer(f"type=xyz&zmin={zoom}&zmax={zoom}&url={url}", "map", "wms")
-assert layer.isValid(), layer.error().message()
-settings = QgsMapSettings()
-settings.setLayers([layer])
-settings.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
-settings.setExtent(QgsRectangle(float(west), float(south), float(east), float(north)))
-settings.setOutputSize(QSize(int(side), int(side)))
-settings.setOutputDpi(96)
-image = QImage(int(side), int(side), QImage.Format_RGB32)
-image.fill(QColor(255, 255, 255))
-painter = QPainter(image)
-job = QgsMapRendererCustomPainterJob(settings, painter)
-job.renderSynchronously()
-painter.end()
-assert not job.errors(), [error.message for error in job.errors()]
-image.save(out)
+for number, source in enumerate(sources):
+    layer = QgsRasterLayer(source, "map", "wms")
+    assert layer.isValid(), layer.error().message()
+    settings = QgsMapSettings()
+    settings.setLayers([layer])
+    settings.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
+    settings.setExtent(QgsRectangle(float(west), float(south), float(east), float(north)))
+    settings.setOutputSize(QSize(int(side), int(side)))
+    settings.setOutputDpi(96)
+    image = QImage(int(side), int(side), QImage.Format_RGB32)
+    image.fill(QColor(255, 255, 255))
+    painter = QPainter(image)
+    job = QgsMapRendererCustomPainterJob(settings, painter)
+    job.renderSynchronously()
+    painter.end()
+    assert not job.errors(), [error.message for error in job.errors()]
+    image.save(f"{out}/{number}.png")
 """
 
 
@@ -183,6 +185,27 @@ class Gis(ServerTestCase):
             xml = self.server.request("GET", f"/connect/{self.flight_id}/{file}")[2]
             xml_parser.fromstring(xml)
 
+    def test_the_stac_item_leads_to_all_there_is(self):
+        _, headers, body = self.server.request("GET", f"/stac/{self.flight_id}")
+        item = json.loads(body)
+        self.assertEqual((headers["Content-Type"], item["type"], item["stac_version"]), ("application/geo+json", "Feature", "1.0.0"))
+        west, south, east, north = item["bbox"]
+        ring = item["geometry"]["coordinates"][0]
+        self.assertEqual((ring[0], {tuple(corner) for corner in ring}),
+                         (ring[-1], {(west, south), (east, south), (east, north), (west, north)}))
+        told = item["properties"]
+        _, photos = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/photos.geojson")
+        times = sorted(photo["properties"]["captured_at"] for photo in photos["features"])
+        self.assertEqual((told["datetime"], told["start_datetime"], told["end_datetime"]), (times[0], times[0], times[-1]))
+        for asset in item["assets"].values():
+            status, headers, _ = self.server.request("HEAD", asset["href"].removeprefix(self.address("")))
+            self.assertEqual((status, headers["Content-Type"]), (200, asset["type"]), asset)
+            self.assertTrue(asset["roles"])
+        links = {link["rel"]: link["href"].removeprefix(self.address("")) for link in item["links"]}
+        self.assertLessEqual({"self", "xyz", "tilejson", "wmts", "wms", "pmtiles"}, set(links))
+        for rel in links.keys() - {"xyz", "wms"}:  # which are templates
+            self.assertEqual(self.server.request("HEAD", links[rel])[0], 200, rel)
+
     def test_owslib_reads_the_capabilities(self):
         try:
             from owslib.wms import WebMapService
@@ -290,18 +313,24 @@ class Gis(ServerTestCase):
                                               capture_output=True).stdout)
         self.assertIn('"EPSG",3857', described["coordinateSystem"]["wkt"].replace(" ", ""))
 
-    def test_qgis_shows_the_tiles_pixel_for_pixel(self):
+    def test_qgis_shows_the_map_pixel_for_pixel(self):
         if not has_qgis():
             self.skipTest("python3-qgis is not here")
         _, _, west, north, pixel_m, side = self.inner_window()
         want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
-        out = pathlib.Path(self.data, "qgis.png")
-        url = self.url().replace("$", "").replace("{", "%7B").replace("}", "%7D")
-        subprocess.run([sys.executable, "-c", QGIS_SCRIPT, url, str(self.tilejson["maxzoom"]), repr(west),
-                        repr(north - side * pixel_m), repr(west + side * pixel_m), repr(north), str(side), out],
+        zoom, layer = self.tilejson["maxzoom"], "layers=map&format=image/png&crs=EPSG:3857"
+        quoted = lambda url: urllib.parse.quote(url, safe="")
+        wmts, wms = (self.address(f"/{service}/{self.flight_id}") for service in ("wmts", "wms"))
+        sources = [f"type=xyz&zmin={zoom}&zmax={zoom}&url={quoted(self.url().replace('$', ''))}",
+                   f"{layer}&styles=default&tileMatrixSet=WebMercatorQuad&url={quoted(wmts + '?SERVICE=WMTS&REQUEST=GetCapabilities')}",
+                   f"{layer}&styles=default&tileMatrixSet=WebMercatorQuad&url={quoted(wmts + '/1.0.0/WMTSCapabilities.xml')}",
+                   f"{layer}&styles=&url={quoted(wms)}", f"{layer}&styles=&IgnoreGetMapUrl=1&url={quoted(wms + '?VERSION=1.1.1')}"]
+        subprocess.run([sys.executable, "-c", QGIS_SCRIPT, repr(west), repr(north - side * pixel_m), repr(west + side * pixel_m),
+                        repr(north), str(side), self.data, *sources],
                        check=True, env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}, capture_output=True)
-        got = self.gdal.Open(str(out)).ReadAsArray()[:3]
-        self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
+        for number, source in enumerate(sources):
+            got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
+            self.assertEqual(int(abs(got.astype(int) - want).max()), 0, source)
 
 
 if __name__ == "__main__":
