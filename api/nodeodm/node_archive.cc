@@ -1,6 +1,8 @@
 // all.zip: the map under the names that the node's clients know.
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 
 #include "api/downloads/send_file.h"
@@ -51,6 +53,17 @@ Json Shots(const Json& photos) {
   return {{"type", "FeatureCollection"}, {"features", features}};
 }
 
+// How far off the ground control points that were used lie, in metres.
+std::vector<double> ControlMisses(const Json& alignment) {
+  std::vector<double> misses_m;
+  for (const Json& point : alignment.value("ground_control", Json::array())) {
+    if (!point.value("is_used", false)) continue;
+    misses_m.push_back(std::hypot(point.value("miss_east_m", 0.0), point.value("miss_north_m", 0.0),
+                                  point.value("miss_up_m", 0.0)));
+  }
+  return misses_m;
+}
+
 Json Stats(const Json& report, const Json& photos) {
   Json first = nullptr;
   Json last = nullptr;
@@ -75,12 +88,18 @@ Json Stats(const Json& report, const Json& photos) {
   stats["odm_processing_statistics"] = {{"total_time", total_s},
                                         {"average_gsd", report.value("gsd_m", 0.0) * 100.0}};  // cm
   const Json& counts = report.at("photos");
+  const Json alignment = report.value("alignment", Json::object());
+  const std::vector<double> misses_m = ControlMisses(alignment);
   stats["reconstruction_statistics"] = {
-      {"has_gps", true},
-      {"has_gcp", false},
+      {"has_gps", report.value("is_placed", false)},
+      {"has_gcp", !misses_m.empty()},
       {"initial_shots_count", counts.value("total", 0)},
       {"reconstructed_shots_count", counts.value("aligned", 0) + counts.value("pose_only", 0)},
-      {"reconstructed_points_count", 0}};
+      {"reconstructed_points_count", alignment.value("tie_points", 0)}};
+  if (!misses_m.empty()) {
+    const double sum_m = std::accumulate(misses_m.begin(), misses_m.end(), 0.0);
+    stats["gcp_errors"] = {{"average_error", sum_m / static_cast<double>(misses_m.size())}};
+  }
   return stats;
 }
 

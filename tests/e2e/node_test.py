@@ -1,6 +1,7 @@
 """The NodeODM-compatible node, call by call as its clients make them: a photo folder in, all.zip out."""
 import io
 import json
+import pathlib
 import re
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import unittest
 import uuid as uuids
 import zipfile
 
+from control_test import gcp_list
 from server_support import BINARY, ServerTestCase, wait_until
 
 BOUNDARY = "node-test-boundary"
@@ -112,7 +114,22 @@ class Node(ServerTestCase):
                          sorted(name for name, _ in self.photos))
         stats = json.loads(archive.read("odm_report/stats.json"))
         self.assertGreater(stats["processing_statistics"]["area"], 0)
+        made = stats["reconstruction_statistics"]
+        self.assertEqual((made["has_gps"], made["has_gcp"], made["reconstructed_shots_count"]), (True, False, len(self.photos)))
+        self.assertGreater(made["reconstructed_points_count"], 0)
+        self.assertNotIn("gcp_errors", stats)
         self.check_cog(archive.extract("odm_orthophoto/odm_orthophoto.tif", self.data))
+
+    def test_ground_control_among_the_images_is_told_of(self):
+        server = self.serve()
+        truth = json.loads(pathlib.Path(self.scratch, "sim/truth/poses.json").read_text())
+        points = gcp_list(truth, ((-15.0, -10.0), (15.0, -10.0), (0.0, 12.0)))
+        made = self.ask(server, "POST", "/task/new", form({"name": "surveyed"}, [*self.photos, ("gcp_list.txt", points.encode())]), FORM)
+        self.wait(server, made["uuid"], 40)
+        whole = server.request("GET", f"/task/{made['uuid']}/download/all.zip")[2]
+        stats = json.loads(zipfile.ZipFile(io.BytesIO(whole)).read("odm_report/stats.json"))
+        self.assertTrue(stats["reconstruction_statistics"]["has_gcp"], server.errors())
+        self.assertLess(stats["gcp_errors"]["average_error"], 0.5)
 
     def check_cog(self, path):
         try:
