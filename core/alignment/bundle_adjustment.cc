@@ -181,7 +181,7 @@ class Round {
     for (std::size_t t = 0; t < bundle_.soft_tracks.size(); ++t) {
       const double height =
           bundle_.photos[bundle_.soft_tracks[t].observations.front().photo].height_above_ground_m;
-      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PointHeightResidual, 1, 3>(
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PointHeightResidual, kRowsOfPoint, kPointSize>(
                                   new PointHeightResidual{bundle_.ground_z_in_enu_m, kReliefShare * height}),
                               nullptr, Point(bundle_.tracks.size() + t));
     }
@@ -227,9 +227,9 @@ class Round {
     const PlaneResidual residual{{plane.height_m, plane.slope_east, plane.slope_north},
                                  plane.sigma_m * std::sqrt(points_a_photo)};
     for (std::size_t t = 0; t < bundle_.tracks.size(); ++t) {
-      ceres_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PlaneResidual, 1, 3>(new PlaneResidual(residual)), nullptr,
-          Point(t));
+      ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PlaneResidual, kRowsOfPoint, kPointSize>(
+                                  new PlaneResidual(residual)),
+                              nullptr, Point(t));
     }
   }
 

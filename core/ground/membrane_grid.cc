@@ -8,18 +8,18 @@
 namespace skyquilt::ground {
 namespace {
 
-constexpr int kMarginCells = 12;
+constexpr int kLeastMarginCells = 12;
 constexpr int kMostCells = 4'000'000;
 constexpr int kSweeps = 40;
 constexpr double kOverRelaxation = 1.6;
 constexpr double kMostPointsPerCell = 4.0;  // more do not make a cell stiffer: neighbours must agree as well
-// Away from points the surface returns to the mean within about 20 cells (1 / sqrt of this).
-constexpr double kPullToMean = 0.0025;
+// Away from points the surface returns to the broad shape within about 20 cells (1 / sqrt of this).
+constexpr double kPullToShape = 0.0025;
 constexpr int kSmallestSide = 8;
 
 struct Level {
   int columns = 0, rows = 0;
-  std::vector<float> target;  // height over the mean
+  std::vector<float> target;  // height over the broad shape
   std::vector<float> weight;
   std::vector<float> height;
 };
@@ -72,19 +72,20 @@ void Relax(Level& level, double stiffness, double pull) {
 
 }  // namespace
 
-MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m, double mean_z_m,
-                         double stiffness) {
+MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m,
+                         const GroundSurface& broad_shape, double margin_m, double stiffness) {
   geo::Bounds2 bounds;
   for (const Eigen::Vector3d& point : points_in_enu) bounds.Include(Eigen::Vector2d(point.head<2>()));
   if (bounds.IsEmpty()) bounds.Include(Eigen::Vector2d(0.0, 0.0));
-  const double area =
-      (bounds.Width() + 2 * kMarginCells * cell_m) * (bounds.Height() + 2 * kMarginCells * cell_m);
+  margin_m = std::max(margin_m, kLeastMarginCells * cell_m);
+  const double area = (bounds.Width() + 2.0 * margin_m) * (bounds.Height() + 2.0 * margin_m);
   cell_m = std::max(cell_m, std::sqrt(area / kMostCells));
   MembraneGrid grid;
   grid.cell_m = cell_m;
-  grid.south_west_in_enu = bounds.min - Eigen::Vector2d::Constant(kMarginCells * cell_m);
-  grid.columns = static_cast<int>(std::ceil(bounds.Width() / cell_m)) + 2 * kMarginCells + 1;
-  grid.rows = static_cast<int>(std::ceil(bounds.Height() / cell_m)) + 2 * kMarginCells + 1;
+  const int margin = static_cast<int>(std::ceil(margin_m / cell_m));
+  grid.south_west_in_enu = bounds.min - Eigen::Vector2d::Constant(margin * cell_m);
+  grid.columns = static_cast<int>(std::ceil(bounds.Width() / cell_m)) + 2 * margin + 1;
+  grid.rows = static_cast<int>(std::ceil(bounds.Height() / cell_m)) + 2 * margin + 1;
 
   // Medians per node; points sorted by node, so that no cell needs its own list.
   std::vector<std::pair<std::size_t, float>> by_node;
@@ -94,7 +95,8 @@ MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, doub
     const std::size_t column =
         static_cast<std::size_t>(std::clamp<long>(std::lround(at.x()), 0, grid.columns - 1));
     const std::size_t row = static_cast<std::size_t>(std::clamp<long>(std::lround(at.y()), 0, grid.rows - 1));
-    by_node.emplace_back(row * grid.columns + column, static_cast<float>(point.z() - mean_z_m));
+    by_node.emplace_back(row * grid.columns + column,
+                         static_cast<float>(point.z() - broad_shape.HeightAt(point.head<2>())));
   }
   std::sort(by_node.begin(), by_node.end());
   std::vector<Level> levels(1);
@@ -127,10 +129,14 @@ MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, doub
       }
     }
     // A coarse cell stands for four fine ones: the pull counts as much over the same ground.
-    Relax(level, stiffness, stiffness * kPullToMean * std::pow(4.0, static_cast<double>(l)));
+    Relax(level, stiffness, stiffness * kPullToShape * std::pow(4.0, static_cast<double>(l)));
   }
   grid.heights_m = std::move(levels.front().height);
-  for (float& height : grid.heights_m) height += static_cast<float>(mean_z_m);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const auto columns = static_cast<std::size_t>(grid.columns);
+    const Eigen::Vector2d node(static_cast<double>(i % columns), static_cast<double>(i / columns));
+    grid.heights_m[i] += static_cast<float>(broad_shape.HeightAt(grid.south_west_in_enu + cell_m * node));
+  }
   return grid;
 }
 

@@ -11,6 +11,7 @@
 
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/ground/broad_shape.h"
 #include "core/ground/membrane_grid.h"
 
 namespace skyquilt::ground {
@@ -24,22 +25,26 @@ constexpr double kStiffnesses[] = {0.3, 1.0, 3.0, 10.0, 30.0};
 constexpr double kModelAsGood = 1.05;
 constexpr double kLeastCellM = 1.0;
 constexpr double kCellGsds = 40.0;
+// Photos see this much of their longer side beyond the last point that two of them show.
+constexpr double kMarginSides = 0.5;
 // Heights that would shift nothing by a visible part of a pixel.
 constexpr double kFlatWithinGsds = 0.25;
 
 struct FlightScale {
   double height_m = 50.0;
   double gsd_m = 0.02;
+  double longer_side_m = 80.0;  // of what a photo shows
 };
 
 FlightScale ScaleOf(const alignment::AlignedFlight& flight) {
-  std::vector<double> heights, gsds;
+  std::vector<double> heights, gsds, sides;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     heights.push_back(photo.height_above_ground_m);
     gsds.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx());
+    sides.push_back(gsds.back() * std::max(photo.intrinsics.width_px, photo.intrinsics.height_px));
   }
   if (heights.empty()) return {};
-  return {Median(heights), Median(gsds)};
+  return {Median(heights), Median(gsds), Median(sides)};
 }
 
 // Drops points far off the median height of their neighbourhood.
@@ -109,7 +114,8 @@ GroundSurface BendTo(const std::vector<Eigen::Vector3d>& points, const GroundSur
     heights.push_back(point.z());
     point.z() -= model.HeightAt(point.head<2>());
   }
-  const GroundSurface bend = AsSurface(FitMembrane(above, cell_m, shift_m, stiffness), shift_m);
+  const GroundSurface bend =
+      AsSurface(FitMembrane(above, cell_m, GroundSurface::Plane(shift_m), 0.0, stiffness), shift_m);
   std::vector<float> bent = model.Heights();
   for (std::size_t i = 0; i < bent.size(); ++i) {
     const std::size_t columns = static_cast<std::size_t>(model.Columns());
@@ -187,12 +193,14 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   std::vector<double> heights;
   for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
   const double mean_z_m = Median(heights);
+  const double margin_m = kMarginSides * scale.longer_side_m;
+  const GroundSurface shape = BroadShape(points, scale.height_m, margin_m);
 
   std::vector<Eigen::Vector3d> fitted, held_back;
   for (std::size_t i = 0; i < points.size(); ++i)
     (i % kHoldBackEvery == 0 ? held_back : fitted).push_back(points[i]);
   const Judged grid = BestStiffness(held_back, [&](double stiffness) {
-    return AsSurface(FitMembrane(fitted, cell_m, mean_z_m, stiffness), mean_z_m);
+    return AsSurface(FitMembrane(fitted, cell_m, shape, 0.0, stiffness), mean_z_m);
   });
   report.plane_error_m = MedianMiss(held_back, GroundSurface::Plane(mean_z_m));
   report.grid_error_m = grid.error_m;
@@ -231,7 +239,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
                               report.grid_error_m, report.plane_error_m) +
                       without_model);
   }
-  return finish(AsSurface(FitMembrane(points, cell_m, mean_z_m, grid.stiffness), mean_z_m), "grid",
+  return finish(AsSurface(FitMembrane(points, cell_m, shape, margin_m, grid.stiffness), mean_z_m), "grid",
                 fmt::format("held-back points lie {:.2f} m off the grid and {:.2f} m off a plane",
                             report.grid_error_m, report.plane_error_m) +
                     without_model);

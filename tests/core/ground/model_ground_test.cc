@@ -56,16 +56,54 @@ TEST(ModelGround, FollowsHillsToAFewDecimetresInSpiteOfOutliers) {
   EXPECT_GT(report.lowest_m, -12.0) << "an outlier made a pit";
 }
 
-TEST(ModelGround, ReturnsToTheMeanOutsideThePoints) {
+TEST(ModelGround, CarriesASlopeOnAsFarAsPhotosSeeAndNoFarther) {
   const auto slope = [](double east, double) { return 0.1 * east; };
   ModelGroundReport report;
   const GroundSurface surface = ModelGround(FlightOver(slope, 0.05), report);
   ASSERT_FALSE(surface.IsPlane());
-  // Neither a curl upwards nor the slope carried on.
-  EXPECT_LE(surface.HeightAt({400.0, 0.0}), 10.5);
-  EXPECT_GE(surface.HeightAt({400.0, 0.0}), surface.MeanHeight() - 0.5);
-  EXPECT_LE(surface.MaxHeight(), 10.5);
-  EXPECT_GE(surface.MinHeight(), -10.5);
+  for (const double east : {-130.0, -110.0, 110.0, 130.0})
+    EXPECT_NEAR(surface.HeightAt({east, 0.0}), 0.1 * east, 0.3);
+  // Half of what a photo shows beyond the last point the surface ends.
+  EXPECT_LE(surface.MaxHeight(), 14.5);
+  EXPECT_GE(surface.MinHeight(), -14.5);
+}
+
+TEST(ModelGround, CarriesOnTheBowlThatALensBendsHeightsTo) {
+  const auto bowl = [](double east, double north) { return 1e-4 * (east * east + north * north); };
+  ModelGroundReport report;
+  const GroundSurface surface = ModelGround(FlightOver(bowl, 0.02), report);
+  ASSERT_FALSE(surface.IsPlane());
+  for (const Eigen::Vector2d& outside :
+       {Eigen::Vector2d(125.0, 0.0), {-120.0, 30.0}, {0.0, 130.0}, {110.0, -110.0}}) {
+    EXPECT_NEAR(surface.HeightAt(outside), bowl(outside.x(), outside.y()), 0.15) << outside.transpose();
+  }
+}
+
+TEST(ModelGround, CarriesTheFlankOfAHillOnForAWhile) {
+  const auto hills = [](double east, double) {
+    return 6.0 * std::sin(east / 25.0);
+  };  // a flank at the end: 100 / 25
+  ModelGroundReport report;
+  const GroundSurface surface = ModelGround(FlightOver(hills, 0.05), report);
+  ASSERT_FALSE(surface.IsPlane());
+  double miss = 0.0, miss_level = 0.0;
+  for (double north = -80.0; north <= 80.0; north += 20.0) {
+    miss += std::abs(surface.HeightAt({110.0, north}) - hills(110.0, north));
+    miss_level += std::abs(hills(98.0, north) - hills(110.0, north));
+  }
+  EXPECT_LT(miss, 0.7 * miss_level);
+}
+
+TEST(ModelGround, HousesAtItsEdgeDoNotTiltTheGroundBeyond) {
+  const auto street = [](double east, double north) {
+    return std::abs(north) > 70.0 && std::fmod(std::abs(east), 30.0) < 12.0 ? 4.0 : 0.0;
+  };
+  ModelGroundReport report;
+  const GroundSurface surface = ModelGround(FlightOver(street, 0.05), report);
+  for (double east = -90.0; east <= 90.0; east += 5.0) {
+    EXPECT_GT(surface.HeightAt({east, 120.0}), -1.0) << east;
+    EXPECT_LT(surface.HeightAt({east, 120.0}), 5.0) << east;
+  }
 }
 
 TEST(ModelGround, IsTheRecordedGroundWhereTooFewPointsAreKnown) {
