@@ -11,6 +11,7 @@
 
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/camera/footprint.h"
 #include "core/ground/broad_shape.h"
 #include "core/ground/membrane_grid.h"
 
@@ -25,26 +26,24 @@ constexpr double kStiffnesses[] = {0.3, 1.0, 3.0, 10.0, 30.0};
 constexpr double kModelAsGood = 1.05;
 constexpr double kLeastCellM = 1.0;
 constexpr double kCellGsds = 40.0;
-// Photos see this much of their longer side beyond the last point that two of them show.
-constexpr double kMarginSides = 0.5;
+// Of a photo that looks towards the horizon no more than this, in flying heights.
+constexpr double kMostMarginHeights = 2.0;
 // Heights that would shift nothing by a visible part of a pixel.
 constexpr double kFlatWithinGsds = 0.25;
 
 struct FlightScale {
   double height_m = 50.0;
   double gsd_m = 0.02;
-  double longer_side_m = 80.0;  // of what a photo shows
 };
 
 FlightScale ScaleOf(const alignment::AlignedFlight& flight) {
-  std::vector<double> heights, gsds, sides;
+  std::vector<double> heights, gsds;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     heights.push_back(photo.height_above_ground_m);
     gsds.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx());
-    sides.push_back(gsds.back() * std::max(photo.intrinsics.width_px, photo.intrinsics.height_px));
   }
   if (heights.empty()) return {};
-  return {Median(heights), Median(gsds), Median(sides)};
+  return {Median(heights), Median(gsds)};
 }
 
 // Drops points far off the median height of their neighbourhood.
@@ -96,6 +95,20 @@ geo::Bounds2 SeenArea(const alignment::AlignedFlight& flight) {
     area.Include(Eigen::Vector2d(center - Eigen::Vector2d::Constant(reach_m)));
   }
   return area;
+}
+
+// How far photos look beyond the points, east, north, west or south.
+double Overhang(const alignment::AlignedFlight& flight, const std::vector<Eigen::Vector3d>& points,
+                double ground_z_m) {
+  geo::Bounds2 known, seen;
+  for (const Eigen::Vector3d& point : points) known.Include(Eigen::Vector2d(point.head<2>()));
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    for (const Eigen::Vector2d& corner :
+         camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, ground_z_m, 1))
+      seen.Include(corner);
+  }
+  if (seen.IsEmpty()) return 0.0;
+  return std::max(0.0, std::max((known.min - seen.min).maxCoeff(), (seen.max - known.max).maxCoeff()));
 }
 
 // How far up an elevation model in enu must go to meet the points.
@@ -193,7 +206,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   std::vector<double> heights;
   for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
   const double mean_z_m = Median(heights);
-  const double margin_m = kMarginSides * scale.longer_side_m;
+  const double margin_m = std::min(Overhang(flight, points, mean_z_m), kMostMarginHeights * scale.height_m);
   const GroundSurface shape = BroadShape(points, scale.height_m, margin_m);
 
   std::vector<Eigen::Vector3d> fitted, held_back;

@@ -15,7 +15,15 @@ alignment::AlignedFlight FlightOver(const Shape& height_at, double noise_m) {
   alignment::AlignedPhoto photo;
   photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
   photo.height_above_ground_m = 60.0;
-  flight.photos.push_back(photo);
+  const Eigen::Quaterniond looks_down(
+      (Eigen::Matrix3d() << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0).finished());
+  for (const Eigen::Vector3d& center : {Eigen::Vector3d(-100.0, -100.0, 60.0),
+                                        {100.0, -100.0, 60.0},
+                                        {-100.0, 100.0, 60.0},
+                                        {100.0, 100.0, 60.0}}) {
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(looks_down, center);
+    flight.photos.push_back(photo);
+  }
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, noise_m);
   std::uniform_real_distribution<double> place(-100.0, 100.0);
@@ -63,7 +71,7 @@ TEST(ModelGround, CarriesASlopeOnAsFarAsPhotosSeeAndNoFarther) {
   ASSERT_FALSE(surface.IsPlane());
   for (const double east : {-130.0, -110.0, 110.0, 130.0})
     EXPECT_NEAR(surface.HeightAt({east, 0.0}), 0.1 * east, 0.3);
-  // Half of what a photo shows beyond the last point the surface ends.
+  // Forty metres beyond the last point the photos see nothing.
   EXPECT_LE(surface.MaxHeight(), 14.5);
   EXPECT_GE(surface.MinHeight(), -14.5);
 }
