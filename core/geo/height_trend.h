@@ -30,7 +30,8 @@ struct HeightTrend {
   }
 };
 
-// For each square cell that has points, the middle of their places with the median of their heights.
+// For each square cell that has points, the middle of their places with the median of their heights; from
+// west to east, and from south to north between the same meridians.
 std::vector<Eigen::Vector3d> CellMedians(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m);
 
 HeightTrend FitHeightTrend(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m);

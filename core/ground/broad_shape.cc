@@ -18,7 +18,7 @@ constexpr double kFarInNear = 3.0;     // in sigmas: beyond, nothing counts
 constexpr double kTrendWeight = 0.01;  // of the trend, against 1 for a cell right here
 constexpr double kSlopeHold = 0.05;
 
-// What lies above the trend at a place.
+// What lies above the trend at a place. Each row's cells lie from west to east.
 double AboveTrend(const std::vector<std::vector<Eigen::Vector3d>>& rows, const Eigen::Vector2d& place,
                   double south_m, double cell_m, double height_m) {
   const double near_m = kNear * height_m;
@@ -30,8 +30,12 @@ double AboveTrend(const std::vector<std::vector<Eigen::Vector3d>>& rows, const E
   };
   const long last = row_of(place.y() + kFarInNear * near_m);
   for (long row = row_of(place.y() - kFarInNear * near_m); row <= last; ++row) {
-    for (const Eigen::Vector3d& cell : rows[static_cast<std::size_t>(row)]) {
-      Eigen::Vector3d from_place = cell;
+    const std::vector<Eigen::Vector3d>& cells = rows[static_cast<std::size_t>(row)];
+    const double west = place.x() - kFarInNear * near_m, east = place.x() + kFarInNear * near_m;
+    auto cell = std::partition_point(cells.begin(), cells.end(),
+                                     [&](const Eigen::Vector3d& one) { return one.x() < west; });
+    for (; cell != cells.end() && cell->x() <= east; ++cell) {
+      Eigen::Vector3d from_place = *cell;
       from_place.head<2>() -= place;
       const double far2 = from_place.head<2>().squaredNorm() / (near_m * near_m);
       if (far2 > kFarInNear * kFarInNear) continue;
@@ -71,6 +75,10 @@ GroundSurface BroadShape(const std::vector<Eigen::Vector3d>& points_in_enu, doub
   for (Eigen::Vector3d cell : geo::CellMedians(points_in_enu, cell_m)) {
     cell.z() -= trend.At(cell.head<2>());
     rows[static_cast<std::size_t>(std::lround((cell.y() - south_west.y()) / cell_m))].push_back(cell);
+  }
+  for (std::vector<Eigen::Vector3d>& row : rows) {
+    std::sort(row.begin(), row.end(),
+              [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.x() < b.x(); });
   }
   std::vector<float> heights;
   heights.reserve(static_cast<std::size_t>(columns) * count);
