@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kSyncEveryBytes = std::int64_t{16} << 20;
 
 constexpr const char* kColumns =
-    "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us FROM upload ";
+    "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner FROM upload ";
 
 Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. It may have expired.", ""}; }
 
@@ -39,6 +39,7 @@ SpooledUpload UploadFrom(const Statement& row) {
   upload.offset = row.ColumnInt64(5);
   upload.is_done = row.ColumnInt64(6) != 0;
   upload.expires = FromUs(row.ColumnInt64(7));
+  upload.owner = row.ColumnText(8);
   return upload;
 }
 
@@ -90,8 +91,8 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   if (fd < 0) return WriteError("open " + PathOf(upload.id).string());
   close(fd);
   const auto db = db_.Lock();
-  Result<Statement> insert =
-      db->Prepare("INSERT INTO upload(id,flight_id,name,metadata,length,expires_us) VALUES(?,?,?,?,?,?)");
+  Result<Statement> insert = db->Prepare(
+      "INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner) VALUES(?,?,?,?,?,?,?)");
   if (!insert) return insert.error();
   insert->Bind(1, upload.id)
       .Bind(2, upload.flight_id)
@@ -99,12 +100,19 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
       .Bind(4, upload.metadata)
       .BindNull(5);
   if (upload.length) insert->Bind(5, *upload.length);
-  const Result<void> inserted = insert->Bind(6, ToUs(upload.expires)).Run();
+  const Result<void> inserted = insert->Bind(6, ToUs(upload.expires)).Bind(7, upload.owner).Run();
   if (!inserted) {
     unlink(PathOf(upload.id).c_str());
     return inserted.error();
   }
   return upload;
+}
+
+Result<void> UploadSpool::CheckOwner(const std::string& id, const std::string& asker, Time now) const {
+  const Result<SpooledUpload> upload = Read(id, now);
+  if (!upload) return upload.error();
+  if (!upload->owner.empty() && upload->owner != asker) return NoSuchUpload();
+  return {};
 }
 
 Result<SpooledUpload> UploadSpool::Find(const std::string& id, Time now) {

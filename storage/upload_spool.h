@@ -33,6 +33,7 @@ struct SpooledUpload {
   std::int64_t offset = 0;
   bool is_done = false;
   Time expires;
+  std::string owner;               // id of the token that began it; empty without one
   std::optional<StoredFile> file;  // what it became, in the answer to whoever completed it
 };
 
@@ -44,6 +45,8 @@ class UploadSpool {
   class Append;
 
   Result<SpooledUpload> Create(const SpooledUpload& wish, Time now);
+  // kNotFound for an upload that another token began: to all others it is not there.
+  Result<void> CheckOwner(const std::string& id, const std::string& asker, Time now) const;
   // Stops a writer that is under way, so that the offset holds until the next one.
   Result<SpooledUpload> Find(const std::string& id, Time now);
   // Takes bytes from `offset` on, which must be the upload's. With `all_or_nothing` they count only at

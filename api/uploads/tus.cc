@@ -50,6 +50,15 @@ std::optional<Response> CheckVersion(const Request& request) {
   return response;
 }
 
+// Before anything is done with an upload that is there: the version, and whose it is.
+std::optional<Response> CheckAsker(const Service& service, const Request& request) {
+  if (auto refused = CheckVersion(request)) return refused;
+  const Result<void> checked =
+      service.spool.CheckOwner(request.Parameter("upload"), request.owner, storage::Now());
+  if (checked) return std::nullopt;
+  return Refuse(checked.error(), request);
+}
+
 bool IsChunk(const Request& request) {
   return EqualsIgnoringCase(request.headers.Find("Content-Type"), kChunkType);
 }
@@ -142,6 +151,7 @@ Result<SpooledUpload> WishOf(const Request& request) {
     const auto found = metadata->find(key);
     return found == metadata->end() ? std::string() : found->second;
   };
+  wish.owner = request.owner;
   wish.flight_id = value("flight");
   wish.name = value("filename");
   if (wish.flight_id.empty() || wish.name.empty()) {
@@ -177,7 +187,7 @@ Begun BeginCreation(Service& service, const Request& request) {
 }
 
 Begun BeginPatch(Service& service, const Request& request) {
-  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  if (auto refused = CheckAsker(service, request)) return *std::move(refused);
   const std::string& id = request.Parameter("upload");
   const std::optional<std::int64_t> offset = ParseTusNumber(request.headers.Find("Upload-Offset"));
   if (!offset) return Refuse(400, "Upload-Offset is missing or not a number.", request);
@@ -196,13 +206,9 @@ Begun BeginPatch(Service& service, const Request& request) {
 }
 
 Response Get(Service& service, const Request& request) {
-  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  if (auto refused = CheckAsker(service, request)) return *std::move(refused);
   const Result<SpooledUpload> upload = service.spool.Find(request.Parameter("upload"), storage::Now());
-  if (!upload) {
-    Response response = Refuse(upload.error(), request);
-    response.headers.Set("Cache-Control", "no-store");
-    return response;
-  }
+  if (!upload) return Refuse(upload.error(), request);
   if (upload->file) {
     const auto unpacked = UnpackStored(service, upload->flight_id, *upload->file);
     if (!unpacked) return Refuse(unpacked.error(), request);
@@ -225,7 +231,7 @@ Response Get(Service& service, const Request& request) {
 }
 
 Response Delete(Service& service, const Request& request) {
-  if (auto refused = CheckVersion(request)) return *std::move(refused);
+  if (auto refused = CheckAsker(service, request)) return *std::move(refused);
   const Result<void> removed = service.spool.Remove(request.Parameter("upload"), storage::Now());
   if (!removed) return Refuse(removed.error(), request);
   return WithVersion(NoContent());

@@ -263,9 +263,10 @@ class BadInput(ServerTestCase):
         data = tempfile.mkdtemp(dir=self.scratch)
         add = lambda name, scope: subprocess.run([BINARY, "token", "add", name, "--data", data, "--scope", scope], check=True,
                                                  capture_output=True, text=True).stdout.strip()
-        one = add("one", "upload")
+        one, other = add("one", "upload"), add("other", "upload")
         server = Server(data, "--workers", "0")
         self.servers.append(server)
+        as_one, as_other = ({"Authorization": f"Bearer {token}"} for token in (one, other))
         # Without a token each operation of the contract is refused, but what monitors ask and what the page needs to ask for one.
         open_to_all = set()
         for template, operations in contract.SPEC["paths"].items():
@@ -276,6 +277,12 @@ class BadInput(ServerTestCase):
                     open_to_all.add((method, template))
         self.assertEqual(open_to_all, {("get", template) for template in (
             "/auth/info", "/basemap.json", "/basemap.pmtiles", "/docs", "/healthz", "/openapi.json", "/readyz", "/version")})
+        # What one began to upload is not another's to go on with.
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **as_one})
+        made = server.request("POST", "/api/v1/uploads", None, {**TUS, **as_one, "Upload-Length": "5", **metadata(json.loads(body)["id"])})
+        self.assertEqual(made[0], 201)
+        for method, headers in (("HEAD", TUS), ("PATCH", {**CHUNK, "Upload-Offset": "0"}), ("DELETE", TUS)):
+            self.assertIn(server.request(method, made[1]["Location"], headers={**headers, **as_other})[0], (403, 404), method)
         _, headers, _ = server.request("GET", f"/api/v1/flights?token={one}", headers={"Origin": "https://evil.example"})
         self.assertNotIn("Access-Control-Allow-Credentials", headers)
         self.assertNotIn(one, server.errors())

@@ -69,7 +69,9 @@ TEST_F(PreviewsTest, SaysWhereEachEditionChangedAndEndsWithTheMap) {
   ASSERT_TRUE(*previews_.Show(Edition(flight, 2, 1)));
   EXPECT_EQ((*previews_.Find(flight))->edition, 2);
   int told = 0;
-  for (const Event& event : *EventLog(*db_).After(0, {flight, std::nullopt}, 100)) {
+  const auto events = EventLog(*db_).After(0, {flight, std::nullopt}, 100);
+  ASSERT_TRUE(events);
+  for (const Event& event : *events) {
     if (event.kind != "preview") continue;
     ++told;
     EXPECT_NE(event.body.find("\"changed\":[1.0,2.0,2.0,3.0]"), std::string::npos) << event.body;
