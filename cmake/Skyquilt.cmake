@@ -5,6 +5,11 @@ target_include_directories(skyquilt_flags INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(skyquilt_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+if(SKYQUILT_SANITIZE OR SKYQUILT_FUZZ)
+  # Under ASan Eigen's headers allocate in another way than in the Ceres library, which is not instrumented and shares
+  # templates with us: what one allocated the other would free. ASan's malloc aligns to 16 bytes as well.
+  target_compile_definitions(skyquilt_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+endif()
 if(SKYQUILT_SANITIZE)
   target_compile_options(skyquilt_flags INTERFACE
     -fsanitize=${SKYQUILT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
