@@ -10,7 +10,7 @@ import uuid as uuids
 import zipfile
 
 from control_test import gcp_list
-from server_support import BINARY, ServerTestCase, wait_until
+from server_support import BINARY, DATA, ServerTestCase, wait_until
 
 BOUNDARY = "node-test-boundary"
 FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
@@ -119,6 +119,17 @@ class Node(ServerTestCase):
         self.assertGreater(made["reconstructed_points_count"], 0)
         self.assertNotIn("gcp_errors", stats)
         self.check_cog(archive.extract("odm_orthophoto/odm_orthophoto.tif", self.data))
+
+    def test_the_real_photos_make_a_valid_cog(self):
+        folder = DATA / "brighton_beach" / "images"
+        if not folder.is_dir():
+            self.skipTest("the Brighton Beach photos are not here")
+        self.photos = [(path.name, path.read_bytes()) for path in sorted(folder.glob("*.JPG"))]
+        self.assertEqual(len(self.photos), 18)
+        server = self.serve()
+        uuid = self.start(server, {"name": "Brighton Beach"})
+        self.assertEqual(self.wait(server, uuid, 40)["imagesCount"], 18)
+        self.check_archive(server, uuid)
 
     def test_ground_control_among_the_images_is_told_of(self):
         server = self.serve()

@@ -1,15 +1,12 @@
 """A real flight against what its photos record: every camera where its own GPS says."""
 import json
-import os
 import pathlib
 import shutil
 import subprocess
 import tempfile
 import unittest
 
-from server_support import BINARY
-
-DATA = pathlib.Path(os.environ.get("SKYQUILT_DATA", pathlib.Path(__file__).parents[2] / ".." / "shared" / "data"))
+from server_support import BINARY, DATA
 
 
 class RealFlight(unittest.TestCase):

@@ -2,14 +2,12 @@
 ones is what an independent reader counts. Prints the listing. Skipped where the samples are not there."""
 import importlib.util
 import json
-import os
 import pathlib
 import subprocess
 import unittest
 
-from server_support import BINARY
+from server_support import BINARY, DATA
 
-DATA = pathlib.Path(os.environ.get("SKYQUILT_DATA", pathlib.Path(__file__).parents[2] / ".." / "shared" / "data"))
 LOGS = DATA / "logs"
 READER = pathlib.Path(__file__).parents[1] / "core" / "flight" / "logs" / "count_messages.py"
 UNREADABLE = {"sample_appended.ulg": "empty", "Mini_SE.SRT": "empty"}

@@ -15,6 +15,8 @@ import urllib.parse
 import contract
 
 BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
+# Real flights and logs, not part of the repository: tests that want them skip where they are not.
+DATA = pathlib.Path(os.environ.get("SKYQUILT_DATA", pathlib.Path(__file__).parents[2] / ".." / "shared" / "data"))
 PATIENCE_S = 240  # machines that test are slow and shared; nothing here measures time
 
 
