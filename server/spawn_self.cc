@@ -26,6 +26,8 @@ class SpawnSettings {
     posix_spawnattr_setsigdefault(&attributes_, &all);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
     if (stdout_fd) posix_spawn_file_actions_adddup2(&actions_, *stdout_fd, STDOUT_FILENO);
+    // Asio's sockets would go along: a child that outlives a killed server kept its port from the next one.
+    posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
   }
   ~SpawnSettings() {
     posix_spawn_file_actions_destroy(&actions_);

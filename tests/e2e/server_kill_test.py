@@ -5,7 +5,7 @@ import socket
 import sqlite3
 import unittest
 
-from server_support import ServerTestCase, limits_of, wait_until
+from server_support import ServerTestCase, limits_of, open_files_of, wait_until
 
 
 class Kills(ServerTestCase):
@@ -41,6 +41,8 @@ class Kills(ServerTestCase):
             limits = limits_of(pid)
             self.assertEqual(limits["Max core file size"], "0")
             self.assertNotEqual(limits["Max address space"], "unlimited")
+            # A worker that held the server's port would keep it from the next server for as long as it lives.
+            self.assertEqual([held for held in open_files_of(pid) if held.startswith("socket:")], [])
             os.kill(pid, signal.SIGKILL)
         job = self.check_ended_well(server, flight_id, job_id)
         self.assertLessEqual(job["attempts"], 2)

@@ -116,6 +116,17 @@ def is_running(pid):
         return False
 
 
+def open_files_of(pid):
+    """What the descriptors of a process point to; those that it closes meanwhile are left out."""
+    targets = []
+    for entry in pathlib.Path(f"/proc/{pid}/fd").iterdir():
+        try:
+            targets.append(os.readlink(entry))
+        except FileNotFoundError:
+            continue
+    return targets
+
+
 def limits_of(pid):
     """The soft limits of a process by the kernel's names for them."""
     lines = pathlib.Path(f"/proc/{pid}/limits").read_text().splitlines()[1:]

@@ -222,6 +222,7 @@ export class Stage {
     const bounds = is_preview ? flight.preview?.bounds : (flight.bounds ?? tilejson.bounds);
     const is_new = this.#shown?.id !== flight.id;
     if (!bounds || (!is_new && this.#shown?.revision === revision)) return;
+    const was_preview = !is_new && this.#shown?.revision === kPreview;
     this.#shown = { id: flight.id, revision };
     this.endCompare();
     this.#parts?.card.close();
@@ -231,6 +232,8 @@ export class Stage {
     this.#parts?.tools.drawLayers();
     view.map.resize();
     if (is_new) this.#parts?.fit(false);
+    // The last photos may have come to the map without having been in the preview.
+    else if (was_preview && !view.is_moved) this.#parts?.fit(true);
   }
 
   async clear() {
