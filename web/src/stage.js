@@ -3,7 +3,7 @@
 /** @import { Bounds, Flight, PhotoCollection, TileJson } from './types.js' */
 /** @import { MapView } from './map_view.js' */
 import { showNote } from './announce.js';
-import { getPhotos, getSightings, getTileJson, listFlights, photoPath } from './api.js';
+import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from './api.js';
 import { byId, h, put } from './dom.js';
 import { go } from './router.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
@@ -162,8 +162,12 @@ export class Stage {
     if (!flight.tilejson && flight.preview) {
       this.say('');
       const view = await this.#map();
-      const tilejson = await getTileJson(flight.preview.tilejson);
-      if (view && turn === this.#turn) await this.#draw(view, flight, tilejson, null);
+      // A server that was started anew begins its previews anew: for a moment there is none.
+      const tilejson = await getTileJson(flight.preview.tilejson).catch((error) => {
+        if (error instanceof ApiError && error.status === 404) return null;
+        throw error;
+      });
+      if (view && tilejson && turn === this.#turn) await this.#draw(view, flight, tilejson, null);
       return null;
     }
     if (!flight.tilejson || !flight.bounds) {

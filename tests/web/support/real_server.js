@@ -44,6 +44,10 @@ export async function startServer(data, listen = '127.0.0.1:0', options = []) {
   });
   const stop = (signal = 'SIGTERM') =>
     new Promise((resolve) => {
+      if (child.exitCode !== null || child.signalCode !== null) {
+        resolve(child.exitCode);  // a test that failed between two servers has none to stop
+        return;
+      }
       child.removeAllListeners('exit');
       child.on('exit', (code) => resolve(code));
       child.kill(/** @type {any} */ (signal));
