@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path out_dir;
   StitchJobOptions job;
-  double gsd_m = 0.0;
+  std::optional<double> gsd_m;
   double max_memory_gib = 1.0;
   std::string origin;
   bool no_cog = false;
@@ -88,7 +89,7 @@ void Run(StitchArguments& arguments) {
     }
     arguments.job.mosaic.origin = origin;
   }
-  if (arguments.gsd_m > 0.0) arguments.job.mosaic.gsd_m = arguments.gsd_m;
+  if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   arguments.job.write_cog = !arguments.no_cog;
   arguments.job.write_pmtiles = !arguments.no_pmtiles;

@@ -45,6 +45,14 @@ class Report(unittest.TestCase):
     def test_the_default_way(self):
         self.assertEqual(self.stitch()["photos"]["aligned"], 5)
 
+    def test_a_size_of_pixels_that_none_can_have_is_refused(self):
+        for size in ("nan", "0", "-1"):
+            refused = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", f"--gsd={size}"],
+                                     capture_output=True, text=True)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn("gsd_m is", refused.stderr)
+            self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
+
     def test_by_poses_alone(self):
         report = self.stitch("--method=imu")
         self.assertEqual((report["photos"]["pose_only"], report["alignment"]), (5, None))
