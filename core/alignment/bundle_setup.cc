@@ -1,6 +1,5 @@
 #include "core/alignment/bundle_setup.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +7,7 @@
 
 #include "core/alignment/pieces.h"
 #include "core/base/median.h"
+#include "core/geo/height_trend.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -208,35 +208,17 @@ std::optional<BundlePlane> FitPlane(const BundleProblem& problem) {
   constexpr double kUsefulAngleRad = 0.06;
   constexpr double kLeastSigmaShare = 0.04;  // of the flying height
   constexpr double kMadsOfSigma = 1.5;
-  constexpr int kRounds = 8;
   std::vector<Eigen::Vector3d> points;
   for (const Track& track : problem.tracks) {
     if (track.angle_rad > kUsefulAngleRad) points.push_back(track.point_in_enu);
   }
   if (points.size() < kFewPoints) return std::nullopt;
-  std::vector<double> heights, flown;
-  for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
+  std::vector<double> flown;
   for (const BundlePhoto& photo : problem.photos) flown.push_back(photo.height_above_ground_m);
   const double least_sigma_m = kLeastSigmaShare * Median(flown);
-  Eigen::Vector3d plane(Median(heights), 0.0, 0.0);
-  double mad_m = 0.0;
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<double> off;
-    for (const Eigen::Vector3d& p : points)
-      off.push_back(std::abs(p.z() - plane.x() - plane.y() * p.x() - plane.z() * p.y()));
-    mad_m = Median(off);
-    Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    const double width_m = std::max(0.1 * least_sigma_m, 2.0 * mad_m);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Eigen::Vector3d row(1.0, points[k].x(), points[k].y());
-      const double weight = 1.0 / (1.0 + off[k] * off[k] / (width_m * width_m));
-      normal += weight * row * row.transpose();
-      right += weight * points[k].z() * row;
-    }
-    plane = normal.ldlt().solve(right);
-  }
-  return BundlePlane{plane.x(), plane.y(), plane.z(), std::max(least_sigma_m, kMadsOfSigma * mad_m)};
+  const geo::HeightTrend plane = geo::FitShape(points, geo::HeightTrend::Shape::kPlane, 0.1 * least_sigma_m);
+  return BundlePlane{plane.At(Eigen::Vector2d::Zero()), plane.slope.x(), plane.slope.y(),
+                     std::max(least_sigma_m, kMadsOfSigma * plane.error_m)};
 }
 
 }  // namespace skyquilt::alignment

@@ -2,7 +2,8 @@
 // axis vertical). A bowl is what is left when the distortion of a lens is known only as well as photos taken
 // straight down tell it: heights bend, and nothing in those photos says so. Frame enu, metres. Pure; any
 // thread; same points, same bytes. Never fails: few points are level at their median. Method: least squares
-// with Cauchy's weights over the medians of square cells; the lowest order that explains them.
+// with Cauchy's weights, of all points alike (FitShape) or over the medians of square cells, the simplest
+// shape that explains them (FitHeightTrend).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@ struct HeightTrend {
   double height_m = 0.0;  // at the centre
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   double bowl_per_m = 0.0;  // metres up, by the square of the distance from the centre
-  double error_m = 0.0;     // half of the cells lie nearer
+  double error_m = 0.0;     // half of what it was fitted to lies nearer
 
   static HeightTrend Level(double height_m) {
     HeightTrend trend;
@@ -33,6 +34,11 @@ struct HeightTrend {
 // For each square cell that has points, the middle of their places with the median of their heights; from
 // west to east, and from south to north between the same meridians.
 std::vector<Eigen::Vector3d> CellMedians(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m);
+
+// That shape through most of the points, however badly it suits them; points within `least_width_m` of it
+// count in full, others the less the farther off they are.
+HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, HeightTrend::Shape shape,
+                     double least_width_m);
 
 HeightTrend FitHeightTrend(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m);
 

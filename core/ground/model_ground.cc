@@ -83,31 +83,22 @@ GroundSurface AsSurface(MembraneGrid grid, double mean_z_m) {
                              std::move(grid.heights_m), mean_z_m);
 }
 
-// What the photos look at, and a little more.
-geo::Bounds2 SeenArea(const alignment::AlignedFlight& flight) {
+// What the photos look at, as if the ground were level.
+geo::Bounds2 SeenArea(const alignment::AlignedFlight& flight, double ground_z_m) {
   geo::Bounds2 area;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
-    const Eigen::Vector2d center = photo.cam_from_enu.TargetOriginInSource().head<2>();
-    const double reach_m = photo.height_above_ground_m *
-                           std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px) /
-                           photo.intrinsics.MeanFocalPx();
-    area.Include(Eigen::Vector2d(center + Eigen::Vector2d::Constant(reach_m)));
-    area.Include(Eigen::Vector2d(center - Eigen::Vector2d::Constant(reach_m)));
+    for (const Eigen::Vector2d& corner :
+         camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, ground_z_m, 1))
+      area.Include(corner);
   }
   return area;
 }
 
 // How far photos look beyond the points, east, north, west or south.
-double Overhang(const alignment::AlignedFlight& flight, const std::vector<Eigen::Vector3d>& points,
-                double ground_z_m) {
-  geo::Bounds2 known, seen;
-  for (const Eigen::Vector3d& point : points) known.Include(Eigen::Vector2d(point.head<2>()));
-  for (const alignment::AlignedPhoto& photo : flight.photos) {
-    for (const Eigen::Vector2d& corner :
-         camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, ground_z_m, 1))
-      seen.Include(corner);
-  }
+double Overhang(const geo::Bounds2& seen, const std::vector<Eigen::Vector3d>& points) {
   if (seen.IsEmpty()) return 0.0;
+  geo::Bounds2 known;
+  for (const Eigen::Vector3d& point : points) known.Include(Eigen::Vector2d(point.head<2>()));
   return std::max(0.0, std::max((known.min - seen.min).maxCoeff(), (seen.max - known.max).maxCoeff()));
 }
 
@@ -185,8 +176,12 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   report.points_used = static_cast<int>(points.size());
   const double cell_m = std::max(kLeastCellM, kCellGsds * scale.gsd_m);
   std::optional<GroundSurface> model;
-  if (elevation_model && !flight.photos.empty()) {
-    if (auto sampled = SampleDem(*elevation_model, flight.frame, SeenArea(flight), cell_m)) {
+  geo::Bounds2 area = SeenArea(flight, flight.ground_z_in_enu_m);
+  if (elevation_model && !area.IsEmpty()) {
+    // Where the ground falls away the photos see more of it.
+    area.min -= Eigen::Vector2d::Constant(scale.height_m);
+    area.max += Eigen::Vector2d::Constant(scale.height_m);
+    if (auto sampled = SampleDem(*elevation_model, flight.frame, area, cell_m)) {
       std::vector<double> nodes(sampled->heights_m.begin(), sampled->heights_m.end());
       model = AsSurface(*std::move(sampled), Median(std::move(nodes)));
     }
@@ -206,7 +201,8 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   std::vector<double> heights;
   for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
   const double mean_z_m = Median(heights);
-  const double margin_m = std::min(Overhang(flight, points, mean_z_m), kMostMarginHeights * scale.height_m);
+  const double margin_m =
+      std::min(Overhang(SeenArea(flight, mean_z_m), points), kMostMarginHeights * scale.height_m);
   const GroundSurface shape = BroadShape(points, scale.height_m, margin_m);
 
   std::vector<Eigen::Vector3d> fitted, held_back;
