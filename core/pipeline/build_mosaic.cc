@@ -14,6 +14,7 @@
 #include "core/render/estimate_exposure.h"
 #include "core/render/extend_exposure.h"
 #include "core/render/measure_seams.h"
+#include "core/render/photo_regions.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
 #include "core/render/seam_map.h"
@@ -88,7 +89,18 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
   }
   render::PhotoCache cache(photo_source, options.PhotoCacheBytes());
+  render::MeasureSeamsOptions measure;
+  measure.threads = options.threads;
+  measure.output_pixel_m = render::OutputPixelM(*plan, aligned);
+  // Where only some photos are new, the seams beside those are measured, from a cache of their own.
+  std::optional<alignment::AlignedFlight> around;
+  if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
+  std::optional<render::SeamPatches> patches;
   auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
+    const std::vector<PixelBox> shown = render::ShownRegions(aligned, ground, seams);
+    for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
+    patches.emplace(around ? *around : aligned, ground, measure);
+    if (!around) patches->WatchFor(cache);
     const render::RenderContext context{aligned, ground, exposure, seams, *plan, cache};
     const render::RenderOptions render_options{
         options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
@@ -102,14 +114,10 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   }
 
   const render::SeamShift seam_shift = stages.Run("measure", [&] {
-    render::MeasureSeamsOptions measure;
-    measure.threads = options.threads;
-    measure.output_pixel_m = render::OutputPixelM(*plan, aligned);
-    if (finished == 0 || finished == aligned.photos.size()) {
-      return render::MeasureSeams(aligned, ground, cache, measure, progress);
-    }
+    if (!around) return patches->Measure(cache, progress);
     render::PhotoCache part_cache(photo_source, options.PhotoCacheBytes() / 2);
-    return render::MeasureSeams(AddedAndAround(aligned, finished), ground, part_cache, measure, progress);
+    patches->WatchFor(part_cache);
+    return patches->Measure(part_cache, progress);
   });
 
   DescribePhotos(aligned, report);

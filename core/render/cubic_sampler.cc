@@ -69,9 +69,13 @@ struct Pixels {
   }
 };
 
-// From the pixel numbered `first` on. True: the windows of all of them lie in the photo.
-inline bool FindRun(float x, float y, float step_x, float step_y, int first, int width_px, int height_px,
-                    Run& run) {
+// The pixels that there are of a photo.
+struct Extent {
+  int left_px, top_px, width_px, height_px;
+};
+
+// From the pixel numbered `first` on. True: the windows of all of them lie among those that there are.
+inline bool FindRun(float x, float y, float step_x, float step_y, int first, const Extent& extent, Run& run) {
   constexpr int kWholePx = 5;  // what sixteen bytes reach beyond a window's first pixel
   std::int32_t outside = 0;
   for (int i = 0; i < kRun; ++i) {
@@ -84,11 +88,12 @@ inline bool FindRun(float x, float y, float step_x, float step_y, int first, int
     // West and north of the photo, where these round up instead of down, all is its edge.
     const int fine_x = static_cast<int>(safe_x * kPhases + 0.5F),
               fine_y = static_cast<int>(safe_y * kPhases + 0.5F);
-    run.column[k] = fine_x >> kPhaseBits, run.row[k] = fine_y >> kPhaseBits;
+    run.column[k] = (fine_x >> kPhaseBits) - extent.left_px;
+    run.row[k] = (fine_y >> kPhaseBits) - extent.top_px;
     run.phase_x[k] = fine_x & (kPhases - 1), run.phase_y[k] = fine_y & (kPhases - 1);
     // Negative where one of them is.
-    outside |= (run.column[k] - 1) | (run.row[k] - 1) | (width_px - kWholePx - run.column[k]) |
-               (height_px - 3 - run.row[k]);
+    outside |= (run.column[k] - 1) | (run.row[k] - 1) | (extent.width_px - kWholePx - run.column[k]) |
+               (extent.height_px - 3 - run.row[k]);
   }
   return outside >= 0;
 }
@@ -201,8 +206,10 @@ int AsManyInside(const Pixels&, const Run&, int, SampledPixel*) { return 0; }
 
 }  // namespace
 
-CubicSampler::CubicSampler(const pipeline::DecodedImage& image)
+CubicSampler::CubicSampler(const pipeline::DecodedImage& image, int left_px, int top_px)
     : rgb_(image.rgb.data()),
+      left_px_(left_px),
+      top_px_(top_px),
       width_px_(image.width_px),
       height_px_(image.height_px),
       stride_(static_cast<std::ptrdiff_t>(image.width_px) * 3) {}
@@ -225,10 +232,11 @@ void CubicSampler::AtEdge(int column, int row, int phase_x, int phase_y, Sampled
 void CubicSampler::Row(float x, float y, float step_x, float step_y, int count, SampledPixel* pixels) const {
   const auto& weights = Weights();
   const Pixels photo{rgb_, stride_};
+  const Extent extent{left_px_, top_px_, width_px_, height_px_};
   Run run;
   for (int first = 0; first < count; first += kRun, pixels += kRun) {
     const int here = std::min(kRun, count - first);
-    const bool is_inside = FindRun(x, y, step_x, step_y, first, width_px_, height_px_, run);
+    const bool is_inside = FindRun(x, y, step_x, step_y, first, extent, run);
     for (int i = is_inside ? AsManyInside(photo, run, here, pixels) : 0; i < here; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if (is_inside) {

@@ -16,7 +16,11 @@ using SampledPixel = std::array<float, 4>;
 
 class CubicSampler {
  public:
-  explicit CubicSampler(const pipeline::DecodedImage& image);
+  // Pixels around a place that a number there may depend on.
+  static constexpr int kReachPx = 3;
+
+  // left_px, top_px: where the image begins, of a photo of which it is a part; its edges count as the photo's.
+  explicit CubicSampler(const pipeline::DecodedImage& image, int left_px = 0, int top_px = 0);
 
   // pixels[i] is the photo at (x + i * step_x, y + i * step_y), pixel centres at whole numbers. Far outside
   // (or not a number) reads the edge.
@@ -26,7 +30,7 @@ class CubicSampler {
   void AtEdge(int column, int row, int phase_x, int phase_y, SampledPixel& pixel) const;
 
   const std::uint8_t* rgb_;
-  const int width_px_, height_px_;
+  const int left_px_, top_px_, width_px_, height_px_;
   const std::ptrdiff_t stride_;
 };
 

@@ -57,41 +57,70 @@ std::vector<Seam> FindSeams(const alignment::AlignedFlight& flight) {
   return seams;
 }
 
-// The photo seen straight from above around a place, grey, freed of slow brightness changes; empty when it
-// does not show all of it.
-cv::Mat LayPatch(const alignment::AlignedPhoto& photo, const pipeline::DecodedImage& image, int denominator,
-                 const ground::GroundSurface& ground, const Eigen::Vector2d& middle, double sample_m) {
-  // Finer pixels than the samples are averaged, or they would alias.
-  const int shrink = denominator < kSampleGsds ? kSampleGsds / denominator : 1;
-  const double scale = 1.0 / (denominator * shrink);
+// Where a photo sees a patch.
+struct PatchInPhoto {
+  cv::Mat nodes_x, nodes_y;  // of the shrunk part's pixels
+  cv::Rect part;             // needed of the shrunk photo, with a pixel around
+  int shrink = 1;  // pixels of the decoded photo to one: finer ones are averaged, or they would alias
+  cv::Mat laid;    // once the photo was there: seen straight from above, grey
+
+  // Of the full-size photo.
+  pipeline::PixelBox Box(int denominator) const {
+    const int d = denominator * shrink;
+    return {part.x * d, part.y * d, (part.x + part.width) * d, (part.y + part.height) * d};
+  }
+};
+
+struct Patch {
+  Eigen::Vector2d middle;
+  double sample_m = 0.0;
+};
+
+// Nothing when the photo does not show all of it.
+std::optional<PatchInPhoto> FindPatch(const alignment::AlignedPhoto& photo, int denominator,
+                                      const ground::GroundSurface& ground, const Patch& patch) {
+  PatchInPhoto found;
+  found.shrink = denominator < kSampleGsds ? kSampleGsds / denominator : 1;
+  const double scale = 1.0 / (denominator * found.shrink);
   constexpr int kNodes = kPatch / kNode + 1;
-  cv::Mat nodes_x(kNodes, kNodes, CV_32F), nodes_y(kNodes, kNodes, CV_32F);
+  found.nodes_x.create(kNodes, kNodes, CV_32F);
+  found.nodes_y.create(kNodes, kNodes, CV_32F);
   for (int row = 0; row < kNodes; ++row) {
     for (int column = 0; column < kNodes; ++column) {
-      const Eigen::Vector2d at =
-          middle + sample_m * Eigen::Vector2d(column * kNode - kPatch / 2, kPatch / 2 - row * kNode);
+      const Eigen::Vector2d at = patch.middle + patch.sample_m * Eigen::Vector2d(column * kNode - kPatch / 2,
+                                                                                 kPatch / 2 - row * kNode);
       const auto pixel =
           photo.intrinsics.Project(photo.cam_from_enu * Eigen::Vector3d(at.x(), at.y(), ground.HeightAt(at)));
-      if (!pixel || !photo.intrinsics.IsInImage(*pixel)) return {};
-      nodes_x.at<float>(row, column) = static_cast<float>((pixel->x() + 0.5) * scale - 0.5);
-      nodes_y.at<float>(row, column) = static_cast<float>((pixel->y() + 0.5) * scale - 0.5);
+      if (!pixel || !photo.intrinsics.IsInImage(*pixel)) return std::nullopt;
+      found.nodes_x.at<float>(row, column) = static_cast<float>((pixel->x() + 0.5) * scale - 0.5);
+      found.nodes_y.at<float>(row, column) = static_cast<float>((pixel->y() + 0.5) * scale - 0.5);
     }
   }
-  // The part of the photo that is needed, with a pixel around.
   double left = 0.0, right = 0.0, top = 0.0, bottom = 0.0;
-  cv::minMaxLoc(nodes_x, &left, &right);
-  cv::minMaxLoc(nodes_y, &top, &bottom);
-  const cv::Rect whole(0, 0, image.width_px / shrink, image.height_px / shrink);
-  const cv::Rect part = cv::Rect(cv::Point(static_cast<int>(left) - 1, static_cast<int>(top) - 1),
-                                 cv::Point(static_cast<int>(right) + 3, static_cast<int>(bottom) + 3)) &
-                        whole;
-  if (part.empty()) return {};
-  nodes_x -= part.x;
-  nodes_y -= part.y;
+  cv::minMaxLoc(found.nodes_x, &left, &right);
+  cv::minMaxLoc(found.nodes_y, &top, &bottom);
+  const auto shrunk = [&](int side_px) { return (side_px + denominator - 1) / denominator / found.shrink; };
+  const cv::Rect whole(0, 0, shrunk(photo.intrinsics.width_px), shrunk(photo.intrinsics.height_px));
+  found.part = cv::Rect(cv::Point(static_cast<int>(left) - 1, static_cast<int>(top) - 1),
+                        cv::Point(static_cast<int>(right) + 3, static_cast<int>(bottom) + 3)) &
+               whole;
+  if (found.part.empty()) return std::nullopt;
+  found.nodes_x -= found.part.x;
+  found.nodes_y -= found.part.y;
+  return found;
+}
+
+cv::Mat LayPatch(const PatchInPhoto& where, const pipeline::DecodedPart& photo) {
+  const pipeline::DecodedImage& image = photo.image;
+  const cv::Rect& part = where.part;
+  const int shrink = where.shrink;
+  const cv::Rect needed(part.x * shrink - photo.left_px, part.y * shrink - photo.top_px, part.width * shrink,
+                        part.height * shrink);
+  if ((needed & cv::Rect(0, 0, image.width_px, image.height_px)) != needed) return {};
+  const cv::Mat &nodes_x = where.nodes_x, &nodes_y = where.nodes_y;
   const cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data()));
   cv::Mat grey;
-  cv::cvtColor(rgb(cv::Rect(part.x * shrink, part.y * shrink, part.width * shrink, part.height * shrink)),
-               grey, cv::COLOR_RGB2GRAY);
+  cv::cvtColor(rgb(needed), grey, cv::COLOR_RGB2GRAY);
   if (shrink > 1) cv::resize(grey, grey, part.size(), 0, 0, cv::INTER_AREA);
   cv::Mat map_x(kPatch, kPatch, CV_32F), map_y(kPatch, kPatch, CV_32F);
   for (int row = 0; row < kPatch; ++row) {
@@ -106,9 +135,15 @@ cv::Mat LayPatch(const alignment::AlignedPhoto& photo, const pipeline::DecodedIm
       map_y.at<float>(row, column) = between(nodes_y);
     }
   }
-  cv::Mat sampled, patch, coarse, slow;
-  cv::remap(grey, sampled, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  sampled.convertTo(patch, CV_32F);
+  cv::Mat laid;
+  cv::remap(grey, laid, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return laid;
+}
+
+// Freed of slow changes of brightness.
+cv::Mat Sharp(const cv::Mat& laid) {
+  cv::Mat patch, coarse, slow;
+  laid.convertTo(patch, CV_32F);
   // What is this slow needs no fine pixels.
   constexpr int kCoarser = 4;
   cv::resize(patch, coarse, {kPatch / kCoarser, kPatch / kCoarser}, 0, 0, cv::INTER_AREA);
@@ -139,46 +174,82 @@ std::optional<double> ShiftBetween(const cv::Mat& first, const cv::Mat& second) 
 
 }  // namespace
 
-SeamShift MeasureSeams(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       PhotoCache& cache, const MeasureSeamsOptions& options, Progress& progress) {
+// What of a seam both photos show, in both.
+struct SeamPatches::InBoth {
+  std::size_t first = 0, second = 0;  // photos
+  PatchInPhoto in_first, in_second;
+  double sample_m = 0.0;
+};
+
+SeamPatches::SeamPatches(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                         const MeasureSeamsOptions& options)
+    : flight_(flight), options_(options), patches_of_(flight.photos.size()) {
+  for (const alignment::AlignedPhoto& photo : flight.photos)
+    denominators_.push_back(DenominatorFor(photo, options.output_pixel_m));
   const std::vector<Seam> all = FindSeams(flight);
-  std::vector<Seam> seams;
-  const std::size_t most = static_cast<std::size_t>(options.most_pairs);
+  const auto most = static_cast<std::size_t>(options.most_pairs);
   for (std::size_t k = 0; k < std::min(most, all.size()); ++k) {
-    seams.push_back(all[all.size() <= most ? k : k * all.size() / most]);
-  }
-  SeamShift result;
-  struct Looked {
-    int patches = 0;
-    std::vector<double> shifts_m;
-  };
-  std::vector<Looked> looked(seams.size());
-  ParallelFor(seams.size(), options.threads, [&](std::size_t s) {
-    if (progress.IsCancelled()) return;
-    const Seam& seam = seams[s];
+    const Seam& seam = all[all.size() <= most ? k : k * all.size() / most];
     const alignment::AlignedPhoto& a = flight.photos[seam.first];
     const alignment::AlignedPhoto& b = flight.photos[seam.second];
-    const int scale_a = DenominatorFor(a, options.output_pixel_m);
-    const int scale_b = DenominatorFor(b, options.output_pixel_m);
-    const auto first = cache.Get(seam.first, a.photo, scale_a);
-    const auto second = cache.Get(seam.second, b.photo, scale_b);
-    if (!first || !second) return;
+    const int scale_a = denominators_[seam.first], scale_b = denominators_[seam.second];
     const double sample_m = std::max({kSampleGsds, scale_a, scale_b}) * std::max(GsdM(a), GsdM(b));
     for (const double across : kAcross) {
-      const Eigen::Vector2d middle = seam.middle + across * seam.along;
-      const cv::Mat fixed = LayPatch(a, **first, scale_a, ground, middle, sample_m);
-      const cv::Mat moving = LayPatch(b, **second, scale_b, ground, middle, sample_m);
-      if (fixed.empty() || moving.empty()) continue;
-      ++looked[s].patches;
-      if (const auto shift = ShiftBetween(fixed, moving)) looked[s].shifts_m.push_back(*shift * sample_m);
+      const Patch patch{seam.middle + across * seam.along, sample_m};
+      auto in_first = FindPatch(a, scale_a, ground, patch);
+      auto in_second = in_first ? FindPatch(b, scale_b, ground, patch) : std::nullopt;
+      if (!in_second) continue;
+      patches_of_[seam.first].push_back(patches_.size());
+      patches_of_[seam.second].push_back(patches_.size());
+      patches_.push_back({seam.first, seam.second, *std::move(in_first), *std::move(in_second), sample_m});
     }
+  }
+}
+
+SeamPatches::~SeamPatches() = default;
+
+void SeamPatches::WatchFor(PhotoCache& cache) {
+  for (const InBoth& patch : patches_) {
+    cache.Expect(patch.first, patch.in_first.Box(denominators_[patch.first]));
+    cache.Expect(patch.second, patch.in_second.Box(denominators_[patch.second]));
+  }
+  cache.OnDecoded([this](std::size_t photo, int denominator, const pipeline::DecodedPart& decoded) {
+    Lay(photo, denominator, decoded);
+  });
+}
+
+void SeamPatches::Lay(std::size_t photo, int denominator, const pipeline::DecodedPart& decoded) {
+  if (denominator != denominators_[photo]) return;
+  for (const std::size_t k : patches_of_[photo]) {
+    PatchInPhoto& here = patches_[k].first == photo ? patches_[k].in_first : patches_[k].in_second;
+    if (here.laid.empty()) here.laid = LayPatch(here, decoded);
+  }
+}
+
+SeamShift SeamPatches::Measure(PhotoCache& cache, Progress& progress) {
+  SeamShift result;
+  std::vector<char> is_looked_at(patches_.size(), 0);
+  std::vector<std::optional<double>> found_m(patches_.size());
+  ParallelFor(patches_.size(), options_.threads, [&](std::size_t k) {
+    if (progress.IsCancelled()) return;
+    const InBoth& patch = patches_[k];
+    const auto seen = [&](std::size_t photo, const PatchInPhoto& where) -> cv::Mat {
+      if (!where.laid.empty()) return Sharp(where.laid);
+      const int denominator = denominators_[photo];
+      const auto decoded = cache.Get(photo, flight_.photos[photo].photo, denominator, where.Box(denominator));
+      return decoded ? Sharp(LayPatch(where, **decoded)) : cv::Mat();
+    };
+    const cv::Mat fixed = seen(patch.first, patch.in_first), moving = seen(patch.second, patch.in_second);
+    if (fixed.empty() || moving.empty()) return;
+    is_looked_at[k] = 1;
+    if (const auto shift = ShiftBetween(fixed, moving)) found_m[k] = *shift * patch.sample_m;
   });
   std::vector<double> shifts_m, gsds_m;
-  for (const Looked& one : looked) {
-    result.patches += one.patches;
-    shifts_m.insert(shifts_m.end(), one.shifts_m.begin(), one.shifts_m.end());
+  for (std::size_t k = 0; k < patches_.size(); ++k) {
+    result.patches += is_looked_at[k];
+    if (found_m[k]) shifts_m.push_back(*found_m[k]);
   }
-  for (const alignment::AlignedPhoto& photo : flight.photos) gsds_m.push_back(GsdM(photo));
+  for (const alignment::AlignedPhoto& photo : flight_.photos) gsds_m.push_back(GsdM(photo));
   result.reliable = static_cast<int>(shifts_m.size());
   if (!gsds_m.empty()) result.gsd_m = Percentile(gsds_m, 0.5);
   if (!shifts_m.empty()) {

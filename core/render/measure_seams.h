@@ -1,4 +1,4 @@
-// MeasureSeams: how far the two photos that meet at a seam disagree about where things are, measured in their
+// SeamPatches: how far the two photos that meet at a seam disagree about where things are, measured in their
 // pixels after the map has been planned: patches half-way between neighbouring photos are laid on the ground
 // from both and shifted against each other by phase correlation (Kuglin and Hines, 1975). A shift counts only
 // if the patches look alike once it is undone; grass in the wind and water are left out so. Looks at no more
@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/alignment/aligned_flight.h"
 #include "core/base/progress.h"
@@ -30,8 +31,28 @@ struct SeamShift {
   double p90_m = 0.0;
 };
 
-SeamShift MeasureSeams(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
-                       PhotoCache& cache, const MeasureSeamsOptions& options, Progress& progress);
+class SeamPatches {
+ public:
+  // The flight must outlive it.
+  SeamPatches(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+              const MeasureSeamsOptions& options);
+  ~SeamPatches();
+
+  // Tells a cache what Measure will ask it for, and takes it as it comes by, so that no photo has to be decoded
+  // again or kept for Measure alone. This must outlive the cache's last Get.
+  void WatchFor(PhotoCache& cache);
+  SeamShift Measure(PhotoCache& cache, Progress& progress);
+
+ private:
+  struct InBoth;
+  void Lay(std::size_t photo, int denominator, const pipeline::DecodedPart& decoded);
+
+  const alignment::AlignedFlight& flight_;
+  const MeasureSeamsOptions options_;
+  std::vector<int> denominators_;  // by photo
+  std::vector<InBoth> patches_;
+  std::vector<std::vector<std::size_t>> patches_of_;  // by photo
+};
 
 std::string SeamShiftJson(const SeamShift& shift);
 

@@ -1,55 +1,136 @@
 #include "core/render/photo_cache.h"
 
-namespace skyquilt::render {
+#include <algorithm>
+#include <iterator>
+#include <utility>
 
-Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Photo& photo, int denominator) {
+namespace skyquilt::render {
+namespace {
+
+using pipeline::PixelBox;
+
+// Memory of so many photos is kept for the next ones: what threads may want at once.
+constexpr std::size_t kMostSpare = 4;
+
+std::int64_t BytesOf(const DecodedPhoto& part) { return static_cast<std::int64_t>(part->image.rgb.size()); }
+
+int FloorDiv(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+PixelBox AtScale(const PixelBox& box, int denominator) {
+  return {FloorDiv(box.left, denominator), FloorDiv(box.top, denominator), -FloorDiv(-box.right, denominator),
+          -FloorDiv(-box.bottom, denominator)};
+}
+
+}  // namespace
+
+class PhotoCache::SpareMemory {
+ public:
+  void Give(PixelBytes memory) {
+    std::lock_guard lock(mutex_);
+    if (kept_.size() < kMostSpare) kept_.push_back(std::move(memory));
+  }
+  // The largest that there is, for a picture of any size.
+  PixelBytes Take() {
+    std::lock_guard lock(mutex_);
+    if (kept_.empty()) return {};
+    const auto largest = std::max_element(
+        kept_.begin(), kept_.end(), [](const auto& a, const auto& b) { return a.capacity() < b.capacity(); });
+    PixelBytes memory = std::move(*largest);
+    kept_.erase(largest);
+    return memory;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<PixelBytes> kept_;
+};
+
+PhotoCache::PhotoCache(const pipeline::PhotoSource& source, std::int64_t budget_bytes)
+    : source_(source), budget_bytes_(budget_bytes), spare_(std::make_shared<SpareMemory>()) {}
+
+void PhotoCache::Expect(std::size_t photo_index, const PixelBox& box) {
+  std::lock_guard lock(mutex_);
+  PixelBox& expected = expected_[photo_index];
+  expected = expected.With(box);
+}
+
+Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Photo& photo, int denominator,
+                                     const PixelBox& box) {
+  const PixelBox whole = AtScale({0, 0, photo.intrinsics.width_px, photo.intrinsics.height_px}, denominator);
+  const PixelBox wanted = AtScale(box, denominator).Within(whole);
   const Key key{photo_index, denominator};
   std::unique_lock lock(mutex_);
-  const auto found = entries_.find(key);
-  if (found != entries_.end()) {
-    // std::map keeps the entry in place; it is not evicted before it is ready.
-    ready_.wait(lock, [&] {
-      const auto it = entries_.find(key);
-      return it == entries_.end() || it->second.is_ready;
-    });
-    const auto it = entries_.find(key);
-    if (it != entries_.end()) {
-      recency_.splice(recency_.begin(), recency_, it->second.recency);
-      if (it->second.error) return *it->second.error;
-      return it->second.image;
+  // std::map keeps the entry in place; it is not evicted before it is ready.
+  for (auto found = entries_.find(key); found != entries_.end(); found = entries_.find(key)) {
+    Entry& there = found->second;
+    if (!there.is_ready) {
+      ready_.wait(lock);
+      continue;
     }
+    recency_.splice(recency_.begin(), recency_, there.recency);
+    if (there.error) return *there.error;
+    if (wanted.IsEmpty() || there.box.Contains(wanted)) return there.part;
+    break;
   }
-  recency_.push_front(key);
-  entries_[key].recency = recency_.begin();
+  const auto [at, is_new] = entries_.try_emplace(key);
+  Entry& entry = at->second;
+  if (is_new) {
+    recency_.push_front(key);
+    entry.recency = recency_.begin();
+  } else {
+    held_bytes_ -= BytesOf(entry.part);
+    entry.part.reset();
+    entry.is_ready = false;
+  }
+  const auto expected = expected_.find(photo_index);
+  entry.box = expected == expected_.end()
+                  ? whole
+                  : entry.box.With(wanted).With(AtScale(expected->second, denominator).Within(whole));
   ++decodes_;
   lock.unlock();
-  Result<pipeline::DecodedImage> decoded = source_.Decode(photo, denominator);
+  Result<pipeline::DecodedPart> decoded = source_.DecodePart(photo, denominator, entry.box, spare_->Take());
+  if (decoded && look_) look_(photo_index, denominator, *decoded);
   lock.lock();
-  Entry& entry = entries_[key];
   entry.is_ready = true;
+  ready_.notify_all();
   if (!decoded) {
     entry.error = decoded.error();
-    ready_.notify_all();
     return decoded.error();
   }
-  entry.image = std::make_shared<const pipeline::DecodedImage>(*std::move(decoded));
-  DecodedPhoto image = entry.image;
-  held_bytes_ += static_cast<std::int64_t>(image->rgb.size());
+  entry.part.reset(new pipeline::DecodedPart(*std::move(decoded)),
+                   [spare = spare_](pipeline::DecodedPart* gone) {
+                     spare->Give(std::move(gone->image.rgb));
+                     delete gone;
+                   });
+  DecodedPhoto part = entry.part;
+  held_bytes_ += BytesOf(part);
   EvictDownTo(budget_bytes_);
-  ready_.notify_all();
-  return image;
+  return part;
+}
+
+bool PhotoCache::Remove(std::map<Key, Entry>::iterator entry) {
+  Entry& gone = entry->second;
+  // What is being decoded or in use stays: dropping it would free nothing.
+  if (!gone.is_ready || !gone.part || gone.part.use_count() > 1) return false;
+  held_bytes_ -= BytesOf(gone.part);
+  recency_.erase(gone.recency);
+  entries_.erase(entry);
+  return true;
 }
 
 void PhotoCache::EvictDownTo(std::int64_t bytes) {
   auto it = recency_.end();
   while (held_bytes_ > bytes && it != recency_.begin()) {
-    --it;
-    const auto entry = entries_.find(*it);
-    // What is being decoded or in use stays: dropping it would free nothing.
-    if (!entry->second.is_ready || !entry->second.image || entry->second.image.use_count() > 1) continue;
-    held_bytes_ -= static_cast<std::int64_t>(entry->second.image->rgb.size());
-    entries_.erase(entry);
-    it = recency_.erase(it);
+    const auto oldest = std::prev(it);
+    if (!Remove(entries_.find(*oldest))) it = oldest;
+  }
+}
+
+void PhotoCache::Drop(std::size_t photo_index) {
+  std::lock_guard lock(mutex_);
+  for (auto entry = entries_.lower_bound({photo_index, 0});
+       entry != entries_.end() && entry->first.first == photo_index;) {
+    Remove(entry++);
   }
 }
 

@@ -1,48 +1,71 @@
-// PhotoCache: decoded photos under a byte budget, least recently used out first. Two threads that want the same
-// photo decode it once. Thread-safe; what Get returned stays valid while it is held.
+// PhotoCache: decoded photos, or what is wanted of them, under a byte budget, least recently used out first.
+// Two threads that want the same of a photo decode it once. Thread-safe; what Get returned stays valid while
+// it is held.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/flight/photo.h"
 #include "core/pipeline/ports.h"
 
 namespace skyquilt::render {
 
-using DecodedPhoto = std::shared_ptr<const pipeline::DecodedImage>;
+using DecodedPhoto = std::shared_ptr<const pipeline::DecodedPart>;
 
 class PhotoCache {
  public:
-  PhotoCache(const pipeline::PhotoSource& source, std::int64_t budget_bytes)
-      : source_(source), budget_bytes_(budget_bytes) {}
+  PhotoCache(const pipeline::PhotoSource& source, std::int64_t budget_bytes);
 
-  // Errors are those of PhotoSource::Decode, remembered for the photo.
-  Result<DecodedPhoto> Get(std::size_t photo_index, const flight::Photo& photo, int denominator);
+  // That this part of a photo will be asked for, in pixels of its full size: it is decoded with the first of
+  // it that is. A photo of which nothing is expected is decoded whole.
+  void Expect(std::size_t photo_index, const pipeline::PixelBox& box);
+
+  // Who looks at every photo that is decoded, at 1/denominator of its size, in the thread that wanted it and
+  // before anybody gets it. Set before the first Get.
+  using Look = std::function<void(std::size_t photo_index, int denominator, const pipeline::DecodedPart&)>;
+  void OnDecoded(Look look) { look_ = std::move(look); }
+
+  // At least the pixels of `box`, which counts at full size and may reach beyond the photo. Errors are those
+  // of PhotoSource::DecodePart, remembered for the photo.
+  Result<DecodedPhoto> Get(std::size_t photo_index, const flight::Photo& photo, int denominator,
+                           const pipeline::PixelBox& box);
+  // That a photo has been asked for for the last time, as far as anybody knows: its memory serves the next.
+  void Drop(std::size_t photo_index);
   std::int64_t decodes() const;
 
  private:
+  class SpareMemory;
   using Key = std::pair<std::size_t, int>;
   struct Entry {
     bool is_ready = false;
-    DecodedPhoto image;
+    DecodedPhoto part;
+    pipeline::PixelBox box;  // what of it is known to be there, in decoded pixels
     std::optional<Error> error;
     std::list<Key>::iterator recency;
   };
   void EvictDownTo(std::int64_t bytes);
+  // Takes a photo out that nobody holds; false: somebody does, or it is being decoded.
+  bool Remove(std::map<Key, Entry>::iterator entry);
 
   const pipeline::PhotoSource& source_;
   const std::int64_t budget_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable ready_;
+  std::map<std::size_t, pipeline::PixelBox> expected_;
   std::map<Key, Entry> entries_;
   std::list<Key> recency_;  // most recent first
   std::int64_t held_bytes_ = 0;
+  const std::shared_ptr<SpareMemory> spare_;  // of photos that nobody holds any more
+  Look look_;
   std::int64_t decodes_ = 0;
 };
 

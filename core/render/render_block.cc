@@ -9,6 +9,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/render/block_weights.h"
 #include "core/render/cubic_sampler.h"
+#include "core/render/photo_regions.h"
 #include "core/render/weigh_block.h"
 
 #if defined(__SSE2__)
@@ -248,12 +249,16 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
     const alignment::AlignedPhoto& photo = context.flight.photos[share.photo];
     const auto at = std::lower_bound(photos.begin(), photos.end(), share.photo) - photos.begin();
     const int denominator = DenominatorFor(photo, pixel_m);
-    const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator);
+    const PhotoView& view = views[static_cast<std::size_t>(at)];
+    const pipeline::PixelBox box =
+        ShownBy(share, view, geometry.nodes_per_side).Grown(denominator * CubicSampler::kReachPx);
+    const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator, box);
     if (!decoded) return decoded.error();
-    const PhotoOnBlock on_block(photo, context.exposure.photos[share.photo],
-                                views[static_cast<std::size_t>(at)], geometry.nodes_per_side, denominator,
-                                context.seams.levels[share.photo], cells);
-    Paint(share, on_block, CubicSampler(**decoded), shares.square_px, image, mixture);
+    const PhotoOnBlock on_block(photo, context.exposure.photos[share.photo], view, geometry.nodes_per_side,
+                                denominator, context.seams.levels[share.photo], cells);
+    const pipeline::DecodedPart& part = **decoded;
+    Paint(share, on_block, CubicSampler(part.image, part.left_px, part.top_px), shares.square_px, image,
+          mixture);
   }
   mixture.WriteTo(image);
   return image;

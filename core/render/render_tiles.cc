@@ -12,6 +12,7 @@
 #include "core/pyramid/build_overviews.h"
 #include "core/pyramid/pack_picture.h"
 #include "core/render/block_digest.h"
+#include "core/render/block_weights.h"
 
 namespace skyquilt::render {
 namespace {
@@ -96,6 +97,21 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
   return finished;
 }
 
+// By block, the photos that no later one shows.
+std::vector<std::vector<std::uint32_t>> LastShown(const RenderContext& context) {
+  const std::vector<RenderBlock>& blocks = context.plan.blocks;
+  std::vector<std::vector<std::uint32_t>> last(blocks.size());
+  std::vector<bool> is_known(context.flight.photos.size(), false);
+  for (std::size_t i = blocks.size(); i-- > 0;) {
+    const BlockCells cells(context.seams, blocks[i].tile, context.plan.block_levels);
+    for (const std::uint32_t photo : cells.PhotosOf(blocks[i])) {
+      if (!is_known[photo]) last[i].push_back(photo);
+      is_known[photo] = true;
+    }
+  }
+  return last;
+}
+
 // Puts the tiles of a block, newly made or an earlier run's, and says what the rest of the map needs of it.
 template <typename Put>
 Result<pipeline::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile,
@@ -136,6 +152,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
                                      });
   const double pixel_m = geo::PixelSizeInMercM(context.plan.base_zoom, context.plan.tile_size_px);
   const std::size_t count = context.plan.blocks.size();
+  const std::vector<std::vector<std::uint32_t>> last_shown = LastShown(context);
   const std::size_t window = 2 * static_cast<std::size_t>(ThreadCount(options.threads)) + 2;
   ParallelOrdered<FinishedBlock>(
       count, options.threads, window,
@@ -159,6 +176,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
         return finished;
       },
       [&](std::size_t i, FinishedBlock&& block) {
+        for (const std::uint32_t photo : last_shown[i]) context.cache.Drop(photo);
         if (failure) return;
         if (block.error) {
           failure = block.error;

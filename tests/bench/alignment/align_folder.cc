@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
   const auto seams = [&](const alignment::AlignedFlight& flight, const ground::GroundSurface& on) {
     const flight::FilePhotoSource photos;
     render::PhotoCache cache(photos, std::int64_t{512} << 20);
-    return render::SeamShiftJson(render::MeasureSeams(flight, on, cache, {}, progress));
+    return render::SeamShiftJson(render::SeamPatches(flight, on, {}).Measure(cache, progress));
   };
   fmt::print("seams {}\n", seams(*aligned, surface));
   fmt::print("seams by pose alone {}\n", seams(alignment::AlignByPoseOnly(*posed),

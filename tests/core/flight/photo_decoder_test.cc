@@ -7,6 +7,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <random>
 
 #include "core/flight/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
@@ -94,6 +95,93 @@ TEST(DecodePhotoBytes, DecodesTiffAndPngAtEverySize) {
       }
     }
   }
+}
+
+// Noise, so that every pixel that comes from elsewhere or is smoothed otherwise shows.
+Bytes Noise(int width_px, int height_px) {
+  std::mt19937 random(7);
+  Bytes rgb(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px) * 3);
+  for (std::uint8_t& value : rgb) value = static_cast<std::uint8_t>(random() >> 24);
+  return rgb;
+}
+
+void ExpectPartsOf(const Bytes& file, int width_px, int height_px) {
+  std::mt19937 random(11);
+  for (const int denominator : {1, 2, 4, 8}) {
+    const auto whole = DecodePhotoBytes(file, width_px, height_px, denominator);
+    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    const auto below = [&](int end) { return static_cast<int>(random() % static_cast<unsigned>(end)); };
+    for (int trial = 0; trial < 40; ++trial) {
+      pipeline::PixelBox box{below(whole->width_px), below(whole->height_px), 0, 0};
+      box.right = box.left + 1 + below(whole->width_px - box.left);
+      box.bottom = box.top + 1 + below(whole->height_px - box.top);
+      SCOPED_TRACE(::testing::Message() << "1/" << denominator << ": " << box.left << " " << box.top << " "
+                                        << box.right << " " << box.bottom);
+      const auto part = DecodePhotoPart(file, width_px, height_px, denominator, box);
+      ASSERT_TRUE(part.ok()) << part.error().message;
+      const pipeline::DecodedImage& image = part->image;
+      ASSERT_TRUE((pipeline::PixelBox{part->left_px, part->top_px, part->left_px + image.width_px,
+                                      part->top_px + image.height_px}
+                       .Contains(box)));
+      ASSERT_EQ(image.rgb.size(), static_cast<std::size_t>(image.width_px) * image.height_px * 3);
+      for (int y = box.top; y < box.bottom; ++y) {
+        const std::uint8_t* there = image.Row(y - part->top_px) + 3 * (box.left - part->left_px);
+        ASSERT_TRUE(std::equal(there, there + 3 * (box.right - box.left), whole->Row(y) + 3 * box.left)) << y;
+      }
+    }
+  }
+}
+
+TEST(DecodePhotoPart, GivesThePixelsOfTheWhole) {
+  constexpr int kWidth = 413, kHeight = 301;
+  const Bytes rgb = Noise(kWidth, kHeight);
+  for (const int subsampling : {TJSAMP_444, TJSAMP_422, TJSAMP_420, TJSAMP_440, TJSAMP_411, TJSAMP_GRAY}) {
+    SCOPED_TRACE(subsampling);
+    ExpectPartsOf(Jpeg(rgb, kWidth, kHeight, TJPF_RGB, subsampling), kWidth, kHeight);
+  }
+}
+
+TEST(DecodePhotoPart, GivesThePixelsOfAProgressivePictureAndOfOneWithRestarts) {
+  constexpr int kWidth = 413, kHeight = 301;
+  Bytes rgb = Noise(kWidth, kHeight);
+  const cv::Mat picture(kHeight, kWidth, CV_8UC3, rgb.data());
+  for (const std::vector<int>& how : {std::vector<int>{cv::IMWRITE_JPEG_PROGRESSIVE, 1},
+                                      std::vector<int>{cv::IMWRITE_JPEG_RST_INTERVAL, 5}}) {
+    Bytes file;
+    ASSERT_TRUE(cv::imencode(".jpg", picture, file, how));
+    ExpectPartsOf(file, kWidth, kHeight);
+  }
+}
+
+TEST(DecodePhotoPart, GivesThePartsOfOtherPictures) {
+  Bytes rgb = Noise(203, 149), file;
+  ASSERT_TRUE(cv::imencode(".png", cv::Mat(149, 203, CV_8UC3, rgb.data()), file));
+  ExpectPartsOf(file, 203, 149);
+}
+
+TEST(DecodePhotoPart, ReadsNothingBelow) {
+  const Bytes jpeg = Jpeg(Noise(320, 240), 320, 240, TJPF_RGB, TJSAMP_420);
+  const Bytes cut(jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() / 2));
+  EXPECT_TRUE(DecodePhotoPart(cut, 320, 240, 1, pipeline::PixelBox{0, 0, 320, 60}).ok());
+  const auto below = DecodePhotoPart(cut, 320, 240, 1, pipeline::PixelBox{0, 180, 320, 240});
+  ASSERT_FALSE(below.ok());
+  EXPECT_EQ(below.error().code, ErrorCode::kCorrupt);
+}
+
+TEST(DecodePhotoBytes, RefusesAPictureOfTooManyScans) {
+  Bytes rgb = Noise(64, 48), file;
+  ASSERT_TRUE(
+      cv::imencode(".jpg", cv::Mat(48, 64, CV_8UC3, rgb.data()), file, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  // The last scan again and again, before the end of the picture.
+  const Bytes start{0xFF, 0xDA};
+  const auto last = std::find_end(file.begin(), file.end(), start.begin(), start.end());
+  const Bytes scan(last, file.end() - 2);
+  Bytes bomb(file.begin(), file.end() - 2);
+  for (int i = 0; i < 600; ++i) bomb.insert(bomb.end(), scan.begin(), scan.end());
+  bomb.insert(bomb.end(), {0xFF, 0xD9});
+  const auto image = DecodePhotoBytes(bomb, 64, 48, 1);
+  ASSERT_FALSE(image.ok());
+  EXPECT_EQ(image.error().code, ErrorCode::kCorrupt);
 }
 
 TEST(DecodePhotoBytes, TurnsGreyIntoRgb) {

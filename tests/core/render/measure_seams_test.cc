@@ -20,7 +20,7 @@ SeamShift Measure(const test::SimulatedMap& map, int threads = 2) {
   MeasureSeamsOptions options;
   options.threads = threads;
   PhotoCache cache(*map.photos, std::int64_t{1} << 28);
-  return MeasureSeams(map.flight, map.ground, cache, options, progress);
+  return SeamPatches(map.flight, map.ground, options).Measure(cache, progress);
 }
 
 TEST(MeasureSeams, FindsNothingToShiftBetweenPhotosThatLieRight) {

@@ -1,0 +1,22 @@
+// DecodeJpeg: the pixels of a JPEG, or of a rectangle of it, by libjpeg-turbo, which also makes the smaller
+// sizes while it decodes. What lies below the rectangle is not read, what lies beside and above it is not
+// turned into pixels; the pixels of the rectangle are those of the whole picture. Grey and CMYK become RGB.
+// Any thread. Errors: kCorrupt (damaged, cut off above the rectangle's lower edge, of another size than
+// said).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/pipeline/ports.h"
+
+namespace skyquilt::flight {
+
+// `box`: of the decoded picture, nothing for all of it. What comes back holds at least that, in `memory` if
+// that is large enough.
+Result<pipeline::DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                                         int denominator, const std::optional<pipeline::PixelBox>& box,
+                                         PixelBytes memory);
+
+}  // namespace skyquilt::flight
