@@ -23,6 +23,8 @@ constexpr int kMisfitCost = 3 * kQuarters;
 constexpr int kPartlyCost = 400 * kQuarters;
 // Cells of a seam that only one of the two photos sees say nothing of how well they fit.
 constexpr int kUnknownSeamCost = 40 * kQuarters;
+// A view of a thing that is soon gone, where another view shows the ground without it.
+constexpr int kPassingCost = 30 * kQuarters;
 constexpr int kSweeps = 2;
 // A view this much worse than the best (in heights above ground) never gets a cell.
 constexpr float kMostWorseHeights = 0.75f;
@@ -101,7 +103,8 @@ class Labeller {
     const LowResView& best = View(best_.At(column, row));
     const float worse_m = view.score_m[i] - best.score_m[static_cast<std::size_t>(best.IndexOf(column, row))];
     const double nadir = kQuarters * kNadirCost * std::max(0.0f, worse_m) / height_m_;
-    return static_cast<int>(std::lround(nadir)) + (view.seen[i] == Seen::kPartly ? kPartlyCost : 0);
+    return static_cast<int>(std::lround(nadir)) + (view.seen[i] == Seen::kPartly ? kPartlyCost : 0) +
+           (!view.passing.empty() && view.passing[i] ? kPassingCost : 0);
   }
 
   // Colour difference of two photos at a cell, the sum of three channels; -1 where one does not see it.

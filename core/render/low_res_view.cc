@@ -79,6 +79,8 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
   const ViewScore score = ViewScore::Of(photo);
   const Eigen::Matrix3d rotation = photo.cam_from_enu.rotation.toRotationMatrix();
   const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+  view.camera_east_m = static_cast<float>(center.x());
+  view.camera_north_m = static_cast<float>(center.y());
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
   const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
   const double radius_scale = 4.0 / (static_cast<double>(lens.width_px) * lens.width_px +

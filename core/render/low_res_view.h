@@ -1,5 +1,5 @@
 // LowResView: what one photo shows of the ground, cell by cell of the seam grid: colours with the exposure
-// evened out, how well each cell is seen. Frames: cells of SeamGrid. A value; any thread.
+// evened out, how well each cell is seen. Frames: cells of SeamGrid, enu. A value; any thread.
 #pragma once
 
 #include <array>
@@ -23,6 +23,8 @@ struct LowResView {
   std::vector<Seen> seen;
   std::vector<std::array<std::uint8_t, 3>> rgb;  // 0 where not seen
   std::vector<float> score_m;                    // ViewScore
+  std::vector<bool> passing;  // shows what is soon gone (MarkPassing); empty: nothing known
+  float camera_east_m = 0.0f, camera_north_m = 0.0f;  // in enu
 
   // Index of a grid cell; -1 outside.
   int IndexOf(int grid_column, int grid_row) const {

@@ -7,6 +7,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/render/label_seams.h"
 #include "core/render/low_res_view.h"
+#include "core/render/passing_things.h"
 
 namespace skyquilt::render {
 namespace {
@@ -52,6 +53,7 @@ SeamMap BuildSeamMap(const alignment::AlignedFlight& flight, const ground::Groun
     views[i] = MakeLowResView(flight.photos[i], plan.seen_in_merc[i], flight.frame, ground,
                               exposure.photos[i], thumbnails[i], map.grid);
   });
+  if (options.moves_seams) MarkPassing(views, map.cell_m, options.threads);
   const bool is_same_grid = options.known != nullptr && options.known->grid.zoom == map.grid.zoom &&
                             options.known->grid.tile_size_px == map.grid.tile_size_px &&
                             options.known->grid.cell_px == map.grid.cell_px;

@@ -56,6 +56,14 @@ TEST(SeamMap, GoesRoundCarsThatMove) {
   EXPECT_LE(moved.BrokenShare(), 0.05) << moved.twice << " twice, " << moved.in_part << " in part";
 }
 
+TEST(SeamMap, ShowsCarsThatDroveOnNoMoreThanOnce) {
+  simulate::SimulateOptions options = SmallFlight();
+  options.trajectory.photos = 60;  // line beside line: most of the ground is seen again half a minute later
+  const test::SimulatedMap map = test::MakeSimulatedMap(options, {}, 80);
+  const test::ObjectCount cars = test::CountCars(map, map.Seams({}));
+  EXPECT_LE(cars.BrokenShare(), 0.05) << cars.twice << " twice, " << cars.in_part << " in part";
+}
+
 TEST(SeamMap, GoesRoundBuildings) {
   simulate::SimulateOptions options = SmallFlight();
   options.world.has_boxes = true;
