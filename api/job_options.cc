@@ -27,6 +27,16 @@ Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<void> SetReadout(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_number()) return Refuse("readout_ms", "must be a number of milliseconds");
+  const auto readout_ms = value.get<double>();
+  if (!(readout_ms >= 0.0 && readout_ms <= 500.0))
+    return Refuse("readout_ms", "must lie between 0 and 500 milliseconds");
+  options->readout_s = 1e-3 * readout_ms;
+  return {};
+}
+
 Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
   if (value == "auto") {
     options->encoding = pipeline::TileEncoding::kJpegPng;
@@ -104,6 +114,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     Result<void> set;
     if (field == "gsd_m") {
       set = SetGsd(value, &options);
+    } else if (field == "readout_ms") {
+      set = SetReadout(value, &options);
     } else if (field == "format") {
       set = SetFormat(value, &options);
     } else if (field == "quality") {
@@ -117,7 +129,7 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     } else if (field == "layers") {
       set = SetLayers(value, &options);
     } else {
-      set = Refuse(field, "is not known; known are gsd_m, format, quality, method, origin, landed_at_start and layers");
+      set = Refuse(field, "is not known; known are gsd_m, readout_ms, format, quality, method, origin, landed_at_start and layers");
     }
     if (!set) return set.error();
   }

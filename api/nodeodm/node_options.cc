@@ -25,9 +25,12 @@ struct Offer {
   const char* help;
 };
 
-constexpr std::array<Offer, 4> kOffers = {{
+constexpr std::array<Offer, 5> kOffers = {{
     {"orthophoto-resolution", "gsd_m", "float", "0", R"("float: 0 <= x <= 10000")",
      "Ground size of an orthophoto pixel in cm. 0 means as fine as the photos. Default: %(default)s"},
+    {"rolling-shutter-readout", "readout_ms", "float", "0", R"("float: 0 <= x <= 500")",
+     "Rolling shutter: milliseconds from reading a photo's first row to its last. 0 means as known of the camera. "
+     "Default: %(default)s"},
     {"orthophoto-quality", "quality", "int", "85", R"("integer: 1 <= x <= 100")",
      "JPEG quality of the orthophoto's tiles. Default: %(default)s"},
     {"tile-format", "format", "enum", "auto", R"(["auto","webp"])",
@@ -66,6 +69,8 @@ Result<Json> JobValue(const Offer& offer, const Json& value) {
   if (std::string_view(offer.job_option) == "gsd_m") {
     return *number == 0.0 ? Json(nullptr) : Json(*number / 100.0);  // centimetres to metres
   }
+  if (std::string_view(offer.job_option) == "readout_ms")
+    return *number == 0.0 ? Json(nullptr) : Json(*number);
   const auto whole = static_cast<std::int64_t>(std::clamp(*number, -1e9, 1e9));
   if (static_cast<double>(whole) != *number)
     return Error{ErrorCode::kUnprocessable, "must be a whole number", ""};

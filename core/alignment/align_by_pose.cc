@@ -1,5 +1,7 @@
 #include "core/alignment/align_by_pose.h"
 
+#include "core/alignment/readout_motion.h"
+
 namespace skyquilt::alignment {
 
 AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
@@ -13,6 +15,7 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
     aligned.photos.push_back({.photo = photo.photo,
                               .intrinsics = photo.photo.intrinsics,
                               .cam_from_enu = photo.cam_from_enu,
+                              .readout_motion_in_enu_m = ReadoutMotion(photo, 0),
                               .placement = Placement::kPoseOnly,
                               .placement_reason = "placed by its recorded pose; images were not compared",
                               .error_radius_m = photo.error_radius_m,

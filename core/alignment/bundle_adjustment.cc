@@ -251,7 +251,9 @@ class Round {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
     const camera::Intrinsics& lens = recorded_[photo.lens];
     ceres_.AddResidualBlock(
-        MakeReprojectionCost(photo.cam_from_enu, lens, seen.pixel_in_image, seen.sigma_px),
+        MakeReprojectionCost(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion_in_enu_m,
+                                               seen.pixel_in_image.y(), lens.height_px),
+                             lens, seen.pixel_in_image, seen.sigma_px),
         new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens));
   }
 
@@ -333,7 +335,8 @@ std::vector<View> ViewsOf(const BundleProblem& problem) {
   std::vector<View> views;
   views.reserve(problem.photos.size());
   for (const BundlePhoto& photo : problem.photos) {
-    views.push_back({problem.lenses[photo.lens].intrinsics, photo.cam_from_enu, photo.height_above_ground_m});
+    views.push_back({problem.lenses[photo.lens].intrinsics, photo.cam_from_enu, photo.height_above_ground_m,
+                     photo.readout_motion_in_enu_m});
   }
   return views;
 }

@@ -23,6 +23,7 @@ struct BundlePhoto {
   int lens = 0;
   int line = 0;
   double height_above_ground_m = 50.0;
+  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // as AlignedPhoto has it
   bool is_fixed = false;  // stays where it is; others are placed against it
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/alignment/pieces.h"
+#include "core/alignment/readout_motion.h"
 #include "core/base/median.h"
 #include "core/geo/height_trend.h"
 
@@ -116,6 +117,7 @@ BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose&
   bundled.lens = lens;
   bundled.line = line;
   bundled.height_above_ground_m = std::max(1.0, posed.height_above_ground_m);
+  bundled.readout_motion_in_enu_m = ReadoutMotion(posed, corrected.quarter_turns);
   const double sigma_h = SigmaHorizontalM(posed);
   const double sigma_v = std::max(kLeastSigmaM, std::sqrt(posed.covariance(5, 5)));
   bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};

@@ -103,7 +103,7 @@ bool Triangulate(const std::vector<View>& views, Track& track) {
             .normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
     normal += across;
-    right += across * view.CenterInEnu();
+    right += across * view.CamFromEnuAt(seen.pixel_in_image).TargetOriginInSource();
   }
   track.point_in_enu = normal.ldlt().solve(right);
   for (const Observation& seen : track.observations) {
@@ -116,7 +116,7 @@ bool Triangulate(const std::vector<View>& views, Track& track) {
 
 double ReprojectionErrorPx(const View& view, const Observation& observation,
                            const Eigen::Vector3d& point_in_enu) {
-  const Eigen::Vector3d in_cam = view.cam_from_enu * point_in_enu;
+  const Eigen::Vector3d in_cam = view.CamFromEnuAt(observation.pixel_in_image) * point_in_enu;
   if (in_cam.z() <= 1e-6) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d bent = view.intrinsics.Distort(in_cam.head<2>() / in_cam.z());
   return std::hypot(

@@ -12,6 +12,19 @@ struct Entry {
   SensorSize sensor;
 };
 
+struct Readout {
+  std::string_view model;
+  double readout_ms;
+};
+
+constexpr std::array kReadouts = {
+    Readout{"FC200", 74},   Readout{"FC300C", 33},    Readout{"FC300S", 33}, Readout{"FC300X", 33},
+    Readout{"FC330", 33},   Readout{"FC350", 30},     Readout{"FC220", 64},  Readout{"FC2103", 32},
+    Readout{"FC7203", 25},  Readout{"FC3170", 27},    Readout{"FC3411", 32}, Readout{"FC3582", 26},
+    Readout{"L1D-20c", 56}, Readout{"L2D-20c", 16.6}, Readout{"XT705", 30},  Readout{"Anafi", 39},
+    Readout{"E90", 44},
+};
+
 constexpr std::array kSensors = {
     // DJI
     Entry{"FC200", {4384, 3288, 6.17}},
@@ -95,6 +108,13 @@ bool IsSame(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+std::optional<double> FindReadoutS(std::string_view model) {
+  const auto found = std::find_if(kReadouts.begin(), kReadouts.end(),
+                                  [&](const Readout& entry) { return IsSame(entry.model, model); });
+  if (found == kReadouts.end()) return std::nullopt;
+  return 1e-3 * found->readout_ms;
+}
 
 std::optional<SensorSize> FindSensor(std::string_view model) {
   const auto found = std::find_if(kSensors.begin(), kSensors.end(),

@@ -67,6 +67,7 @@ struct Photo {
   std::optional<RecordedAttitude> attitude;
   std::optional<RecordedVelocity> velocity;
   std::optional<double> exposure_time_s;
+  std::optional<double> readout_s;  // from the first row to the last, of a camera known to read row by row
   bool is_resaved_by_viewer = false;  // the picture may have been turned after its angles were recorded
   std::vector<std::string> notes;               // what was corrected or doubted on reading, in words
   std::map<std::string, std::string> raw;       // tag name to printed value, as found

@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "core/camera/sensor_database.h"
 #include "core/flight/attitude_tags.h"
 #include "core/flight/capture_time.h"
 #include "core/flight/choose_intrinsics.h"
@@ -83,6 +84,19 @@ void NoteOrientation(const ExifRecord& exif, Photo& photo) {
       *exif.orientation));
 }
 
+// The rows of a picture that a sensor crops to another aspect take their share of its time. A picture stored
+// upright from a sensor on its side does not say which way its rows were read.
+std::optional<double> ReadoutOf(const Photo& photo, const XmpTags& xmp) {
+  const auto sensor = camera::FindSensor(photo.model);
+  const auto whole_s = camera::FindReadoutS(photo.model);
+  const int width_px = photo.intrinsics.width_px, height_px = photo.intrinsics.height_px;
+  if (!sensor || !whole_s || width_px < height_px || xmp.Text("drone-dji:ShutterType") == "Mechanical")
+    return std::nullopt;
+  const double scale =
+      camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
+  return *whole_s * std::min(1.0, height_px / scale / sensor->native_height_px);
+}
+
 }  // namespace
 
 Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
@@ -112,6 +126,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header->exif), photo.make, photo.notes);
   photo.velocity = VelocityFromTags(xmp);
   photo.exposure_time_s = exif.exposure_time_s;
+  photo.readout_s = ReadoutOf(photo, xmp);
   photo.raw = RawValues(header->exif, xmp);
   return photo;
 }

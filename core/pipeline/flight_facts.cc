@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Raised whenever the meaning changes, or alignment so much that a flight should be aligned anew.
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 
 Json Binary(const void* data, std::size_t bytes) {
   const auto* first = static_cast<const std::uint8_t*>(data);
@@ -80,7 +80,8 @@ FlightLook ToLook(const Json& json, std::size_t photos) {
   look.grid.columns = json.at("columns");
   look.grid.rows = json.at("rows");
   constexpr int kMostCells = 1 << 20;  // a side
-  if (look.grid.columns < 0 || look.grid.rows < 0 || look.grid.columns > kMostCells || look.grid.rows > kMostCells) {
+  if (look.grid.columns < 0 || look.grid.rows < 0 || look.grid.columns > kMostCells ||
+      look.grid.rows > kMostCells) {
     throw Json::other_error::create(500, "the seam grid is of no size", nullptr);
   }
   look.labels = render::SeamLabels(look.grid.columns, look.grid.rows);
@@ -134,6 +135,9 @@ FlightFacts Parse(std::string_view bytes) {
     photo.placement_reason = ToText(photos[i].at("reason"));
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
+    for (int axis = 0; axis < 3; ++axis)
+      photo.readout_motion_in_enu_m[axis] =
+          photos[i].at("readout_motion_m").at(static_cast<std::size_t>(axis));
     const std::vector<std::uint8_t>& jpeg = photos[i].at("thumbnail").get_binary();
     facts.thumbnails.push_back(
         {photo.photo.name, photos[i].at("thumbnail_size").at(0), photos[i].at("thumbnail_size").at(1), jpeg});
@@ -156,6 +160,7 @@ Digest DigestOfPlacing(const MosaicOptions& options) {
       .Add(static_cast<int>(options.method))
       .Add(options.landed_at_start)
       .Add(options.dem_path);
+  hasher.Add(options.readout_s.has_value()).Add(options.readout_s.value_or(0.0));
   hasher.Add(options.origin.has_value());
   if (options.origin) hasher.Add(options.origin->lat_deg).Add(options.origin->lon_deg);
   if (!options.dem_path.empty()) {
@@ -191,6 +196,9 @@ std::string WriteFacts(const FlightFacts& facts) {
                               {"camera_key", OfText(photo.photo.camera_key)},
                               {"reason", OfText(photo.placement_reason)},
                               {"height_m", photo.height_above_ground_m},
+                              {"readout_motion_m",
+                               {photo.readout_motion_in_enu_m.x(), photo.readout_motion_in_enu_m.y(),
+                                photo.readout_motion_in_enu_m.z()}},
                               {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
                               {"thumbnail", Binary(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
   }

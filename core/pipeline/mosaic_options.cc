@@ -29,6 +29,9 @@ Result<void> MosaicOptions::Validate() const {
   if (jpeg_quality < 1 || jpeg_quality > 100) {
     return refuse(fmt::format("quality is {} but must be 1 to 100", jpeg_quality));
   }
+  if (readout_s && !(*readout_s >= 0.0 && *readout_s <= 0.5)) {
+    return refuse(fmt::format("readout_ms is {} but must be 0 to 500 milliseconds", 1e3 * *readout_s));
+  }
   if (!(feather_m >= 0.0 && feather_m <= 100.0)) {
     return refuse(fmt::format("feather_m is {} but must be 0 to 100 metres", feather_m));
   }

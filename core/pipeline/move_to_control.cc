@@ -141,7 +141,8 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   std::vector<alignment::View> views;
   std::vector<double> gsds_m;
   for (const AlignedPhoto& photo : known.flight.photos) {
-    views.push_back({photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m});
+    views.push_back({photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m,
+                     photo.readout_motion_in_enu_m});
     gsds_m.push_back(views.back().GsdM());
   }
   const double gsd_m = Median(std::move(gsds_m));

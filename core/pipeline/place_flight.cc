@@ -218,7 +218,10 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   std::vector<NamedDigest> inputs;
   auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
     if (memory != nullptr) inputs = DigestsOf(files, options.threads);
-    return flight::ReadFlight(files, {options.threads}, progress);
+    Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
+    if (!flight || !options.readout_s) return flight;
+    for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
+    return flight;
   });
   if (!read) return read.error();
 

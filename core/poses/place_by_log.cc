@@ -71,6 +71,7 @@ Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const fli
         cameras[k].cam_from_enu.TargetOriginInSource().z() - options.ground_z_in_enu_m;
     pose.error_radius_m = cameras[k].error_radius_m;
     pose.attitude_origin = cameras[k].attitude_origin;
+    pose.velocity_in_enu_mps = cameras[k].velocity_in_enu_mps;
     placed.photos.push_back(std::move(pose));
   }
   return placed;

@@ -26,6 +26,7 @@ struct PosedPhoto {
   Matrix6d covariance = Matrix6d::Zero();
   // Cross-covariance with the next photo in time (this row, next column); zero for the last.
   Matrix6d covariance_with_next = Matrix6d::Zero();
+  std::optional<Eigen::Vector3d> velocity_in_enu_mps;  // recorded, or by a log
   double height_above_ground_m = 0.0;
   double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
   AttitudeOrigin attitude_origin = AttitudeOrigin::kRecorded;

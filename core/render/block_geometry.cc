@@ -5,6 +5,7 @@
 
 #include "core/base/check.h"
 #include "core/camera/footprint.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::render {
@@ -42,6 +43,7 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
   const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
   const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
+  const bool moves = !photo.readout_motion_in_enu_m.isZero(0.0);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
     const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
@@ -53,8 +55,15 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
     const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
     if (normalised.squaredNorm() > max_radius_squared) continue;
     const Eigen::Vector2d bent = lens.Distort(normalised);
-    view.pixel_in_image[i] = {static_cast<float>(lens.focal_x_px * bent.x() + lens.center_x_px),
-                              static_cast<float>(lens.focal_y_px * bent.y() + lens.center_y_px)};
+    Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
+                          lens.focal_y_px * bent.y() + lens.center_y_px);
+    if (moves) {
+      const auto rolling = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion_in_enu_m,
+                                                  block.ground_in_enu[i]);
+      if (!rolling) continue;
+      pixel = *rolling;
+    }
+    view.pixel_in_image[i] = pixel.cast<float>();
   }
   // A cell touches the image if the box around its four corners does.
   const int n = block.nodes_per_side;

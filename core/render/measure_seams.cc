@@ -10,6 +10,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/percentile.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/render/render_block.h"
 
 namespace skyquilt::render {
@@ -90,7 +91,8 @@ std::optional<PatchInPhoto> FindPatch(const alignment::AlignedPhoto& photo, int 
       const Eigen::Vector2d at = patch.middle + patch.sample_m * Eigen::Vector2d(column * kNode - kPatch / 2,
                                                                                  kPatch / 2 - row * kNode);
       const auto pixel =
-          photo.intrinsics.Project(photo.cam_from_enu * Eigen::Vector3d(at.x(), at.y(), ground.HeightAt(at)));
+          camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion_in_enu_m,
+                                 {at.x(), at.y(), ground.HeightAt(at)});
       if (!pixel || !photo.intrinsics.IsInImage(*pixel)) return std::nullopt;
       found.nodes_x.at<float>(row, column) = static_cast<float>((pixel->x() + 0.5) * scale - 0.5);
       found.nodes_y.at<float>(row, column) = static_cast<float>((pixel->y() + 0.5) * scale - 0.5);

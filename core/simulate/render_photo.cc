@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/base/parallel_for.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/simulate/noise.h"
 
 namespace skyquilt::simulate {
@@ -99,6 +100,10 @@ class PhotoRenderer {
                       kMostSide);
   }
 
+  Eigen::Vector3d CenterAt(double y) const {
+    return center_ + camera::RowShare(y, intrinsics_.height_px) * options_.readout_motion_in_enu_m;
+  }
+
   Eigen::Vector3d DirectionOf(double x, double y, double& length) const {
     const Eigen::Vector3d ray_in_cam = intrinsics_.Unproject({x, y});
     length = ray_in_cam.norm();
@@ -115,7 +120,7 @@ class PhotoRenderer {
       double length = 1.0;
       const Eigen::Vector3d direction = DirectionOf(x + sample.dx_px, y + sample.dy_px, length);
       const std::optional<RayHit> hit =
-          world_.CastRay(center_ + sample.shift_in_enu_m, direction, kFarthestM, hint_m);
+          world_.CastRay(CenterAt(y + sample.dy_px) + sample.shift_in_enu_m, direction, kFarthestM, hint_m);
       if (!hit) {
         sum += kSky;
         continue;
@@ -138,7 +143,7 @@ class PhotoRenderer {
       for (int x = 0; x < intrinsics_.width_px; ++x) {
         double length = 1.0;
         const Eigen::Vector3d direction = DirectionOf(x, y, length);
-        const std::optional<RayHit> hit = world_.CastRay(center_, direction, kFarthestM, hint_m);
+        const std::optional<RayHit> hit = world_.CastRay(CenterAt(y), direction, kFarthestM, hint_m);
         surfaces.push_back(hit ? hit->building * 4u + static_cast<std::uint32_t>(hit->surface) : 3u);
         hint_m = hit && hit->surface == SurfaceKind::kGround ? hit->distance_m : 0.0;
       }

@@ -181,6 +181,7 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     photo.render.vignetting = options.vignetting;
     photo.render.exposure_gain = std::exp(options.exposure_jitter * exposure.Gauss());
     photo.render.motion_in_enu_m = options.shutter_s * photo.pose.velocity_in_enu_mps;
+    photo.render.readout_motion_in_enu_m = options.readout_s * photo.pose.velocity_in_enu_mps;
     photo.render.noise_counts = options.noise_counts;
     photo.render.noise_seed = HashCell(static_cast<std::int32_t>(i), 17, options.seed);
     flight.photos.push_back(std::move(photo));

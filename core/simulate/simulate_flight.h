@@ -47,6 +47,7 @@ struct SimulateOptions {
   double exposure_jitter = 0.0;        // 1-sigma of each photo's brightness, relative
   double noise_counts = 1.0;           // sensor noise, 8-bit counts
   double shutter_s = 0.0;              // 0 = no motion blur
+  double readout_s = 0.0;              // from the first row to the last; 0 = all rows at once
   int supersample = 0;                 // 0 = as needed
   int jpeg_quality = 92;
   bool write_world = true;

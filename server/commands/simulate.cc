@@ -34,6 +34,7 @@ struct SimulateArguments {
   double tilt_deg = 0.0;
   double yaw_wander_deg = 0.0;
   double shutter_ms = 0.0;
+  double readout_ms = 0.0;
   bool no_world = false;
   simulate::SurveyOptions survey;
   ImuKind imu = ImuKind::kIcm;
@@ -87,6 +88,7 @@ void Run(SimulateArguments& arguments) {
   options.trajectory.max_tilt_rad = geo::DegToRad(arguments.tilt_deg);
   options.trajectory.yaw_wander_rad = geo::DegToRad(arguments.yaw_wander_deg);
   options.shutter_s = 1e-3 * arguments.shutter_ms;
+  options.readout_s = 1e-3 * arguments.readout_ms;
   options.write_world = !arguments.no_world;
   options.world.seed = options.seed;
   const Result<simulate::SimulatedFlight> flight = [&] {
@@ -229,6 +231,10 @@ void AddSimulateCommand(CLI::App& app) {
   command
       ->add_option("--shutter-ms", arguments->shutter_ms,
                    "Exposure time in milliseconds; blurs by speed x time")
+      ->capture_default_str();
+  command
+      ->add_option("--readout-ms", arguments->readout_ms,
+                   "Milliseconds from reading a picture's first row to its last, while the camera flies on")
       ->capture_default_str();
   command->add_option("--pixel-noise", options.noise_counts, "Sensor noise in 8-bit counts, 1-sigma")
       ->capture_default_str();

@@ -24,6 +24,7 @@ struct StitchArguments {
   std::filesystem::path out_dir;
   StitchJobOptions job;
   std::optional<double> gsd_m;
+  std::optional<double> readout_ms;
   double max_memory_gib = 1.0;
   std::string origin;
   bool no_cog = false;
@@ -90,6 +91,7 @@ void Run(StitchArguments& arguments) {
     arguments.job.mosaic.origin = origin;
   }
   if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
+  if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   arguments.job.write_cog = !arguments.no_cog;
   arguments.job.write_pmtiles = !arguments.no_pmtiles;
@@ -127,6 +129,10 @@ void AddStitchCommand(CLI::App& app) {
       ->required();
   command->add_option("--gsd", arguments->gsd_m,
                       "Ground size of a map pixel in metres (default: that of the photos)");
+  command->add_option(
+      "--readout-ms", arguments->readout_ms,
+      "Rolling shutter: milliseconds from the first row to the last (0: none; default: as known of "
+      "the camera). Undone where the photos or a log say how fast the aircraft flew");
   command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")
       ->capture_default_str();
   command
