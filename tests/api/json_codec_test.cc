@@ -63,8 +63,8 @@ TEST(FlightJson, SurvivesNamesThatAreNotText) {
 TEST(ParseFlightFields, TakesWhatItKnows) {
   EXPECT_FALSE(ParseFlightFields("")->name);
   EXPECT_FALSE(ParseFlightFields("{}")->name);
-  const auto fields =
-      ParseFlightFields(R"({"name":"Field 3","options":{"gsd_m":0.1,"format":"webp","quality":90}})");
+  const auto fields = ParseFlightFields(
+      R"({"name":"Field 3","options":{"gsd_m":0.1,"format":"webp","quality":90,"readout_ms":33}})");
   ASSERT_TRUE(fields);
   EXPECT_EQ(*fields->name, "Field 3");
   const auto options = ParseJobOptions(*fields->options);
@@ -72,6 +72,7 @@ TEST(ParseFlightFields, TakesWhatItKnows) {
   EXPECT_DOUBLE_EQ(*options->gsd_m, 0.1);
   EXPECT_EQ(options->encoding, pipeline::TileEncoding::kWebp);
   EXPECT_EQ(options->jpeg_quality, 90);
+  EXPECT_DOUBLE_EQ(*options->readout_s, 0.033);
 }
 
 class BadBodies : public testing::TestWithParam<std::string> {};
@@ -90,9 +91,11 @@ INSTANTIATE_TEST_SUITE_P(
                     "{\"name\":\"" + std::string(300, 'a') + "\"}", R"({"options":1})",
                     R"({"options":{"gsd":1}})", R"({"options":{"gsd_m":0}})", R"({"options":{"gsd_m":-1}})",
                     R"({"options":{"gsd_m":1e400}})", R"({"options":{"gsd_m":"1"}})",
-                    R"({"options":{"quality":0}})", R"({"options":{"quality":85.5}})",
-                    R"({"options":{"quality":9999999999999999999999}})", R"({"options":{"format":"gif"}})",
-                    R"({"options":{"method":"magic"}})", "{\"name\":\"\xff\"}", std::string(100000, '['),
+                    R"({"options":{"readout_ms":-1}})", R"({"options":{"readout_ms":501}})",
+                    R"({"options":{"readout_ms":"33"}})", R"({"options":{"quality":0}})",
+                    R"({"options":{"quality":85.5}})", R"({"options":{"quality":9999999999999999999999}})",
+                    R"({"options":{"format":"gif"}})", R"({"options":{"method":"magic"}})",
+                    "{\"name\":\"\xff\"}", std::string(100000, '['),
                     std::string(40, '[') + std::string(40, ']'), std::string(70000, ' ') + "{}x"));
 
 TEST(FormatTime, IsRfc3339InUtc) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/alignment/align_by_pose.h"
+#include "core/alignment/readout_motion.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 
@@ -43,6 +44,39 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
   outcome.error =
       MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
   return outcome;
+}
+
+// A camera that reads its rows one after another bends what it sees by its speed.
+TEST(AlignFlight, UndoesTheRollingShutterThatItIsToldOf) {
+  simulate::SimulateOptions options = MakeTruth(8).options;
+  options.readout_s = 0.06;
+  const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  poses::PosedFlight posed = PosesOf(truth);
+  const Outcome untold = Align(truth, posed);
+  for (poses::PosedPhoto& photo : posed.photos) photo.photo.readout_s = options.readout_s;
+  const Outcome told = Align(truth, posed);
+  EXPECT_EQ(told.report.aligned, 8);
+  EXPECT_LT(told.error.relative_ce90_m, 0.5 * truth.GsdM());
+  EXPECT_LT(2.0 * told.error.relative_ce90_m, untold.error.relative_ce90_m);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Eigen::Vector3d truly_m = options.readout_s * truth.photos[i].pose.velocity_in_enu_mps;
+    EXPECT_LT((told.flight.photos[i].readout_motion_in_enu_m - truly_m).norm(), 0.01);
+  }
+}
+
+TEST(ReadoutMotion, KnowsPicturesThatAViewerTurned) {
+  poses::PosedPhoto posed;
+  EXPECT_EQ(ReadoutMotion(posed, 0), Eigen::Vector3d::Zero());
+  posed.photo.readout_s = 0.05;
+  EXPECT_EQ(ReadoutMotion(posed, 0), Eigen::Vector3d::Zero());
+  posed.velocity_in_enu_mps = Eigen::Vector3d(4.0, -2.0, 0.0);
+  const Eigen::Vector3d motion_m(0.2, -0.1, 0.0);
+  EXPECT_TRUE(ReadoutMotion(posed, 0).isApprox(motion_m));
+  EXPECT_TRUE(ReadoutMotion(posed, 2).isApprox(motion_m));  // the camera is mounted so
+  posed.photo.is_resaved_by_viewer = true;
+  EXPECT_TRUE(ReadoutMotion(posed, 0).isApprox(motion_m));
+  EXPECT_TRUE(ReadoutMotion(posed, 2).isApprox(-motion_m));
+  EXPECT_EQ(ReadoutMotion(posed, 1), Eigen::Vector3d::Zero());  // its rows lie across now
 }
 
 void TurnAboutAxis(poses::PosedPhoto& photo, double angle_rad) {

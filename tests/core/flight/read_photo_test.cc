@@ -42,6 +42,24 @@ Bytes RichPhoto() {
        .extended_xmp = XmpPacket(std::string(kDjiNamespace) + "drone-dji:RelativeAltitude=\"40\"")});
 }
 
+TEST(ReadPhoto, KnowsHowLongItsRowsTookToRead) {
+  const auto readout_s = [](const char* model, int width_px, int height_px, const std::string& xmp = "") {
+    const Bytes exif =
+        ExifWriter().Ascii(ExifIfd::kImage, 0x010F, "DJI").Ascii(ExifIfd::kImage, 0x0110, model).Write();
+    const auto photo = ReadPhotoFromBytes(
+        "a.jpg", JpegHeader({.width_px = width_px, .height_px = height_px, .exif = exif, .xmp = xmp}));
+    EXPECT_TRUE(photo.ok());
+    return photo->readout_s;
+  };
+  EXPECT_NEAR(readout_s("FC330", 4000, 3000).value(), 0.033, 1e-9);
+  EXPECT_NEAR(readout_s("FC330", 4000, 2250).value(), 0.75 * 0.033, 1e-9);  // three quarters of the rows
+  EXPECT_NEAR(readout_s("FC330", 2000, 1500).value(), 0.033, 1e-9);         // made smaller afterwards
+  EXPECT_FALSE(readout_s("FC330", 3000, 4000));                             // rows lie across
+  EXPECT_FALSE(readout_s("FC6310", 5472, 3648));
+  EXPECT_FALSE(readout_s("L2D-20c", 5280, 3956,
+                         XmpPacket(std::string(kDjiNamespace) + "drone-dji:ShutterType=\"Mechanical\"")));
+}
+
 TEST(ReadPhoto, FindsXmpWhereverItHides) {
   const std::string packet = XmpPacket(kAngles);
   Bytes unmarked = JpegHeader({});

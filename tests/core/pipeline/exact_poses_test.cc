@@ -1,4 +1,5 @@
-// The paper's method with its mathematics right: with exact poses the map is the world, to a fraction of a pixel.
+// The paper's method with its mathematics right: with exact poses the map is the world, to a fraction of a
+// pixel.
 #include <gtest/gtest.h>
 
 #include "core/flight/photo_decoder.h"
@@ -15,14 +16,16 @@ struct Case {
   const char* name;
   double lat_deg, lon_deg, height_m, tilt_deg;
   bool is_distorted;
+  double readout_s = 0.0;
 };
 
 class ExactPoses : public testing::TestWithParam<Case> {};
 
-MosaicOptions PoseOnly(int threads) {
+MosaicOptions PoseOnly(int threads, double readout_s) {
   MosaicOptions options;
   options.method = AlignMethod::kImu;
   options.threads = threads;
+  options.readout_s = readout_s;
   return options;
 }
 
@@ -39,6 +42,7 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
     simulated.intrinsics.k1 = -0.12, simulated.intrinsics.k2 = 0.05;
     simulated.intrinsics.p1 = 6e-4, simulated.intrinsics.p2 = -4e-4;
   }
+  simulated.readout_s = c.readout_s;
   simulated.write_world = false;
   simulated.noise_counts = 0.0;
   const test::TemporaryFolder folder;
@@ -50,7 +54,7 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
 
   test::MemorySink map;
   const flight::FilePhotoSource photos;
-  const auto built = BuildMosaic(*files, PoseOnly(2), photos, map, progress);
+  const auto built = BuildMosaic(*files, PoseOnly(2, c.readout_s), photos, map, progress);
   ASSERT_TRUE(built.ok()) << built.error().message;
   EXPECT_EQ(built->report.photos_pose_only, 6);
   EXPECT_EQ(built->report.photos_left_out, 0);
@@ -65,7 +69,8 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
   const auto& bounds = built->report.bounds;
   for (const auto& photo : built->flight.photos) {
     // East of the date line the bounds go on beyond 180 degrees.
-    const double lon_deg = bounds[0] + std::remainder(photo.photo.position->position.lon_deg - bounds[0], 360.0);
+    const double lon_deg =
+        bounds[0] + std::remainder(photo.photo.position->position.lon_deg - bounds[0], 360.0);
     EXPECT_GE(lon_deg, bounds[0]);
     EXPECT_GE(photo.photo.position->position.lat_deg, bounds[1]);
     EXPECT_LE(lon_deg, bounds[2]);
@@ -74,7 +79,7 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
 
   // The same bytes in the same order from one thread.
   test::MemorySink again;
-  ASSERT_TRUE(BuildMosaic(*files, PoseOnly(1), photos, again, progress).ok());
+  ASSERT_TRUE(BuildMosaic(*files, PoseOnly(1, c.readout_s), photos, again, progress).ok());
   EXPECT_EQ(map.order, again.order);
   EXPECT_TRUE(map.tiles == again.tiles);
 }
@@ -83,7 +88,8 @@ INSTANTIATE_TEST_SUITE_P(Everywhere, ExactPoses,
                          testing::Values(Case{"south", -60.0, 12.0, 20.0, 15.0, false},
                                          Case{"equator", 0.0, -0.0001, 60.0, 15.0, true},
                                          Case{"alps", 46.0, 7.0, 120.0, 10.0, false},
-                                         Case{"north", 68.0, 179.9999, 60.0, 15.0, true}),
+                                         Case{"north", 68.0, 179.9999, 60.0, 15.0, true},
+                                         Case{"rolling", 46.0, 7.0, 60.0, 10.0, true, 0.06}),
                          [](const auto& one) { return one.param.name; });
 
 }  // namespace

@@ -1,0 +1,69 @@
+#include "core/camera/rolling_shutter.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/camera/sensor_database.h"
+
+namespace skyquilt::camera {
+namespace {
+
+// Looks down, tilted; image top to the north.
+geo::Rigid3 Pose() {
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.2, Eigen::Vector3d(1.0, 2.0, 0.3).normalized()));
+  return geo::Rigid3::FromRotationAndTargetOrigin(tilt * down, {3.0, -4.0, 60.0});
+}
+
+Intrinsics Lens() {
+  Intrinsics lens = Intrinsics::Centered(800, 600, 620.0);
+  lens.k1 = -0.1;
+  return lens;
+}
+
+TEST(RollingShutter, SeesAPointFromWhereTheCameraWasWhileItsRowWasRead) {
+  const Eigen::Vector3d motion_m(1.2, -0.7, 0.2);
+  for (double east_m = -20.0; east_m <= 20.0; east_m += 10.0) {
+    for (double north_m = -20.0; north_m <= 20.0; north_m += 10.0) {
+      const Eigen::Vector3d point(east_m, north_m, 1.5);
+      const auto seen = ProjectRolling(Lens(), Pose(), motion_m, point);
+      ASSERT_TRUE(seen);
+      // The camera at that row's moment, moved by hand.
+      const double share = (seen->y() + 0.5) / 600.0 - 0.5;
+      const geo::Rigid3 there = geo::Rigid3::FromRotationAndTargetOrigin(
+          Pose().rotation, Pose().TargetOriginInSource() + share * motion_m);
+      const auto from_there = Lens().Project(there * point);
+      ASSERT_TRUE(from_there);
+      EXPECT_LT((*seen - *from_there).norm(), 1e-3);
+      EXPECT_LT(
+          (PoseAtRow(Pose(), motion_m, seen->y(), 600).TargetOriginInSource() - there.TargetOriginInSource())
+              .norm(),
+          1e-9);
+    }
+  }
+}
+
+TEST(RollingShutter, StretchesThePictureOfACameraThatFliesTowardsItsTop) {
+  const geo::Rigid3 level = geo::Rigid3::FromRotationAndTargetOrigin(
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX())), {0.0, 0.0, 60.0});
+  const Eigen::Vector3d north_m(0.0, 1.0, 0.0), point(0.0, 15.0, 0.0);
+  const double still_px = ProjectRolling(Lens(), level, Eigen::Vector3d::Zero(), point)->y();
+  EXPECT_EQ(still_px, Lens().Project(level * point)->y());
+  // In the upper half the camera has not come so far north yet: the point lies farther ahead of it.
+  EXPECT_LT(ProjectRolling(Lens(), level, north_m, point)->y(), still_px - 1.0);
+  EXPECT_GT(ProjectRolling(Lens(), level, -north_m, point)->y(), still_px + 1.0);
+}
+
+TEST(RollingShutter, SeesNothingBehindTheCamera) {
+  EXPECT_FALSE(ProjectRolling(Lens(), Pose(), {1.0, 0.0, 0.0}, {0.0, 0.0, 100.0}));
+}
+
+TEST(FindReadoutS, KnowsCamerasWithAndWithout) {
+  EXPECT_DOUBLE_EQ(FindReadoutS("fc330").value(), 0.033);
+  EXPECT_FALSE(FindReadoutS("FC6310"));  // a mechanical shutter
+  EXPECT_FALSE(FindReadoutS("nobody's"));
+}
+
+}  // namespace
+}  // namespace skyquilt::camera
