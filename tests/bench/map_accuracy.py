@@ -35,6 +35,8 @@ SCENARIOS = {
     "any_yaw": ["--noise", "xmp", "--yaw", "any"],
     "no_attitude": ["--noise", "no-attitude"],
     "rtk": ["--noise", "rtk"],
+    "rolling": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
+    "rolling_unknown": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
     "little_overlap": ["--noise", "xmp", "--overlap", "0.6", "--sidelap", "0.45"],
     "rows": ["--noise", "xmp", "--texture", "rows"],
     "bare": ["--noise", "xmp", "--texture", "bare"],
@@ -162,6 +164,10 @@ def photo_errors(folder):
     return {kind: [o for o, k in zip(off, kinds) if k == kind] for kind in sorted(set(kinds))}
 
 
+# What the product is told of the flight.
+TOLD = {"rolling": ["--readout-ms", "60"]}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
@@ -188,7 +194,8 @@ def main():
                     harsh_flights.make(name, options.program, folder, options.photos, seed)
             inputs = [folder / "photos"] + ([folder / "logs"] if (folder / "logs").is_dir() else [])
             method = ["--method", options.method] if options.method else []
-            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", "--no-cog", "--no-pmtiles", *method],
+            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", "--no-cog", "--no-pmtiles", *method,
+                                   *TOLD.get(name, [])],
                                   capture_output=True, text=True)
             if done.returncode != 0:
                 print(f"{name:16}{seed:5}  {done.stderr.strip().splitlines()[-1]}", flush=True)
