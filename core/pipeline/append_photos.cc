@@ -46,6 +46,8 @@ std::vector<poses::PosedPhoto> NewPhotos(const FlightFacts& known, const poses::
   for (poses::PosedPhoto photo : posed.photos) {
     if (finished.contains(photo.photo.name)) continue;
     photo.cam_from_enu = photo.cam_from_enu * posed_from_known;
+    if (photo.velocity_in_enu_mps)
+      photo.velocity_in_enu_mps = posed_from_known.rotation.conjugate() * *photo.velocity_in_enu_mps;
     if (const auto lens = lens_of_key.find(photo.photo.camera_key); lens != lens_of_key.end()) {
       photo.photo.intrinsics = lens->second;
     }
@@ -80,6 +82,9 @@ poses::PosedPhoto AsPosed(const AlignedPhoto& finished) {
   photo.covariance = poses::Matrix6d::Identity() * kFixedSigma * kFixedSigma;
   photo.height_above_ground_m = finished.height_above_ground_m;
   photo.error_radius_m = finished.error_radius_m;
+  // Only the product of both counts.
+  photo.photo.readout_s = 1.0;
+  photo.velocity_in_enu_mps = finished.readout_motion_in_enu_m;
   return photo;
 }
 

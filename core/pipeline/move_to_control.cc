@@ -90,6 +90,7 @@ void Move(const GroundSimilarity& move, double ground_z_m, AlignedPhoto& photo) 
       (photo.cam_from_enu.rotation * Eigen::Quaterniond(turn_back)).normalized(),
       {place.real(), place.imag(), ground_z_m + stretch * (center.z() - ground_z_m)});
   photo.height_above_ground_m *= stretch;
+  photo.readout_motion_in_enu_m = stretch * (turn_back.inverse() * photo.readout_motion_in_enu_m);
 }
 
 ground::GroundSurface Moved(const ground::GroundSurface& ground, const GroundSimilarity& move) {
