@@ -121,6 +121,8 @@ Result<void> SimulateOptions::Validate() const {
     return Bad("The vignetting must be from 0 to 1 (share of light lost).");
   if (!(exposure_jitter >= 0.0 && exposure_jitter < 1.0))
     return Bad("The exposure jitter must be from 0 to 1.");
+  if (!(shutter_s >= 0.0 && shutter_s <= 10.0)) return Bad("The exposure time must be from 0 to 10000 ms.");
+  if (!(readout_s >= 0.0 && readout_s <= 0.5)) return Bad("The readout time must be from 0 to 500 ms.");
   if (jpeg_quality < 1 || jpeg_quality > 100) return Bad("The JPEG quality must be from 1 to 100.");
   if (!(std::abs(world.relief_m) <= 0.4 * trajectory.height_m)) {
     return Bad(

@@ -269,6 +269,14 @@ TEST_F(SimulateFlightTest, SaysWhatIsWrongWithImpossibleOptions) {
   options = Small();
   options.world.relief_m = 100.0;
   EXPECT_EQ(PlanSimulatedFlight(options).error().code, ErrorCode::kInvalidArgument);
+  for (const double time_s : {-0.005, 11.0, std::nan("")}) {
+    options = Small();
+    options.readout_s = time_s;
+    EXPECT_EQ(PlanSimulatedFlight(options).error().code, ErrorCode::kInvalidArgument);
+    options = Small();
+    options.shutter_s = time_s;
+    EXPECT_EQ(PlanSimulatedFlight(options).error().code, ErrorCode::kInvalidArgument);
+  }
   options = Small();
   const auto blocked = folder_;
   { std::ofstream(blocked.string()) << "a file, not a folder"; }
