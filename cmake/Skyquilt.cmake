@@ -52,8 +52,6 @@ function(skyquilt_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
-  target_compile_definitions(${name} PRIVATE SKYQUILT_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
-    SKYQUILT_BINARY_PATH="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/skyquilt")
   if("concurrency" IN_LIST ARG_LABELS)
     if(NOT TARGET skyquilt_concurrency_tests)
       add_custom_target(skyquilt_concurrency_tests)  # what ThreadSanitizer is built for
