@@ -4,13 +4,9 @@
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g1 -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -g1 -DNDEBUG")
 
-include(CheckPIESupported)
-check_pie_supported()
-set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT SKYQUILT_SANITIZE AND NOT SKYQUILT_FUZZ)
   # -U first: some compilers come with a level of their own.
-  add_compile_options(-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong)
+  add_compile_options(-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong -fPIE)
   include(CheckCXXCompilerFlag)
   foreach(flag -fstack-clash-protection -fcf-protection)  # not on every processor
     string(MAKE_C_IDENTIFIER "HAS${flag}" has)
@@ -19,7 +15,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT SKYQUILT_SANITIZE AND NOT SKYQUIL
       add_compile_options(${flag})
     endif()
   endforeach()
-  add_link_options(-Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
+  add_link_options(-pie -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
 
 # skyquilt_split_debug(target): leaves the program's debug symbols in TARGET.debug beside it, where gdb finds them.
