@@ -27,6 +27,14 @@ enum class Method {
 };  // HEAD comes as kGet; OPTIONS reaches a handler only where a route asks for it
 const char* MethodName(Method method);
 
+// Where a request is carried out, each on threads of its own.
+enum class Work {
+  kQuick,    // where sockets are served: from memory, or a page or two of a file that is open
+  kRead,     // reads the catalogue and files
+  kWrite,    // waits for the disk to have it, and for others that write
+  kCompute,  // takes processor time: pictures, plans, verdicts
+};
+
 // Names compare without regard to case. Few, so a list.
 class Headers {
  public:
@@ -52,6 +60,8 @@ struct Request {
   std::string base_url;  // "http://host:port", for absolute links; no slash at the end
   std::string request_id;
   std::string owner;              // id of the token it showed; empty where the server asks for none
+  std::string client;             // who counts as one when shares are dealt out; empty: this machine itself
+  Work work = Work::kCompute;     // where it is carried out now; a handler that needs a later kind asks for it
   bool may_jump_the_queue = true;  // ask for a priority above the usual
 
   // The route promises its parameters: asking for another is our bug.
@@ -81,6 +91,7 @@ struct Response {
   std::string body;
   std::unique_ptr<BodySource> source;  // instead of body
   std::unique_ptr<LiveSource> live;    // instead of body
+  std::optional<Work> wants;           // instead of an answer: to be asked again where such work is done
 };
 
 // Takes an upload piece by piece, in order, then answers. Destroyed without Finish: the upload broke, and

@@ -52,17 +52,27 @@ Route& Router::Insert(Method method, std::string_view pattern) {
 }
 
 void Router::Add(Method method, std::string_view pattern, Handler handler) {
-  Insert(method, pattern).handler = std::move(handler);
+  Route& route = Insert(method, pattern);
+  route.handler = std::move(handler);
+  route.work = method == Method::kGet ? Work::kRead : Work::kWrite;
+}
+
+void Router::AddCompute(Method method, std::string_view pattern, Handler handler) {
+  Route& route = Insert(method, pattern);
+  route.handler = std::move(handler);
+  route.work = Work::kCompute;
 }
 
 void Router::AddQuick(Method method, std::string_view pattern, Handler handler) {
   Route& route = Insert(method, pattern);
   route.handler = std::move(handler);
-  route.is_quick = true;
+  route.work = Work::kQuick;
 }
 
 void Router::AddUpload(Method method, std::string_view pattern, UploadHandler handler) {
-  Insert(method, pattern).upload = std::move(handler);
+  Route& route = Insert(method, pattern);
+  route.upload = std::move(handler);
+  route.work = Work::kWrite;
 }
 
 void Router::SetFallback(Handler handler) {

@@ -24,8 +24,7 @@ struct Route {
   std::string pattern;  // for metrics and the test that walks the contract
   Handler handler;      // exactly one of the two is set
   UploadHandler upload;
-  bool is_quick =
-      false;  // never waits for the disk longer than a page read: may run where sockets are served
+  Work work = Work::kRead;  // where it begins; an answer may ask for more (Response::wants)
 };
 
 class Router {
@@ -35,7 +34,12 @@ class Router {
   Router(Router&&) noexcept;
   Router& operator=(Router&&) noexcept;
 
+  // GET where reading is fine, everything else where writing is.
   void Add(Method method, std::string_view pattern, Handler handler);
+  // Makes pictures, plans or verdicts.
+  void AddCompute(Method method, std::string_view pattern, Handler handler);
+  // Answers from memory, with at most a page or two read from a file that is open: runs where sockets are
+  // served, and everybody there waits for it.
   void AddQuick(Method method, std::string_view pattern, Handler handler);
   void AddUpload(Method method, std::string_view pattern, UploadHandler handler);
   // Answers GET of paths that no pattern has (the web page).

@@ -6,7 +6,6 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -35,9 +34,11 @@ constexpr std::chrono::seconds kLingerTime{2};
 
 class SocketConnection : public Connection, public std::enable_shared_from_this<SocketConnection> {
  public:
-  SocketConnection(net::io_context& io, net::ip::tcp::socket socket, net::thread_pool& disk_pool,
+  SocketConnection(net::io_context& io, net::ip::tcp::socket socket, std::string peer,
                    const HttpSettings& settings)
-      : io_(io), stream_(std::move(socket)), disk_pool_(disk_pool), settings_(settings), head_deadline_(io) {}
+      : io_(io), stream_(std::move(socket)), settings_(settings), head_deadline_(io) {
+    peer_ = std::move(peer);
+  }
 
   Awaitable<Head> ReadHead() override {
     is_idle_ = true;
@@ -104,21 +105,16 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     if (error) has_failed_ = true;
   }
 
-  Awaitable<void> OnPool(std::function<void()> work) override {
-    co_await net::async_initiate<const net::use_awaitable_t<>&, void(std::exception_ptr)>(
-        [this, &work](auto handler) {
-          auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-          net::post(disk_pool_, [this, &work, shared] {
-            std::exception_ptr failure;
-            try {
-              work();
-            } catch (...) {
-              failure = std::current_exception();  // carried to the coroutine, which ends the connection
-            }
-            net::post(io_, [shared, failure] { (*shared)(failure); });
-          });
-        },
-        net::use_awaitable);
+  Awaitable<RequestPool::Answer> AskPool(RequestPool& pool, const std::string& client,
+                                         std::function<void()> work) override {
+    co_return co_await Run(work, [&](auto run) { return pool.Submit(client, std::move(run)); });
+  }
+
+  Awaitable<void> OnPool(RequestPool& pool, std::function<void()> work) override {
+    co_await Run(work, [&](auto run) {
+      pool.Continue([run = std::move(run)] { run(false); });
+      return RequestPool::Answer::kTaken;
+    });
   }
 
   Awaitable<void> Pause(std::chrono::milliseconds time) override {
@@ -150,6 +146,29 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     return {static_cast<const char*>(bytes.data()), bytes.size()};
   }
 
+  // `hand_over` gives a pool what is to be run there, and says whether it was taken.
+  template <typename HandOver>
+  Awaitable<RequestPool::Answer> Run(const std::function<void()>& work, HandOver hand_over) {
+    using Answer = RequestPool::Answer;
+    co_return co_await net::async_initiate<const net::use_awaitable_t<>&, void(std::exception_ptr, Answer)>(
+        [this, &work, &hand_over](auto handler) {
+          auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+          const Answer answer = hand_over([this, &work, shared](bool is_late) {
+            std::exception_ptr failure;
+            try {
+              if (!is_late) work();
+            } catch (...) {
+              failure = std::current_exception();  // carried to the coroutine, which ends the connection
+            }
+            net::post(io_, [shared, failure, is_late] {
+              (*shared)(failure, is_late ? Answer::kFull : Answer::kTaken);
+            });
+          });
+          if (answer != Answer::kTaken) net::post(io_, [shared, answer] { (*shared)(nullptr, answer); });
+        },
+        net::use_awaitable);
+  }
+
   // At the deadline the read is given up, but the socket stays: who sent a part of a head is told.
   void SetHeadDeadline(std::chrono::seconds time) {
     stream_.expires_never();
@@ -178,7 +197,6 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
 
   net::io_context& io_;
   beast::tcp_stream stream_;
-  net::thread_pool& disk_pool_;
   const HttpSettings& settings_;
   beast::flat_buffer buffer_;
   std::unique_ptr<RequestParser> parser_;
@@ -192,7 +210,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
 
 }  // namespace
 
-std::shared_ptr<Connection> TakeConnection(net::io_context& io, int fd, net::thread_pool& disk_pool,
+std::shared_ptr<Connection> TakeConnection(net::io_context& io, int fd, std::string peer,
                                            const HttpSettings& settings) {
   net::ip::tcp::socket socket(io);
   SystemError error;
@@ -202,7 +220,7 @@ std::shared_ptr<Connection> TakeConnection(net::io_context& io, int fd, net::thr
     return nullptr;
   }
   socket.set_option(net::ip::tcp::no_delay(true), error);
-  return std::make_shared<SocketConnection>(io, std::move(socket), disk_pool, settings);
+  return std::make_shared<SocketConnection>(io, std::move(socket), std::move(peer), settings);
 }
 
 }  // namespace skyquilt::server

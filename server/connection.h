@@ -1,5 +1,5 @@
 // Connection: one TCP connection with HTTP's framing over it: request heads in under a deadline, bodies in
-// and out in slices, and work that waits for the disk. Knows no routes and no answers (server/http_session
+// and out in slices, and a request's work on other threads. Knows no routes and no answers (server/http_session
 // does). Run by the one thread of its io_context; never throws but what work on the pool threw. After a read
 // or write that failed, has_failed() is true and the connection is of no more use.
 #pragma once
@@ -18,10 +18,10 @@
 
 #include "server/http_settings.h"
 #include "server/request_head.h"
+#include "server/request_pool.h"
 
 namespace boost::asio {
 class io_context;
-class thread_pool;
 }  // namespace boost::asio
 
 namespace skyquilt::server {
@@ -55,8 +55,11 @@ class Connection {
 
   // Both with one deadline.
   virtual Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) = 0;
-  // Runs `work` where waiting for the disk is fine, and comes back to this connection's own thread.
-  virtual Awaitable<void> OnPool(std::function<void()> work) = 0;
+  // Runs `work` on the pool, and comes back to this connection's own thread. Not kTaken: it was not run.
+  virtual Awaitable<RequestPool::Answer> AskPool(RequestPool& pool, const std::string& client,
+                                                 std::function<void()> work) = 0;
+  // The same for a piece of what is under way already, which is never refused.
+  virtual Awaitable<void> OnPool(RequestPool& pool, std::function<void()> work) = 0;
   virtual Awaitable<void> Pause(std::chrono::milliseconds time) = 0;
   // Says that nothing more comes, and lets what the client still sends run out for a while: closing over
   // unread bytes would reset the connection under the last answer.
@@ -64,17 +67,20 @@ class Connection {
   // Closes it where no request is under way.
   virtual void CloseIfIdle() = 0;
 
+  // The other end, as the system says; behind a proxy that is the proxy.
+  const std::string& peer() const { return peer_; }
   bool has_failed() const { return has_failed_; }
   void GiveUp() { has_failed_ = true; }
 
  protected:
+  std::string peer_;
   RequestHead head_;
   Refusal refusal_;
   bool has_failed_ = false;
 };
 
 // Takes over the accepted socket `fd`; null, and a line in the log, where the system refuses.
-std::shared_ptr<Connection> TakeConnection(boost::asio::io_context& io, int fd,
-                                           boost::asio::thread_pool& disk_pool, const HttpSettings& settings);
+std::shared_ptr<Connection> TakeConnection(boost::asio::io_context& io, int fd, std::string peer,
+                                           const HttpSettings& settings);
 
 }  // namespace skyquilt::server

@@ -9,7 +9,6 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <future>
 #include <thread>
 #include <vector>
@@ -52,8 +51,8 @@ skyquilt::Error BindError(const HttpSettings& settings, const boost::system::err
 struct HttpServer::State {
   State(const HttpSettings& given, const api::Router& router, api::Service& service)
       : settings(given),
-        disk_pool(static_cast<std::size_t>(given.disk_threads)),
-        context{router, service, settings, disk_pool, sessions} {
+        pools(given),
+        context{router, service, settings, pools, sessions} {
     for (int i = 0; i < settings.threads; ++i) lanes.push_back(std::make_unique<Lane>());
     acceptor.emplace(lanes.front()->io);
     pause.emplace(lanes.front()->io);
@@ -74,8 +73,12 @@ struct HttpServer::State {
                              // Above the limit the newcomer is closed at once; those that are served are not
                              // disturbed.
                              if (sessions.count() < settings.max_connections) {
+                               boost::system::error_code gone;
+                               const tcp::endpoint peer = socket.remote_endpoint(gone);
                                const int fd = socket.release();
-                               net::post(lane.io, [this, &lane, fd] { StartSession(lane.io, fd, context); });
+                               net::post(lane.io, [this, &lane, fd, name = peer.address().to_string()] {
+                                 StartSession(lane.io, fd, name, context);
+                               });
                              }
                              Accept();
                            });
@@ -83,9 +86,9 @@ struct HttpServer::State {
 
   HttpSettings settings;
   SessionSet sessions;
-  // Lanes outlive the pool: work on the pool posts its answer to a lane. The pool is joined first.
+  // Lanes outlive the pools: work there posts its answer to a lane. The pools are stopped first.
   std::vector<std::unique_ptr<Lane>> lanes;
-  net::thread_pool disk_pool;
+  RequestPools pools;
   SessionContext context;
   std::optional<tcp::acceptor> acceptor;
   std::optional<net::steady_timer> pause;
@@ -146,7 +149,10 @@ HttpServer::~HttpServer() {
   for (const auto& lane : state_->lanes) {
     if (lane->thread.joinable()) lane->thread.join();
   }
-  state_->disk_pool.join();
+  const auto forever = RequestPool::Clock::now() + std::chrono::hours(24);
+  for (RequestPool* pool : {&state_->pools.read, &state_->pools.write, &state_->pools.compute}) {
+    pool->Stop(forever);
+  }
   // What is left of the coroutines is destroyed with its lane, while everything that it refers to is still
   // there.
   state_->acceptor.reset();

@@ -1,5 +1,7 @@
 #include "server/http_session.h"
 
+#include <fmt/format.h>
+
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -8,7 +10,10 @@
 #include <memory>
 #include <vector>
 
+#include "api/auth/access.h"
 #include "api/problem.h"
+#include "core/base/check.h"
+#include "server/client_address.h"
 #include "server/connection.h"
 #include "server/request_log.h"
 #include "server/response_head.h"
@@ -23,6 +28,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kReceiveSliceBytes = 128 * 1024;
 constexpr std::size_t kSendSliceBytes = 256 * 1024;
 constexpr std::chrono::milliseconds kLivePause{200};  // between two looks for what is new
+constexpr std::chrono::seconds kComputeWait{30};      // after which who waits for a picture has gone
+constexpr int kComputeNiceness = 5;                   // as the workers that stitch
 
 std::span<const std::uint8_t> BytesOf(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -79,7 +86,8 @@ class Session : public std::enable_shared_from_this<Session> {
     keep_alive_ = keep_alive_ && connection_->KeepsAlive();
     is_head_ = head.method == "HEAD";
     const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
-    Routed routed = RouteRequest(head, context_.router, context_.settings, context_.service, request_id_);
+    Routed routed = RouteRequest(head, context_.router, context_.settings, request_id_);
+    routed.request.client = ClientAddress(connection_->peer(), routed.request.headers, context_.settings);
     if (routed.route != nullptr && routed.route->upload) {
       co_await Receive(*routed.route, std::move(routed.request), has_body);
       co_return;
@@ -87,16 +95,47 @@ class Session : public std::enable_shared_from_this<Session> {
     // A body that nobody asked for is not read: the answer, then the end of the connection.
     if (has_body) keep_alive_ = false;
     api::Response response = std::move(routed.response);
-    if (routed.route != nullptr) {
-      if (routed.route->is_quick) {
-        response = Guarded(routed.request, [&] { return routed.route->handler(routed.request); });
-      } else {
-        co_await connection_->OnPool([&] {
-          response = Guarded(routed.request, [&] { return routed.route->handler(routed.request); });
-        });
+    if (routed.route != nullptr) response = co_await CarryOut(*routed.route, routed.request);
+    co_await Send(std::move(response), routed.route != nullptr && routed.route->work == api::Work::kQuick);
+  }
+
+  // First where the route begins, then wherever its answer asks to be made.
+  Awaitable<api::Response> CarryOut(const api::Route& route, api::Request& request) {
+    bool is_checked = false;
+    const auto call = [&] {
+      return Guarded(request, [&] {
+        if (!is_checked) {
+          if (auto refused = api::CheckAccess(context_.service, request, route.pattern))
+            return *std::move(refused);
+          is_checked = true;
+        }
+        return route.handler(request);
+      });
+    };
+    api::Response response;
+    response.wants = route.work;
+    while (response.wants) {
+      request.work = *response.wants;
+      if (request.work == api::Work::kQuick) {
+        response = call();
+        continue;
       }
+      RequestPool& pool = context_.pools.Of(request.work);
+      const RequestPool::Answer taken =
+          co_await connection_->AskPool(pool, request.client, [&] { response = call(); });
+      if (taken != RequestPool::Answer::kTaken) co_return TooMany(taken, pool, request);
+      SKYQUILT_CHECK(!response.wants || *response.wants > request.work, "work that comes back for the same");
     }
-    co_await Send(std::move(response), routed.route != nullptr && routed.route->is_quick);
+    co_return response;
+  }
+
+  static api::Response TooMany(RequestPool::Answer why, const RequestPool& pool, const api::Request& request) {
+    const std::string message =
+        why == RequestPool::Answer::kClientFull
+            ? fmt::format("{} requests from your address are being worked on already. Wait for their answers.",
+                          pool.settings().most_of_client)
+            : "The server has more such requests than it can work on. Try again in a moment.";
+    return api::Problem({ErrorCode::kRateLimited, message, ""}, request);
   }
 
   // What a handler throws (the machine is out of something) becomes a 500 of this one request.
@@ -116,21 +155,26 @@ class Session : public std::enable_shared_from_this<Session> {
     std::unique_ptr<api::BodySink> sink;
     api::Response response;
     is_upload_ = true;
-    co_await connection_->OnPool([&] {
+    request.work = api::Work::kWrite;
+    RequestPool& pool = context_.pools.Of(request.work);
+    const RequestPool::Answer taken = co_await connection_->AskPool(pool, request.client, [&] {
       response = Guarded(request, [&] {
+        if (auto refused = api::CheckAccess(context_.service, request, route.pattern))
+          return *std::move(refused);
         auto begun = route.upload(request);
         if (auto* refused = std::get_if<api::Response>(&begun)) return std::move(*refused);
         sink = std::move(std::get<std::unique_ptr<api::BodySink>>(begun));
         return api::Response();
       });
     });
+    if (taken != RequestPool::Answer::kTaken) response = TooMany(taken, pool, request);
     if (sink == nullptr) {
       if (has_body) keep_alive_ = false;
       co_await Send(std::move(response), false);
       co_return;
     }
     const bool arrived = !has_body || co_await ReceiveBody(*sink, request, &response);
-    co_await connection_->OnPool([&] {
+    co_await connection_->OnPool(pool, [&] {
       if (arrived) response = Guarded(request, [&] { return sink->Finish(); });
       sink.reset();  // an upload that broke is undone here, before anyone hears of it
     });
@@ -159,7 +203,7 @@ class Session : public std::enable_shared_from_this<Session> {
       if (slice.size == 0) continue;
       context_.service.metrics.CountBytesIn(slice.size);
       bool is_taken = false;
-      co_await connection_->OnPool([&] {
+      co_await connection_->OnPool(context_.pools.write, [&] {
         *response = Guarded(request, [&] {
           const Result<void> written = sink.Write({room.data(), slice.size});
           is_taken = written.ok();
@@ -203,7 +247,7 @@ class Session : public std::enable_shared_from_this<Session> {
     std::uint64_t left = source.length();
     while (left > 0 && !connection_->has_failed()) {
       std::size_t got = 0;
-      co_await connection_->OnPool([&] {
+      co_await connection_->OnPool(context_.pools.read, [&] {
         const Result<std::size_t> read = source.Read(slice);
         got = read ? *read : 0;
       });
@@ -217,7 +261,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Awaitable<void> SendLive(std::unique_ptr<api::LiveSource> live) {
     while (!connection_->has_failed() && !context_.service.is_draining) {
       std::string text;
-      co_await connection_->OnPool([&] {
+      co_await connection_->OnPool(context_.pools.read, [&] {
         Result<std::string> next = live->Next();
         if (next) text = *std::move(next);
         if (!next) connection_->GiveUp();
@@ -240,8 +284,19 @@ class Session : public std::enable_shared_from_this<Session> {
 
 }  // namespace
 
-void StartSession(net::io_context& io, int fd, SessionContext& context) {
-  std::shared_ptr<Connection> connection = TakeConnection(io, fd, context.disk_pool, context.settings);
+RequestPools::RequestPools(const HttpSettings& settings)
+    : read({"read", settings.read_threads, settings.most_waiting, settings.most_of_client}),
+      write({"write", settings.write_threads, settings.most_waiting, settings.most_of_client}),
+      compute({"compute", settings.compute_threads, settings.most_waiting, settings.most_of_client,
+               kComputeWait, kComputeNiceness}) {}
+
+RequestPool& RequestPools::Of(api::Work work) {
+  SKYQUILT_CHECK(work != api::Work::kQuick, "quick work has no pool");
+  return work == api::Work::kRead ? read : work == api::Work::kWrite ? write : compute;
+}
+
+void StartSession(net::io_context& io, int fd, std::string peer, SessionContext& context) {
+  std::shared_ptr<Connection> connection = TakeConnection(io, fd, std::move(peer), context.settings);
   if (connection != nullptr) std::make_shared<Session>(std::move(connection), context)->Start(io);
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace skyquilt::server {
 
@@ -12,7 +13,12 @@ struct HttpSettings {
   std::string address = "127.0.0.1";
   std::uint16_t port = 8080;  // 0: any free one
   int threads = 2;            // that serve sockets
-  int disk_threads = 4;       // that wait for the disk
+  int read_threads = 4;       // that read the catalogue and files
+  int write_threads = 4;      // that wait for the disk and for the catalogue's other writers
+  int compute_threads = 2;    // that make pictures, plans and verdicts
+  std::size_t most_waiting = 64;    // requests for each kind of thread, beside those that run
+  std::size_t most_of_client = 16;  // requests that wait or run, of one client and kind of thread
+  std::vector<std::string> trusted_proxies;  // addresses whose X-Forwarded-For is believed
   std::string public_url;     // "https://maps.example.org", for absolute links behind a proxy; empty: by Host
   bool loopback_names_only = true;  // refuse requests whose Host is not this machine (DNS rebinding)
   std::chrono::seconds header_deadline{
@@ -22,6 +28,7 @@ struct HttpSettings {
   std::size_t max_header_bytes = 16 * 1024;
   std::uint64_t max_body_bytes = std::uint64_t{64} << 30;
   std::size_t max_connections = 8192;
+  std::size_t connections_of_client = 256;  // 0: no bound
 };
 
 }  // namespace skyquilt::server

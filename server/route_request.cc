@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "api/auth/access.h"
 #include "api/problem.h"
 #include "api/target.h"
 
@@ -39,7 +38,7 @@ std::string BaseUrl(const RequestHead& head, const HttpSettings& settings) {
 std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
 
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    api::Service& service, const std::string& request_id) {
+                    const std::string& request_id) {
   Routed routed;
   const std::string path = PathOf(head.target);
   const auto answer = [&](api::Response response) {
@@ -81,9 +80,6 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   routed.request.base_url = BaseUrl(head, settings);
   routed.request.request_id = request_id;
   routed.request.headers = std::move(head.headers);
-  if (auto refused = api::CheckAccess(service, routed.request, match.route->pattern)) {
-    return answer(*std::move(refused));
-  }
   return routed;
 }
 

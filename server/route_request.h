@@ -1,12 +1,11 @@
 // RouteRequest: from a checked request head to the route that answers it, or to the answer that nobody may
-// give it to a handler: no such address, a method that is not taken, a page of another origin, a token that
-// is missing. No socket. Any thread.
+// give it to a handler: no such address, a method that is not taken, a page of another origin. Whether the client
+// may is asked where the handler runs (api/auth/access). No socket. Any thread.
 #pragma once
 
 #include <string>
 
 #include "api/router.h"
-#include "api/service.h"
 #include "server/http_settings.h"
 #include "server/request_head.h"
 
@@ -20,7 +19,7 @@ struct Routed {
 
 // Takes the headers out of the head.
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    api::Service& service, const std::string& request_id);
+                    const std::string& request_id);
 
 // A target without its query: what may be shown and logged.
 std::string PathOf(const std::string& target);

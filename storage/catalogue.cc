@@ -95,7 +95,7 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
 }
 
 Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
       "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
       " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
@@ -107,12 +107,12 @@ Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
 }
 
 Result<Flight> Catalogue::GetFlight(const std::string& id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   return ReadFlight(*db, id);
 }
 
 Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::string>& cursor) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query =
       db->Prepare(std::string(kFlightColumns) + "WHERE ?1 IS NULL OR f.id < ?1 ORDER BY f.id DESC LIMIT ?2");
   if (!query) return query.error();
@@ -167,12 +167,12 @@ Result<void> Catalogue::DeleteFlight(const std::string& id) {
 }
 
 Result<bool> Catalogue::HasFlight(const std::string& id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   return Exists(*db, "SELECT 1 FROM flight WHERE id=?", id);
 }
 
 Result<std::vector<std::string>> Catalogue::FlightIds() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare("SELECT id FROM flight ORDER BY id");
   if (!query) return query.error();
   std::vector<std::string> ids;
@@ -272,7 +272,7 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
 }
 
 Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   const Result<bool> known = Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id);
   if (!known) return known.error();
   if (!*known) return NoSuchFlight(flight_id);
@@ -291,7 +291,7 @@ Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_i
 }
 
 Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& flight_id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
       "SELECT r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
       " photos_aligned, photos_pose_only, photos_left_out FROM flight f"
@@ -315,7 +315,7 @@ Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& fli
 }
 
 Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight_id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare("SELECT revision FROM revision WHERE flight_id=? ORDER BY revision");
   if (!query) return query.error();
   query->Bind(1, flight_id);

@@ -1,12 +1,15 @@
 // CatalogueDb: the one database of a data folder (catalogue.db: flights, files, revisions, jobs), opened,
 // migrated to the newest schema, and shared by Catalogue and JobQueue. Survives kill -9 and power loss (WAL,
 // synchronous FULL). Any thread and any number of processes: within a process users take Lock() for the time
-// of a call.
+// of a call that writes, and Read() for one that only reads. Readers wait for no writer, in this process or
+// another: each sees what was committed when its statement began.
 #pragma once
 
+#include <condition_variable>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "core/base/result.h"
 #include "storage/sqlite_db.h"
@@ -15,9 +18,10 @@ namespace skyquilt::storage {
 
 class CatalogueDb {
  public:
-  static Result<std::unique_ptr<CatalogueDb>> Open(const std::filesystem::path& path);
+  // `readers`: how many may read at the same time; the next one waits for one of them.
+  static Result<std::unique_ptr<CatalogueDb>> Open(const std::filesystem::path& path, int readers = 2);
 
-  // The connection, for as long as the lock is held.
+  // The connection that writes, for as long as the lock is held.
   class Access {
    public:
     explicit Access(CatalogueDb& owner) : lock_(owner.mutex_), db_(owner.db_) {}
@@ -30,10 +34,32 @@ class CatalogueDb {
   };
   Access Lock() { return Access(*this); }
 
+  // A connection that only reads, for as long as this lives. Not while the same thread holds another.
+  class ReadAccess {
+   public:
+    explicit ReadAccess(CatalogueDb& owner) : owner_(owner), db_(owner.TakeReader()) {}
+    ~ReadAccess() { owner_.GiveBack(std::move(db_)); }
+    ReadAccess(const ReadAccess&) = delete;
+    ReadAccess& operator=(const ReadAccess&) = delete;
+    SqliteDb* operator->() const { return db_.get(); }
+    SqliteDb& operator*() const { return *db_; }
+
+   private:
+    CatalogueDb& owner_;
+    std::unique_ptr<SqliteDb> db_;
+  };
+  ReadAccess Read() { return ReadAccess(*this); }
+
  private:
   explicit CatalogueDb(SqliteDb db) : db_(std::move(db)) {}
+  std::unique_ptr<SqliteDb> TakeReader();
+  void GiveBack(std::unique_ptr<SqliteDb> reader);
+
   std::mutex mutex_;
   SqliteDb db_;
+  std::mutex readers_mutex_;
+  std::condition_variable reader_is_back_;
+  std::vector<std::unique_ptr<SqliteDb>> idle_readers_;
 };
 
 }  // namespace skyquilt::storage

@@ -3,7 +3,7 @@
 namespace skyquilt::storage {
 
 Result<std::vector<Event>> EventLog::After(std::int64_t seq, const EventFilter& filter, int limit) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   const char* where = filter.job_id      ? "job_id=?2 AND ?3 IS NULL AND"
                       : filter.flight_id ? "flight_id=?3 AND ?2 IS NULL AND"
                                          : "?2 IS NULL AND ?3 IS NULL AND";
@@ -34,7 +34,7 @@ Result<std::vector<Event>> EventLog::After(std::int64_t seq, const EventFilter& 
 }
 
 Result<std::int64_t> EventLog::Latest() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare("SELECT coalesce(max(seq),0) FROM event");
   if (!query) return query.error();
   const Result<bool> row = query->Step();

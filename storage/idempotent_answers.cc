@@ -4,7 +4,7 @@ namespace skyquilt::storage {
 
 Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const std::string& key,
                                                                 const std::string& route, Time now) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
       "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE key=? AND route=? AND "
       "created_us>?");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "storage/job_queue.h"
+#include "storage/job_turns.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -58,17 +59,19 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
   if (!ended) return ended.error();
   std::optional<Lease> lease;
   {
-    // Among equal priorities: who has fewest running now, then whose last turn is longest ago, then who came first.
+    const Result<std::optional<std::string>> next = NextJob(*db, now);
+    if (!next) return next.error();
+    if (!*next) {
+      const Result<void> ended_only = transaction->Commit();
+      if (!ended_only) return ended_only.error();
+      return std::optional<Lease>();
+    }
     Result<Statement> claim = db->Prepare(
         "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
         " lease_until_us=?2, started_us=coalesce(started_us,?3), attempt_started_us=?3, stage='', progress=0,"
-        " message='' WHERE id=(SELECT id FROM job w WHERE (state='accepted' AND not_before_us<=?3)"
-        " OR (state='running' AND lease_until_us<?3) ORDER BY priority DESC,"
-        " (SELECT count(*) FROM job r WHERE r.owner=w.owner AND r.state='running' AND r.lease_until_us>=?3),"
-        " (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE s.owner=w.owner), id LIMIT 1)"
-        " RETURNING id, flight_id, options, lease_token, attempts");
+        " message='' WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts");
     if (!claim) return claim.error();
-    const Result<bool> row = claim->Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Step();
+    const Result<bool> row = claim->Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Bind(4, **next).Step();
     if (!row) return row.error();
     if (*row) {
       lease = Lease{std::string(claim->ColumnText(0)), std::string(claim->ColumnText(1)),
@@ -92,7 +95,7 @@ Result<LeaseState> JobQueue::Renew(const Lease& lease, Time now) {
 }
 
 Result<LeaseState> JobQueue::Look(const Lease& lease) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   return ReadLease(*db, lease);
 }
 

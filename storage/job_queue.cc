@@ -93,14 +93,16 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
 }
 
 Result<Job> JobQueue::Get(const std::string& id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   return ReadJob(*db, id);
 }
 
 Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit) const {
-  const auto db = db_.Lock();
-  Result<Statement> query = db->Prepare(
-      std::string(kJobColumns) + "FROM job WHERE ?1 IS NULL OR flight_id=?1 ORDER BY id DESC LIMIT ?2");
+  const auto db = db_.Read();
+  // Two statements, so that each has its index.
+  Result<Statement> query =
+      db->Prepare(std::string(kJobColumns) + (flight_id ? "FROM job WHERE flight_id=?1 ORDER BY id DESC LIMIT ?2"
+                                                        : "FROM job WHERE ?1 IS NULL ORDER BY id DESC LIMIT ?2"));
   if (!query) return query.error();
   if (flight_id) {
     query->Bind(1, *flight_id);
@@ -112,7 +114,7 @@ Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight
 }
 
 Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query =
       db->Prepare(std::string(kJobColumns) + "FROM job WHERE flight_id=? ORDER BY id DESC LIMIT 1");
   if (!query) return query.error();
@@ -123,7 +125,7 @@ Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) cons
 }
 
 Result<std::vector<Job>> JobQueue::ListRunning() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query =
       db->Prepare(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id");
   if (!query) return query.error();
@@ -131,7 +133,7 @@ Result<std::vector<Job>> JobQueue::ListRunning() const {
 }
 
 Result<JobCounts> JobQueue::Count() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
       "SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
       " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
@@ -173,7 +175,7 @@ Result<void> JobQueue::Remove(const std::string& id) {
 }
 
 Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time now) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query =
       db->Prepare("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?");
   if (!query) return query.error();
@@ -191,7 +193,7 @@ Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time now) const {
 }
 
 Result<std::vector<std::string>> JobQueue::UnfinishedJobs() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare("SELECT id FROM job WHERE state IN ('accepted', 'running')");
   if (!query) return query.error();
   std::vector<std::string> jobs;

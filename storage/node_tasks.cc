@@ -24,7 +24,7 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
 }
 
 Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query =
       db->Prepare("SELECT uuid, flight_id, options, created_ms, is_committed FROM node_task WHERE uuid=?");
   if (!query) return query.error();
@@ -41,7 +41,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
 }
 
 Result<std::vector<std::string>> NodeTasks::List() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare("SELECT uuid FROM node_task WHERE is_committed=1 ORDER BY flight_id");
   if (!query) return query.error();
   std::vector<std::string> uuids;

@@ -75,7 +75,7 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
 }
 
 Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
       "SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west, "
       "changed_south,"

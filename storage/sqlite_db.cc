@@ -34,11 +34,14 @@ std::string UriOf(const std::filesystem::path& path) {
 Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode) {
   sqlite3* handle = nullptr;
   // NOMUTEX: the connection is used by one thread at a time, which this class demands of its caller.
+  // A reader of a WAL needs to write its index beside the file; query_only keeps it from writing more.
   const int flags = mode == OpenMode::kReadWriteCreate
                         ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX
+                    : mode == OpenMode::kReadShared
+                        ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX
                         : SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
   const std::string name =
-      mode == OpenMode::kReadWriteCreate ? std::filesystem::absolute(path).string() : UriOf(path);
+      mode == OpenMode::kReadOnlyImmutable ? UriOf(path) : std::filesystem::absolute(path).string();
   const int code = sqlite3_open_v2(name.c_str(), &handle, flags, nullptr);
   SqliteDb db(handle);
   if (code == SQLITE_CANTOPEN && mode == OpenMode::kReadWriteCreate) {
@@ -52,7 +55,9 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
   }
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
-  const Result<void> ready = db.Exec(mode == OpenMode::kReadOnlyImmutable
+  const Result<void> ready = db.Exec(mode == OpenMode::kReadShared
+                                         ? "PRAGMA query_only=1; SELECT count(*) FROM sqlite_master;"
+                                     : mode == OpenMode::kReadOnlyImmutable
                                          ? "PRAGMA query_only=1; PRAGMA cache_size=-64;"
                                            "PRAGMA trusted_schema=0; SELECT count(*) FROM sqlite_master;"
                                          : "PRAGMA foreign_keys=1; SELECT count(*) FROM sqlite_master;");

@@ -42,7 +42,7 @@ Result<void> StageCosts::Add(const JobCost& cost) {
 }
 
 Result<std::vector<JobCost>> StageCosts::Latest(int jobs) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   // Ids grow by time.
   Result<Statement> query = db->Prepare(
       "SELECT job_id, photos, stage, seconds FROM stage_cost WHERE job_id IN"

@@ -58,7 +58,7 @@ Result<void> Tokens::Revoke(const std::string& name) {
 }
 
 Result<std::vector<Token>> Tokens::List() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query =
       db->Prepare(
       "SELECT id, name, hash, scope, created_us, expires_us, most_bytes, requests_per_minute FROM token ORDER BY id");

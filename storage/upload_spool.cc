@@ -67,7 +67,7 @@ std::shared_ptr<UploadSpool::Turn> UploadSpool::TurnOf(const std::string& id) {
 
 Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
   if (!IsId(id)) return NoSuchUpload();
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(std::string(kColumns) + "WHERE id=? AND expires_us>?");
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, id).Bind(2, ToUs(now)).Step();
@@ -224,7 +224,7 @@ Result<void> UploadSpool::Remove(const std::string& id, Time now) {
 Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
   std::vector<SpooledUpload> complete;
   {
-    const auto db = db_.Lock();
+    const auto db = db_.Read();
     Result<Statement> query =
         db->Prepare(std::string(kColumns) + "WHERE is_done=0 AND byte_offset=length AND expires_us>?");
     if (!query) return query.error();

@@ -22,7 +22,7 @@ Result<Webhook> Webhooks::Add(const std::string& url, const std::string& secret,
 }
 
 Result<std::vector<Webhook>> Webhooks::List() const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare("SELECT id, url, secret, created_us FROM webhook ORDER BY id");
   if (!query) return query.error();
   std::vector<Webhook> webhooks;
@@ -46,7 +46,7 @@ Result<void> Webhooks::Remove(const std::string& id) {
 }
 
 Result<std::vector<Delivery>> Webhooks::Due(Time now, int limit) const {
-  const auto db = db_.Lock();
+  const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
       "SELECT w.id, w.url, w.secret, w.created_us, d.event_seq, d.body, d.attempts FROM webhook_delivery d"
       " JOIN webhook w ON w.id=d.webhook_id WHERE d.not_before_us<=? ORDER BY d.event_seq LIMIT ?");

@@ -31,8 +31,8 @@ Response Verdict(Service& service, const Request& request) {
 }  // namespace
 
 void AddVerdictRoute(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/verdict",
-             [&](const Request& request) { return Verdict(service, request); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/verdict",
+                    [&](const Request& request) { return Verdict(service, request); });
 }
 
 }  // namespace skyquilt::api

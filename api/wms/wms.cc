@@ -239,7 +239,7 @@ Result<WmsMap> ParseGetMap(const Request& request) {
 }
 
 void AddWmsRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/wms/{flight}", [&](const Request& r) { return Answer(service, r); });
+  router.AddCompute(Method::kGet, "/wms/{flight}", [&](const Request& r) { return Answer(service, r); });
 }
 
 }  // namespace skyquilt::api

@@ -33,6 +33,9 @@ namespace {
 
 constexpr std::chrono::seconds kDrainTime{10};
 constexpr std::chrono::seconds kWorkerGrace{8};
+// As many as threads that may read the catalogue at the same time, so that none waits for another.
+constexpr int kReaders = 16;
+constexpr int kTileReaders = 16;
 constexpr timespec kLookAfterWorkers{0, 500'000'000};
 
 struct ServeOptions {
@@ -135,9 +138,9 @@ Storage OpenStorage(const ServeOptions& options) {
   if (!dir) Fail(dir.error());
   Result<storage::DataDirLock> lock = storage::DataDirLock::Take(*dir);
   if (!lock) Fail(lock.error());
-  Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::Open(dir->Catalogue());
+  Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::Open(dir->Catalogue(), kReaders);
   if (!db) Fail(db.error());
-  Result<std::unique_ptr<storage::CatalogueDb>> tiles_db = storage::CatalogueDb::Open(dir->Catalogue());
+  Result<std::unique_ptr<storage::CatalogueDb>> tiles_db = storage::CatalogueDb::Open(dir->Catalogue(), kTileReaders);
   if (!tiles_db) Fail(tiles_db.error());
   return {*std::move(dir), *std::move(lock), *std::move(db), *std::move(tiles_db)};
 }
