@@ -14,7 +14,6 @@
 #include "api/ops/metrics.h"
 #include "core/base/result.h"
 #include "core/flight/input_file.h"
-#include "core/pipeline/mosaic_options.h"
 #include "storage/catalogue.h"
 #include "storage/event_log.h"
 #include "storage/idempotent_answers.h"
@@ -54,9 +53,9 @@ struct Service {
   EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
   Basemap basemap{};
-  // What is in these files, as JSON, without making a map; reading them takes a second or two. The server gives it:
-  // the reading itself is the core's.
-  std::function<Result<std::string>(const std::vector<flight::InputFile>&, const pipeline::MosaicOptions&)> inspect =
+  // What is in these files, as JSON, without making a map; `options`: the flight's, as JSON. Reading them takes a second
+  // or two. The server has it done by a process apart, once for each set of files.
+  std::function<Result<std::string>(const std::vector<flight::InputFile>&, const std::string& options)> inspect =
       nullptr;
   // An archive's files into a flight's store. The server has it done by a process apart.
   std::function<Result<std::vector<storage::UnpackedFile>>(const storage::PhotoStore&, const std::string& flight_id,

@@ -1,10 +1,12 @@
 #include "server/process_limits.h"
 
+#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <fstream>
+#include <string>
 
 namespace skyquilt::server {
 namespace {
@@ -25,12 +27,26 @@ std::int64_t AddressSpaceBytes() {
   return pages * sysconf(_SC_PAGESIZE);
 }
 
+// As RLIMIT_DATA counts it.
+std::int64_t DataBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    std::int64_t kib = 0;
+    if (word == "VmData:" && status >> kib) return kib << 10;
+  }
+  return 0;
+}
+
 }  // namespace
 
 void LimitThisProcess(const ProcessLimits& limits) {
   Limit(RLIMIT_CORE, 0, true);
   if (limits.more_memory_bytes) {
     Limit(RLIMIT_AS, static_cast<rlim_t>(AddressSpaceBytes() + *limits.more_memory_bytes), true);
+  }
+  if (limits.more_data_bytes) {
+    Limit(RLIMIT_DATA, static_cast<rlim_t>(DataBytes() + *limits.more_data_bytes), true);
   }
   if (limits.more_cpu_s) {
     rusage used{};
@@ -39,6 +55,14 @@ void LimitThisProcess(const ProcessLimits& limits) {
           false);
   }
   if (limits.file_bytes) Limit(RLIMIT_FSIZE, static_cast<rlim_t>(*limits.file_bytes), true);
+}
+
+void StepBack() {
+  setpriority(PRIO_PROCESS, 0, 5);
+  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (fd < 0) return;  // not Linux as we know it: then without
+  [[maybe_unused]] const ssize_t wrote = write(fd, "500", 3);
+  close(fd);
 }
 
 bool FollowParent(int parent, int signal) {

@@ -15,7 +15,7 @@ namespace {
 
 class SpawnSettings {
  public:
-  explicit SpawnSettings(std::optional<int> stdout_fd) {
+  SpawnSettings(std::optional<int> stdout_fd, std::optional<int> stdin_fd) {
     posix_spawnattr_init(&attributes_);
     posix_spawn_file_actions_init(&actions_);
     sigset_t none;
@@ -25,6 +25,7 @@ class SpawnSettings {
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    if (stdin_fd) posix_spawn_file_actions_adddup2(&actions_, *stdin_fd, STDIN_FILENO);
     if (stdout_fd) posix_spawn_file_actions_adddup2(&actions_, *stdout_fd, STDOUT_FILENO);
     // Asio's sockets would go along: a child that outlives a killed server kept its port from the next one.
     posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
@@ -45,12 +46,13 @@ class SpawnSettings {
 
 }  // namespace
 
-Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd) {
+Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd,
+                        std::optional<int> stdin_fd) {
   words.insert(words.begin(), "skyquilt");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const SpawnSettings settings(stdout_fd);
+  const SpawnSettings settings(stdout_fd, stdin_fd);
   pid_t pid = 0;
   const int failed =
       posix_spawn(&pid, "/proc/self/exe", settings.actions(), settings.attributes(), argv.data(), environ);

@@ -13,8 +13,10 @@
 
 namespace skyquilt::server {
 
-// `words`: what follows the program's name. `stdout_fd`: what its standard output becomes, where given.
-Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd = std::nullopt);
+// `words`: what follows the program's name. `stdout_fd`, `stdin_fd`: what its standard output and input become,
+// where given.
+Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd = std::nullopt,
+                        std::optional<int> stdin_fd = std::nullopt);
 
 // "by signal 9 (Killed)", "with code 1": of a status that waitpid gave.
 std::string HowItEnded(int wait_status);

@@ -1,6 +1,8 @@
 #include "storage/geotiff_dem.h"
 
 #include <cpl_conv.h>
+#include <cpl_error.h>
+#include <fmt/format.h>
 #include <gdal_frmts.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
@@ -18,13 +20,21 @@
 namespace skyquilt::storage {
 namespace {
 
+constexpr std::int64_t kCacheBytes = std::int64_t{64} << 20;
+// GDAL reads a raster by its blocks, whole; four of them lie around a point.
+constexpr std::int64_t kMostBlockBytes = kCacheBytes / 4;
+constexpr int kMostBands = 16;
+
 // The one driver that is needed, and no look at files beside the one given.
 void RegisterGeotiffOnce() {
   static std::once_flag once;
   std::call_once(once, [] {
     CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
     CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
-    GDALSetCacheMax64(std::int64_t{64} << 20);
+    CPLSetConfigOption("GTIFF_VIRTUAL_MEM_IO", "NO");
+    CPLSetConfigOption("GDAL_NUM_THREADS", "1");
+    OSRSetPROJEnableNetwork(0);
+    GDALSetCacheMax64(kCacheBytes);
     GDALRegister_GTiff();
   });
 }
@@ -69,8 +79,23 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   };
   auto raster = std::make_unique<Raster>();
   const char* const drivers[] = {"GTiff", nullptr};
+  // What is wrong with it is told by our own words, not by GDAL's on the standard error output.
+  CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
   raster->dataset.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers));
   if (!raster->dataset || raster->dataset->GetRasterCount() < 1) return refuse("cannot be read");
+  if (raster->dataset->GetRasterCount() > kMostBands)
+    return refuse(fmt::format("has more than {} bands", kMostBands));
+  int block_width = 0;
+  int block_height = 0;
+  raster->dataset->GetRasterBand(1)->GetBlockSize(&block_width, &block_height);
+  const std::int64_t block_bytes = std::int64_t{block_width} * block_height *
+                                   GDALGetDataTypeSizeBytes(raster->dataset->GetRasterBand(1)->GetRasterDataType()) *
+                                   raster->dataset->GetRasterCount();
+  if (block_bytes > kMostBlockBytes) {
+    return refuse(fmt::format("is stored in blocks of {} MiB, of which at most {} are read at once (gdal_translate "
+                              "-co TILED=YES -co COMPRESS=DEFLATE stores it in small ones)",
+                              block_bytes >> 20, kMostBlockBytes >> 20));
+  }
   std::array<double, 6> model_from_pixel{};
   const OGRSpatialReference* system = raster->dataset->GetSpatialRef();
   if (system == nullptr || raster->dataset->GetGeoTransform(model_from_pixel.data()) != CE_None ||

@@ -1,8 +1,8 @@
 // GeotiffDem: heights of the ground from a GeoTIFF elevation model in any coordinate system GDAL knows,
 // between cells bilinearly, in metres whatever the file's unit, above the sea (the geoid taken off
-// where the file's coordinate system counts heights from the ellipsoid). Reads windows, never the whole file. One
-// thread at a time. Errors of Open: kNotFound, kUnsupportedFormat (no GeoTIFF, or one that does not say where
-// it lies).
+// where the file's coordinate system counts heights from the ellipsoid). Reads blocks, never the whole file: at most
+// 16 MiB large, with 64 MiB kept. One thread at a time. Errors of Open: kNotFound, kUnsupportedFormat (no GeoTIFF, one that does not say where it
+// lies, or one in larger blocks).
 #pragma once
 
 #include <filesystem>

@@ -78,7 +78,7 @@ class Unpacking {
       return Refuse(fmt::format("it has more than {} entries", limits_.entries));
     if (archive_entry_is_encrypted(entry) != 0) return Refuse("it is encrypted");
     const std::string full_name = FullName(entry);
-    if (archive_entry_filetype(entry) == AE_IFDIR || IsClutter(full_name)) return {};
+    if (archive_entry_filetype(entry) == AE_IFDIR || IsClutter(full_name)) return PassOver(archive);
     UnpackedFile file;
     file.file.name = LastPart(full_name);
     file.error = WrongWith(entry, full_name);
@@ -93,8 +93,9 @@ class Unpacking {
       if (stored) file.file.stored_name = *stored;
       if (!stored) file.error = stored.error();
     }
+    const bool was_read = !file.file.stored_name.empty() || !file.error;
     files_.push_back(std::move(file));
-    return {};
+    return was_read ? Result<void>() : PassOver(archive);
   }
 
   std::vector<UnpackedFile> Keep() {
@@ -103,6 +104,28 @@ class Unpacking {
   }
 
  private:
+  // To what follows an entry that is not taken, the archive is unpacked all the same.
+  Result<void> PassOver(struct archive* archive) {
+    const void* block = nullptr;
+    std::size_t size = 0;
+    la_int64_t offset = 0;
+    while (true) {
+      const int got = archive_read_data_block(archive, &block, &size, &offset);
+      if (got == ARCHIVE_EOF) return {};
+      if (got < ARCHIVE_WARN) return Refuse("it is damaged", Words(archive));
+      total_ += static_cast<std::int64_t>(size);
+      if (const Result<void> fits = CheckTotal(); !fits) return fits;
+    }
+  }
+
+  Result<void> CheckTotal() const {
+    if (total_ > limits_.total_bytes) return Refuse("it unpacks to more than the server takes");
+    if (total_ > kGrowthFrom && total_ / limits_.growth > archive_bytes_) {
+      return Refuse(fmt::format("it unpacks to more than {} times its size", limits_.growth));
+    }
+    return {};
+  }
+
   // Counts what really comes out: the sizes that archives declare may lie.
   Result<void> Copy(struct archive* archive, Upload& upload) {
     std::vector<std::uint8_t> block(kBlockBytes);
@@ -114,10 +137,7 @@ class Unpacking {
       if (upload.bytes() + got > limits_.file_bytes) {
         return Refuse(fmt::format("a file in it is larger than {} MiB", limits_.file_bytes >> 20));
       }
-      if (total_ > limits_.total_bytes) return Refuse("it unpacks to more than the server takes");
-      if (total_ > kGrowthFrom && total_ / limits_.growth > archive_bytes_) {
-        return Refuse(fmt::format("it unpacks to more than {} times its size", limits_.growth));
-      }
+      if (const Result<void> fits = CheckTotal(); !fits) return fits;
       const Result<void> written = upload.Write({block.data(), static_cast<std::size_t>(got)});
       if (!written) return written.error();
     }

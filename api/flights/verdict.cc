@@ -1,7 +1,6 @@
 #include "api/flights/verdict.h"
 
 #include "api/flights/flights.h"
-#include "api/job_options.h"
 #include "api/problem.h"
 #include "api/responses.h"
 
@@ -17,13 +16,11 @@ Response Verdict(Service& service, const Request& request) {
   }
   const Result<std::vector<storage::StoredFile>> stored = service.catalogue.ListFiles(id);
   if (!stored) return Problem(stored.error(), request);
-  const Result<pipeline::MosaicOptions> options = ParseJobOptions(view->flight.options);
-  if (!options) return Problem(options.error(), request);
   std::vector<flight::InputFile> files;
   for (const storage::StoredFile& file : *stored) {
     files.push_back({file.name, service.store.PathOf(id, file.stored_name)});
   }
-  Result<std::string> verdict = service.inspect(files, *options);
+  Result<std::string> verdict = service.inspect(files, view->flight.options);
   if (!verdict) return Problem(verdict.error(), request);
   return Json(200, *std::move(verdict));
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/digest.h"
 #include "core/flight/byte_source.h"
 
 namespace skyquilt::flight {
@@ -47,18 +48,19 @@ std::vector<std::optional<std::size_t>> FindDuplicates(const std::vector<std::fi
   }
   for (const auto& [size, same_size] : by_size) {
     if (same_size.size() < 2) continue;
-    std::map<Fingerprint, std::vector<std::size_t>> firsts;  // distinct files under one fingerprint
+    std::map<Fingerprint, std::vector<std::size_t>> alike;
     for (const std::size_t i : same_size) {
-      const auto fingerprint = FingerprintOf(files[i]);
-      if (!fingerprint) continue;
-      auto& candidates = firsts[*fingerprint];
-      const auto first = std::find_if(candidates.begin(), candidates.end(), [&](std::size_t candidate) {
-        return HaveSameBytes(files[candidate], files[i]);
-      });
-      if (first != candidates.end()) {
-        duplicate_of[i] = *first;
-      } else {
-        candidates.push_back(i);
+      if (const auto fingerprint = FingerprintOf(files[i])) alike[*fingerprint].push_back(i);
+    }
+    for (const auto& [fingerprint, candidates] : alike) {
+      if (candidates.size() < 2) continue;
+      // Each is read once for its digest, however many are alike, and once more beside the first of its digest.
+      std::map<Digest, std::size_t> firsts;
+      for (const std::size_t i : candidates) {
+        const Result<Digest> digest = DigestOfFile(files[i]);
+        if (!digest) continue;
+        const auto [first, is_new] = firsts.try_emplace(*digest, i);
+        if (!is_new && HaveSameBytes(files[first->second], files[i])) duplicate_of[i] = first->second;
       }
     }
   }

@@ -1,5 +1,7 @@
 #include "core/flight/elevation_model_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/flight/exif_table.h"
@@ -31,6 +33,18 @@ bool IsElevationModel(ByteSource& source) {
   const double format = tags->Number(ExifIfd::kImage, kSampleFormat).value_or(1.0);
   return tags->Number(ExifIfd::kImage, kSamplesPerPixel).value_or(1.0) == 1.0 &&
          (format == kSigned || format == kFloatingPoint);
+}
+
+Result<void> CheckTiffDirectories(const std::filesystem::path& path) {
+  constexpr int kMost = 64;  // the raster, its overviews, and their masks
+  const auto source = OpenFileBytes(path);
+  if (!source || !IsTiff(**source)) return {};  // whoever reads it says what is wrong
+  const Result<int> count = CountTiffDirectories(**source, kMost);
+  if (!count || *count <= kMost) return {};
+  return Error{ErrorCode::kUnsupportedFormat,
+               fmt::format("the elevation model {} holds more than {} pictures; give a GeoTIFF with one",
+                           path.filename().string(), kMost),
+               ""};
 }
 
 std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files) {

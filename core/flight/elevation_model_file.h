@@ -4,14 +4,20 @@
 // each.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/flight/byte_source.h"
 #include "core/flight/input_file.h"
 
 namespace skyquilt::flight {
 
 bool IsElevationModel(ByteSource& source);
+
+// A TIFF file whose chain of directories is longer than any raster's with its overviews, or closes on itself, would be
+// followed to its end by whoever opens it. Error: kUnsupportedFormat.
+Result<void> CheckTiffDirectories(const std::filesystem::path& path);
 
 // Of these files, by name.
 std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files);

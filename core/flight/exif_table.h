@@ -71,11 +71,16 @@ class ExifTable {
   std::map<std::pair<ExifIfd, std::uint16_t>, ExifValue> values_;
 };
 
-// The TIFF block of a JPEG's EXIF segment (without "Exif\0\0"), through libexif. Damaged parts are left out.
+// The TIFF block of a JPEG's EXIF segment (without "Exif\0\0"), with the bounds of ReadTiffTags. Damaged parts are
+// left out.
 ExifTable ReadExifSegment(std::span<const std::uint8_t> tiff_block);
 
 // The first image of a TIFF file and its EXIF and GPS directories. Errors: kCorrupt, kUnsupportedFormat.
 Result<ExifTable> ReadTiffTags(ByteSource& source);
+
+// The directories in the chain that begins at the header of a TIFF file; `most` + 1 where there are more, or where the
+// chain closes on itself. Errors: kCorrupt, kUnsupportedFormat.
+Result<int> CountTiffDirectories(ByteSource& source, int most);
 
 // "GPSLatitude" and its kin; the number in hexadecimal for tags without a name.
 std::string ExifTagName(ExifIfd ifd, std::uint16_t tag);

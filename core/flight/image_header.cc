@@ -113,9 +113,10 @@ std::uint32_t BigEndian32(const std::uint8_t* p) {
 Result<ImageHeader> ReadPng(ByteSource& source) {
   constexpr int kMaxChunks = 100000;
   constexpr std::uint32_t kMaxExif = 1u << 16, kMaxText = 1u << 20;
+  constexpr std::size_t kMaxPackets = 4;
   ImageHeader header;
   std::uint64_t offset = 8;
-  bool has_end = false;
+  bool has_end = false, has_exif = false;
   for (int chunk = 0; chunk < kMaxChunks && !has_end; ++chunk) {
     std::uint8_t head[8];
     if (!source.Read(offset, head)) break;
@@ -127,12 +128,18 @@ Result<ImageHeader> ReadPng(ByteSource& source) {
       if (!source.Read(body, size)) break;
       header.width_px = static_cast<int>(std::min<std::uint32_t>(BigEndian32(size), 1000000000));
       header.height_px = static_cast<int>(std::min<std::uint32_t>(BigEndian32(size + 4), 1000000000));
-    } else if (type == "eXIf" && length <= kMaxExif) {
+    } else if (type == "eXIf" && length <= kMaxExif && !has_exif) {
+      has_exif = true;
       header.exif = ReadExifSegment(source.ReadUpTo(body, length));
     } else if (type == "iTXt" && length <= kMaxText) {
       constexpr std::string_view kKey("XML:com.adobe.xmp\0\0\0\0\0", 22);  // uncompressed, no language
+      if (header.xmp_packets.size() >= kMaxPackets || !Has(source.ReadUpTo(body, kKey.size()), 0, kKey)) {
+        offset = body + length + 4;
+        continue;
+      }
       const auto text = source.ReadUpTo(body, length);
-      if (Has(text, 0, kKey)) header.xmp_packets.emplace_back(text.begin() + kKey.size(), text.end());
+      if (text.size() > kKey.size())
+        header.xmp_packets.emplace_back(text.begin() + kKey.size(), text.end());
     }
     has_end = type == "IEND";
     offset = body + length + 4;

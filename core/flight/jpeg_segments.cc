@@ -10,8 +10,9 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr int kMaxSegments = 4096;
-constexpr std::uint64_t kMaxFillBytes = 1 << 16;
-constexpr std::size_t kMaxExtendedXmp = 16u << 20;
+constexpr std::uint64_t kMaxFillBytes = 1 << 16;  // of the whole file
+constexpr std::size_t kMaxExtendedXmp = 1u << 20;
+constexpr std::uint64_t kEndIsWithin = std::uint64_t{64} << 20;  // previews and films may stand behind the picture
 constexpr std::string_view kExifHeader("Exif\0", 5);
 constexpr std::string_view kXmpHeader("http://ns.adobe.com/xap/1.0/\0", 29);
 constexpr std::string_view kExtendedXmpHeader("http://ns.adobe.com/xmp/extension/\0", 35);
@@ -67,16 +68,14 @@ class ExtendedXmp {
 Result<JpegSegments> ScanJpegSegments(ByteSource& source) {
   JpegSegments found;
   ExtendedXmp extended;
+  std::uint64_t fill = 0;
   std::uint64_t offset = 2;  // after SOI, which the caller has seen
   for (int segment = 0; segment < kMaxSegments; ++segment) {
     std::uint8_t head[4];
     if (!source.Read(offset, std::span(head, 2))) break;
-    for (std::uint64_t fill = 0; head[0] != 0xFF && fill < kMaxFillBytes;
-         ++fill) {  // stray bytes between segments
-      if (!source.Read(++offset, std::span(head, 2))) return NoFrame("no marker");
-    }
-    while (head[0] == 0xFF && head[1] == 0xFF) {  // padding
-      if (!source.Read(++offset, std::span(head, 2))) return NoFrame("only padding");
+    // Stray bytes between segments, and padding.
+    while (head[0] != 0xFF || head[1] == 0xFF) {
+      if (++fill > kMaxFillBytes || !source.Read(++offset, std::span(head, 2))) return NoFrame("no marker");
     }
     const int marker = head[1];
     if (marker == 0xD9 || marker == 0xDA) break;  // end, or the first scan
@@ -116,6 +115,7 @@ Result<JpegSegments> ScanJpegSegments(ByteSource& source) {
 bool HasEndOfImage(ByteSource& source, std::uint64_t scan_offset) {
   constexpr std::uint64_t kBlock = 1 << 16;
   std::uint64_t end = source.size();
+  if (end > kEndIsWithin) scan_offset = std::max(scan_offset, end - kEndIsWithin);
   while (end > scan_offset + 1) {
     const std::uint64_t begin = end - std::min(kBlock, end - scan_offset);
     const std::vector<std::uint8_t> block = source.ReadUpTo(begin, static_cast<std::size_t>(end - begin));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <set>
 #include <tuple>
@@ -18,10 +19,11 @@ namespace {
 // Names are how a person and a log speak of a photo, so that each must be one photo's own.
 void MakeNamesUnique(std::vector<InputFile>& files) {
   std::set<std::string> taken;
+  std::map<std::string, int> copies;
   for (InputFile& file : files) {
     const std::string original = file.name;
-    for (int copy = 2; !taken.insert(file.name).second; ++copy)
-      file.name = fmt::format("{} ({})", original, copy);
+    while (!taken.insert(file.name).second)
+      file.name = fmt::format("{} ({})", original, ++copies.try_emplace(original, 1).first->second);
   }
 }
 

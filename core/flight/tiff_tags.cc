@@ -3,6 +3,7 @@
 // TIFF 6.0, section 2; BigTIFF as described by libtiff.
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "core/flight/exif_table.h"
 
@@ -24,6 +25,14 @@ class TiffWalker {
     std::uint8_t bytes[8];
     if (!source_.Read(offset, std::span(bytes, size))) return std::nullopt;
     return Decode(bytes, size);
+  }
+
+  // Of the next directory in the chain; 0 at its end, or where the file ends before.
+  std::uint64_t NextAfter(std::uint64_t offset) {
+    const std::size_t count_size = is_big_tiff_ ? 8 : 2;
+    const auto count = Unsigned(offset, count_size);
+    if (!count || *count > (std::uint64_t{1} << 32)) return 0;
+    return Unsigned(offset + count_size + *count * (is_big_tiff_ ? 20 : 12), is_big_tiff_ ? 8 : 4).value_or(0);
   }
 
   // False when not a single entry could be read.
@@ -84,9 +93,12 @@ Error Damaged(const char* detail) {
           detail};
 }
 
-}  // namespace
+struct TiffStart {
+  TiffWalker walker;
+  std::optional<std::uint64_t> first;  // directory
+};
 
-Result<ExifTable> ReadTiffTags(ByteSource& source) {
+Result<TiffStart> ReadStart(ByteSource& source) {
   std::uint8_t head[4];
   if (!source.Read(0, head)) return Damaged("shorter than its header");
   const bool is_big_endian = head[0] == 'M';
@@ -97,6 +109,24 @@ Result<ExifTable> ReadTiffTags(ByteSource& source) {
   if (magic != 42 && magic != 43) return Error{ErrorCode::kUnsupportedFormat, "This is not a TIFF file.", ""};
   TiffWalker walker(source, is_big_endian, magic == 43);
   const auto first = magic == 43 ? walker.Unsigned(8, 8) : walker.Unsigned(4, 4);
+  return TiffStart{std::move(walker), first};
+}
+
+}  // namespace
+
+Result<int> CountTiffDirectories(ByteSource& source, int most) {
+  Result<TiffStart> start = ReadStart(source);
+  if (!start) return start.error();
+  int count = 0;
+  for (std::uint64_t at = start->first.value_or(0); at != 0 && count <= most; ++count) at = start->walker.NextAfter(at);
+  return count;
+}
+
+Result<ExifTable> ReadTiffTags(ByteSource& source) {
+  Result<TiffStart> start = ReadStart(source);
+  if (!start) return start.error();
+  TiffWalker& walker = start->walker;
+  const std::optional<std::uint64_t>& first = start->first;
   ExifTable table;
   if (!first || !walker.ReadDirectory(*first, ExifIfd::kImage, table)) return Damaged("first directory");
   for (const auto& [pointer, ifd] : {std::pair{kExifPointer, ExifIfd::kExif}, {kGpsPointer, ExifIfd::kGps}}) {

@@ -12,7 +12,11 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::size_t kMaxPacket = 16u << 20;
+constexpr std::size_t kMaxPacket = 1u << 20;
+// Of one element: tinyxml2 compares each attribute with all before it. Cameras write up to a hundred.
+constexpr std::size_t kMaxAttributes = 400;
+constexpr std::size_t kMaxElements = 20'000;
+constexpr std::size_t kMaxName = 200;
 constexpr std::size_t kMaxProperties = 4000;
 constexpr std::size_t kMaxText = 4096;
 constexpr int kMaxDepth = 32;
@@ -53,6 +57,42 @@ std::string Trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return std::string(text.substr(0, kMaxText));
+}
+
+// Where what begins at `at` ends, if it is none that has attributes: a comment, CDATA, a declaration.
+std::optional<std::size_t> EndOfOther(std::string_view packet, std::size_t at) {
+  constexpr std::pair<std::string_view, std::string_view> kOthers[] = {
+      {"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}, {"<!", ">"}};
+  for (const auto& [open, close] : kOthers) {
+    if (packet.substr(at, open.size()) != open) continue;
+    const std::size_t end = packet.find(close, at + open.size());
+    return end == std::string_view::npos ? packet.size() : end + close.size();
+  }
+  return std::nullopt;
+}
+
+// Whether a packet has no more elements and attributes than it may: one look at each byte, before a parser builds
+// anything of it.
+bool IsModest(std::string_view packet) {
+  std::size_t elements = 0;
+  for (std::size_t at = packet.find('<'); at != std::string_view::npos; at = packet.find('<', at)) {
+    if (++elements > kMaxElements) return false;
+    if (const auto end = EndOfOther(packet, at)) {
+      at = *end;
+      continue;
+    }
+    std::size_t attributes = 0;
+    char quote = 0;
+    for (++at; at < packet.size() && (quote != 0 || packet[at] != '>'); ++at) {
+      if (quote == 0 && packet[at] == '=' && ++attributes > kMaxAttributes) return false;
+      if (quote == 0 && (packet[at] == '"' || packet[at] == '\'')) {
+        quote = packet[at];
+      } else if (packet[at] == quote) {
+        quote = 0;
+      }
+    }
+  }
+  return true;
 }
 
 // Walks the elements with the namespace declarations in force.
@@ -99,7 +139,7 @@ class PropertyWalker {
   }
 
   void Set(const std::string& name, std::string_view text) {
-    if (values_.size() < kMaxProperties && name.size() < 200) values_.emplace(name, Trimmed(text));
+    if (values_.size() < kMaxProperties && name.size() < kMaxName) values_.emplace(name, Trimmed(text));
   }
 
   static bool IsBookkeeping(std::string_view name) {
@@ -117,7 +157,8 @@ class PropertyWalker {
   }
 
   void WalkProperty(const tinyxml2::XMLElement& element, const std::string& outer, int depth) {
-    if (depth > kMaxDepth) return;
+    // Names of structures are put before those of their fields: long ones would be copied for each.
+    if (depth > kMaxDepth || outer.size() > kMaxName) return;
     const std::size_t scope = PushNamespaces(element);
     const std::string name = outer + NormalName(element.Name());
     const tinyxml2::XMLElement* child = element.FirstChildElement();
@@ -194,6 +235,7 @@ bool XmpTags::AddPacket(std::string_view packet) {
     const std::size_t end = packet.find(close, begin);
     packet = packet.substr(begin, end == std::string_view::npos ? end : end + close.size() - begin);
   }
+  if (!IsModest(packet)) return false;
   tinyxml2::XMLDocument document;
   if (document.Parse(packet.data(), packet.size()) != tinyxml2::XML_SUCCESS || !document.RootElement())
     return false;

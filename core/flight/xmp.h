@@ -1,7 +1,7 @@
 // XMP packets as a flat list of "prefix:Name" -> text, whatever prefix the writer chose: names go by
 // namespace URI. Attribute and element form, rdf:Seq/Bag/Alt (items joined with ';'), and structures
-// ("drone-skydio:Outer/Inner"). Bounded: packets up to 16 MiB, 4000 properties, nesting as deep as tinyxml2
-// allows. Any thread. Source: Adobe XMP specification part 1 (ISO 16684-1), section 7.
+// ("drone-skydio:Outer/Inner"). Bounded: packets up to 1 MiB of 20 000 elements with 400
+// attributes each, 4000 properties, 32 deep. Any thread. Source: Adobe XMP specification part 1 (ISO 16684-1), section 7.
 #pragma once
 
 #include <map>

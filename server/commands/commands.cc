@@ -8,6 +8,7 @@
 #include "server/commands/stitch.h"
 #include "server/commands/token.h"
 #include "server/commands/unpack.h"
+#include "server/commands/verdict.h"
 #include "server/commands/worker.h"
 
 namespace skyquilt::server {
@@ -21,6 +22,7 @@ void AddCommands(CLI::App& app) {
   AddSimulateCommand(app);
   AddTokenCommand(app);
   AddUnpackCommand(app);
+  AddVerdictCommand(app);
   AddWorkerCommand(app);
 }
 

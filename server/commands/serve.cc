@@ -17,13 +17,14 @@
 
 #include "api/build_api.h"
 #include "api/uploads/unpack.h"
-#include "core/pipeline/inspect_flight.h"
 #include "server/commands/config_file.h"
 #include "server/http_server.h"
-#include "server/open_elevation_model.h"
 #include "server/request_log.h"
+#include "server/run_apart.h"
 #include "server/static_files.h"
 #include "server/unpack_apart.h"
+#include "server/verdict_apart.h"
+#include "server/verdicts.h"
 #include "server/webhook_sender.h"
 #include "server/worker_pool.h"
 #include "storage/sweep.h"
@@ -195,16 +196,9 @@ void RunServer(const ServeOptions& options) {
   api::Metrics metrics;
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};
-  service.inspect = [](const std::vector<flight::InputFile>& files,
-                       const pipeline::MosaicOptions& mosaic) -> Result<std::string> {
-    SilentProgress progress;
-    const auto elevations = OpenElevationModel(mosaic.dem_path, files);
-    if (!elevations) return elevations.error();
-    auto verdict = pipeline::InspectFlight(files, mosaic, progress, elevations->source.get());
-    if (!verdict) return verdict.error();
-    verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(),
-                             elevations->warnings.end());
-    return pipeline::VerdictJson(*verdict);
+  Verdicts verdicts(VerdictApart);
+  service.inspect = [&verdicts](const std::vector<flight::InputFile>& files, const std::string& mosaic_options) {
+    return verdicts.Of(files, mosaic_options);
   };
   service.unpack = UnpackApart;
   const Result<int> expired = service.spool.RemoveExpired(storage::Now());
@@ -237,6 +231,7 @@ void RunServer(const ServeOptions& options) {
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
   if (!(*server)->Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
+  EndAllApart();
   workers.Stop(kWorkerGrace);
 }
 

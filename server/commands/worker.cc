@@ -1,9 +1,7 @@
 #include "server/commands/worker.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -35,15 +33,6 @@ struct WorkerOptions {
 std::atomic<bool> is_stopping{false};
 
 void OnStopSignal(int) { is_stopping = true; }
-
-// Tiles first: a job may use what is left of the CPU, and is the first to go when memory runs out.
-void StepBack() {
-  setpriority(PRIO_PROCESS, 0, 5);
-  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-  if (fd < 0) return;  // not Linux as we know it: then without
-  [[maybe_unused]] const ssize_t wrote = write(fd, "500", 3);
-  close(fd);
-}
 
 [[noreturn]] void Fail(const Error& error) {
   fmt::print(stderr, "skyquilt worker: {}\n", error.message);

@@ -50,6 +50,28 @@ TEST(OpenElevationModel, TakesTheFirstThatCanBeReadAndWarnsOfTheOthers) {
   EXPECT_THAT(none->warnings, ElementsAre(HasSubstr("a.tif is not used")));
 }
 
+// A block of 256 MiB in a file of a few kB: none of it was ever written.
+TEST(OpenElevationModel, RefusesBlocksThatAreTooLargeToBeRead) {
+  GDALAllRegister();
+  const ScratchDir folder;
+  const std::filesystem::path path = folder.path() / "a.tif";
+  OGRSpatialReference system;
+  system.importFromEPSG(4326);
+  const char* const options[] = {"COMPRESS=DEFLATE", "SPARSE_OK=TRUE", "BLOCKYSIZE=8192", nullptr};
+  {
+    const std::unique_ptr<GDALDataset> file(
+        GetGDALDriverManager()->GetDriverByName("GTiff")->Create(path.c_str(), 8192, 8192, 1, GDT_Float32, options));
+    double corner[6] = {8.45, 1e-5, 0.0, 47.45, 0.0, -1e-5};
+    file->SetGeoTransform(corner);
+    file->SetSpatialRef(&system);
+  }
+  ASSERT_LT(std::filesystem::file_size(path), 100'000U);
+  const auto given = OpenElevationModel("", {{"a.tif", path}});
+  ASSERT_TRUE(given.ok());
+  EXPECT_EQ(given->source, nullptr);
+  EXPECT_THAT(given->warnings, ElementsAre(HasSubstr("blocks of 256 MiB")));
+}
+
 TEST(OpenElevationModel, RefusesTheOneThatWasAskedFor) {
   const ScratchDir folder;
   const flight::InputFile bad = WriteModel(folder.path(), "a.tif", false);

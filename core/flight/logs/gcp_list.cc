@@ -12,7 +12,8 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::size_t kMostSightings = 1'000'000;
+constexpr std::size_t kMostSightings = 100'000;
+constexpr std::size_t kLongestName = 512;
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -64,14 +65,16 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
         continue;
       }
       GcpPoint point;
-      point.name = words.size() > 6 ? std::string(words[6]) : fmt::format("gcp{}", list.points.size() + 1);
+      point.name = words.size() > 6 ? std::string(words[6].substr(0, kLongestName)) : fmt::format("gcp{}", list.points.size() + 1);
       point.position = *position;
       if (z) point.height_m = *z * srs->metres_per_unit();
       list.points.push_back(std::move(point));
     }
     list.sightings.push_back(
-        {std::string(words[5]), *ParseNumber(words[3]), *ParseNumber(words[4]), entry->second});
+        {std::string(words[5].substr(0, kLongestName)), *ParseNumber(words[3]), *ParseNumber(words[4]), entry->second});
   }
+  if (list.sightings.size() == kMostSightings && lines.Next(line))
+    list.warnings.push_back(fmt::format("more than {} sightings; the rest was left out", kMostSightings));
   if (list.sightings.empty()) {
     return Error{
         ErrorCode::kCorrupt,

@@ -11,6 +11,9 @@
 namespace skyquilt::flight {
 namespace {
 
+constexpr std::uint64_t kMostRows = 200'000;
+constexpr std::size_t kLongestName = 512;
+
 bool LooksLikeImageName(std::string_view word) {
   const std::size_t dot = word.rfind('.');
   return dot != std::string_view::npos && word.size() - dot >= 3 && word.size() - dot <= 6 &&
@@ -34,7 +37,8 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   std::vector<std::string_view> words;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
-  while (lines.Next(line)) {
+  // Counted with the bad ones: each may cost a transformation.
+  while (rows + bad < kMostRows && lines.Next(line)) {
     SplitBlanks(line, words);
     if (words.empty() || words[0].front() == '#') continue;
     const auto x = words.size() >= 3 ? ParseNumber(words[1]) : std::nullopt;
@@ -54,7 +58,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
-    event.image_name = std::string(words[0]);
+    event.image_name = std::string(words[0].substr(0, kLongestName));
     event.position = *position;
     if (const auto z = number(3)) event.height_ellipsoid_m = *z * srs->metres_per_unit();
     const auto yaw = number(4);
@@ -80,6 +84,8 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   }
   builder.Count("row", rows);
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  if (rows + bad == kMostRows && lines.Next(line))
+    builder.Warn(fmt::format("more than {} rows; the rest was left out", kMostRows));
   builder.log().mapping = {fmt::format("x, y -> {}", srs->name()), "z -> height above the ellipsoid",
                            "yaw, pitch, roll -> degrees, pitch 0 = straight down"};
   if (srs->metres_per_unit() != 1.0) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
@@ -10,16 +12,30 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kLongestPoint = 65536;
+constexpr std::size_t kLongestTag = 1024;  // up to the >
 
+std::size_t SkipBlanks(std::string_view text, std::size_t at) {
+  return std::min(text.find_first_not_of(" \t\r\n", at), text.size());
+}
+
+// The attributes of a tag one after the other, each looked at once.
 std::optional<double> Attribute(std::string_view tag, std::string_view attribute) {
-  for (std::size_t at = tag.find(attribute); at != std::string_view::npos; at = tag.find(attribute, at + 1)) {
-    std::string_view rest = Trim(tag.substr(at + attribute.size()));
-    if (rest.empty() || rest.front() != '=') continue;
-    rest = Trim(rest.substr(1));
-    if (rest.empty() || (rest.front() != '"' && rest.front() != '\'')) continue;
-    const std::size_t end = rest.find(rest.front(), 1);
+  tag = tag.substr(0, kLongestTag);
+  std::size_t at = 0;
+  while (at < tag.size()) {
+    const std::size_t equals = tag.find('=', at);
+    if (equals == std::string_view::npos) return std::nullopt;
+    const std::string_view before = Trim(tag.substr(at, equals - at));
+    const std::size_t quote = SkipBlanks(tag, equals + 1);
+    if (quote == tag.size() || (tag[quote] != '"' && tag[quote] != '\'')) {
+      at = equals + 1;
+      continue;
+    }
+    const std::size_t end = tag.find(tag[quote], quote + 1);
     if (end == std::string_view::npos) return std::nullopt;
-    return ParseNumber(rest.substr(1, end - 1));
+    const std::string_view name = before.substr(std::min(before.find_last_of(" \t\r\n") + 1, before.size()));
+    if (name == attribute) return ParseNumber(tag.substr(quote + 1, end - quote - 1));
+    at = end + 1;
   }
   return std::nullopt;
 }

@@ -144,6 +144,12 @@ void LogBuilder::Warn(std::string warning) {
   }
 }
 
+void LogBuilder::Count(const std::string& message, std::uint64_t count) {
+  constexpr std::size_t kMost = 1000;
+  const bool has_room = log_.message_counts.size() < kMost || log_.message_counts.contains(message);
+  log_.message_counts[has_room ? message : "others"] += count;
+}
+
 template <typename T>
 void LogBuilder::PushTimed(CappedSeries<T>& series, const T& sample, int which) {
   if (!IsFinite(sample) || !(std::abs(sample.t_s) < kLatestS)) {

@@ -132,6 +132,7 @@ MavlinkFrame ReadMavlinkPacket(LogBytes bytes, std::size_t at, MavlinkPacket& pa
 }
 
 std::string MavlinkMessageName(std::uint32_t message_id) {
+  if (message_id > 0xFFFFFF) return "others";
   const Known* known = FindKnown(message_id);
   return known != nullptr ? known->name : fmt::format("MSG_{}", message_id);
 }

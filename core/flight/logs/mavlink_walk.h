@@ -8,6 +8,10 @@
 
 namespace skyquilt::flight {
 
+// Numbers of messages that are counted apart; vehicles send some hundred kinds. The others count as kOtherMavlink.
+inline constexpr std::size_t kMostMavlinkKinds = 1000;
+inline constexpr std::uint32_t kOtherMavlink = 0xFFFFFFFF;  // numbers have 24 bits
+
 // Walks the packets; after damage goes on at the next place where two packets follow one another.
 struct MavlinkWalk {
   std::map<std::uint32_t, std::uint64_t> counts;
@@ -51,7 +55,8 @@ struct MavlinkWalk {
   std::uint64_t& CountOf(std::uint32_t id) {
     if (id != last_id_ || last_count_ == nullptr) {
       last_id_ = id;
-      last_count_ = &counts[id];
+      const bool has_room = counts.size() < kMostMavlinkKinds || counts.contains(id);
+      last_count_ = &counts[has_room ? id : kOtherMavlink];
     }
     return *last_count_;
   }

@@ -114,7 +114,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
-    event.image_name = std::string(cells[0]);
+    event.image_name = std::string(cells[0].substr(0, 512));
     event.position = geo::LatLon{*number(1), *number(2)};
     event.height_ellipsoid_m = number(3);
     const auto a = number(columns->angles_at);

@@ -50,7 +50,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
-    event.image_name = std::string(cells[name_column]);
+    event.image_name = std::string(cells[name_column].substr(0, 512));
     event.position = geo::LatLon{*lat, *lon};
     event.height_amsl_m = number("altitude_amsl");
     event.height_ellipsoid_m = number("altitude_wgs84");

@@ -15,6 +15,8 @@ constexpr std::array<std::uint8_t, 7> kMagic = {0x55, 0x4C, 0x6F, 0x67, 0x01, 0x
 constexpr std::array<std::uint8_t, 8> kSync = {0x2F, 0x73, 0x13, 0x20, 0x25, 0x0C, 0xBB, 0x12};
 constexpr std::string_view kMessageTypes = "BFIMPQARDLCSO";
 constexpr std::size_t kHeader = 16;
+// A log of PX4 has a few hundred.
+constexpr std::uint64_t kMostSubscriptions = 10'000;
 
 class UlogParser {
  public:
@@ -130,7 +132,8 @@ class UlogParser {
       builder_.Warn("the file uses a newer kind of ULog that is not read; only its part before that is used");
       stop_ = true;
     }
-    if ((payload[8] & 1) == 0) return;
+    // The message stands once, at the start.
+    if ((payload[8] & 1) == 0 || !appended_.empty()) return;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto offset = LoadLittle<std::uint64_t>(payload.data() + 16 + 8 * i);
       if (offset > kHeader && offset < bytes_.size()) appended_.push_back(offset);
@@ -143,6 +146,7 @@ class UlogParser {
     const auto id = LoadLittle<std::uint16_t>(payload.data() + 1);
     const std::string_view topic = TextOf(payload.subspan(3));
     if (topic.size() > 256) return;
+    if (++subscribed_ > kMostSubscriptions) return;
     if (id >= subscriptions_.size()) subscriptions_.resize(std::size_t{id} + 1);
     Subscription& subscription = subscriptions_[id];
     FlushCount(subscription);
@@ -197,6 +201,8 @@ class UlogParser {
     }
     if (damaged_ > 0) builder_.Warn(fmt::format("{} damaged bytes were skipped", damaged_));
     if (unknown_ > 0) builder_.Warn(fmt::format("{} messages of unknown topics were skipped", unknown_));
+    if (subscribed_ > kMostSubscriptions)
+      builder_.Warn(fmt::format("more than {} subscriptions; the rest was left out", kMostSubscriptions));
     if (cut_) builder_.Warn("the file ends inside a message: it was cut off");
     return std::move(builder_).Finish();
   }
@@ -209,6 +215,7 @@ class UlogParser {
   UlogTopics topics_;
   std::vector<Subscription> subscriptions_;
   std::vector<std::uint64_t> appended_;
+  std::uint64_t subscribed_ = 0;
   std::uint64_t messages_ = 0;
   std::uint64_t unknown_ = 0;
   std::uint64_t damaged_ = 0;

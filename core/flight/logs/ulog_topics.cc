@@ -60,14 +60,14 @@ std::optional<UtcTime> UtcFromUnixUs(std::optional<double> unix_us) {
 struct UlogReaders {
   struct Base : UlogTopics::Reader {
     UlogTopics& topics;
-    const UlogTypes& types;
+    UlogTypes& types;
     std::string topic;
     Stamp stamp;
-    Base(UlogTopics& t, const UlogTypes& y, std::string_view name) : topics(t), types(y), topic(name) {
+    Base(UlogTopics& t, UlogTypes& y, std::string_view name) : topics(t), types(y), topic(name) {
       stamp = {Find("timestamp"), Find("timestamp_sample")};
     }
-    Field Find(std::string_view name) const { return types.Find(topic, name); }
-    Field FindEither(std::string_view name, std::string_view other) const {
+    Field Find(std::string_view name) { return types.Find(topic, name); }
+    Field FindEither(std::string_view name, std::string_view other) {
       const Field field = Find(name);
       return field ? field : Find(other);
     }
@@ -234,7 +234,7 @@ struct UlogReaders {
   };
 };
 
-std::unique_ptr<UlogTopics::Reader> UlogTopics::MakeReader(const UlogTypes& types, std::string_view topic) {
+std::unique_ptr<UlogTopics::Reader> UlogTopics::MakeReader(UlogTypes& types, std::string_view topic) {
   const auto has = [&](std::string_view field) { return types.Find(topic, field).has_value(); };
   if (!has("timestamp")) return nullptr;
   if (topic == "sensor_combined" && has("gyro_rad"))

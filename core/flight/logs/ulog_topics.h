@@ -23,7 +23,7 @@ class UlogTopics {
     virtual void Take(LogBytes payload) = 0;
   };
   // Nothing for a topic we do not read or that lacks the fields we need.
-  std::unique_ptr<Reader> MakeReader(const UlogTypes& types, std::string_view topic);
+  std::unique_ptr<Reader> MakeReader(UlogTypes& types, std::string_view topic);
 
   // Chooses among sources of the same thing and fills the clock.
   void Finish();

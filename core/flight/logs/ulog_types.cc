@@ -11,8 +11,9 @@ namespace {
 constexpr std::size_t kLargestType = std::size_t{1} << 16;
 constexpr std::size_t kMostDefinitions = 2000;
 constexpr std::size_t kMostMembers = 1000;
+constexpr std::size_t kMostMembersInAll = 50'000;
 constexpr int kDeepest = 8;
-constexpr int kMostSteps = 20'000;  // definitions that nest themselves wide must not cost time
+constexpr int kMostSteps = 1'000'000;  // a log of PX4 takes some ten thousand
 
 struct ScalarName {
   std::string_view name;
@@ -45,7 +46,7 @@ std::size_t SizeOfScalar(UlogScalar type) {
 
 bool UlogTypes::Define(std::string_view definition) {
   const std::size_t colon = definition.find(':');
-  if (colon == std::string_view::npos || colon == 0 || colon > 256 || definitions_.size() >= kMostDefinitions)
+  if (colon == std::string_view::npos || colon == 0 || colon > 256 || ++defined_ > kMostDefinitions)
     return false;
   std::vector<Member> members;
   std::string_view rest = definition.substr(colon + 1);
@@ -55,7 +56,8 @@ bool UlogTypes::Define(std::string_view definition) {
     rest.remove_prefix(std::min(rest.size(), end + 1));
     if (part.empty()) continue;
     const std::size_t blank = part.find(' ');
-    if (blank == std::string_view::npos || members.size() >= kMostMembers) return false;
+    if (blank == std::string_view::npos || members.size() >= kMostMembers || ++members_ > kMostMembersInAll)
+      return false;
     Member member;
     std::string_view type = part.substr(0, blank);
     const std::size_t bracket = type.find('[');
@@ -69,45 +71,50 @@ bool UlogTypes::Define(std::string_view definition) {
     member.name = Trim(part.substr(blank + 1));
     members.push_back(std::move(member));
   }
-  definitions_[std::string(definition.substr(0, colon))] = std::move(members);
+  Definition& defined = definitions_[std::string(definition.substr(0, colon))];
+  defined.members = std::move(members);
+  // What was worked out may have lacked this one, or held another in its place.
+  for (auto& [name, known] : definitions_) known.is_known = false;
   return true;
 }
 
-std::optional<std::size_t> UlogTypes::SizeOf(std::string_view type) const {
-  int steps_left = kMostSteps;
-  return SizeOf(type, 0, steps_left);
-}
+std::optional<std::size_t> UlogTypes::SizeOf(std::string_view type) { return SizeOf(type, 0); }
 
-std::optional<std::size_t> UlogTypes::SizeOf(std::string_view type, int depth, int& steps_left) const {
+std::optional<std::size_t> UlogTypes::SizeOf(std::string_view type, int depth) {
   if (const ScalarName* scalar = FindScalar(type)) return scalar->size;
   const auto found = definitions_.find(type);
   if (found == definitions_.end() || depth > kDeepest) return std::nullopt;
-  std::size_t size = 0;
-  for (const Member& member : found->second) {
-    const auto member_size = SizeOf(member.type, depth + 1, steps_left);
-    if (!member_size || --steps_left <= 0) return std::nullopt;
-    size += *member_size * member.count;
-    if (size > kLargestType) return std::nullopt;
-  }
-  return size;
+  if (!found->second.is_known) WorkOut(found->second, depth);
+  return found->second.size;
 }
 
-std::optional<UlogField> UlogTypes::Find(std::string_view type, std::string_view field) const {
+void UlogTypes::WorkOut(Definition& definition, int depth) {
+  // Before its members are looked at: a type that holds itself finds no size here.
+  definition.is_known = true;
+  definition.size.reset();
+  definition.fields.clear();
+  std::size_t size = 0;
+  for (const Member& member : definition.members) {
+    if (steps_ >= kMostSteps) return;
+    ++steps_;
+    const auto member_size = SizeOf(member.type, depth + 1);
+    if (!member_size) return;
+    if (const ScalarName* scalar = FindScalar(member.type); scalar != nullptr && member.count > 0) {
+      definition.fields.try_emplace(member.name, UlogField{scalar->type, size, member.count});
+    }
+    size += *member_size * member.count;
+    if (size > kLargestType) return;
+  }
+  definition.size = size;
+}
+
+std::optional<UlogField> UlogTypes::Find(std::string_view type, std::string_view field) {
   const auto found = definitions_.find(type);
   if (found == definitions_.end()) return std::nullopt;
-  std::size_t offset = 0;
-  for (const Member& member : found->second) {
-    if (member.name == field) {
-      const ScalarName* scalar = FindScalar(member.type);
-      if (scalar == nullptr || member.count == 0) return std::nullopt;
-      return UlogField{scalar->type, offset, member.count};
-    }
-    const auto size = SizeOf(member.type);
-    if (!size) return std::nullopt;
-    offset += *size * member.count;
-    if (offset > kLargestType) return std::nullopt;
-  }
-  return std::nullopt;
+  if (!found->second.is_known) WorkOut(found->second, 0);
+  const auto place = found->second.fields.find(field);
+  if (place == found->second.fields.end()) return std::nullopt;
+  return place->second;
 }
 
 std::optional<double> UlogNumber(const UlogField& field, LogBytes payload, std::size_t index) {

@@ -1,5 +1,7 @@
 // The type system of a ULog file: definitions "name:type field;type[n] field;..." with nested types, and
-// where a field lies in a message. Sizes and depths are bounded. One thread.
+// where a field lies in a message. Each definition is worked out once, whoever asks; bounded are the definitions
+// (2000, of 50 000 members in all), how deep they nest (8) and the members that are looked at in all (a million), so that a
+// file made of definitions takes no longer than one of data. One thread.
 #pragma once
 
 #include <cstdint>
@@ -41,18 +43,31 @@ class UlogTypes {
   bool Define(std::string_view definition);
   bool Knows(std::string_view type) const { return definitions_.find(type) != definitions_.end(); }
   // Bytes of a type with all its nested ones; nothing where one is unknown, recursive or larger than 64 KiB.
-  std::optional<std::size_t> SizeOf(std::string_view type) const;
+  std::optional<std::size_t> SizeOf(std::string_view type);
   // A top-level field of a message type.
-  std::optional<UlogField> Find(std::string_view type, std::string_view field) const;
+  std::optional<UlogField> Find(std::string_view type, std::string_view field);
+  // How many members were looked at so far.
+  int steps() const { return steps_; }
 
  private:
-  std::optional<std::size_t> SizeOf(std::string_view type, int depth, int& steps_left) const;
   struct Member {
     std::string type;
     std::string name;
     std::size_t count = 1;
   };
-  std::map<std::string, std::vector<Member>, std::less<>> definitions_;
+  struct Definition {
+    std::vector<Member> members;
+    bool is_known = false;  // what follows was worked out
+    std::optional<std::size_t> size;
+    std::map<std::string, UlogField, std::less<>> fields;  // those before the first whose size is not known
+  };
+  std::optional<std::size_t> SizeOf(std::string_view type, int depth);
+  void WorkOut(Definition& definition, int depth);
+
+  std::map<std::string, Definition, std::less<>> definitions_;
+  std::size_t defined_ = 0;
+  std::size_t members_ = 0;
+  int steps_ = 0;
 };
 
 // The number at an index of a field; nothing when the payload ends before it (trailing padding is not

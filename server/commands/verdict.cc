@@ -1,0 +1,35 @@
+#include "server/commands/verdict.h"
+
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+
+#include "server/process_limits.h"
+#include "server/verdict_apart.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct VerdictOptions {
+  int parent = 0;
+  std::int64_t cpu_s = 0;
+};
+
+}  // namespace
+
+void AddVerdictCommand(CLI::App& app) {
+  const auto options = std::make_shared<VerdictOptions>();
+  CLI::App* command =
+      app.add_subcommand("verdict", "Inspect the files of a flight (serve starts this by itself)");
+  command->group("");  // not in the list of commands
+  command->add_option("--parent", options->parent, "Stop when this process is gone")->required();
+  command->add_option("--cpu-s", options->cpu_s, "Seconds of CPU it may take")->required();
+  command->callback([options] {
+    if (!FollowParent(options->parent, SIGKILL)) return;
+    VerdictHere(options->cpu_s);
+  });
+}
+
+}  // namespace skyquilt::server
