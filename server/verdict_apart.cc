@@ -18,8 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Headers of photos take next to nothing; a long log a few hundred MiB at its most (core/flight/logs/log_builder.h).
-constexpr std::int64_t kDataBytes = std::int64_t{240} << 20;
+// Headers of photos take next to nothing, a log of half an hour some dozens of MiB. Long logs take more
+// (core/flight/logs/log_builder.h has their caps), but they are large files: what small ones take is theirs to prove.
+constexpr std::int64_t kDataBytes = std::int64_t{200} << 20;
+constexpr std::int64_t kDataBytesPerLargeByte = 4;
+constexpr std::int64_t kMostDataBytes = std::int64_t{1} << 30;
+constexpr std::uintmax_t kLargeFile = std::uintmax_t{32} << 20;
 // A thousand photos take about a second of CPU, a log a second a 100 MB. On top of that come slow machines.
 constexpr std::int64_t kCpuS = 20;
 constexpr std::size_t kPhotosPerCpuS = 100;
@@ -30,17 +34,25 @@ constexpr const char* kRefusal =
     "The files could not be inspected: reading them took more memory or time than the server gives for it. A log or "
     "a photo among them may be damaged; remove it, or add the files a few at a time to find it.";
 
-// Only logs are read whole, but which files are logs their bytes tell, not their names.
-std::int64_t CpuSecondsFor(const std::vector<flight::InputFile>& files) {
-  constexpr std::uintmax_t kLargestPhoto = std::uintmax_t{64} << 20;
+// Of the files that are long logs if they are logs: only these are read whole, but which files are logs their bytes
+// tell, not their names.
+std::uintmax_t LargeBytes(const std::vector<flight::InputFile>& files) {
   std::uintmax_t bytes = 0;
   for (const flight::InputFile& file : files) {
     std::error_code missing;  // then the inspection says so
     const std::uintmax_t size = fs::file_size(file.path, missing);
-    if (!missing && size > kLargestPhoto) bytes += size;
+    if (!missing && size > kLargeFile) bytes += size;
   }
-  const auto more = static_cast<std::int64_t>(files.size() / kPhotosPerCpuS + bytes / kBytesPerCpuS);
+  return bytes;
+}
+
+std::int64_t CpuSecondsFor(const std::vector<flight::InputFile>& files) {
+  const auto more = static_cast<std::int64_t>(files.size() / kPhotosPerCpuS + LargeBytes(files) / kBytesPerCpuS);
   return std::min(kCpuS + more, kMostCpuS);
+}
+
+std::int64_t DataBytesFor(const std::vector<flight::InputFile>& files) {
+  return std::min(kDataBytes + kDataBytesPerLargeByte * static_cast<std::int64_t>(LargeBytes(files)), kMostDataBytes);
 }
 
 Result<std::string> Inspect(const std::vector<flight::InputFile>& files, const std::string& options) {
@@ -76,11 +88,12 @@ Result<std::string> VerdictApart(const std::vector<flight::InputFile>& files, co
 void VerdictHere(std::int64_t cpu_s) {
   const Json input = Json::parse(ReadInput());  // by our own server; if not, the exception ends us
   std::vector<flight::InputFile> files;
-  ApartNeeds needs{.limits = {.more_data_bytes = kDataBytes, .more_cpu_s = cpu_s}};
+  ApartNeeds needs{.limits = {.more_cpu_s = cpu_s}};
   for (const Json& file : input.at("files")) {
     files.push_back({file.at("name"), file.at("path").get<std::string>()});
     needs.reads.push_back(files.back().path);
   }
+  needs.limits.more_data_bytes = DataBytesFor(files);
   BecomeApart(needs);
   TellParent(Inspect(files, input.at("options")));
 }

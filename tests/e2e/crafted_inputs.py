@@ -163,6 +163,12 @@ def dataflash_layout_storm(count):
     return fmt(128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns") + storm * count
 
 
+def dataflash_dense(count):
+    """Positions of ten bytes, which take ten times as much once they are read."""
+    head = fmt(128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns") + fmt(10, 10, b"GPS", b"Ibbb", b"T,Status,Lat,Lng")
+    return head + b"".join(struct.pack("<BBBIbbb", 0xA3, 0x95, 10, 1 + i, 3, 1 + i % 80, 1 + i // 80 % 80) for i in range(count))
+
+
 def tlog_kinds(count):
     def packet(number):
         body = struct.pack("<BBBBBBB", 0xFD, 1, 0, 0, 0, 1, 1) + struct.pack("<I", 100000 + number)[:3] + bytes(1 + 2)
@@ -289,6 +295,7 @@ def log_inputs():
         *[("F", b"t%d:" % i + b"".join(b"t%d m%d;" % (i + 1, j) for j in range(900))) for i in range(1500)],
         *[("A", b"\0\0\0t0")] * 1000, ("D", bytes(10)))
     yield "dataflash_layouts", "a.bin", dataflash_layout_storm(60_000)
+    yield "dataflash_dense_positions", "a.bin", dataflash_dense(3_000_000)
     yield "tlog_kinds", "a.tlog", tlog_kinds(300_000)
     yield "tlog_garbage", "a.tlog", tlog_garbage(8 * MIB)
     yield "gpx_dense", "a.gpx", gpx_dense(21_000)

@@ -13,6 +13,7 @@ namespace {
 
 using M = CsvMeaning;
 constexpr std::size_t kPreviewRows = 5000;
+constexpr std::size_t kPreviewBytes = std::size_t{16} << 20;
 
 struct CsvHeader {
   std::vector<CsvColumn> columns;
@@ -136,7 +137,8 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   std::string_view line;
   std::vector<std::string_view> cells;
   LineReader ahead = lines;
-  while (preview.rows.size() < kPreviewRows && ahead.Next(line)) {
+  const std::size_t begin = ahead.offset();
+  while (preview.rows.size() < kPreviewRows && ahead.offset() - begin < kPreviewBytes && ahead.Next(line)) {
     SplitFields(line, header->separator, cells);
     preview.rows.push_back(ReadCsvRow(header->columns, cells));
   }
