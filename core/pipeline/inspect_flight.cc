@@ -58,10 +58,14 @@ double SharedGround(const std::vector<Eigen::Vector2d>& a, const std::vector<Eig
 void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& verdict) {
   std::vector<std::vector<Eigen::Vector2d>> footprints;
   double sum_m2 = 0.0;
+  double boxes_m2 = 0.0;  // what the cells of each are looked for in
   for (const auto& photo : flight.photos) {
     footprints.push_back(
         camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, flight.ground_z_in_enu_m));
-    if (!footprints.back().empty()) sum_m2 += camera::AreaM2(footprints.back());
+    if (footprints.back().empty()) continue;
+    sum_m2 += camera::AreaM2(footprints.back());
+    const geo::Bounds2 bounds = camera::BoundsOf(footprints.back());
+    boxes_m2 += bounds.Width() * bounds.Height();
   }
   std::vector<double> overlaps;
   for (std::size_t i = 0; i + 1 < footprints.size(); ++i) {
@@ -69,12 +73,18 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
       overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
   }
   verdict.forward_overlap = MedianIfAny(std::move(overlaps)).value_or(0.0);
-  // Cells of a fiftieth of a photo: the union of the footprints.
-  const double cell_m = std::max(0.5, std::sqrt(sum_m2 / std::max<std::size_t>(1, footprints.size())) / 50.0);
+  // Cells of a fiftieth of a photo: the union of the footprints. Larger where there are very many, or where footprints
+  // are so thin that their boxes are nearly empty.
+  constexpr double kMostCells = 2e6;
+  constexpr double kMostLooks = 10e6;
+  const double cell_m =
+      std::max({0.5, std::sqrt(sum_m2 / static_cast<double>(std::max<std::size_t>(1, footprints.size()))) / 50.0,
+                std::sqrt(sum_m2 / kMostCells), std::sqrt(boxes_m2 / kMostLooks)});
   std::set<std::pair<long, long>> cells;
   for (const auto& polygon : footprints) {
     if (polygon.empty()) continue;
     const geo::Bounds2 bounds = camera::BoundsOf(polygon);
+    if (!std::isfinite(bounds.Width() + bounds.Height())) continue;
     for (long row = std::lround(bounds.min.y() / cell_m); row * cell_m <= bounds.max.y(); ++row) {
       for (long column = std::lround(bounds.min.x() / cell_m); column * cell_m <= bounds.max.x(); ++column) {
         if (camera::PolygonContains(polygon, {(column + 0.5) * cell_m, (row + 0.5) * cell_m}))

@@ -327,7 +327,20 @@ def elevation_inputs():
     yield "dem_vrt_of_an_address", "a.vrt", vrt.format("/vsicurl/http://127.0.0.1:9/a.tif").encode()
 
 
+def thin_photo(number, width, height, above_m):
+    """Its footprint is a line across the map, whose box is all but empty."""
+    tags = {"GpsLatitude": f"{47.4 + number * 1e-5:.7f}", "GpsLongitude": "8.5", "RelativeAltitude": f"+{above_m}",
+            "AbsoluteAltitude": f"+{400 + above_m}", "GimbalPitchDegree": "-90.0", "GimbalYawDegree": "45.0",
+            "GimbalRollDegree": "0.0"}
+    packet = xmp_packet(" ".join(f'drone-dji:{name}="{value}"' for name, value in tags.items()))
+    focal = tiff_block([(0x8769, 4, 1, struct.pack("<I", 26))]) + struct.pack("<HHHIII", 1, 0xA405, 3, 1, 10, 0)
+    return jpeg(segment(0xE1, b"Exif\0\0" + focal), segment(0xE1, b"http://ns.adobe.com/xap/1.0/\0" + packet),
+                width=width, height=height)
+
+
 def archive_inputs():
+    yield "zip_of_thin_photos", "a.zip", zip_of(*((f"{i:04}.jpg", thin_photo(i, *((30_000, 16, 500) if i % 2 else (16, 16, 5))))
+                                                  for i in range(1000)))
     yield "zip_bomb", "a.zip", zip_of(("a.jpg", bytes(256 * MIB)))
     yield "zip_nested", "a.zip", zip_of(("b.zip", zip_of(("c.zip", zip_of(("a.jpg", bytes(64 * MIB)))))))
     yield "zip_overlapping", "a.zip", zip_overlapping(15_000, MIB)
