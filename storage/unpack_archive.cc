@@ -9,6 +9,8 @@
 #include <memory>
 #include <system_error>
 
+#include "storage/zip_directory.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -173,6 +175,8 @@ Result<std::vector<UnpackedFile>> UnpackArchive(const PhotoStore& store, const s
   std::error_code error;
   const auto archive_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   if (error) return Error{ErrorCode::kIo, "The archive could not be read.", error.message()};
+  if (CountZipEntries(path, limits.entries) > limits.entries)
+    return Refuse(fmt::format("it has more than {} entries", limits.entries));
   const Archive archive(archive_read_new(), &archive_read_free);
   archive_read_support_format_zip_seekable(archive.get());
   archive_read_support_format_tar(archive.get());
