@@ -7,6 +7,7 @@
 #include "api/downloads/original_file.h"
 #include "api/events/events.h"
 #include "api/flights/flights.h"
+#include "api/flights/trash.h"
 #include "api/flights/verdict.h"
 #include "api/flights/locate.h"
 #include "api/jobs/jobs.h"
@@ -31,6 +32,7 @@ Router BuildApi(Service& service) {
   AddDocsRoute(router);
   AddBasemapRoutes(router, service.basemap);
   AddFlightRoutes(router, service);
+  AddTrashRoutes(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);
   AddFileRoutes(router, service);

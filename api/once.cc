@@ -44,7 +44,7 @@ Result<void> Keep(Service& service, const std::string& key, const Request& reque
   return service.idempotent_answers.Keep(
       key, RouteOf(request),
       {FingerprintOf(body), response.status, std::string(response.headers.Find("Location")), response.body},
-      storage::Now());
+      service.db.ages().Now());
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ Response Once(Service& service, const Request& request, std::string_view body,
   const Result<std::string> key = KeyOf(request);
   if (!key) return Problem(key.error(), request);
   const std::lock_guard lock(service.once_mutex);
-  const auto known = service.idempotent_answers.Find(*key, RouteOf(request), storage::Now());
+  const auto known = service.idempotent_answers.Find(*key, RouteOf(request), service.db.ages().Now());
   if (!known) return Problem(known.error(), request);
   if (*known && (*known)->fingerprint != FingerprintOf(body)) {
     return Problem({ErrorCode::kUnprocessable, "This Idempotency-Key was used for another request.", ""},
@@ -71,7 +71,7 @@ std::optional<Response> KeptAnswer(Service& service, const Request& request) {
   if (!request.headers.Has("Idempotency-Key")) return std::nullopt;
   const Result<std::string> key = KeyOf(request);
   if (!key) return Problem(key.error(), request);
-  const auto known = service.idempotent_answers.Find(*key, RouteOf(request), storage::Now());
+  const auto known = service.idempotent_answers.Find(*key, RouteOf(request), service.db.ages().Now());
   if (!known) return Problem(known.error(), request);
   if (!*known) return std::nullopt;
   return Replay(**known);

@@ -24,6 +24,7 @@
 #include "storage/previews.h"
 #include "storage/tileset_cache.h"
 #include "storage/tokens.h"
+#include "storage/trash.h"
 #include "storage/unpack_archive.h"
 #include "storage/upload_spool.h"
 #include "storage/webhooks.h"
@@ -43,6 +44,8 @@ struct Service {
   storage::NodeTasks node_tasks{db};
   storage::UploadSpool spool{db, catalogue, store};
   storage::Previews previews{db};
+  storage::Trash trash{db};
+  int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::Webhooks webhooks{db};
   bool sends_webhooks = false;  // the operator lets this server speak to others

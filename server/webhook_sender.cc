@@ -14,8 +14,8 @@ constexpr int kAtOnce = 20;
 
 }  // namespace
 
-WebhookSender::WebhookSender(storage::Webhooks& webhooks, bool may_go_private)
-    : webhooks_(webhooks), may_go_private_(may_go_private), thread_([this] { Run(); }) {}
+WebhookSender::WebhookSender(storage::Webhooks& webhooks, const storage::AgeClock& ages, bool may_go_private)
+    : webhooks_(webhooks), ages_(ages), may_go_private_(may_go_private), thread_([this] { Run(); }) {}
 
 WebhookSender::~WebhookSender() {
   {
@@ -30,7 +30,7 @@ void WebhookSender::Run() {
   std::unique_lock lock(mutex_);
   while (!is_ended_) {
     lock.unlock();
-    const Result<std::vector<storage::Delivery>> due = webhooks_.Due(storage::Now(), kAtOnce);
+    const Result<std::vector<storage::Delivery>> due = webhooks_.Due(ages_.Now(), kAtOnce);
     if (!due) LogFailure("-", "webhook", due.error().detail);
     if (due) {
       for (const storage::Delivery& delivery : *due) {
@@ -57,7 +57,7 @@ void WebhookSender::Tell(const storage::Delivery& delivery) {
   const Result<void> posted = PostMessage(message);
   if (!posted)
     LogFailure(delivery.webhook.id, "webhook", posted.error().message + " " + posted.error().detail);
-  const Result<void> kept = posted ? webhooks_.Heard(delivery) : webhooks_.NotHeard(delivery, storage::Now());
+  const Result<void> kept = posted ? webhooks_.Heard(delivery) : webhooks_.NotHeard(delivery, ages_.Now());
   if (!kept) LogFailure(delivery.webhook.id, "webhook", kept.error().detail);
 }
 

@@ -12,7 +12,8 @@ namespace skyquilt::server {
 
 class WebhookSender {
  public:
-  WebhookSender(storage::Webhooks& webhooks, bool may_go_private);
+  // `ages`: by which it waits before it tells again.
+  WebhookSender(storage::Webhooks& webhooks, const storage::AgeClock& ages, bool may_go_private);
   ~WebhookSender();  // waits for a delivery under way
 
  private:
@@ -20,6 +21,7 @@ class WebhookSender {
   void Tell(const storage::Delivery& delivery);
 
   storage::Webhooks& webhooks_;
+  const storage::AgeClock& ages_;
   const bool may_go_private_;
   std::mutex mutex_;
   std::condition_variable end_;

@@ -37,7 +37,7 @@ void WorkerPool::StartMissing() {
 
 void WorkerPool::Start(Slot& slot, int index) {
   // One job a process: whatever memory a job took, the next one finds it given back.
-  slot.name = fmt::format("serve-{}-{}-{}", getpid(), index, ++starts_);
+  slot.name = fmt::format("{}{}-{}-{}", storage::kServedWorkerPrefix, getpid(), index, ++starts_);
   slot.started = Clock::now();
   std::vector<std::string> words = {"worker",  "--data",   dir_.root().string(),     "--name",
                                     slot.name, "--parent", std::to_string(getpid()), "--jobs",
@@ -60,7 +60,9 @@ void WorkerPool::Reap() {
 }
 
 void WorkerPool::Ended(Slot& slot, int status) {
-  const Result<int> released = queue_.ReleaseWorker(slot.name, storage::Now());
+  // A worker that this server killed to come to its own end has done no harm.
+  const storage::WorkerEnd end = is_stopping_ ? storage::WorkerEnd::kInterrupted : storage::WorkerEnd::kDied;
+  const Result<int> released = queue_.ReleaseWorker(slot.name, end, storage::Now());
   if (!released) LogFailure("-", "worker", released.error().detail);
   const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   const bool is_cancelled = WIFEXITED(status) && WEXITSTATUS(status) == kCancelledExitCode;

@@ -46,7 +46,4 @@ class WorkerPool {
   bool is_stopping_ = false;
 };
 
-// All workers of servers have names that begin so.
-inline constexpr const char* kServedWorkers = "serve-*";
-
 }  // namespace skyquilt::server

@@ -7,6 +7,7 @@
 namespace skyquilt::storage {
 namespace {
 
+constexpr const char* kIsThere = "SELECT 1 FROM flight WHERE id=? AND deleted_us IS NULL";
 constexpr const char* kFlightColumns =
     "SELECT f.id, f.name, f.options, f.created_us, f.active_revision,"
     " (SELECT count(*) FROM file WHERE flight_id=f.id),"
@@ -29,7 +30,7 @@ Flight FlightFrom(const Statement& row) {
 }
 
 Result<Flight> ReadFlight(SqliteDb& db, const std::string& id) {
-  Result<Statement> query = db.Prepare(std::string(kFlightColumns) + "WHERE f.id=?");
+  Result<Statement> query = db.Prepare(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL");
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, id).Step();
   if (!row) return row.error();
@@ -114,7 +115,7 @@ Result<Flight> Catalogue::GetFlight(const std::string& id) const {
 Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::string>& cursor) const {
   const auto db = db_.Read();
   Result<Statement> query =
-      db->Prepare(std::string(kFlightColumns) + "WHERE ?1 IS NULL OR f.id < ?1 ORDER BY f.id DESC LIMIT ?2");
+      db->Prepare(std::string(kFlightColumns) + "WHERE (?1 IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2");
   if (!query) return query.error();
   if (cursor) {
     query->Bind(1, *cursor);
@@ -138,7 +139,7 @@ Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::st
 
 Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& name) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE flight SET name=? WHERE id=?");
+  Result<Statement> update = db->Prepare("UPDATE flight SET name=? WHERE id=? AND deleted_us IS NULL");
   if (!update) return update.error();
   const Result<void> done = update->Bind(1, name).Bind(2, id).Run();
   if (!done) return done.error();
@@ -148,7 +149,7 @@ Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& n
 
 Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::string& options) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE flight SET options=? WHERE id=?");
+  Result<Statement> update = db->Prepare("UPDATE flight SET options=? WHERE id=? AND deleted_us IS NULL");
   if (!update) return update.error();
   const Result<void> done = update->Bind(1, options).Bind(2, id).Run();
   if (!done) return done.error();
@@ -168,7 +169,7 @@ Result<void> Catalogue::DeleteFlight(const std::string& id) {
 
 Result<bool> Catalogue::HasFlight(const std::string& id) const {
   const auto db = db_.Read();
-  return Exists(*db, "SELECT 1 FROM flight WHERE id=?", id);
+  return Exists(*db, kIsThere, id);
 }
 
 Result<std::vector<std::string>> Catalogue::FlightIds() const {
@@ -188,7 +189,7 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
   const auto db = db_.Lock();
   Result<Transaction> transaction = Transaction::Begin(*db);
   if (!transaction) return transaction.error();
-  const Result<bool> known = Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id);
+  const Result<bool> known = Exists(*db, kIsThere, flight_id);
   if (!known) return known.error();
   if (!*known) return NoSuchFlight(flight_id);
   AddedFile added;
@@ -220,7 +221,7 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
   const auto db = db_.Lock();
   Result<Transaction> transaction = Transaction::Begin(*db);
   if (!transaction) return transaction.error();
-  const Result<bool> known = Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id);
+  const Result<bool> known = Exists(*db, kIsThere, flight_id);
   if (!known) return known.error();
   if (!*known) return NoSuchFlight(flight_id);
   StoredFile added = file;
@@ -253,6 +254,9 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
   const auto db = db_.Lock();
   Result<Transaction> transaction = Transaction::Begin(*db);
   if (!transaction) return transaction.error();
+  const Result<bool> known = Exists(*db, kIsThere, flight_id);
+  if (!known) return known.error();
+  if (!*known) return NoSuchFlight(flight_id);
   const Result<void> idle = RequireNotRunning(*db, flight_id);
   if (!idle) return idle.error();
   StoredFile removed;
@@ -295,7 +299,7 @@ Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& fli
   Result<Statement> query = db->Prepare(
       "SELECT r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
       " photos_aligned, photos_pose_only, photos_left_out FROM flight f"
-      " JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision WHERE f.id=?");
+      " JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision WHERE f.id=? AND f.deleted_us IS NULL");
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, flight_id).Step();
   if (!row) return row.error();

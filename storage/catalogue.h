@@ -1,5 +1,6 @@
 // Catalogue: which flights there are, which files belong to them, and which finished revision is shown.
-// Values in, values out; the files themselves are in PhotoStore. Any thread. Errors: kNotFound (no such
+// Values in, values out; the files themselves are in PhotoStore. A flight in the trash (storage/trash.h) is to all of
+// this as if it were not there, but where it says otherwise. Any thread. Errors: kNotFound (no such
 // flight or file), kConflict (a job is using it), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
@@ -69,9 +70,11 @@ class Catalogue {
   Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;
   Result<void> RenameFlight(const std::string& id, const std::string& name);
   Result<void> SetFlightOptions(const std::string& id, const std::string& options);
-  // Files, revisions and jobs go with it; a worker that runs one of its jobs loses its lease.
+  // For good, also from the trash. Files, revisions and jobs go with it; a worker that runs one of its jobs loses its
+  // lease.
   Result<void> DeleteFlight(const std::string& id);
   Result<bool> HasFlight(const std::string& id) const;
+  // With those in the trash: all whose files are to stay on the disk.
   Result<std::vector<std::string>> FlightIds() const;
 
   // Takes the place of a file of the same name; kConflict while a job reads the flight's files.
@@ -81,9 +84,11 @@ class Catalogue {
   Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,
                                           const std::optional<std::string>& upload_id = std::nullopt);
   Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name);
+  // Also of a flight in the trash, whose files are kept.
   Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;
 
   Result<std::optional<Revision>> ActiveRevision(const std::string& flight_id) const;
+  // Also of a flight in the trash.
   Result<std::vector<std::int64_t>> Revisions(const std::string& flight_id) const;
 
  private:

@@ -5,13 +5,21 @@
 namespace skyquilt::storage {
 
 Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Open(const std::filesystem::path& path, int readers) {
+  SpaceReserve reserve(path);
+  if (reserve.IsNeeded()) {
+    reserve.Release();
+  } else {
+    reserve.Fill();
+  }
   Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
   if (!db) return db.error();
   const Result<void> tuned = db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;");
   if (!tuned) return tuned.error();
   const Result<void> migrated = Migrate(*db);
   if (!migrated) return migrated.error();
-  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(*db)));
+  const Result<AgeClock> ages = AgeClock::Open(*db);
+  if (!ages) return ages.error();
+  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(*db), *ages, std::move(reserve)));
   for (int i = 0; i < readers; ++i) {
     Result<SqliteDb> reader = SqliteDb::Open(path, OpenMode::kReadShared);
     if (!reader) return reader.error();

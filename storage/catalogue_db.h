@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/age_clock.h"
+#include "storage/space_reserve.h"
 #include "storage/sqlite_db.h"
 
 namespace skyquilt::storage {
@@ -50,8 +52,24 @@ class CatalogueDb {
   };
   ReadAccess Read() { return ReadAccess(*this); }
 
+  // For a change that frees space: where it finds the disk full, it gets the reserve and is tried again. `change` takes
+  // the lock itself.
+  template <typename Change>
+  auto Free(Change change) {
+    auto outcome = change();
+    if (outcome || outcome.error().code != ErrorCode::kOutOfSpace || !reserve_.Release()) return outcome;
+    return change();
+  }
+  // The reserve is whole again, if there is room.
+  void FillReserve() const { reserve_.Fill(); }
+
+  // By which things grow old.
+  const AgeClock& ages() const { return ages_; }
+  Result<void> SaveAges() { return ages_.Save(*Lock()); }
+
  private:
-  explicit CatalogueDb(SqliteDb db) : db_(std::move(db)) {}
+  CatalogueDb(SqliteDb db, AgeClock ages, SpaceReserve reserve)
+      : db_(std::move(db)), ages_(ages), reserve_(std::move(reserve)) {}
   std::unique_ptr<SqliteDb> TakeReader();
   void GiveBack(std::unique_ptr<SqliteDb> reader);
 
@@ -60,6 +78,8 @@ class CatalogueDb {
   std::mutex readers_mutex_;
   std::condition_variable reader_is_back_;
   std::vector<std::unique_ptr<SqliteDb>> idle_readers_;
+  AgeClock ages_;
+  SpaceReserve reserve_;
 };
 
 }  // namespace skyquilt::storage

@@ -1,5 +1,5 @@
 // IdempotentAnswers: what was answered to a request under a key that its client chose, so that the same
-// request sent again (the answer got lost) is answered the same and does nothing twice. Kept for a day. Any
+// request sent again (the answer got lost) is answered the same and does nothing twice. Kept for a day of the AgeClock. Any
 // thread. Errors: kUnavailable, kOutOfSpace, kIo.
 #pragma once
 

@@ -4,6 +4,8 @@
 
 #include "storage/job_queue.h"
 #include "storage/job_turns.h"
+#include "storage/lost_leases.h"
+#include "storage/machine_boot.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -19,24 +21,6 @@ Result<LeaseState> ReadLease(SqliteDb& db, const Lease& lease) {
   if (!row) return row.error();
   if (!*row) return LeaseState::kLost;
   return query->ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
-}
-
-// Leases that ran out for the last time, or whose user wished to cancel, end here.
-Result<void> EndWornOutJobs(SqliteDb& db, Time now) {
-  Result<Statement> dismiss = db.Prepare(
-      "UPDATE job SET state='dismissed', finished_us=?1 WHERE state='running' AND lease_until_us<?1 AND "
-      "cancel=1");
-  if (!dismiss) return dismiss.error();
-  const Result<void> dismissed = dismiss->Bind(1, ToUs(now)).Run();
-  if (!dismissed) return dismissed.error();
-  Result<Statement> fail = db.Prepare(
-      "UPDATE job SET state='failed', finished_us=?1, error_code='internal', error_message=?2"
-      " WHERE state='running' AND lease_until_us<?1 AND attempts>=max_attempts");
-  if (!fail) return fail.error();
-  return fail->Bind(1, ToUs(now))
-      .Bind(2,
-            "The worker died on every attempt (it may have run out of memory). Try fewer or smaller photos.")
-      .Run();
 }
 
 }  // namespace
@@ -55,7 +39,7 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
   }
   Result<Transaction> transaction = Transaction::Begin(*db);
   if (!transaction) return transaction.error();
-  const Result<void> ended = EndWornOutJobs(*db, now);
+  const Result<void> ended = SettleLostLeases(*db, now);
   if (!ended) return ended.error();
   std::optional<Lease> lease;
   {
@@ -69,9 +53,10 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
     Result<Statement> claim = db->Prepare(
         "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
         " lease_until_us=?2, started_us=coalesce(started_us,?3), attempt_started_us=?3, stage='', progress=0,"
-        " message='' WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts");
+        " message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts");
     if (!claim) return claim.error();
-    const Result<bool> row = claim->Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Bind(4, **next).Step();
+    claim->Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Bind(4, **next).Bind(5, MachineBoot::Id());
+    const Result<bool> row = claim->Step();
     if (!row) return row.error();
     if (*row) {
       lease = Lease{std::string(claim->ColumnText(0)), std::string(claim->ColumnText(1)),
@@ -86,10 +71,14 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
 
 Result<LeaseState> JobQueue::Renew(const Lease& lease, Time now) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(std::string("UPDATE job SET lease_until_us=?3") +
+  Result<Statement> update = db->Prepare(std::string("UPDATE job SET lease_until_us=?3, claimed_in=?4") +
                                          " WHERE id=?1 AND lease_token=?2 AND state='running'");
   if (!update) return update.error();
-  const Result<void> done = update->Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, LeaseEnd(now)).Run();
+  const Result<void> done = update->Bind(1, lease.job_id)
+                                .Bind(2, lease.token)
+                                .Bind(3, LeaseEnd(now))
+                                .Bind(4, MachineBoot::Id())
+                                .Run();
   if (!done) return done.error();
   return ReadLease(*db, lease);
 }
@@ -134,9 +123,10 @@ Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_ret
   const auto db = db_.Lock();
   Result<Statement> update = db->Prepare(
       "UPDATE job SET"
-      " state=CASE WHEN ?3 AND attempts<max_attempts AND cancel=0 THEN 'accepted' ELSE 'failed' END,"
+      " state=CASE WHEN cancel=1 THEN 'dismissed' WHEN ?3 AND attempts<max_attempts THEN 'accepted' ELSE 'failed' END,"
       " finished_us=CASE WHEN ?3 AND attempts<max_attempts AND cancel=0 THEN NULL ELSE ?4 END,"
-      " not_before_us=?4+attempts*2000000, error_code=?5, error_message=?6"
+      " not_before_us=?4+attempts*2000000, error_code=CASE cancel WHEN 1 THEN NULL ELSE ?5 END,"
+      " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?6 END"
       " WHERE id=?1 AND lease_token=?2 AND state='running'");
   if (!update) return update.error();
   const Result<void> done = update->Bind(1, lease.job_id)
@@ -229,20 +219,6 @@ Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Tim
   const Result<void> done = transaction->Commit();
   if (!done) return done.error();
   return true;
-}
-
-Result<int> JobQueue::ReleaseWorker(const std::string& worker, Time now) {
-  const auto db = db_.Lock();
-  const bool is_prefix = worker.ends_with('*');
-  const std::string name = is_prefix ? worker.substr(0, worker.size() - 1) : worker;
-  Result<Statement> update =
-      db->Prepare(is_prefix ? "UPDATE job SET lease_until_us=?2 WHERE state='running' AND "
-                              "substr(worker,1,length(?1))=?1"
-                            : "UPDATE job SET lease_until_us=?2 WHERE state='running' AND worker=?1");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, name).Bind(2, ToUs(now) - 1).Run();
-  if (!done) return done.error();
-  return static_cast<int>(db->Changes());
 }
 
 }  // namespace skyquilt::storage

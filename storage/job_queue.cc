@@ -14,6 +14,9 @@ Error NoSuchJob(const std::string& id) {
   return {ErrorCode::kNotFound, fmt::format("There is no job {}.", id), ""};
 }
 
+// A job of a flight in the trash is as gone as its flight.
+constexpr const char* kOfFlightThere = "EXISTS(SELECT 1 FROM flight f WHERE f.id=job.flight_id AND f.deleted_us IS NULL)";
+
 Result<std::vector<Job>> JobsOf(Statement& query) {
   std::vector<Job> jobs;
   while (true) {
@@ -25,7 +28,7 @@ Result<std::vector<Job>> JobsOf(Statement& query) {
 }
 
 Result<Job> ReadJob(SqliteDb& db, const std::string& id) {
-  Result<Statement> query = db.Prepare(std::string(kJobColumns) + "FROM job WHERE id=?");
+  Result<Statement> query = db.Prepare(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere);
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, id).Step();
   if (!row) return row.error();
@@ -60,7 +63,7 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
   job.priority = turn.priority;
   {
     Result<Statement> look = db->Prepare(
-        "SELECT (SELECT count(*) FROM flight WHERE id=?1),"
+        "SELECT (SELECT count(*) FROM flight WHERE id=?1 AND deleted_us IS NULL),"
         " (SELECT count(*) FROM job WHERE flight_id=?1 AND state IN ('accepted','running'))");
     if (!look) return look.error();
     const Result<bool> row = look->Bind(1, flight_id).Step();
@@ -100,9 +103,9 @@ Result<Job> JobQueue::Get(const std::string& id) const {
 Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit) const {
   const auto db = db_.Read();
   // Two statements, so that each has its index.
-  Result<Statement> query =
-      db->Prepare(std::string(kJobColumns) + (flight_id ? "FROM job WHERE flight_id=?1 ORDER BY id DESC LIMIT ?2"
-                                                        : "FROM job WHERE ?1 IS NULL ORDER BY id DESC LIMIT ?2"));
+  Result<Statement> query = db->Prepare(std::string(kJobColumns) +
+                                        (flight_id ? "FROM job WHERE flight_id=?1 AND " : "FROM job WHERE ?1 IS NULL AND ") +
+                                        kOfFlightThere + " ORDER BY id DESC LIMIT ?2");
   if (!query) return query.error();
   if (flight_id) {
     query->Bind(1, *flight_id);
@@ -116,7 +119,8 @@ Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight
 Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) const {
   const auto db = db_.Read();
   Result<Statement> query =
-      db->Prepare(std::string(kJobColumns) + "FROM job WHERE flight_id=? ORDER BY id DESC LIMIT 1");
+      db->Prepare(std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " + kOfFlightThere +
+                  " ORDER BY id DESC LIMIT 1");
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, flight_id).Step();
   if (!row) return row.error();

@@ -1,7 +1,8 @@
 // JobQueue: stitching jobs, handed to workers by lease, by priority and then in turn to those who asked. A
 // worker claims a job, renews its lease by heartbeat, and ends it; each write carries the lease's token, so
-// that a worker that slept past its lease can change nothing (fencing). A job whose lease ran out is handed
-// out again, three times at most. Survives kill -9 of anyone. Any thread, any number of processes. Time is
+// that a worker that slept past its lease can change nothing (fencing). A job whose worker died is handed out
+// again, three times at most; one whose worker was cut off by a restart of the server or the machine loses no
+// attempt by it, but ten of those end it too. Survives kill -9 of anyone. Any thread, any number of processes. Time is
 // given by the caller. Errors: kNotFound, kConflict (the flight has an unfinished job; the job is finished),
 // kOutOfSpace, kUnavailable.
 #pragma once
@@ -23,6 +24,10 @@ namespace skyquilt::storage {
 
 inline constexpr std::chrono::seconds kLeaseTime{15};
 inline constexpr int kMaxAttempts = 3;
+// By restarts. More than a machine sees by chance while it works on one job.
+inline constexpr int kMaxInterruptions = 10;
+// Names of workers that a server looks after begin so: it releases what they held when they die.
+inline constexpr const char* kServedWorkerPrefix = "serve-";
 
 enum class JobState { kAccepted, kRunning, kSuccessful, kFailed, kDismissed };
 const char* JobStateName(JobState state);
@@ -68,6 +73,9 @@ struct Lease {
   int attempt = 1;
 };
 
+// How a worker ended: by itself, while its server went on living; or with its server or the machine.
+enum class WorkerEnd { kDied, kInterrupted };
+
 enum class LeaseState { kHeld, kCancelRequested, kLost };
 
 struct JobProgress {
@@ -109,8 +117,8 @@ class JobQueue {
   // How long the whole of it should take.
   Result<LeaseState> Expect(const Lease& lease, const Expectation& expectation);
   Result<LeaseState> ReportProgress(const Lease& lease, const JobProgress& progress);
-  // The job ended badly. With `may_retry` it waits for another attempt if any is left. False: the lease was
-  // lost.
+  // The job ended badly. With `may_retry` it waits for another attempt if any is left; one that someone wished to
+  // cancel is dismissed, whatever ended it. False: the lease was lost.
   Result<bool> Fail(const Lease& lease, const Error& error, bool may_retry, Time now);
   // The worker saw the wish to cancel and stopped. False: the lease was lost.
   Result<bool> Dismiss(const Lease& lease, Time now);
@@ -122,9 +130,11 @@ class JobQueue {
   Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);
   Result<bool> Publish(const Lease& lease, const Revision& revision, Time now);
 
-  // A worker process died: what it held waits for its next attempt now rather than at the lease's end. A name
-  // that ends in '*' stands for all that begin so.
-  Result<int> ReleaseWorker(const std::string& worker, Time now);
+  // A worker process ended: what it held waits for its next attempt now rather than at the lease's end. Answers how
+  // many jobs it held.
+  Result<int> ReleaseWorker(const std::string& worker, WorkerEnd end, Time now);
+  // A server starts: what workers of earlier servers held was interrupted. Answers how many jobs.
+  Result<int> TakeUpAfterRestart(Time now);
   // Flights that a live lease may be publishing into, with the lease as "<job>-<token>".
   struct LiveLease {
     std::string flight_id;

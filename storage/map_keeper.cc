@@ -121,6 +121,23 @@ Result<std::string> MapKeeper::FactsOf(const fs::path& folder) {
   return std::move((*earlier)->facts);
 }
 
+Result<std::string> MapKeeper::StatedFacts(const fs::path& folder) {
+  std::error_code none;
+  fs::path path = FinishedMap(folder).state;
+  const MapFiles temporary = TemporaryMap(folder);
+  if (!fs::exists(path, none) && !fs::exists(temporary.tiles, none)) path = temporary.state;
+  const Error unknown{ErrorCode::kNotFound, folder.string() + " has no mosaic.state that can be read", ""};
+  if (!fs::exists(path, none)) return unknown;
+  auto state = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
+  if (!state) return unknown;
+  auto query = state->Prepare("SELECT bytes FROM facts WHERE name='flight'");
+  if (!query) return unknown;
+  const Result<bool> row = query->Step();
+  if (!row || !*row) return unknown;
+  const auto bytes = query->ColumnBlob(0);
+  return std::string(bytes.begin(), bytes.end());
+}
+
 Result<void> MapKeeper::Put(const geo::TileId& tile, pipeline::TileFormat format,
                             std::span<const std::uint8_t> bytes) {
   ++state_->tiles;

@@ -30,6 +30,10 @@ class MapKeeper final : public pipeline::MapMemory, public pipeline::TileSink {
   // What the finished map in a folder remembers of its flight. Errors: kNotFound (no map, or none with a
   // memory).
   static Result<std::string> FactsOf(const std::filesystem::path& folder);
+  // What the state in a folder says by itself, also where it does not fit the map beside it (or the run was
+  // killed between giving the map its name and giving the state its own): enough to know whose map it is.
+  // Errors: kNotFound (no state that can be read).
+  static Result<std::string> StatedFacts(const std::filesystem::path& folder);
 
   Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format,
                    std::span<const std::uint8_t> bytes) override;

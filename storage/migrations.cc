@@ -17,12 +17,14 @@ extern const std::string_view kSchema0006;  // storage/schema/0006_sharing.sql
 extern const std::string_view kSchema0007;  // storage/schema/0007_webhooks.sql
 extern const std::string_view kSchema0008;  // storage/schema/0008_upload_owner.sql
 extern const std::string_view kSchema0009;  // storage/schema/0009_turns.sql
+extern const std::string_view kSchema0010;  // storage/schema/0010_interruptions.sql
+extern const std::string_view kSchema0011;  // storage/schema/0011_trash.sql
 
 namespace {
 
 // Step i brings version i to i + 1. Only ever appended to.
-const std::array kSteps = {&kSchema0001, &kSchema0002, &kSchema0003, &kSchema0004,
-                           &kSchema0005, &kSchema0006, &kSchema0007, &kSchema0008, &kSchema0009};
+const std::array kSteps = {&kSchema0001, &kSchema0002, &kSchema0003, &kSchema0004, &kSchema0005, &kSchema0006,
+                           &kSchema0007, &kSchema0008, &kSchema0009, &kSchema0010, &kSchema0011};
 
 Result<int> CurrentVersion(SqliteDb& db) {
   Result<Statement> query = db.Prepare("PRAGMA user_version");

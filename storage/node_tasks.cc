@@ -13,6 +13,12 @@ Error NoSuchTask(const std::string& uuid) {
 
 Result<void> NodeTasks::Add(const NodeTask& task) {
   const auto db = db_.Lock();
+  // Its client knows nothing of a trash: the name of a task that it removed is free. The flight there is kept.
+  Result<Statement> let_go = db->Prepare(
+      "DELETE FROM node_task WHERE uuid=? AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NOT NULL)");
+  if (!let_go) return let_go.error();
+  const Result<void> gone = let_go->Bind(1, task.uuid).Run();
+  if (!gone) return gone.error();
   Result<Statement> insert = db->Prepare("INSERT INTO node_task VALUES(?,?,?,?,?)");
   if (!insert) return insert.error();
   return insert->Bind(1, task.uuid)
@@ -26,7 +32,8 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
 Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   const auto db = db_.Read();
   Result<Statement> query =
-      db->Prepare("SELECT uuid, flight_id, options, created_ms, is_committed FROM node_task WHERE uuid=?");
+      db->Prepare("SELECT uuid, flight_id, options, created_ms, is_committed FROM node_task WHERE uuid=?"
+                  " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)");
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, uuid).Step();
   if (!row) return row.error();
@@ -42,7 +49,8 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
 
 Result<std::vector<std::string>> NodeTasks::List() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare("SELECT uuid FROM node_task WHERE is_committed=1 ORDER BY flight_id");
+  Result<Statement> query = db->Prepare("SELECT uuid FROM node_task WHERE is_committed=1"
+                                        " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL) ORDER BY flight_id");
   if (!query) return query.error();
   std::vector<std::string> uuids;
   while (true) {

@@ -24,7 +24,8 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
   const auto db = db_.Lock();
   {
     // Whoever finds nothing only reads.
-    Result<Statement> look = db->Prepare("SELECT EXISTS(SELECT 1 FROM file WHERE preview_state=0)");
+    Result<Statement> look = db->Prepare("SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
+                                         " WHERE f.preview_state=0 AND t.deleted_us IS NULL)");
     if (!look) return look.error();
     const Result<bool> row = look->Step();
     if (!row) return row.error();
@@ -39,8 +40,8 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
   std::optional<PreviewWork> work;
   {
     Result<Statement> choose = db->Prepare(
-        "SELECT f.flight_id FROM file f LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE "
-        "f.preview_state=0"
+        "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
+        " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
         " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1");
     if (!choose) return choose.error();
     const Result<bool> row = choose->Step();
@@ -119,7 +120,7 @@ Result<bool> Previews::Show(const Preview& preview) {
   Result<Statement> write = db->Prepare(
       preview.edition == 1
           ? "INSERT INTO preview SELECT ?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14 FROM flight"
-            " WHERE id=?1 AND active_revision IS NULL ON CONFLICT DO NOTHING"
+            " WHERE id=?1 AND active_revision IS NULL AND deleted_us IS NULL ON CONFLICT DO NOTHING"
           : "UPDATE preview SET edition=?3, photos=?4, min_zoom=?5, max_zoom=?6, west=?7, south=?8, east=?9,"
             " north=?10, changed_west=?11, changed_south=?12, changed_east=?13, changed_north=?14"
             " WHERE flight_id=?1 AND folder=?2");

@@ -7,6 +7,8 @@ namespace skyquilt::storage {
 
 Error SqliteError(int sqlite_code, std::string_view what, std::string_view library_message) {
   const std::string detail = fmt::format("sqlite {} ({}): {}", sqlite_code, library_message, what);
+  // The memory that readers and writers share is a file beside the database, and can find no room either.
+  if (sqlite_code == SQLITE_IOERR_SHMSIZE) return SqliteError(SQLITE_FULL, what, library_message);
   switch (sqlite_code & 0xff) {
     case SQLITE_FULL:
       return {ErrorCode::kOutOfSpace, "The disk is full. Free some space and try again.", detail};

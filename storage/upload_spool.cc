@@ -25,6 +25,9 @@ constexpr std::int64_t kSyncEveryBytes = std::int64_t{16} << 20;
 constexpr const char* kColumns =
     "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner FROM upload ";
 
+// To a flight in the trash nothing is added; when it comes back, its uploads do.
+constexpr const char* kOfFlightThere = "flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)";
+
 Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. It may have expired.", ""}; }
 
 Error TakenOver() { return {ErrorCode::kConflict, "Another request goes on with this upload.", ""}; }
@@ -68,7 +71,7 @@ std::shared_ptr<UploadSpool::Turn> UploadSpool::TurnOf(const std::string& id) {
 Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
   if (!IsId(id)) return NoSuchUpload();
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(std::string(kColumns) + "WHERE id=? AND expires_us>?");
+  Result<Statement> query = db->Prepare(std::string(kColumns) + "WHERE id=? AND expires_us>? AND " + kOfFlightThere);
   if (!query) return query.error();
   const Result<bool> row = query->Bind(1, id).Bind(2, ToUs(now)).Step();
   if (!row) return row.error();
@@ -123,7 +126,7 @@ Result<SpooledUpload> UploadSpool::Find(const std::string& id, Time now) {
   Result<SpooledUpload> upload = Read(id, now);
   if (!upload || upload->is_done || upload->offset != upload->length) return upload;
   // Complete, but its server died before it became a file.
-  const Result<void> made = MakeFile(*upload, now);
+  const Result<void> made = MakeFile(*upload);
   if (!made) return made.error();
   return upload;
 }
@@ -185,14 +188,14 @@ Result<void> UploadSpool::SaveOffset(const std::string& id, std::int64_t offset,
 
 // A second name for the bytes, then one transaction, then the first name goes: a crash in between leaves
 // either the complete upload or the file, and garbage that the sweep removes.
-Result<void> UploadSpool::MakeFile(SpooledUpload& upload, Time now) const {
+Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
   if (upload.offset == 0) {
     return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
   }
   const Result<std::string> stored = store_.Adopt(upload.flight_id, PathOf(upload.id));
   if (!stored) return stored.error();
   const Result<StoredFile> added = catalogue_.AddFileUnderFreeName(
-      upload.flight_id, {upload.name, *stored, upload.offset}, now, upload.id);
+      upload.flight_id, {upload.name, *stored, upload.offset}, Now(), upload.id);
   if (!added) {
     store_.Remove(upload.flight_id, *stored);
     return added.error();
@@ -226,7 +229,8 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
   {
     const auto db = db_.Read();
     Result<Statement> query =
-        db->Prepare(std::string(kColumns) + "WHERE is_done=0 AND byte_offset=length AND expires_us>?");
+        db->Prepare(std::string(kColumns) + "WHERE is_done=0 AND byte_offset=length AND expires_us>? AND " +
+                    kOfFlightThere);
     if (!query) return query.error();
     query->Bind(1, ToUs(now));
     while (true) {
@@ -237,7 +241,7 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
     }
   }
   // One that cannot be finished stays as it is: its owner's next look tells why.
-  std::erase_if(complete, [&](SpooledUpload& upload) { return !MakeFile(upload, now); });
+  std::erase_if(complete, [&](SpooledUpload& upload) { return !MakeFile(upload); });
   return complete;
 }
 
@@ -266,7 +270,7 @@ Result<int> UploadSpool::RemoveExpired(Time now) {
   int count = 0;
   for (const fs::path& file : files) {
     struct stat status {};
-    const bool is_old = stat(file.c_str(), &status) == 0 && ToUs(now) / 1'000'000 - status.st_mtime > 60;
+    const bool is_old = stat(file.c_str(), &status) == 0 && ToUs(Now()) / 1'000'000 - status.st_mtime > 60;
     if (is_old && !keep.contains(file.filename().string()) && unlink(file.c_str()) == 0) ++count;
   }
   return count;
@@ -291,7 +295,7 @@ UploadSpool::Append::~Append() {
   {
     const std::lock_guard lock(turn_->mutex);
     // Kept if it can be; if not, the client sends these bytes again.
-    if (turn_->writer == this) (void)UploadSpool::TakeOver(*turn_, Now()).ok();
+    if (turn_->writer == this) (void)UploadSpool::TakeOver(*turn_, spool_.db_.ages().Now()).ok();
   }
   if (fd_ >= 0) close(fd_);
 }
@@ -320,7 +324,7 @@ Result<void> UploadSpool::Append::Write(std::span<const std::uint8_t> bytes) {
     written_ += wrote;
     bytes = bytes.subspan(static_cast<std::size_t>(wrote));
   }
-  if (!all_or_nothing_ && written_ - upload_.offset >= kSyncEveryBytes) return Sync(Now());
+  if (!all_or_nothing_ && written_ - upload_.offset >= kSyncEveryBytes) return Sync(spool_.db_.ages().Now());
   return {};
 }
 
@@ -330,7 +334,7 @@ Result<SpooledUpload> UploadSpool::Append::Commit(Time now) {
   const Result<void> synced = Sync(now);
   if (!synced) return synced.error();
   if (!upload_.is_done && upload_.offset == upload_.length) {
-    const Result<void> made = spool_.MakeFile(upload_, now);
+    const Result<void> made = spool_.MakeFile(upload_);
     if (!made) return made.error();
   }
   return upload_;

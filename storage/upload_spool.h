@@ -22,7 +22,7 @@
 
 namespace skyquilt::storage {
 
-inline constexpr std::chrono::hours kUploadLifetime{24};  // from its last byte on
+inline constexpr std::chrono::hours kUploadLifetime{24};  // from its last byte on, by the AgeClock
 
 struct SpooledUpload {
   std::string id;
@@ -44,6 +44,7 @@ class UploadSpool {
 
   class Append;
 
+  // `now` here and below: by the AgeClock.
   Result<SpooledUpload> Create(const SpooledUpload& wish, Time now);
   // kNotFound for an upload that another token began: to all others it is not there.
   Result<void> CheckOwner(const std::string& id, const std::string& asker, Time now) const;
@@ -73,7 +74,7 @@ class UploadSpool {
   std::shared_ptr<Turn> TurnOf(const std::string& id);
   Result<SpooledUpload> Read(const std::string& id, Time now) const;
   Result<void> SaveOffset(const std::string& id, std::int64_t offset, Time now) const;
-  Result<void> MakeFile(SpooledUpload& upload, Time now) const;
+  Result<void> MakeFile(SpooledUpload& upload) const;
   std::filesystem::path PathOf(const std::string& id) const;
 
   CatalogueDb& db_;

@@ -51,6 +51,7 @@ constexpr Rule kRules[] = {
     {Method::kGet, "/options", Scope::kRead},
     {Method::kGet, "/task/*", Scope::kRead},
     {Method::kDelete, "/api/v1/flights/{flight}", Scope::kAdmin},
+    {Method::kDelete, "/api/v1/trash/{flight}", Scope::kAdmin},
     {Method::kDelete, "/api/v1/*", Scope::kUpload},
     {Method::kPost, "/api/v1/*", Scope::kUpload},
     {Method::kPut, "/api/v1/*", Scope::kUpload},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/downloads/send_file.h"
+#include "api/flights/flights.h"
 #include "api/responses.h"
 
 namespace skyquilt::api {
@@ -36,6 +37,7 @@ Result<Response> Send(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const std::string& name = request.Parameter("name");
   if (auto checked = CheckId(flight_id, "flight"); !checked) return checked.error();
+  if (auto there = RequireFlight(service, flight_id); !there) return there.error();
   const Result<std::vector<storage::StoredFile>> files = service.catalogue.ListFiles(flight_id);
   if (!files) return files.error();
   const auto file = std::find_if(files->begin(), files->end(),

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "api/flights/trash.h"
 #include "api/problem.h"
 #include "api/responses.h"
 #include "storage/ids.h"
@@ -102,12 +103,10 @@ Response Delete(Service& service, const Request& request) {
 
 }  // namespace
 
-Result<void> DeleteFlight(Service& service, const std::string& id) {
-  // The catalogue first: what is then left on the disk is garbage that any start-up removes.
-  const Result<void> deleted = service.catalogue.DeleteFlight(id);
-  if (!deleted) return deleted.error();
-  service.tilesets.Forget(id);
-  service.store.RemoveFlight(id);
+Result<void> RequireFlight(Service& service, const std::string& id) {
+  const Result<bool> known = service.catalogue.HasFlight(id);
+  if (!known) return known.error();
+  if (!*known) return Error{ErrorCode::kNotFound, "There is no flight " + id + ".", ""};
   return {};
 }
 

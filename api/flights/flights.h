@@ -9,12 +9,12 @@ namespace skyquilt::api {
 
 void AddFlightRoutes(Router& router, Service& service);
 
+// kNotFound where there is none, or it is in the trash.
+Result<void> RequireFlight(Service& service, const std::string& id);
 // The flight with its latest job and the map it shows. Errors: kNotFound and the catalogue's.
 Result<FlightView> ViewFlight(Service& service, const std::string& id);
 
 // "Flight of 2026-11-21 04:55" for whoever gave no name.
 std::string DefaultFlightName(storage::Time now);
-// The flight with all that is on the disk. Errors: kNotFound and the catalogue's.
-Result<void> DeleteFlight(Service& service, const std::string& id);
 
 }  // namespace skyquilt::api

@@ -40,7 +40,8 @@ Response List(Service& service, const Request& request) {
 Response Cancel(Service& service, const Request& request) {
   const Result<void> checked = CheckId(request.Parameter("job"), "job");
   if (!checked) return Problem(checked.error(), request);
-  const Result<storage::Job> job = service.queue.Cancel(request.Parameter("job"), storage::Now());
+  const Result<storage::Job> job =
+      service.db.Free([&] { return service.queue.Cancel(request.Parameter("job"), storage::Now()); });
   if (!job) return Problem(job.error(), request);
   return Json(200, JobJson(*job, storage::Now()));
 }

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "api/flights/flights.h"
+#include "api/flights/trash.h"
 #include "api/json_text.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "api/flights/flights.h"
+#include "api/flights/trash.h"
 #include "api/multipart.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
@@ -121,7 +122,7 @@ class InitForm final : public NodeForm {
     const Result<void> added =
         service_.node_tasks.Add({task->uuid, flight->id, task->choice.shown, task->created_ms, false});
     if (!added) {
-      const Result<void> undone = DeleteFlight(service_, flight->id);
+      const Result<void> undone = RemoveFlight(service_, flight->id);
       return NodeProblem(undone ? added.error() : undone.error(), request_);
     }
     return NodeAnswer(UuidAnswer(task->uuid));
@@ -146,7 +147,7 @@ class WholeForm final : public NodeForm {
       : NodeForm(service, std::move(request), boundary, flight_id), flight_id_(flight_id) {}
   ~WholeForm() override {
     // A flight that cannot be deleted now shows as one without a job; its owner can delete it.
-    if (!is_kept_) (void)DeleteFlight(service_, flight_id_).ok();
+    if (!is_kept_) (void)RemoveFlight(service_, flight_id_).ok();
   }
 
  private:

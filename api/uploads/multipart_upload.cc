@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "api/flights/flights.h"
+#include "api/flights/trash.h"
 #include "api/job_options.h"
 #include "api/json_codec.h"
 #include "api/multipart.h"
@@ -60,7 +61,7 @@ class NewFlight final : public BodySink {
   ~NewFlight() override {
     if (is_kept_) return;
     // A flight that cannot be deleted now shows as one with files and no job; its owner can delete it.
-    if (service_.catalogue.DeleteFlight(flight_id_)) service_.store.RemoveFlight(flight_id_);
+    (void)RemoveFlight(service_, flight_id_).ok();
   }
 
   Result<void> Write(std::span<const std::uint8_t> bytes) override { return parser_.Push(bytes); }

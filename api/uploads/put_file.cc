@@ -3,6 +3,7 @@
 
 #include "api/digest.h"
 #include "api/json_codec.h"
+#include "api/flights/flights.h"
 #include "api/problem.h"
 #include "api/responses.h"
 #include "api/uploads/files.h"
@@ -85,6 +86,8 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
 Response List(Service& service, const Request& request) {
   const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
   if (!checked) return Problem(checked.error(), request);
+  const Result<void> there = RequireFlight(service, request.Parameter("flight"));
+  if (!there) return Problem(there.error(), request);
   const Result<std::vector<storage::StoredFile>> files =
       service.catalogue.ListFiles(request.Parameter("flight"));
   if (!files) return Problem(files.error(), request);
@@ -98,9 +101,10 @@ Response Delete(Service& service, const Request& request) {
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);
   const Result<storage::StoredFile> removed =
-      service.catalogue.RemoveFile(flight_id, request.Parameter("name"));
+      service.db.Free([&] { return service.catalogue.RemoveFile(flight_id, request.Parameter("name")); });
   if (!removed) return Problem(removed.error(), request);
   service.store.Remove(flight_id, removed->stored_name);
+  service.db.FillReserve();
   return NoContent();
 }
 

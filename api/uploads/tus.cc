@@ -38,9 +38,9 @@ std::string HttpDate(storage::Time time) {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
 }
 
-void Describe(const SpooledUpload& upload, Response& response) {
+void Describe(const Service& service, const SpooledUpload& upload, Response& response) {
   response.headers.Add("Upload-Offset", std::to_string(upload.offset));
-  if (!upload.is_done) response.headers.Add("Upload-Expires", HttpDate(upload.expires));
+  if (!upload.is_done) response.headers.Add("Upload-Expires", HttpDate(service.db.ages().OnTheWall(upload.expires)));
 }
 
 std::optional<Response> CheckVersion(const Request& request) {
@@ -54,7 +54,7 @@ std::optional<Response> CheckVersion(const Request& request) {
 std::optional<Response> CheckAsker(const Service& service, const Request& request) {
   if (auto refused = CheckVersion(request)) return refused;
   const Result<void> checked =
-      service.spool.CheckOwner(request.Parameter("upload"), request.owner, storage::Now());
+      service.spool.CheckOwner(request.Parameter("upload"), request.owner, service.db.ages().Now());
   if (checked) return std::nullopt;
   return Refuse(checked.error(), request);
 }
@@ -88,7 +88,7 @@ class Chunk final : public BodySink {
       return Refuse(kChecksumMismatch,
                     "The checksum is another. Nothing of this request was kept: send it again.", request_);
     }
-    const Result<SpooledUpload> upload = append_->Commit(storage::Now());
+    const Result<SpooledUpload> upload = append_->Commit(service_.db.ages().Now());
     if (!upload) return Refuse(upload.error(), request_);
     if (upload->file) {
       const auto unpacked = UnpackStored(service_, upload->flight_id, *upload->file);
@@ -120,7 +120,7 @@ Begun BeginChunk(Service& service, const Request& request, const std::string& id
                  Chunk::Answer answer) {
   const Result<std::optional<TusChecksum>> checksum = ChecksumOf(request);
   if (!checksum) return Refuse(checksum.error(), request);
-  const storage::Time now = storage::Now();
+  const storage::Time now = service.db.ages().Now();
   Result<std::unique_ptr<storage::UploadSpool::Append>> append =
       service.spool.Begin(id, offset, checksum->has_value(), now);
   if (!append) return Refuse(append.error(), request);
@@ -170,16 +170,16 @@ Begun BeginCreation(Service& service, const Request& request) {
   if (has_body && !IsChunk(request)) {
     return Refuse(415, "The first bytes of an upload come as application/offset+octet-stream.", request);
   }
-  const storage::Time now = storage::Now();
+  const storage::Time now = service.db.ages().Now();
   const Result<int> expired = service.spool.RemoveExpired(now);
   if (!expired) return Refuse(expired.error(), request);
   const Result<SpooledUpload> upload = service.spool.Create(*wish, now);
   if (!upload) return Refuse(upload.error(), request);
-  const auto created = [](const SpooledUpload& made) {
+  const auto created = [&service](const SpooledUpload& made) {
     Response response = WithVersion(Response());
     response.status = 201;
     response.headers.Add("Location", "/api/v1/uploads/" + made.id);
-    Describe(made, response);
+    Describe(service, made, response);
     return response;
   };
   if (has_body) return BeginChunk(service, request, upload->id, 0, created);
@@ -195,19 +195,19 @@ Begun BeginPatch(Service& service, const Request& request) {
   if (request.headers.Has("Upload-Length")) {
     const std::optional<std::int64_t> length = ParseTusNumber(request.headers.Find("Upload-Length"));
     if (!length) return Refuse(400, "Upload-Length is not a number.", request);
-    const Result<void> declared = service.spool.DeclareLength(id, *length, storage::Now());
+    const Result<void> declared = service.spool.DeclareLength(id, *length, service.db.ages().Now());
     if (!declared) return Refuse(declared.error(), request);
   }
-  return BeginChunk(service, request, id, *offset, [](const SpooledUpload& upload) {
+  return BeginChunk(service, request, id, *offset, [&service](const SpooledUpload& upload) {
     Response response = WithVersion(NoContent());
-    Describe(upload, response);
+    Describe(service, upload, response);
     return response;
   });
 }
 
 Response Get(Service& service, const Request& request) {
   if (auto refused = CheckAsker(service, request)) return *std::move(refused);
-  const Result<SpooledUpload> upload = service.spool.Find(request.Parameter("upload"), storage::Now());
+  const Result<SpooledUpload> upload = service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
   if (!upload) return Refuse(upload.error(), request);
   if (upload->file) {
     const auto unpacked = UnpackStored(service, upload->flight_id, *upload->file);
@@ -220,7 +220,7 @@ Response Get(Service& service, const Request& request) {
                        {"offset", std::to_string(upload->offset)},
                        {"length", upload->length ? std::to_string(*upload->length) : std::string("null")},
                        {"is_done", upload->is_done ? "true" : "false"}})));
-  Describe(*upload, response);
+  Describe(service, *upload, response);
   if (upload->length) {
     response.headers.Add("Upload-Length", std::to_string(*upload->length));
   } else {
@@ -232,7 +232,8 @@ Response Get(Service& service, const Request& request) {
 
 Response Delete(Service& service, const Request& request) {
   if (auto refused = CheckAsker(service, request)) return *std::move(refused);
-  const Result<void> removed = service.spool.Remove(request.Parameter("upload"), storage::Now());
+  const Result<void> removed = service.db.Free(
+      [&] { return service.spool.Remove(request.Parameter("upload"), service.db.ages().Now()); });
   if (!removed) return Refuse(removed.error(), request);
   return WithVersion(NoContent());
 }

@@ -18,6 +18,7 @@
 #include "api/build_api.h"
 #include "api/uploads/unpack.h"
 #include "server/commands/config_file.h"
+#include "server/housekeeper.h"
 #include "server/http_server.h"
 #include "server/request_log.h"
 #include "server/run_apart.h"
@@ -49,6 +50,7 @@ struct ServeOptions {
   std::string webhooks = "off";
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
+  int trash_days = 30;
   bool previews = true;
   bool open = false;
 };
@@ -149,7 +151,7 @@ Storage OpenStorage(const ServeOptions& options) {
 // What an earlier run left behind: leases of its dead workers, and garbage.
 void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage::JobQueue& queue,
              const storage::Previews& previews) {
-  const Result<int> released = queue.ReleaseWorker(kServedWorkers, storage::Now());
+  const Result<int> released = queue.TakeUpAfterRestart(storage::Now());
   if (!released) Fail(released.error());
   const Result<storage::SweepReport> swept = storage::Sweep(dir, catalogue, queue, previews, storage::Now());
   if (!swept) Fail(swept.error());
@@ -163,7 +165,7 @@ void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage
 
 // Resumable uploads that were complete when an earlier run ended.
 void FinishUploads(api::Service& service) {
-  const Result<std::vector<storage::SpooledUpload>> finished = service.spool.FinishComplete(storage::Now());
+  const Result<std::vector<storage::SpooledUpload>> finished = service.spool.FinishComplete(service.db.ages().Now());
   if (!finished) Fail(finished.error());
   for (const storage::SpooledUpload& upload : *finished) {
     const auto unpacked = api::UnpackStored(service, upload.flight_id, *upload.file);
@@ -201,12 +203,13 @@ void RunServer(const ServeOptions& options) {
     return verdicts.Of(files, mosaic_options);
   };
   service.unpack = UnpackApart;
-  const Result<int> expired = service.spool.RemoveExpired(storage::Now());
+  const Result<int> expired = service.spool.RemoveExpired(service.db.ages().Now());
   if (!expired) Fail(expired.error());
   FinishUploads(service);
   const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap, options.basemap_attribution);
   if (!basemap) Fail(basemap.error());
   service.basemap = *basemap;
+  service.trash_days = options.trash_days;
   service.sends_webhooks = options.webhooks != "off";
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
@@ -224,8 +227,9 @@ void RunServer(const ServeOptions& options) {
   fmt::print("Skyquilt is serving at http://{}:{}/\n", host, (*server)->port());
   std::fflush(stdout);
 
+  const Housekeeper housekeeper(service);
   std::optional<WebhookSender> sender;
-  if (service.sends_webhooks) sender.emplace(service.webhooks, options.webhooks == "any");
+  if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
   WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue);
   LookAfter(workers, signals);
   fmt::print("Skyquilt is stopping.\n");
@@ -246,7 +250,7 @@ void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
   constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews",
                                            "web",      "public-url", "basemap", "basemap-attribution",
-                                           "webhooks", "open"};
+                                           "webhooks", "open",       "trash-days"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -279,6 +283,12 @@ void AddServeCommand(CLI::App& app) {
       ->add_flag("--previews,!--no-previews", options->previews,
                  "Draw flights while they are uploading (default)")
       ->envname(VariableOf("previews"));
+  command
+      ->add_option("--trash-days", options->trash_days,
+                   "Days that a deleted flight can be restored; 0 deletes at once and for good")
+      ->check(CLI::Range(0, 3650))
+      ->envname(VariableOf("trash-days"))
+      ->capture_default_str();
   command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one")
       ->envname(VariableOf("web"));
   command

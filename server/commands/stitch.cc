@@ -14,6 +14,7 @@
 #include "core/base/digest.h"
 #include "core/base/printable.h"
 #include "server/commands/terminal_progress.h"
+#include "server/out_folder.h"
 #include "server/stitch_job.h"
 
 namespace skyquilt::server {
@@ -32,6 +33,7 @@ struct StitchArguments {
   bool utm = false;
   bool kmz = false;
   bool append = false;
+  bool overwrite = false;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -99,7 +101,15 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_kmz = arguments.kmz;
   auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail(files.error());
-  if (arguments.append) AddFinishedFiles(arguments.out_dir, *files);
+  if (arguments.append) {
+    AddFinishedFiles(arguments.out_dir, *files);
+  } else if (arguments.overwrite) {
+    const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
+    if (!kept) Fail(kept.error());
+  } else {
+    const Result<void> free = CheckOutFolder(arguments.out_dir, *files);
+    if (!free) Fail(free.error());
+  }
   if (arguments.job.mosaic.title.empty()) {
     std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
     if (!first.has_filename()) first = first.parent_path();
@@ -185,9 +195,14 @@ void AddStitchCommand(CLI::App& app) {
   command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles,
                     "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
-  command->add_flag("--append", arguments->append,
+  CLI::Option* append =
+      command->add_flag("--append", arguments->append,
                     "IN are photos more for the finished map in the folder: they are placed against it, and "
                     "only the tiles below them are made anew");
+  command
+      ->add_flag("--overwrite", arguments->overwrite,
+                 "Replace whatever map the folder has. Without it the map of other photos stays, and nothing is done")
+      ->excludes(append);
   command->add_flag(
       "--fresh", arguments->job.is_fresh,
       "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "

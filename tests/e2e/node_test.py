@@ -210,6 +210,8 @@ class Node(ServerTestCase):
         self.wait(server, uuid, 40)
         self.assertEqual(self.ask(server, "POST", "/task/remove", f"uuid={uuid}"), {"success": True})
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])
+        [removed] = server.json("GET", "/api/v1/trash")[1]["flights"]
+        self.assertEqual(server.request("DELETE", f"/api/v1/trash/{removed['id']}")[0], 204)
         self.assertEqual(list((server.data / "flights").iterdir()), [])
 
 

@@ -93,6 +93,7 @@ class Flow(ServerTestCase):
         self.assertEqual((flight["revision"], flight["state"]), (2, "ready"))
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight['id']}")[0], 204)
         self.assertEqual(server.request("GET", flight["tilejson"])[0], 404)
+        self.assertEqual(server.request("DELETE", f"/api/v1/trash/{flight['id']}")[0], 204)
         self.assertEqual(list((server.data / "flights").iterdir()), [])
 
     def test_bad_files_leave_the_rest_of_the_flight_intact(self):

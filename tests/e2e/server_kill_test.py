@@ -94,6 +94,7 @@ class Kills(ServerTestCase):
         self.wait_for_stage(server, job_id)
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight_id}")[0], 204)
         wait_until(lambda: server.garbage() == [], "the work of a deleted flight is left over")
+        self.assertEqual(server.request("DELETE", f"/api/v1/trash/{flight_id}")[0], 204)
         self.assertEqual(list((server.data / "flights").iterdir()), [])
 
     def test_two_servers_do_not_share_a_folder(self):

@@ -154,6 +154,15 @@ TEST_F(JobQueueTest, DismissesACancelledJobWhoseWorkerDied) {
   EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
 }
 
+TEST_F(JobQueueTest, ACancelledJobThatFailsOnTheWayIsDismissed) {
+  const Job job = NewJob();
+  const Lease lease = Claimed();
+  ASSERT_TRUE(queue_.Cancel(job.id, now_));
+  ASSERT_TRUE(*queue_.Fail(lease, {ErrorCode::kNotFound, "its flight is in the trash", ""}, true, now_));
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
+  EXPECT_FALSE(queue_.Get(job.id)->error);
+}
+
 TEST_F(JobQueueTest, RefusesToCancelWhatIsFinished) {
   const Job job = NewJob();
   ASSERT_TRUE(*queue_.Publish(Claimed(), Made(1), now_));
@@ -173,9 +182,107 @@ TEST_F(JobQueueTest, DoesNotCountAnAttemptThatWasGivenBack) {
 TEST_F(JobQueueTest, ReleasesWhatADeadWorkerHeld) {
   NewJob();
   ASSERT_TRUE(queue_.Claim("serve-1-2", now_)->has_value());
-  EXPECT_EQ(*queue_.ReleaseWorker("other", now_), 0);
-  EXPECT_EQ(*queue_.ReleaseWorker("serve-*", now_), 1);
+  EXPECT_EQ(*queue_.ReleaseWorker("other", WorkerEnd::kDied, now_), 0);
+  EXPECT_EQ(*queue_.ReleaseWorker("serve-1-2", WorkerEnd::kDied, now_), 1);
   EXPECT_EQ((*queue_.Claim("w", now_))->attempt, 2);
+}
+
+TEST_F(JobQueueTest, ARestartOfTheServerIsNoAttempt) {
+  const Job job = NewJob();
+  for (int i = 1; i < kMaxInterruptions; ++i) {
+    const auto lease = queue_.Claim("serve-1-" + std::to_string(i), now_);
+    ASSERT_TRUE(lease->has_value()) << i;
+    EXPECT_EQ((*lease)->attempt, 1);
+    EXPECT_EQ(*queue_.TakeUpAfterRestart(now_), 1);
+    EXPECT_EQ(*queue_.Renew(**lease, now_), LeaseState::kLost);
+  }
+  // All its attempts are left.
+  Time then = now_;
+  for (int attempt = 1; attempt <= kMaxAttempts; ++attempt) {
+    ASSERT_EQ((*queue_.Claim("w", then))->attempt, attempt);
+    then += kLeaseTime + seconds(1);
+  }
+  EXPECT_FALSE(queue_.Claim("w", then)->has_value());
+  EXPECT_EQ(queue_.Get(job.id)->error->code, "internal");
+}
+
+TEST_F(JobQueueTest, AJobThatEveryRunEndsInARestartEndsWithItsOwnWords) {
+  const Job job = NewJob();
+  for (int i = 1; i <= kMaxInterruptions; ++i) {
+    ASSERT_TRUE(queue_.Claim("serve-1-" + std::to_string(i), now_)->has_value()) << i;
+    ASSERT_TRUE(queue_.TakeUpAfterRestart(now_));
+  }
+  EXPECT_FALSE(queue_.Claim("w", now_)->has_value());
+  const Job ended = *queue_.Get(job.id);
+  EXPECT_EQ(ended.state, JobState::kFailed);
+  EXPECT_EQ(ended.error->code, "unavailable");
+  EXPECT_NE(ended.error->message.find("interrupted 10 times by restarts"), std::string::npos);
+  EXPECT_TRUE(ended.finished);
+  EXPECT_TRUE(queue_.Add(job.flight_id, "{}", now_));
+}
+
+TEST_F(JobQueueTest, AServersWorkerThatItsServerKilledIsNoAttempt) {
+  NewJob();
+  ASSERT_TRUE(queue_.Claim("serve-1-1", now_)->has_value());
+  EXPECT_EQ(*queue_.ReleaseWorker("serve-1-1", WorkerEnd::kInterrupted, now_), 1);
+  EXPECT_EQ((*queue_.Claim("w", now_))->attempt, 1);
+}
+
+TEST_F(JobQueueTest, ALeaseOfAServersWorkerRunsOutOnlyWithItsServer) {
+  NewJob();
+  ASSERT_TRUE(queue_.Claim("serve-1-1", now_)->has_value());
+  EXPECT_EQ((*queue_.Claim("worker-7", now_ + kLeaseTime + seconds(1)))->attempt, 1);
+}
+
+TEST_F(JobQueueTest, ARestartOfTheMachineIsNoAttemptOfAnyWorker) {
+  const Job job = NewJob();
+  Time then = now_;
+  for (int i = 1; i < kMaxInterruptions; ++i) {
+    ASSERT_EQ((*queue_.Claim("worker-7", then))->attempt, 1);
+    ASSERT_TRUE(db_->Lock()->Exec("UPDATE job SET claimed_in='an earlier start of the machine'"));
+    then += kLeaseTime + seconds(1);
+  }
+  ASSERT_EQ((*queue_.Claim("worker-7", then))->attempt, 1);
+  // One that dies while its machine goes on has had its attempt.
+  then += kLeaseTime + seconds(1);
+  EXPECT_EQ((*queue_.Claim("worker-7", then))->attempt, 2);
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kRunning);
+}
+
+TEST_F(JobQueueTest, AWorkerOfOthersThatLivesThroughAServersRestartGoesOn) {
+  NewJob();
+  const Lease lease = **queue_.Claim("worker-7", now_);
+  EXPECT_EQ(*queue_.TakeUpAfterRestart(now_), 0);
+  EXPECT_EQ(*queue_.Renew(lease, now_), LeaseState::kHeld);
+  // Heard since: its death is its own.
+  EXPECT_EQ((*queue_.Claim("w", now_ + kLeaseTime + seconds(1)))->attempt, 2);
+}
+
+TEST_F(JobQueueTest, AWorkerOfOthersThatIsNotHeardAfterAServersRestartWasInterrupted) {
+  NewJob();
+  ASSERT_TRUE(queue_.Claim("worker-7", now_)->has_value());
+  EXPECT_EQ(*queue_.TakeUpAfterRestart(now_), 0);
+  EXPECT_EQ((*queue_.Claim("w", now_ + kLeaseTime + seconds(1)))->attempt, 1);
+}
+
+TEST_F(JobQueueTest, AnInterruptedJobThatSomeoneCancelledIsDismissed) {
+  const Job job = NewJob();
+  ASSERT_TRUE(queue_.Claim("serve-1-1", now_)->has_value());
+  ASSERT_TRUE(queue_.Cancel(job.id, now_));
+  ASSERT_TRUE(queue_.TakeUpAfterRestart(now_));
+  EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
+}
+
+TEST_F(JobQueueTest, AClockThatWasAheadHoldsNothingUpAfterARestart) {
+  const Time ahead = now_ + std::chrono::days(30);
+  const Job leased = NewJob();
+  ASSERT_TRUE(queue_.Claim("worker-7", ahead)->has_value());
+  const Job paused = NewJob();
+  ASSERT_TRUE(*queue_.Fail(**queue_.Claim("worker-8", ahead), {ErrorCode::kIo, "disk", ""}, true, ahead));
+  EXPECT_FALSE(queue_.Claim("w", now_)->has_value());
+  ASSERT_TRUE(queue_.TakeUpAfterRestart(now_));
+  EXPECT_TRUE(queue_.Claim("w", now_)->has_value());
+  EXPECT_TRUE(queue_.Claim("w", now_)->has_value());
 }
 
 TEST_F(JobQueueTest, PublishesARevisionAndForgetsAllButTheOneBefore) {

@@ -57,6 +57,63 @@ test('a flight is renamed by keyboard', options, async () => {
   await assertQuiet(opened);
 });
 
+test('a deleted flight is in the trash at once, whatever happens to the page, and comes back from there', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.click('#flight-delete');
+  await page.waitForSelector('.note-action');
+  assert.equal(mock.flights.size, 0);
+  assert.equal(mock.deleted.size, 1);
+  // The tab is closed while the note is there: nothing more is deleted by that.
+  const context = page.context();
+  await page.close({ runBeforeUnload: true });
+  assert.equal(mock.deleted.size, 1);
+  const again = await context.newPage();
+  await again.goto(mock.url);
+  await again.click('#trash-fold summary');
+  assert.match((await again.textContent('#trash')) ?? '', /Meadow.*30 days left/);
+  await assertAccessible(again, 'trash');
+  await again.click('#trash button:has-text("Restore")');
+  await again.waitForSelector('.flights li');
+  assert.equal(mock.flights.size, 1);
+  await again.waitForSelector('#trash-fold', { state: 'detached' });
+
+  await again.hover('.flights li');
+  await again.click('.flights li .row-actions button:nth-child(2)');
+  await again.waitForSelector('#trash-fold');
+  await again.click('#trash-fold summary');
+  await again.click('#trash button:has-text("Delete for good")');
+  await assertAccessible(again, 'question before the last step');
+  await again.keyboard.press('Escape');
+  assert.equal(mock.deleted.size, 1);
+  await again.click('#trash button:has-text("Delete for good")');
+  await again.click('#remove-confirm');
+  await again.waitForSelector('#trash-fold', { state: 'detached' });
+  assert.equal(mock.deleted.size, 0);
+  assert.equal(mock.flights.size, 0);
+});
+
+test('a server without a trash is asked before it deletes', options, async () => {
+  const opened = await setUp({ trash_days: 0 });
+  const { page, mock } = opened;
+  mock.seedReady('Meadow');
+  await page.reload();
+  await page.hover('.flights li');
+  await page.click('.flights li .row-actions button:nth-child(2)');
+  await page.waitForSelector('#remove-confirm');
+  await page.keyboard.press('Escape');
+  assert.equal(mock.flights.size, 1);
+  await page.click('.flights li .row-actions button:nth-child(2)');
+  await page.click('#remove-confirm');
+  await page.waitForFunction(() => document.querySelectorAll('.flights li').length === 0);
+  assert.equal(mock.flights.size, 0);
+  assert.equal(await page.locator('.note-action').count(), 0);
+  await assertQuiet(opened);
+});
+
 test('the first view is light, and the map library comes only with the first map', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;

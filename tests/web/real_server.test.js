@@ -129,9 +129,17 @@ test('an upload outlives the server and, chosen again, a reload', options, async
     assert.equal(await stored(), photos.length);
     assert.ok(sent <= photos.length - 2, `${sent} files were sent again`);
     assert.deepEqual(foreign_requests, []);
+    const flights = async () => (await (await fetch(`${server.url}api/v1/flights`)).json()).flights.length;
     await page.click('#flight-delete');
-    await page.click('.note .icon-button');
-    await until(async () => (await (await fetch(`${server.url}api/v1/flights`)).json()).flights.length === 0);
+    await until(async () => (await flights()) === 0);
+    // The tab is closed while the note with "Undo" is there: the flight is in the trash, and comes back from it.
+    await page.close();
+    const again = await context.newPage();
+    await again.goto(server.url);
+    await again.click('#trash-fold summary');
+    await again.click('#trash button:has-text("Restore")');
+    await again.waitForSelector('.flights li');
+    assert.equal(await flights(), 1);
   } finally {
     await context.close();
     assert.equal(await server.stop(), 0);

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Flight, Job, PhotoCollection, Report, Sighting, StoredFile, TileJson } from './types.js' */
+/** @import { Flight, Job, PhotoCollection, Report, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { askForToken, authorization, readable } from './access.js';
 import { strings } from './strings.js';
 
@@ -97,8 +97,17 @@ export const getFlight = (id, signal) => request('GET', flight_path(id), undefin
 /** @param {string} id @param {string} name @returns {Promise<Flight>} */
 export const renameFlight = (id, name) => request('PATCH', flight_path(id), { name });
 
-/** @param {string} id @returns {Promise<null>} */
+/** Into the trash, where the server keeps one. @param {string} id @returns {Promise<null>} */
 export const deleteFlight = (id) => request('DELETE', flight_path(id));
+
+/** @param {AbortSignal} [signal] @returns {Promise<Trash>} */
+export const getTrash = (signal) => request('GET', '/api/v1/trash', undefined, signal);
+
+/** @param {string} id @returns {Promise<Flight>} */
+export const restoreFlight = (id) => request('POST', `${flight_path(id)}/restore`);
+
+/** For good. @param {string} id of a deleted flight @returns {Promise<null>} */
+export const removeFlight = (id) => request('DELETE', `/api/v1/trash/${encodeURIComponent(id)}`);
 
 /**
  * @param {string} id

@@ -1,53 +1,59 @@
-// Deleting with a way back: the flight vanishes from the page at once, and from the server when the note with
-// "Undo" has gone (or the page is left).
-/** @import { Flight } from './types.js' */
-import { authorization } from './access.js';
+// Deleting with a way back: the flight goes to the server's trash at once, so that it does not matter when the page is
+// left, and "Undo" takes it out again. Where the server keeps no trash, it is asked first.
+/** @import { Flight, TrashedFlight } from './types.js' */
 import { announce, showError, showNote } from './announce.js';
-import { deleteFlight } from './api.js';
+import { deleteFlight, getTrash, removeFlight, restoreFlight } from './api.js';
+import { askToRemove } from './dialogs.js';
 import { strings } from './strings.js';
 import { uploadOf } from './uploads.js';
 
-/** @type {Set<string>} */
-const pending = new Set();
-
-/** @param {string} id */
-export const isDeleted = (id) => pending.has(id);
-
 /**
- * @param {Flight} flight
- * @param {() => void} on_change called when the flight vanishes, returns, or is gone for good
+ * @param {{id: string, name: string}} flight
+ * @param {() => void} on_change called when the flight is back
  */
-export function deleteWithUndo(flight, on_change) {
-  uploadOf(flight.id)?.stop();
-  pending.add(flight.id);
-  let undone = false;
-  showNote(strings.flights.removed(flight.name), {
-    action: {
-      label: strings.flights.undo,
-      run: () => {
-        undone = true;
-        pending.delete(flight.id);
-        announce(strings.flights.restored(flight.name));
-        on_change();
-      },
-    },
-    on_close: async () => {
-      if (undone) return;
-      try {
-        await deleteFlight(flight.id);
-      } catch (error) {
-        showError(error);
-      }
-      pending.delete(flight.id);
-      on_change();
-    },
-  });
+export async function restore(flight, on_change) {
+  try {
+    await restoreFlight(flight.id);
+    announce(strings.flights.restored(flight.name));
+  } catch (error) {
+    showError(error);
+  }
   on_change();
 }
 
-addEventListener('pagehide', () => {
-  // The user left before the note closed: the deletion was meant.
-  for (const id of pending) {
-    void fetch(`/api/v1/flights/${encodeURIComponent(id)}`, { method: 'DELETE', keepalive: true, headers: authorization() });
+/**
+ * @param {Flight} flight
+ * @param {() => void} on_change called when the flight is back
+ * @returns {Promise<boolean>} whether it is deleted now
+ */
+export async function deleteWithUndo(flight, on_change) {
+  try {
+    const { days } = await getTrash();
+    if (days === 0 && !(await askToRemove(flight.name))) return false;
+    uploadOf(flight.id)?.stop();
+    await deleteFlight(flight.id);
+    const undo = { label: strings.flights.undo, run: () => void restore(flight, on_change) };
+    showNote(days === 0 ? strings.trash.removed(flight.name) : strings.flights.removed(flight.name, days), {
+      action: days === 0 ? undefined : undo,
+    });
+    return true;
+  } catch (error) {
+    showError(error);
+    return false;
   }
-});
+}
+
+/**
+ * @param {TrashedFlight} flight
+ * @param {() => void} on_change called when it is gone
+ */
+export async function removeForGood(flight, on_change) {
+  if (!(await askToRemove(flight.name))) return;
+  try {
+    await removeFlight(flight.id);
+    announce(strings.trash.removed(flight.name));
+  } catch (error) {
+    showError(error);
+  }
+  on_change();
+}

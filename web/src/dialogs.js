@@ -67,3 +67,23 @@ export async function askWhereTo(count, flight_name) {
   );
   return /** @type {'add'|'new'|''} */ (await ask(dialog));
 }
+
+/**
+ * @param {string} name of the flight
+ * @returns {Promise<boolean>}
+ */
+export async function askToRemove(name) {
+  const dialog = h(
+    'dialog',
+    { class: 'dialog', 'aria-labelledby': 'remove-title' },
+    h('h2', { id: 'remove-title', class: 'dialog-title' }, strings.trash.title(name)),
+    h('p', {}, strings.trash.text),
+    h(
+      'div',
+      { class: 'dialog-actions' },
+      h('button', { type: 'button', class: 'button', on: { click: () => dialog.close('') } }, strings.flights.cancel),
+      h('button', { type: 'button', class: 'button primary', id: 'remove-confirm', on: { click: () => dialog.close('remove') } }, strings.trash.remove),
+    ),
+  );
+  return (await ask(dialog)) === 'remove';
+}

@@ -4,8 +4,8 @@
 /** @import { Selection } from './drop_files.js' */
 import { takeSharedToken } from './access.js';
 import { announce, showError } from './announce.js';
-import { createFlight, getFlight, listFiles, listFlights, renameFlight } from './api.js';
-import { deleteWithUndo, isDeleted } from './deletions.js';
+import { createFlight, getFlight, getTrash, listFiles, listFlights, renameFlight } from './api.js';
+import { deleteWithUndo, removeForGood, restore } from './deletions.js';
 import { askName, askWhereTo } from './dialogs.js';
 import { byId, put } from './dom.js';
 import { dropZone } from './drop_zone.js';
@@ -17,6 +17,7 @@ import { go, watchRoute } from './router.js';
 import { bottomSheet } from './sheet.js';
 import { Stage } from './stage.js';
 import { strings } from './strings.js';
+import { trashList } from './trash_list.js';
 import { isUploading, startUpload, uploadOf } from './uploads.js';
 import { welcomeView } from './welcome.js';
 
@@ -27,7 +28,12 @@ const panel_body = byId('panel-body');
 let open_view = null;
 
 const pickers = dropZone((selection) => void takeFiles(selection));
-const list = flightList({ rename, remove });
+const list = flightList({ rename, remove: (flight) => void remove(flight) });
+const trash = trashList({
+  restore: (flight) => void restore(flight, () => void refreshList()),
+  remove: (flight) => void removeForGood(flight, () => void refreshList()),
+});
+list.element.append(trash.element);
 byId('welcome').append(welcomeView(pickers));
 put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
 byId('new-flight').addEventListener('click', pickers.choose_folder);
@@ -49,11 +55,15 @@ async function rename(flight) {
 }
 
 /** @param {Flight} flight */
-function remove(flight) {
-  deleteWithUndo(flight, () => void refreshList());
+async function remove(flight) {
+  if (!(await deleteWithUndo(flight, () => void refreshList()))) return;
   focus_list = true;
-  if (open_view?.id === flight.id) go({ view: 'home' });
-  else focusList();
+  if (open_view?.id === flight.id) {
+    go({ view: 'home' });
+    return;
+  }
+  await refreshList();
+  focusList();
 }
 
 // What had the keyboard's focus went away with a deleted flight: the list's heading takes it.
@@ -128,7 +138,7 @@ async function openFlight(route) {
     const had_focus = document.activeElement !== document.body;
     open_view = new FlightView(route.id, stage, {
       rename,
-      remove,
+      remove: (flight) => void remove(flight),
       add_photos: pickers.choose_folder,
       on_flight: (flight) => {
         byId('panel').setAttribute('aria-label', flight.name);
@@ -157,7 +167,9 @@ async function refreshList() {
   clearTimeout(list_timer);
   let delay_ms = 30_000;
   try {
-    const flights = (await listFlights()).filter((flight) => !isDeleted(flight.id));
+    // The list does not wait for the trash, nor fail with it.
+    void getTrash().then((kept) => trash.update(kept.flights), () => trash.update([]));
+    const flights = await listFlights();
     list.update(flights);
     document.body.toggleAttribute('data-has-flights', flights.length > 0);
     if (flights.some(({ state, id }) => state === 'queued' || state === 'processing' || uploadOf(id))) delay_ms = 2000;

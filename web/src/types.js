@@ -47,6 +47,21 @@
  */
 
 /**
+ * A deleted flight that can be restored.
+ * @typedef {object} TrashedFlight
+ * @property {string} id
+ * @property {string} name
+ * @property {string} created_at
+ * @property {number} file_count
+ * @property {number} bytes
+ * @property {string} deleted_at
+ * @property {string} removed_at
+ * @property {number} days_left
+ */
+
+/** @typedef {{days: number, flights: TrashedFlight[]}} Trash days: 0 where deleted flights are not kept */
+
+/**
  * The coarse map of the photos that have arrived.
  * @typedef {{edition: number, photos: number, bounds: Bounds, tilejson: string}} Preview
  */

@@ -30,12 +30,14 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, trash_days?: number}} [options] upload_ms: time each file takes at least;
  *   basemap_makers: there is a basemap, of theirs
  */
 export async function startMockServer(options = {}) {
   const job_ms = options.job_ms ?? 2500;
   const flights = new Map();
+  const deleted = new Map();
+  const trash_days = options.trash_days ?? 30;
   const jobs = new Map();
   const refused_once = new Set();
   /** Uploads wait here while a test holds them. */
@@ -162,6 +164,16 @@ export async function startMockServer(options = {}) {
       response.write(': nothing happens here but what the page asks for\n\n');
       return undefined;
     }
+    if (path === '/api/v1/trash') {
+      const kept = [...deleted.values()].map((flight) => {
+        const { id, name, created_at, file_count, bytes } = flightJson(flight);
+        return { id, name, created_at, file_count, bytes, deleted_at: created_at, removed_at: created_at, days_left: trash_days };
+      });
+      return send(200, { days: trash_days, flights: kept });
+    }
+    if ((match = path.match(/^\/api\/v1\/trash\/([^/]+)$/)) && request.method === 'DELETE') {
+      return deleted.delete(match[1]) ? send(204, null) : problem(404, 'No such flight', 'There is no such deleted flight.');
+    }
     if (path === '/api/v1/flights' && request.method === 'POST') {
       const { name } = JSON.parse((await readBody()).toString());
       return send(201, flightJson(addFlight(name)));
@@ -180,8 +192,13 @@ export async function startMockServer(options = {}) {
       return send(200, jobJson(job));
     }
     if ((match = path.match(/^\/api\/v1\/flights\/([^/]+)(\/.*)?$/))) {
-      const flight = flights.get(match[1]);
       const rest = match[2] ?? '';
+      if (rest === '/restore' && request.method === 'POST' && deleted.has(match[1])) {
+        flights.set(match[1], deleted.get(match[1]));
+        deleted.delete(match[1]);
+        return send(200, flightJson(flights.get(match[1])));
+      }
+      const flight = flights.get(match[1]);
       if (!flight) {
         await readBody();
         return problem(404, 'No such flight', 'This flight does not exist.');
@@ -192,6 +209,7 @@ export async function startMockServer(options = {}) {
       }
       if (rest === '' && request.method === 'DELETE') {
         flights.delete(flight.id);
+        if (trash_days > 0) deleted.set(flight.id, flight);
         return send(204, null);
       }
       if (rest === '') return send(200, flightJson(flight));
@@ -239,6 +257,7 @@ export async function startMockServer(options = {}) {
   return {
     url: `http://127.0.0.1:${port}/`,
     flights,
+    deleted,
     seedReady,
     addFlight,
     holdUploads,

@@ -1,0 +1,107 @@
+#include "api/flights/trash.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "api/flights/flights.h"
+#include "api/json_codec.h"
+#include "api/problem.h"
+#include "api/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+std::string TrashedJson(const Service& service, const storage::TrashedFlight& flight) {
+  const storage::AgeClock& ages = service.db.ages();
+  const storage::Time end = flight.deleted_age + std::chrono::days(service.trash_days);
+  const double days = std::chrono::duration<double, std::ratio<86400>>(end - ages.Now()).count();
+  const auto days_left = static_cast<int>(std::ceil(std::clamp(days, 0.0, 1.0 * service.trash_days)));
+  return JsonObject({{"id", JsonString(flight.id)},
+                     {"name", JsonString(flight.name)},
+                     {"created_at", JsonString(FormatTime(flight.created))},
+                     {"file_count", std::to_string(flight.file_count)},
+                     {"bytes", std::to_string(flight.bytes)},
+                     {"deleted_at", JsonString(FormatTime(flight.deleted))},
+                     {"removed_at", JsonString(FormatTime(ages.OnTheWall(end)))},
+                     {"days_left", std::to_string(days_left)}});
+}
+
+Response List(Service& service, const Request& request) {
+  const Result<std::vector<storage::TrashedFlight>> flights = service.trash.List();
+  if (!flights) return Problem(flights.error(), request);
+  std::vector<std::string> items;
+  for (const storage::TrashedFlight& flight : *flights) items.push_back(TrashedJson(service, flight));
+  return Json(200,
+              JsonObject({{"days", std::to_string(service.trash_days)}, {"flights", JsonArray(items)}}));
+}
+
+Response Restore(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return Problem(checked.error(), request);
+  const Result<void> restored = service.trash.Restore(id);
+  if (!restored) return Problem(restored.error(), request);
+  const Result<FlightView> view = ViewFlight(service, id);
+  if (!view) return Problem(view.error(), request);
+  return Json(200, FlightJson(*view, storage::Now()));
+}
+
+Response RemoveForGood(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  const Result<void> checked = CheckId(id, "flight");
+  if (!checked) return Problem(checked.error(), request);
+  // Only what was deleted before: nobody loses a flight by one slip.
+  const Result<storage::TrashedFlight> trashed = service.trash.Find(id);
+  if (!trashed) return Problem(trashed.error(), request);
+  const Result<void> removed = RemoveFlight(service, id);
+  if (!removed) return Problem(removed.error(), request);
+  return NoContent();
+}
+
+}  // namespace
+
+Result<void> DeleteFlight(Service& service, const std::string& id) {
+  if (service.trash_days == 0) return RemoveFlight(service, id);
+  const Result<void> put = service.db.Free([&] { return service.trash.Put(id, storage::Now()); });
+  if (!put) return put.error();
+  service.tilesets.Forget(id);
+  return {};
+}
+
+Result<void> RemoveFlight(Service& service, const std::string& id) {
+  // The catalogue first: what is then left on the disk is garbage that any start-up removes.
+  const Result<void> deleted = service.db.Free([&] { return service.catalogue.DeleteFlight(id); });
+  if (!deleted) return deleted.error();
+  service.tilesets.Forget(id);
+  service.store.RemoveFlight(id);
+  service.db.FillReserve();
+  return {};
+}
+
+Result<int> RemoveOldTrash(Service& service) {
+  const auto old =
+      service.trash.DeletedUntil(service.db.ages().Now() - std::chrono::days(service.trash_days));
+  if (!old) return old.error();
+  int removed = 0;
+  for (const std::string& id : *old) {
+    const Result<void> done = RemoveFlight(service, id);
+    // One that was restored or removed a moment ago needs nothing more.
+    if (!done && done.error().code != ErrorCode::kNotFound) return done.error();
+    removed += done ? 1 : 0;
+  }
+  return removed;
+}
+
+void AddTrashRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/trash", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kDelete, "/api/v1/trash/{flight}",
+             [&](const Request& r) { return RemoveForGood(service, r); });
+  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/restore",
+                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     return CollectBody(
+                         [&service, request](const std::string&) { return Restore(service, request); });
+                   });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,31 @@
+// Housekeeper: what a running server does every few minutes by itself: it keeps the AgeClock, and removes what has grown
+// old. A thread of its own; what fails is logged and tried again in the next round. Owned by the main thread.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "api/service.h"
+
+namespace skyquilt::server {
+
+class Housekeeper {
+ public:
+  explicit Housekeeper(api::Service& service);
+  ~Housekeeper();
+  Housekeeper(const Housekeeper&) = delete;
+  Housekeeper& operator=(const Housekeeper&) = delete;
+
+ private:
+  void Run();
+  void Round();
+
+  api::Service& service_;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  bool is_ended_ = false;
+  std::thread thread_;
+};
+
+}  // namespace skyquilt::server
