@@ -6,7 +6,8 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/imgproc/detail/gcgraph.hpp>  // after core.hpp, which it leans on
+
+#include "core/render/graph_cut.h"
 
 namespace skyquilt::render {
 namespace {
@@ -195,11 +196,9 @@ class Labeller {
       }
     }
     if (nodes.empty()) return false;
-    cv::detail::GCGraph<int> graph;
-    graph.create(static_cast<unsigned>(nodes.size()), static_cast<unsigned>(4 * nodes.size() + 4));
+    GraphCut cut(nodes.size(), 2 * nodes.size());
     std::vector<int> keeps(nodes.size()), takes(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      graph.addVtx();
       keeps[i] = CellCost(nodes[i].label, nodes[i].column, nodes[i].row);
       takes[i] = CellCost(photo, nodes[i].column, nodes[i].row);
     }
@@ -238,17 +237,17 @@ class Labeller {
         keeps[i] += keep_keep;
         takes[i] += take_keep;
         keeps[static_cast<std::size_t>(j)] += take_keep;
-        graph.addEdges(static_cast<int>(i), j, std::max(0, keep_take + take_keep - keep_keep), 0);
+        cut.AddEdge(i, static_cast<std::size_t>(j), std::max(0, keep_take + take_keep - keep_keep));
       }
     }
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const int least = std::min(keeps[i], takes[i]);
-      graph.addTermWeights(static_cast<int>(i), takes[i] - least, keeps[i] - least);
+      cut.AddTerminals(i, takes[i] - least, keeps[i] - least);
     }
-    graph.maxFlow();
+    cut.Solve();
     bool changed = false;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (graph.inSourceSegment(static_cast<int>(i))) continue;
+      if (!cut.IsOnSinkSide(i)) continue;  // nor where both cost the same
       labels_.Set(nodes[i].column, nodes[i].row, photo);
       changed = true;
     }
