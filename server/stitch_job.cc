@@ -8,6 +8,7 @@
 #include "core/pipeline/build_mosaic.h"
 #include "core/pipeline/flight_facts.h"
 #include "core/pipeline/locate.h"
+#include "core/pipeline/memory_budget.h"
 #include "core/pipeline/odm_exports.h"
 #include "core/render/render_layers.h"
 #include "server/open_elevation_model.h"
@@ -143,7 +144,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   if (options.is_fresh) ForgetEarlierRuns(out_dir);
   auto keeper = storage::MapKeeper::Create(out_dir, options.previous_dir);
   if (!keeper) return keeper.error();
-  const flight::FilePhotoSource photos;
+  const flight::FilePhotoSource photos(pipeline::MostDecodeBytes(options.mosaic));
   const auto elevations = OpenElevationModel(options.mosaic.dem_path, files);
   if (!elevations) return elevations.error();
   Result<pipeline::BuiltMosaic> built = pipeline::BuildMosaic(

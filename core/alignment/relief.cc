@@ -12,11 +12,16 @@ namespace {
 
 constexpr int kMostCells = 1 << 20;
 constexpr int kFewPoints = 50;
+constexpr double kFarthestM = 1e6;  // points beyond, or not numbers, are of no use
 
 }  // namespace
 
-Relief Relief::FromPoints(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m,
+Relief Relief::FromPoints(const std::vector<Eigen::Vector3d>& all_points_in_enu, double cell_m,
                           double plane_z_in_enu_m) {
+  std::vector<Eigen::Vector3d> points_in_enu;
+  for (const Eigen::Vector3d& point : all_points_in_enu) {
+    if (point.cwiseAbs().maxCoeff() < kFarthestM) points_in_enu.push_back(point);
+  }
   if (points_in_enu.size() < kFewPoints) return Relief(plane_z_in_enu_m);
   std::vector<double> heights;
   geo::Bounds2 bounds;
@@ -25,7 +30,8 @@ Relief Relief::FromPoints(const std::vector<Eigen::Vector3d>& points_in_enu, dou
     bounds.Include(Eigen::Vector2d(point.head<2>()));
   }
   Relief relief(Median(heights));
-  cell_m = std::max(cell_m, std::sqrt(bounds.Width() * bounds.Height() / kMostCells));
+  cell_m = std::max({cell_m, std::sqrt(bounds.Width() * bounds.Height() / kMostCells),
+                     3.0 * std::max(bounds.Width(), bounds.Height()) / kMostCells});
   relief.cell_m_ = cell_m;
   relief.south_west_ = bounds.min;
   relief.columns_ = static_cast<int>(bounds.Width() / cell_m) + 2;

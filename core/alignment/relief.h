@@ -12,7 +12,7 @@ class Relief {
  public:
   explicit Relief(double plane_z_in_enu_m) : mean_z_m_(plane_z_in_enu_m) {}
   // Medians of the points' heights in cells of cell_m, empty cells filled from their neighbours.
-  static Relief FromPoints(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m,
+  static Relief FromPoints(const std::vector<Eigen::Vector3d>& all_points_in_enu, double cell_m,
                            double plane_z_in_enu_m);
 
   bool IsFlat() const { return heights_m_.empty(); }

@@ -1,4 +1,5 @@
-// BilinearAt: a grid of numbers read between its nodes; outside it goes on with its border. Pure; any thread.
+// BilinearAt: a grid of numbers read between its nodes; outside it goes on with its border. What
+// is not a number lies in the first row or column. Pure; any thread.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +10,8 @@ namespace skyquilt {
 
 // `values` row by row, at least 2 x 2; x and y count nodes from the first.
 inline double BilinearAt(const std::vector<float>& values, int columns, int rows, double x, double y) {
-  x = std::clamp(x, 0.0, columns - 1.0);
-  y = std::clamp(y, 0.0, rows - 1.0);
+  x = std::max(0.0, std::min(x, columns - 1.0));
+  y = std::max(0.0, std::min(y, rows - 1.0));
   const int column = std::min(static_cast<int>(x), columns - 2);
   const int row = std::min(static_cast<int>(y), rows - 2);
   const double u = x - column, v = y - row;

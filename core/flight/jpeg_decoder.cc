@@ -108,6 +108,21 @@ Outcome Read(jpeg_decompress_struct& jpeg, Callbacks& callbacks, const Wish& wis
   return Outcome::kDecoded;
 }
 
+struct ScanFacts {
+  bool has_several_scans = false;
+  int components = 0;
+};
+
+// No object with a destructor may live in it either. What is damaged is found when it is decoded.
+ScanFacts ReadScanFacts(jpeg_decompress_struct& jpeg, Callbacks& callbacks,
+                        std::span<const std::uint8_t> bytes) {
+  if (setjmp(callbacks.leave) != 0) return {};
+  jpeg_create_decompress(&jpeg);
+  jpeg_mem_src(&jpeg, bytes.data(), static_cast<unsigned long>(bytes.size()));
+  jpeg_read_header(&jpeg, TRUE);
+  return {jpeg_has_multiple_scans(&jpeg) != 0, jpeg.num_components};
+}
+
 // Adobe's CMYK is stored inverted, and that is how all JPEGs with four components come.
 void RgbFromInvertedCmyk(const PixelBytes& cmyk, PixelBytes& rgb) {
   for (std::size_t i = 0; i < cmyk.size() / 4; ++i) {
@@ -118,6 +133,22 @@ void RgbFromInvertedCmyk(const PixelBytes& cmyk, PixelBytes& rgb) {
 }
 
 }  // namespace
+
+std::int64_t JpegWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px) {
+  Callbacks callbacks{};
+  jpeg_decompress_struct jpeg{};
+  const std::unique_ptr<jpeg_decompress_struct, decltype(&jpeg_destroy_decompress)> owner(
+      &jpeg, &jpeg_destroy_decompress);
+  jpeg.err = jpeg_std_error(&callbacks.errors);
+  callbacks.errors.error_exit = Leave;
+  callbacks.errors.emit_message = OnMessage;
+  jpeg.client_data = &callbacks;
+  const ScanFacts facts = ReadScanFacts(jpeg, callbacks, bytes);
+  const std::int64_t pixels = std::int64_t{width_px} * height_px;
+  const std::int64_t rows = std::int64_t{100} * width_px;
+  return rows + (facts.has_several_scans ? 2 * facts.components * pixels : 0) +
+         (facts.components == 4 ? 4 * pixels : 0);
+}
 
 Result<DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px, int height_px,
                                int denominator, const std::optional<PixelBox>& box, PixelBytes memory) {

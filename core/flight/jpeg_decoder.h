@@ -19,4 +19,8 @@ Result<pipeline::DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, in
                                          int denominator, const std::optional<pipeline::PixelBox>& box,
                                          PixelBytes memory);
 
+// What DecodeJpeg takes beside the picture that it returns: of a progressive one, or any whose colours come
+// one after the other, the coefficients of the whole picture.
+std::int64_t JpegWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px);
+
 }  // namespace skyquilt::flight

@@ -1,5 +1,7 @@
 #include "core/flight/photo_decoder.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <new>
 #include <opencv2/core.hpp>
@@ -12,6 +14,7 @@
 #include "core/flight/byte_source.h"
 #include "core/flight/decode_errors.h"
 #include "core/flight/jpeg_decoder.h"
+#include "core/flight/png_decoder.h"
 #include "core/flight/read_photo.h"
 
 namespace skyquilt::flight {
@@ -55,12 +58,29 @@ bool IsJpeg(const std::vector<std::uint8_t>& bytes) {
   return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
-Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo) {
-  constexpr std::uint64_t kMaxFile = std::uint64_t{3} << 30;
+// What a format that cannot be read by parts takes while it is decoded, beside the file's bytes.
+std::int64_t WorkBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px) {
+  const std::int64_t pixels = std::int64_t{width_px} * height_px;
+  if (IsJpeg(bytes)) return JpegWorkBytes(bytes, width_px, height_px);
+  if (IsPng(bytes)) return PngWorkBytes(bytes, width_px, height_px);
+  return 9 * pixels;  // OpenCV's picture, its samples of 16 bits, and ours
+}
+
+Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t most_bytes) {
+  constexpr double kMib = 1 << 20;
+  return {ErrorCode::kTooLarge,
+          fmt::format("Decoding the picture takes {:.0f} MiB, and {:.0f} MiB are left for it. Raise --max-memory, "
+                      "or save it as a JPEG that is not progressive.",
+                      static_cast<double>(needed_bytes) / kMib, static_cast<double>(most_bytes) / kMib),
+          ""};
+}
+
+Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t most_bytes) {
   auto source = OpenFileBytes(photo.path);
   if (!source) return source.error();
   const std::uint64_t size = (*source)->size();
-  if (size > kMaxFile) return Error{ErrorCode::kTooLarge, "The picture's file is larger than 3 GiB.", ""};
+  if (size > static_cast<std::uint64_t>(most_bytes))
+    return NeedsTooMuch(static_cast<std::int64_t>(std::min<std::uint64_t>(size, INT64_MAX)), most_bytes);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
   if (!(*source)->Read(0, bytes)) {
     return Error{ErrorCode::kIo, "The picture's file cannot be read from the disk.", photo.path.string()};
@@ -72,10 +92,14 @@ Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo) {
 
 Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
                                     int denominator, const std::optional<pipeline::PixelBox>& box,
-                                    PixelBytes memory) {
+                                    PixelBytes memory, std::int64_t most_bytes) {
   SKYQUILT_CHECK(denominator == 1 || denominator == 2 || denominator == 4 || denominator == 8,
                  "photos are decoded at 1, 1/2, 1/4 or 1/8");
+  const std::int64_t needed_bytes =
+      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
+  if (needed_bytes > most_bytes) return NeedsTooMuch(needed_bytes, most_bytes);
   if (IsJpeg(bytes)) return DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
+  if (IsPng(bytes)) return DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
   Result<DecodedImage> image = DecodeByOpenCv(bytes, width_px, height_px, denominator);
   if (!image) return image.error();
   return DecodedPart{*std::move(image)};
@@ -89,17 +113,20 @@ Result<DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, in
 }
 
 Result<DecodedImage> FilePhotoSource::Decode(const Photo& photo, int denominator) const {
-  const auto bytes = ReadFile(photo);
+  const auto bytes = ReadFile(photo, most_bytes_);
   if (!bytes) return bytes.error();
-  return DecodePhotoBytes(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator);
+  Result<DecodedPart> whole = DecodePhotoPart(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px,
+                                              denominator, std::nullopt, {}, most_bytes_);
+  if (!whole) return whole.error();
+  return std::move(whole->image);
 }
 
 Result<DecodedPart> FilePhotoSource::DecodePart(const Photo& photo, int denominator,
                                                 const pipeline::PixelBox& box, PixelBytes memory) const {
-  const auto bytes = ReadFile(photo);
+  const auto bytes = ReadFile(photo, most_bytes_);
   if (!bytes) return bytes.error();
   return DecodePhotoPart(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator, box,
-                         std::move(memory));
+                         std::move(memory), most_bytes_);
 }
 
 }  // namespace skyquilt::flight

@@ -17,6 +17,8 @@ constexpr double kGoesOn = 0.35;       // how far a slope is carried on
 constexpr double kFarInNear = 3.0;     // in sigmas: beyond, nothing counts
 constexpr double kTrendWeight = 0.01;  // of the trend, against 1 for a cell right here
 constexpr double kSlopeHold = 0.05;
+// Over a wide land flown low the cells grow instead of their number.
+constexpr double kMostCells = 250'000.0;
 
 // What lies above the trend at a place. Each row's cells lie from west to east.
 double AboveTrend(const std::vector<std::vector<Eigen::Vector3d>>& rows, const Eigen::Vector2d& place,
@@ -63,10 +65,14 @@ double AboveTrend(const std::vector<std::vector<Eigen::Vector3d>>& rows, const E
 
 GroundSurface BroadShape(const std::vector<Eigen::Vector3d>& points_in_enu, double flown_height_m,
                          double margin_m) {
-  const double cell_m = kCell * flown_height_m;
-  const geo::HeightTrend trend = geo::FitHeightTrend(points_in_enu, cell_m);
   geo::Bounds2 bounds;
   for (const Eigen::Vector3d& point : points_in_enu) bounds.Include(Eigen::Vector2d(point.head<2>()));
+  double cell_m = kCell * flown_height_m;
+  if (!bounds.IsEmpty()) {
+    const double area_m2 = (bounds.Width() + 2.0 * margin_m) * (bounds.Height() + 2.0 * margin_m);
+    cell_m = std::max(cell_m, std::sqrt(area_m2 / kMostCells));
+  }
+  const geo::HeightTrend trend = geo::FitHeightTrend(points_in_enu, cell_m);
   if (bounds.IsEmpty()) return GroundSurface::Plane(trend.height_m);
   const Eigen::Vector2d south_west = bounds.min - Eigen::Vector2d::Constant(margin_m);
   const int columns = static_cast<int>(std::ceil((bounds.Width() + 2.0 * margin_m) / cell_m)) + 2;

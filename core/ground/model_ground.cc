@@ -28,6 +28,9 @@ constexpr double kLeastCellM = 1.0;
 constexpr double kCellGsds = 40.0;
 // Of a photo that looks towards the horizon no more than this, in flying heights.
 constexpr double kMostMarginHeights = 2.0;
+constexpr double kLeastHeightM = 0.5;  // of a camera above the ground
+// A point further from the cameras than this came of rays that hardly cross.
+constexpr double kFarthestPointM = 100'000.0;
 // Heights that would shift nothing by a visible part of a pixel.
 constexpr double kFlatWithinGsds = 0.25;
 
@@ -39,11 +42,21 @@ struct FlightScale {
 FlightScale ScaleOf(const alignment::AlignedFlight& flight) {
   std::vector<double> heights, gsds;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
-    heights.push_back(photo.height_above_ground_m);
-    gsds.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx());
+    const double height_m = std::max(kLeastHeightM, photo.height_above_ground_m);
+    heights.push_back(height_m);
+    gsds.push_back(height_m / photo.intrinsics.MeanFocalPx());
   }
   if (heights.empty()) return {};
   return {Median(heights), Median(gsds)};
+}
+
+std::vector<Eigen::Vector3d> OnEarth(const std::vector<Eigen::Vector3d>& points) {
+  std::vector<Eigen::Vector3d> kept;
+  kept.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) {
+    if (point.cwiseAbs().maxCoeff() < kFarthestPointM) kept.push_back(point);  // nor what is not a number
+  }
+  return kept;
 }
 
 // Drops points far off the median height of their neighbourhood.
@@ -172,7 +185,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
     report.cell_m = surface.IsPlane() ? 0.0 : surface.CellSize();
     return surface;
   };
-  const std::vector<Eigen::Vector3d> points = DropOutliers(flight.tie_points_in_enu, scale);
+  const std::vector<Eigen::Vector3d> points = DropOutliers(OnEarth(flight.tie_points_in_enu), scale);
   report.points_used = static_cast<int>(points.size());
   const double cell_m = std::max(kLeastCellM, kCellGsds * scale.gsd_m);
   std::optional<GroundSurface> model;

@@ -1,5 +1,6 @@
 #include "core/pipeline/build_mosaic.h"
 
+#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/flight_facts.h"
+#include "core/pipeline/memory_budget.h"
 #include "core/pipeline/place_flight.h"
 #include "core/pipeline/stage_runner.h"
 #include "core/render/estimate_exposure.h"
@@ -16,6 +18,7 @@
 #include "core/render/measure_seams.h"
 #include "core/render/photo_regions.h"
 #include "core/render/plan_mosaic.h"
+#include "core/render/render_block.h"
 #include "core/render/render_tiles.h"
 #include "core/render/seam_map.h"
 
@@ -45,6 +48,17 @@ void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report
   report.photos_total = static_cast<int>(flight.photos.size()) + report.photos_left_out;
 }
 
+// Tiles so large that not one fits in the memory stay coarser.
+void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::AlignedFlight& flight,
+                         const std::optional<double>& gsd_m, MosaicReport& report) {
+  const double wanted_m = gsd_m.value_or(plan.gsd_m), pixel_m = render::OutputPixelM(plan, flight);
+  if (pixel_m <= 1.001 * wanted_m) return;
+  report.warnings.push_back(fmt::format(
+      "The map's pixels are {:.1f} mm where {:.1f} mm were wanted: tiles as large as that takes do not fit in the "
+      "memory. Raise --max-memory for a finer map.",
+      1e3 * pixel_m, 1e3 * wanted_m));
+}
+
 }  // namespace
 
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
@@ -66,10 +80,11 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   }
 
   const std::optional<double> gsd_m = options.gsd_m || !facts.look ? options.gsd_m : facts.look->gsd_m;
-  auto plan = stages.Run("plan", [&] {
-    return render::PlanMosaic(aligned, ground, {gsd_m, options.feather_m});
-  });
+  render::PlanOptions plan_options = PlanWithin(options);
+  plan_options.gsd_m = gsd_m;
+  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); });
   if (!plan) return plan.error();
+  const RenderBudget budget = BudgetFor(options, *plan);
 
   const render::ExposureModel exposure = stages.Run("expose", [&] {
     if (facts.look) return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.look->tones);
@@ -88,7 +103,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     facts.look = FlightLook{gsd_m.value_or(plan->gsd_m), exposure.photos, seams.grid, seams.labels};
     if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
   }
-  render::PhotoCache cache(photo_source, options.PhotoCacheBytes());
+  render::PhotoCache cache(photo_source, budget.cache_bytes);
   render::MeasureSeamsOptions measure;
   measure.threads = options.threads;
   measure.output_pixel_m = render::OutputPixelM(*plan, aligned);
@@ -103,7 +118,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     if (!around) patches->WatchFor(cache);
     const render::RenderContext context{aligned, ground, exposure, seams, *plan, cache};
     const render::RenderOptions render_options{
-        options.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
+        budget.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
     if (memory == nullptr) return render::RenderTiles(context, render_options, sink, progress);
     const render::RenderMemory render_memory{*memory, placed->digests};
     return render::RenderTiles(context, render_options, sink, progress, &render_memory);
@@ -115,7 +130,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
 
   const render::SeamShift seam_shift = stages.Run("measure", [&] {
     if (!around) return patches->Measure(cache, progress);
-    render::PhotoCache part_cache(photo_source, options.PhotoCacheBytes() / 2);
+    render::PhotoCache part_cache(photo_source, budget.cache_bytes / 2);
     patches->WatchFor(part_cache);
     return patches->Measure(part_cache, progress);
   });
@@ -123,6 +138,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   DescribePhotos(aligned, report);
   report.seams_json = render::SeamShiftJson(seam_shift);
   report.warnings = aligned.warnings;
+  WarnOfCoarserPixels(*plan, aligned, gsd_m, report);
   report.alignment_json = facts.alignment_json;
   report.ground_json = facts.ground_json;
   report.height_rule = facts.height_rule;

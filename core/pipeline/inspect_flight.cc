@@ -14,6 +14,7 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
+#include "core/pipeline/memory_budget.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/plan_mosaic.h"
 
@@ -157,7 +158,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.expected_error_m = Median(std::move(errors_m));
   DescribeCoverage(placed, verdict);
   const auto plan = render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m),
-                                       {options.gsd_m, 0.0});
+                                       PlanWithin(options));
   if (!plan) {
     verdict.warnings.push_back(plan.error().message);
     return verdict;
@@ -174,8 +175,14 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
        kRenderSecondsPerMegapixel * verdict.output_megapixels) /
       std::min(cores, 8);
   constexpr double kMib = 1 << 20;
-  verdict.expected_memory_mib = static_cast<double>(FixedMemoryBytes(options.threads)) / kMib +
-                                std::min(static_cast<double>(options.PhotoCacheBytes()) / kMib, 3.0 * input_megapixels);
+  FlightSize size;
+  size.photos = static_cast<std::int64_t>(placed.photos.size());
+  std::vector<std::int64_t> pixels;
+  for (const auto& photo : placed.photos)
+    pixels.push_back(std::int64_t{photo.intrinsics.width_px} * photo.intrinsics.height_px);
+  size.largest_pixels = *std::max_element(pixels.begin(), pixels.end());
+  size.photo_pixels = Median(std::move(pixels));
+  verdict.expected_memory_mib = static_cast<double>(ForetoldBytes(options, *plan, size)) / kMib;
   AddAdvice(verdict);
   return verdict;
 }

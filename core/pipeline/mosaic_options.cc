@@ -2,20 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel_for.h"
-
 namespace skyquilt::pipeline {
-
-// Measured with tests/bench/memory.py at several budgets.
-std::int64_t FixedMemoryBytes(int threads) { return (std::int64_t{130} + 50 * ThreadCount(threads)) << 20; }
-
-std::int64_t MosaicOptions::PhotoCacheBytes() const {
-  constexpr std::int64_t kLeast = std::int64_t{48} << 20;
-  return std::max(kLeast, max_memory_bytes - FixedMemoryBytes(threads));
-}
 
 Result<void> MosaicOptions::Validate() const {
   const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message), ""}; };

@@ -32,11 +32,6 @@ struct MosaicOptions {
   std::string title;                                      // name written into the tileset
 
   Result<void> Validate() const;
-  // What of the memory is left for decoded photos beside the program, the threads' blocks and the open tiles.
-  std::int64_t PhotoCacheBytes() const;
 };
-
-// Memory that a map takes whatever its size: the program and what each thread works on.
-std::int64_t FixedMemoryBytes(int threads);
 
 }  // namespace skyquilt::pipeline

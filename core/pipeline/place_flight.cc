@@ -19,6 +19,7 @@
 #include "core/pipeline/control_points.h"
 #include "core/pipeline/move_to_control.h"
 #include "core/poses/estimate_poses.h"
+#include "core/poses/plausible_poses.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -135,6 +136,25 @@ std::vector<render::Thumbnail> Ordered(const alignment::AlignedFlight& flight,
   return ordered;
 }
 
+// By the heights that the photos carry, or over the ground where it is known.
+std::size_t LeaveOutNonsense(const ground::GroundSurface* ground, alignment::AlignedFlight& flight) {
+  return poses::LeaveOutImplausible(
+      flight.frame,
+      [&](const alignment::AlignedPhoto& photo) {
+        const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+        const double height_m = ground == nullptr || !center.allFinite()
+                                    ? photo.height_above_ground_m
+                                    : center.z() - ground->HeightAt(center.head<2>());
+        return poses::CameraStand{photo.intrinsics, photo.cam_from_enu, height_m};
+      },
+      flight.photos, flight.left_out);
+}
+
+Error NothingLeft(const alignment::AlignedFlight& flight) {
+  return {ErrorCode::kUnprocessable,
+          "no photo can be drawn where it was placed: " + poses::InWords(flight.left_out), ""};
+}
+
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options, const PhotoSource& source,
                               const DemSource* dem, StageRunner& stages, Progress& progress) {
   auto checked = stages.Run("check", [&] {
@@ -151,6 +171,8 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                  progress);
   });
   if (!aligned) return aligned.error();
+  LeaveOutNonsense(nullptr, *aligned);
+  if (aligned->photos.empty()) return NothingLeft(*aligned);
   ground::ModelGroundReport ground_report;
   FlightFacts facts;
   facts.ground = stages.Run("ground", [&] {
@@ -158,6 +180,8 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
     if (dem != nullptr && posed->dem_zero_m) model = ground::ElevationModel{dem, *posed->dem_zero_m};
     return ground::ModelGround(*aligned, ground_report, model);
   });
+  LeaveOutNonsense(&facts.ground, *aligned);
+  if (aligned->photos.empty()) return NothingLeft(*aligned);
   facts.flight = *std::move(aligned);
   facts.thumbnails = Ordered(facts.flight, checked->thumbnails);
   if (options.method != AlignMethod::kImu) facts.alignment_json = alignment::AlignReportJson(report);
@@ -197,6 +221,18 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   if (!posed) return posed.error();
   auto grown = stages.Run("align", [&] { return AppendPhotos(known, *posed, options, source, progress); });
   if (!grown || !*grown) return grown;
+  // What is left out now may be of the finished flight: then its tones and labels count other photos.
+  const std::size_t finished = recalled.facts.flight.photos.size();
+  alignment::AlignedFlight& flight = (*grown)->flight;
+  if (LeaveOutNonsense(&(*grown)->ground, flight) > 0) {
+    const auto is_finished = [&](std::size_t i) {
+      return i < flight.photos.size() &&
+             flight.photos[i].photo.name == recalled.facts.flight.photos[i].photo.name;
+    };
+    for (std::size_t i = 0; i < finished; ++i) {
+      if (!is_finished(i)) return std::optional<FlightFacts>();
+    }
+  }
   for (const std::vector<flight::LeftOutPhoto>& list :
        {read.left_out, checked->flight.left_out, posed->left_out}) {
     for (const flight::LeftOutPhoto& photo : list) {

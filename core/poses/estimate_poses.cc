@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "core/base/median.h"
@@ -15,6 +16,7 @@
 #include "core/poses/photo_rows.h"
 #include "core/poses/place_by_log.h"
 #include "core/poses/place_by_records.h"
+#include "core/poses/plausible_poses.h"
 #include "core/poses/takeoff.h"
 #include "core/poses/tie_to_log.h"
 
@@ -133,9 +135,12 @@ std::string WhyWithoutPosition(bool has_log) {
 }
 
 Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
-                    const std::vector<std::string>& warnings) {
+                    const std::vector<std::string>& warnings, const std::vector<LeftOutPhoto>& left_out) {
   if (any_without_height) {
-    return {ErrorCode::kUnprocessable, "no photo has a usable height above the ground", ""};
+    return {ErrorCode::kUnprocessable,
+            "no photo has a usable height above the ground: " + InWords(left_out) +
+                " Add the flight's log, a geo.txt with heights, or an elevation model (--dem).",
+            ""};
   }
   if (!has_log_and_photos) {
     return {ErrorCode::kUnprocessable,
@@ -164,6 +169,59 @@ void TakeElevations(const DemLay& lay, DemZero zero, bool knows_takeoff, PosedFl
   posed.report.height_rule +=
       fmt::format("; the elevation model puts the ground {:+.1f} m from {}", lay.median_ground_z_in_enu_m,
                   knows_takeoff ? "take-off" : "the first photo, taken for take-off");
+}
+
+// Photos that mostly stand on or below the ground say that the ground was put at the wrong height: take-off on
+// a hill, or heights that count from another zero. Their spacing is then the better measure.
+void PutGroundBelow(PosedFlight& posed) {
+  constexpr double kOnTheGroundM = 1.0;
+  std::vector<double> heights, ups;
+  std::vector<Photo> photos;
+  for (const PosedPhoto& photo : posed.photos) {
+    heights.push_back(photo.height_above_ground_m);
+    ups.push_back(photo.cam_from_enu.TargetOriginInSource().z());
+    photos.push_back(photo.photo);
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    if (!std::isfinite(at.lat_deg + at.lon_deg + heights.back())) return;
+    photos.back().position.emplace();
+    photos.back().position->position = {at.lat_deg, at.lon_deg};
+  }
+  const double height_m = Median(std::move(heights));
+  if (height_m >= kOnTheGroundM) return;
+  const double guessed_m = GuessHeightFromSpacing(photos);
+  const double ground_z_m = Median(std::move(ups)) - guessed_m;
+  posed.ground_z_in_enu_m = ground_z_m;
+  posed.dem_zero_m.reset();  // laid by take-off it would stand above the cameras
+  for (PosedPhoto& photo : posed.photos)
+    photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
+  posed.report.height_rule = "height above ground guessed from the spacing of the photos";
+  posed.warnings.push_back(fmt::format(
+      "By the recorded heights most photos stand on or below the ground (half of them lower than {:.0f} m "
+      "above it), which cannot be: the ground below them is not as high as the place of take-off, or the "
+      "heights count from something else. {:.0f} m above the ground is assumed from the photos' spacing; the "
+      "map's scale depends on it. Add an elevation model (--dem) if the ground lies lower than take-off.",
+      height_m, guessed_m));
+}
+
+// What no map can be drawn with goes, and what the last photo before it shared with it.
+void LeaveOutNonsense(PosedFlight& posed) {
+  std::vector<std::string> next;
+  for (std::size_t i = 1; i < posed.photos.size(); ++i) next.push_back(posed.photos[i].photo.name);
+  next.emplace_back();
+  std::size_t number = 0;
+  std::map<std::string, std::string> next_of;
+  for (const PosedPhoto& photo : posed.photos) next_of.emplace(photo.photo.name, next[number++]);
+  const std::size_t gone = LeaveOutImplausible(
+      posed.frame,
+      [](const PosedPhoto& photo) {
+        return CameraStand{photo.photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m};
+      },
+      posed.photos, posed.left_out);
+  if (gone == 0) return;
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    const std::string& now = i + 1 < posed.photos.size() ? posed.photos[i + 1].photo.name : std::string();
+    if (next_of[posed.photos[i].photo.name] != now) posed.photos[i].covariance_with_next.setZero();
+  }
 }
 
 void Summarise(PosedFlight& posed) {
@@ -238,7 +296,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     Append(std::move(placed.left_out), posed.left_out);
   }
   if (posed.photos.empty()) {
-    return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings);
+    return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out);
   }
   if (options.dem != nullptr && posed.is_placed) {
     if (const auto lay = LayOnDem(*options.dem, posed, takeoff, dem_zero)) {
@@ -248,6 +306,15 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     }
   }
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
+  PutGroundBelow(posed);
+  const std::size_t before = posed.left_out.size();
+  LeaveOutNonsense(posed);
+  if (posed.photos.empty()) {
+    return Error{ErrorCode::kUnprocessable,
+                 "no photo can be placed where its records say: " +
+                     InWords({posed.left_out.begin() + static_cast<std::ptrdiff_t>(before), posed.left_out.end()}),
+                 ""};
+  }
   Summarise(posed);
   return posed;
 }

@@ -87,6 +87,25 @@ std::optional<double> EllipsoidHeightM(const RecordedPosition& position) {
   return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
 }
 
+namespace {
+
+// Metres, good enough to tell one flight from another.
+double ApartM(const geo::LatLon& a, const geo::LatLon& b) {
+  constexpr double kMetresPerDegree = 111'320.0;
+  const double east_deg =
+      std::remainder(a.lon_deg - b.lon_deg, 360.0) * std::cos(geo::DegToRad(0.5 * (a.lat_deg + b.lat_deg)));
+  return kMetresPerDegree * std::hypot(a.lat_deg - b.lat_deg, east_deg);
+}
+
+std::size_t CountNear(const geo::LatLon& middle, const std::vector<geo::LatLon>& positions) {
+  constexpr double kOneFlightM = 20'000.0;
+  return static_cast<std::size_t>(
+      std::count_if(positions.begin(), positions.end(),
+                    [&](const geo::LatLon& position) { return ApartM(position, middle) < kOneFlightM; }));
+}
+
+}  // namespace
+
 std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions) {
   if (positions.empty()) return std::nullopt;
   std::vector<double> lats;
@@ -97,8 +116,24 @@ std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positi
     // Relative to the first, so that a flight across the date line stays together.
     lons.push_back(std::remainder(position.lon_deg - lon_zero, 360.0));
   }
-  return geo::LatLon{*MedianIfAny(std::move(lats)),
-                     std::remainder(lon_zero + *MedianIfAny(std::move(lons)), 360.0)};
+  const geo::LatLon median{*MedianIfAny(std::move(lats)),
+                           std::remainder(lon_zero + *MedianIfAny(std::move(lons)), 360.0)};
+  std::size_t most = CountNear(median, positions);
+  if (2 * most >= positions.size()) return median;
+  // Photos of several places: the median may lie where none is. The position that has most others around it;
+  // of thousands some are enough to find it.
+  constexpr std::size_t kTried = 500;
+  geo::LatLon middle = median;
+  const std::size_t step = 1 + positions.size() / kTried;
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    const std::size_t near = CountNear(positions[i], positions);
+    if (near > most) most = near, middle = positions[i];
+  }
+  return middle;
+}
+
+double GuessHeightFromSpacing(const std::vector<Photo>& photos) {
+  return std::clamp(HeightFromSpacing(photos).value_or(60.0), 5.0, 500.0);
 }
 
 FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::DemSource* dem) {
@@ -129,7 +164,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const pipeline::De
       if (!photo.position) continue;
       if (const auto height_m = EllipsoidHeightM(*photo.position)) ellipsoid_heights.push_back(*height_m);
     }
-    const double above_ground_m = std::clamp(HeightFromSpacing(photos).value_or(60.0), 5.0, 500.0);
+    const double above_ground_m = GuessHeightFromSpacing(photos);
     guessed_above_ground_m = above_ground_m;
     heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
     heights.rule = HeightRule::kSpacing;

@@ -29,10 +29,14 @@ struct FlightHeights {
 // `dem` may be null.
 FlightHeights ChooseHeights(const std::vector<flight::Photo>& photos, const pipeline::DemSource* dem);
 
+// The height at which photos spaced as these are would overlap as surveys usually do; within 5 to 500 m.
+double GuessHeightFromSpacing(const std::vector<flight::Photo>& photos);
+
 // The height above the ellipsoid that a record means, through the geoid where it counts from sea level.
 std::optional<double> EllipsoidHeightM(const flight::RecordedPosition& position);
 
-// Component by component, safe across the date line. Nothing of nothing.
+// Component by component, safe across the date line; of photos of several places the middle of most of them.
+// Nothing of nothing.
 std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions);
 
 }  // namespace skyquilt::poses

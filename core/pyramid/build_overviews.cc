@@ -1,10 +1,39 @@
 #include "core/pyramid/build_overviews.h"
 
+#include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "core/base/check.h"
 
 namespace skyquilt::pyramid {
+namespace {
+
+// Smaller ones are not worth a look.
+constexpr int kTrimmedTilePx = 1024;
+
+// The rectangle that holds all covered pixels; where it begins goes to x and y.
+RgbaImage Trimmed(const RgbaImage& image, int& x, int& y) {
+  int left = image.width_px, right = 0, top = image.height_px, bottom = 0;
+  for (int row = 0; row < image.height_px; ++row) {
+    const std::uint8_t* alpha = image.Pixel(0, row) + 3;
+    int first = 0, last = image.width_px;
+    while (first < last && alpha[4 * first] == 0) ++first;
+    if (first == last) continue;
+    while (alpha[4 * (last - 1)] == 0) --last;
+    left = std::min(left, first), right = std::max(right, last);
+    top = std::min(top, row), bottom = row + 1;
+  }
+  RgbaImage trimmed = RgbaImage::Transparent(std::max(0, right - left), std::max(0, bottom - top));
+  if (trimmed.width_px == 0) return trimmed;
+  x += left, y += top;
+  for (int row = 0; row < trimmed.height_px; ++row) {
+    std::memcpy(trimmed.Pixel(0, row), image.Pixel(left, top + row), 4 * static_cast<std::size_t>(trimmed.width_px));
+  }
+  return trimmed;
+}
+
+}  // namespace
 
 OverviewBuilder::OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px, Emit emit, Reduce reduce)
     : first_zoom_(first_zoom),
@@ -25,17 +54,20 @@ void OverviewBuilder::AddTo(int parent_zoom, const geo::TileId& child, const Rgb
   if (!parent.is_open) {
     parent.is_open = true;
     parent.tile = child.Parent();
-    parent.image = RgbaImage::Transparent(tile_size_px_, tile_size_px_);
   }
   const int half_px = tile_size_px_ / 2;
-  Paste(child_half, static_cast<int>(child.x() & 1u) * half_px, static_cast<int>(child.y() & 1u) * half_px,
-        parent.image);
+  Piece piece{static_cast<int>(child.x() & 1u) * half_px, static_cast<int>(child.y() & 1u) * half_px, {}};
+  piece.image = tile_size_px_ < kTrimmedTilePx ? child_half : Trimmed(child_half, piece.x, piece.y);
+  parent.pieces.push_back(std::move(piece));
 }
 
 void OverviewBuilder::Close(int zoom) {
   OpenParent closed = std::exchange(open_[static_cast<std::size_t>(zoom)], {});
-  emit_(closed.tile, closed.image);
-  if (zoom > min_zoom_) AddTo(zoom - 1, closed.tile, reduce_(closed.image));
+  RgbaImage image = RgbaImage::Transparent(tile_size_px_, tile_size_px_);
+  for (const Piece& piece : closed.pieces) Paste(piece.image, piece.x, piece.y, image);
+  closed.pieces.clear();
+  emit_(closed.tile, image);
+  if (zoom > min_zoom_) AddTo(zoom - 1, closed.tile, reduce_(image));
 }
 
 void OverviewBuilder::Finish() {

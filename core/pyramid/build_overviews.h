@@ -1,5 +1,6 @@
 // Overviews: parents from children still in memory. Blocks arrive along a quadtree curve, so at most one
-// unfinished parent a level is held: memory does not grow with the map. One thread.
+// unfinished parent a level is held, and of it what is not empty: memory does not grow with the map, nor with
+// the levels above the one where it all fits in a tile. One thread.
 #pragma once
 
 #include <functional>
@@ -26,10 +27,14 @@ class OverviewBuilder {
   void Finish();
 
  private:
+  struct Piece {  // of a parent, from a pixel on
+    int x = 0, y = 0;
+    RgbaImage image;
+  };
   struct OpenParent {
     bool is_open = false;
     geo::TileId tile;
-    RgbaImage image;
+    std::vector<Piece> pieces;
   };
   void AddTo(int parent_zoom, const geo::TileId& child, const RgbaImage& child_half);
   void Close(int zoom);

@@ -85,6 +85,8 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
   const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
   const double radius_scale = 4.0 / (static_cast<double>(lens.width_px) * lens.width_px +
                                      static_cast<double>(lens.height_px) * lens.height_px);
+  // A long thin photo's thumbnail may be one pixel wide.
+  const double last_u = std::max(0.0, picture.cols - 1.001), last_v = std::max(0.0, picture.rows - 1.001);
   const std::vector<Eigen::Vector2d> ground_of_cells = GroundOfCells(view, grid, frame, ground.MeanHeight());
   for (std::size_t i = 0; i < cells; ++i) {
     const Eigen::Vector2d& east_north = ground_of_cells[i];
@@ -102,15 +104,16 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
     if (margin_px <= -half_cell_px) continue;
     view.seen[i] = margin_px >= half_cell_px ? Seen::kFully : Seen::kPartly;
     view.score_m[i] = score.Score(static_cast<float>(sideways_m), std::max(0.0f, margin_px));
-    const double u = std::clamp((x + 0.5) * shrink - 0.5, 0.0, picture.cols - 1.001);
-    const double v = std::clamp((y + 0.5) * shrink - 0.5, 0.0, picture.rows - 1.001);
+    const double u = std::clamp((x + 0.5) * shrink - 0.5, 0.0, last_u);
+    const double v = std::clamp((y + 0.5) * shrink - 0.5, 0.0, last_v);
     const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);
+    const int u1 = std::min(u0 + 1, picture.cols - 1), v1 = std::min(v0 + 1, picture.rows - 1);
     const double fu = u - u0, fv = v - v0;
     const double dx = x - lens.center_x_px, dy = y - lens.center_y_px;
     const double falloff = tone.vignetting.Falloff((dx * dx + dy * dy) * radius_scale);
     for (int c = 0; c < 3; ++c) {
-      const double value = (1 - fv) * ((1 - fu) * picture(v0, u0)[c] + fu * picture(v0, u0 + 1)[c]) +
-                           fv * ((1 - fu) * picture(v0 + 1, u0)[c] + fu * picture(v0 + 1, u0 + 1)[c]);
+      const double value = (1 - fv) * ((1 - fu) * picture(v0, u0)[c] + fu * picture(v0, u1)[c]) +
+                           fv * ((1 - fu) * picture(v1, u0)[c] + fu * picture(v1, u1)[c]);
       view.rgb[i][static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(
           std::clamp(std::lround(value * tone.gain[static_cast<std::size_t>(c)] / falloff), 0L, 255L));
     }

@@ -15,6 +15,9 @@ struct RenderBlock {
   std::vector<std::uint32_t> photos;      // indices of the photos that see it, rising
 };
 
+// What a photo's view of one cell of the seam grid takes: colours, scores, what evens the light, marks.
+inline constexpr std::int64_t kSeamCellBytes = 16;
+
 struct MosaicPlan {
   double gsd_m = 0.0;        // ground size of a photo pixel, median at the image centres
   int base_zoom = 0;
@@ -26,6 +29,7 @@ struct MosaicPlan {
   std::vector<RenderBlock> blocks;  // along the Hilbert curve, so that neighbours share decoded photos
   double feather_m = 0.0;  // width of the seams' transition; 0 = 16 pixels
   std::int64_t output_pixels = 0;   // upper bound
+  std::int64_t most_seam_cells = std::int64_t{1} << 26;  // over all photos: at most kSeamCellBytes each
 
   int BlockSizePx() const { return tile_size_px << block_levels; }
 };

@@ -11,6 +11,7 @@ using pipeline::PixelBox;
 
 // Memory of so many photos is kept for the next ones: what threads may want at once.
 constexpr std::size_t kMostSpare = 4;
+constexpr std::int64_t kPartsInBudget = 4;  // of photos decoded at once: two threads' and the next ones'
 
 std::int64_t BytesOf(const DecodedPhoto& part) { return static_cast<std::int64_t>(part->image.rgb.size()); }
 
@@ -25,9 +26,12 @@ PixelBox AtScale(const PixelBox& box, int denominator) {
 
 class PhotoCache::SpareMemory {
  public:
+  explicit SpareMemory(std::int64_t most_bytes) : most_bytes_(most_bytes) {}
   void Give(PixelBytes memory) {
     std::lock_guard lock(mutex_);
-    if (kept_.size() < kMostSpare) kept_.push_back(std::move(memory));
+    std::int64_t held_bytes = static_cast<std::int64_t>(memory.capacity());
+    for (const PixelBytes& kept : kept_) held_bytes += static_cast<std::int64_t>(kept.capacity());
+    if (kept_.size() < kMostSpare && held_bytes <= most_bytes_) kept_.push_back(std::move(memory));
   }
   // The largest that there is, for a picture of any size.
   PixelBytes Take() {
@@ -41,12 +45,28 @@ class PhotoCache::SpareMemory {
   }
 
  private:
+  const std::int64_t most_bytes_;
   std::mutex mutex_;
   std::vector<PixelBytes> kept_;
 };
 
 PhotoCache::PhotoCache(const pipeline::PhotoSource& source, std::int64_t budget_bytes)
-    : source_(source), budget_bytes_(budget_bytes), spare_(std::make_shared<SpareMemory>()) {}
+    : source_(source), budget_bytes_(budget_bytes), spare_(std::make_shared<SpareMemory>(budget_bytes / kPartsInBudget)) {}
+
+PixelBox PhotoCache::DecodedBox(const PixelBox& wanted, const PixelBox& expected,
+                                const PixelBox& whole) const {
+  const auto bytes_of = [](const PixelBox& box) {
+    return std::int64_t{3} * (box.right - box.left) * (box.bottom - box.top);
+  };
+  const std::int64_t most_bytes = budget_bytes_ / kPartsInBudget;
+  if (wanted.IsEmpty() || bytes_of(expected) <= most_bytes) return expected;
+  PixelBox around = wanted;
+  for (int by = 64;; by *= 2) {
+    const PixelBox larger = wanted.Grown(by).Within(whole);
+    if (bytes_of(larger) > most_bytes || larger.Contains(whole)) return around;
+    around = larger;
+  }
+}
 
 void PhotoCache::Expect(std::size_t photo_index, const PixelBox& box) {
   std::lock_guard lock(mutex_);
@@ -83,9 +103,12 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
     entry.is_ready = false;
   }
   const auto expected = expected_.find(photo_index);
-  entry.box = expected == expected_.end()
-                  ? whole
-                  : entry.box.With(wanted).With(AtScale(expected->second, denominator).Within(whole));
+  entry.box =
+      DecodedBox(wanted,
+                 expected == expected_.end()
+                     ? whole
+                     : entry.box.With(wanted).With(AtScale(expected->second, denominator).Within(whole)),
+                 whole);
   ++decodes_;
   lock.unlock();
   Result<pipeline::DecodedPart> decoded = source_.DecodePart(photo, denominator, entry.box, spare_->Take());

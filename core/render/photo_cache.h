@@ -1,6 +1,7 @@
 // PhotoCache: decoded photos, or what is wanted of them, under a byte budget, least recently used out first.
 // Two threads that want the same of a photo decode it once. Thread-safe; what Get returned stays valid while
-// it is held.
+// it is held. Of a photo so large that a few of them would pass the budget no more is decoded at once than
+// what is asked for and as much around it as fits.
 #pragma once
 
 #include <condition_variable>
@@ -57,6 +58,10 @@ class PhotoCache {
   bool Remove(std::map<Key, Entry>::iterator entry);
 
   const pipeline::PhotoSource& source_;
+  // What to decode where `wanted` is asked for and `expected` will be.
+  pipeline::PixelBox DecodedBox(const pipeline::PixelBox& wanted, const pipeline::PixelBox& expected,
+                                const pipeline::PixelBox& whole) const;
+
   const std::int64_t budget_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable ready_;

@@ -23,6 +23,13 @@ constexpr int kFinestZoom = 22;
 constexpr int kBlockSizePx = 1024;
 constexpr std::int64_t kMostBlocksAPhoto = 20'000;
 constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
+// Finer pixels than this share of the photos' show nothing more.
+constexpr double kFinestShareOfPhoto = 1.0 / 16.0;
+// The ground is looked at no deeper below a photo than this, in its heights above it: what the deepest point
+// of a grid says of a valley elsewhere must not decide how far a photo sees.
+constexpr double kDeepestHeights = 20.0;
+// Measured with tests/bench/memory.py: the block itself, sums and weights along its seams, its overviews.
+constexpr std::int64_t kBytesPerBlockPixel = 28;
 
 // Across the date line the map goes on beyond the edge of the merc square, so that a flight stays in one
 // piece.
@@ -48,7 +55,9 @@ std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const Al
 geo::Bounds2 BoundsSeen(const AlignedPhoto& photo, const AlignedFlight& flight,
                         const ground::GroundSurface& ground) {
   geo::Bounds2 bounds;
-  for (const double z_m : {ground.MinHeight(), ground.MaxHeight()}) {
+  const double deepest_m = photo.cam_from_enu.TargetOriginInSource().z() -
+                           kDeepestHeights * std::max(1.0, photo.height_above_ground_m);
+  for (const double z_m : {std::max(ground.MinHeight(), deepest_m), ground.MaxHeight()}) {
     bounds.Include(camera::BoundsOf(FootprintInMerc(photo, flight, z_m)));
   }
   return bounds;
@@ -80,6 +89,18 @@ int CommonAncestorZoom(const std::vector<RenderBlock>& blocks) {
 
 }  // namespace
 
+std::int64_t BlockBytes(int block_px) { return kBytesPerBlockPixel * block_px * block_px; }
+
+std::int64_t OverviewBytes(const MosaicPlan& plan) {
+  // Of one tile a level what the map covers, and the one that is being closed.
+  double tiles = 1.0;
+  for (int zoom = plan.min_zoom; zoom < plan.base_zoom - plan.block_levels; ++zoom) {
+    const double size_m = geo::TileSizeInMercM(zoom);
+    tiles += std::min(1.0, plan.bounds_in_merc.Width() / size_m) * std::min(1.0, plan.bounds_in_merc.Height() / size_m);
+  }
+  return static_cast<std::int64_t>(4.0 * tiles * plan.tile_size_px * plan.tile_size_px);
+}
+
 Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundSurface& ground,
                               const PlanOptions& options) {
   MosaicPlan plan;
@@ -99,16 +120,25 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
         ""};
   }
   plan.gsd_m = Median(std::move(gsds));
+  if (options.gsd_m && *options.gsd_m < kFinestShareOfPhoto * plan.gsd_m) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("--gsd asks for pixels of {:.4f} m, but those of the photos show {:.4f} m of the "
+                             "ground: a finer map than {:.4f} m would show nothing more. Choose a coarser --gsd, "
+                             "or leave it out.",
+                             *options.gsd_m, plan.gsd_m, kFinestShareOfPhoto * plan.gsd_m),
+                 ""};
+  }
   const double lat_deg = flight.frame.origin().lat_deg;
   plan.base_zoom = geo::ZoomForGsd(options.gsd_m.value_or(plan.gsd_m), lat_deg, plan.tile_size_px);
   // Finer than the last zoom that GIS tools open, the tiles grow instead of the zoom: 512 pixels, 1024, ...
   while (plan.base_zoom > kFinestZoom) {
     --plan.base_zoom;
-    plan.tile_size_px *= 2;
+    if (BlockBytes(2 * plan.tile_size_px) <= options.most_block_bytes) plan.tile_size_px *= 2;
   }
   plan.block_levels = 0;
   while (plan.block_levels < plan.base_zoom && plan.BlockSizePx() < kBlockSizePx) ++plan.block_levels;
   plan.feather_m = options.feather_m;
+  plan.most_seam_cells = options.most_seam_bytes / kSeamCellBytes;
 
   const int block_zoom = plan.base_zoom - plan.block_levels;
   // The ground bends and photos lean: a photo is asked about a little more than it may turn out to see.
@@ -130,7 +160,8 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     if (across * down > kMostBlocksAPhoto) {
       return Error{
           ErrorCode::kTooLarge,
-          fmt::format("{} would cover {} x {} blocks of the map at this resolution. Choose a coarser --gsd.",
+          fmt::format("{} would cover {} x {} blocks of the map at this resolution. Check its height and angles "
+                      "and leave it out if they are wrong; otherwise choose a coarser --gsd.",
                       flight.photos[i].photo.name, across, down),
           ""};
     }

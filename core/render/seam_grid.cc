@@ -13,6 +13,9 @@ constexpr double kCellsAcrossPhoto = 128.0;
 constexpr int kFinestCellPx = 4, kCoarsestCellPx = 64;
 // A view towards the horizon must not make its cells too many.
 constexpr double kMostCellsAPhoto = 1 << 20;
+// The whole grid's: eight bytes for each chunk of labels, whether the flight reaches there or not.
+constexpr double kMostCellsOfGrid = std::int64_t{1} << 34;
+constexpr int kHugeCellPx = 1024;  // where 64 are not enough for that
 
 }  // namespace
 
@@ -43,12 +46,21 @@ SeamGrid MakeSeamGrid(const MosaicPlan& plan, double photo_side_px, double groun
       photo_side_px / kCellsAcrossPhoto * plan.gsd_m / (pixel_in_merc_m * ground_per_merc);
   grid.cell_px = kFinestCellPx;
   while (grid.cell_px < kCoarsestCellPx && 1.5 * grid.cell_px < wanted_px) grid.cell_px *= 2;
-  double widest_m2 = 0.0;
+  const double grid_m2 = plan.bounds_in_merc.Width() * plan.bounds_in_merc.Height();
+  double widest_m2 = 0.0, all_m2 = 0.0;
   for (const geo::Bounds2& seen : plan.seen_in_merc) {
-    if (!seen.IsEmpty()) widest_m2 = std::max(widest_m2, seen.Width() * seen.Height());
+    if (seen.IsEmpty()) continue;
+    widest_m2 = std::max(widest_m2, seen.Width() * seen.Height());
+    all_m2 += seen.Width() * seen.Height();
   }
-  while (grid.cell_px < kCoarsestCellPx && widest_m2 > kMostCellsAPhoto * std::pow(grid.CellInMercM(), 2))
-    grid.cell_px *= 2;
+  const auto is_too_fine = [&](double most_a_photo) {
+    const double cell_m2 = std::pow(grid.CellInMercM(), 2);
+    return widest_m2 > most_a_photo * cell_m2 || grid_m2 > kMostCellsOfGrid * cell_m2 ||
+           all_m2 > static_cast<double>(plan.most_seam_cells) * cell_m2;
+  };
+  while (grid.cell_px < kCoarsestCellPx && is_too_fine(kMostCellsAPhoto)) grid.cell_px *= 2;
+  const int most_px = std::min(kHugeCellPx, plan.BlockSizePx());
+  while (grid.cell_px < most_px && is_too_fine(4.0 * kMostCellsAPhoto)) grid.cell_px *= 2;
   const double cell_m = grid.CellInMercM();
   const geo::Bounds2& bounds = plan.bounds_in_merc;
   grid.first_column =

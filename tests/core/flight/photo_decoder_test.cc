@@ -7,6 +7,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "core/flight/read_photo.h"
@@ -157,6 +158,61 @@ TEST(DecodePhotoPart, GivesThePartsOfOtherPictures) {
   Bytes rgb = Noise(203, 149), file;
   ASSERT_TRUE(cv::imencode(".png", cv::Mat(149, 203, CV_8UC3, rgb.data()), file));
   ExpectPartsOf(file, 203, 149);
+}
+
+TEST(DecodePhotoPart, AveragesAPngRowByRow) {
+  const int width = 37, height = 21;  // the last row and column hang over
+  Bytes rgb = Noise(width, height), file;
+  cv::Mat bgr;
+  cv::cvtColor(cv::Mat(height, width, CV_8UC3, rgb.data()), bgr, cv::COLOR_RGB2BGR);
+  ASSERT_TRUE(cv::imencode(".png", bgr, file));
+  for (const int d : {1, 2, 4, 8}) {
+    const auto image = DecodePhotoBytes(file, width, height, d);
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    for (int y = 0; y < image->height_px; ++y) {
+      for (int x = 0; x < image->width_px; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          int sum = 0;
+          for (int k = 0; k < d * d; ++k) {
+            const int from_x = std::min(x * d + k % d, width - 1), from_y = std::min(y * d + k / d, height - 1);
+            sum += rgb[static_cast<std::size_t>(3 * (from_y * width + from_x) + c)];
+          }
+          ASSERT_EQ(image->Row(y)[3 * x + c], (sum + d * d / 2) / (d * d)) << d << ": " << x << " " << y;
+        }
+      }
+    }
+  }
+}
+
+TEST(DecodePhotoBytes, ReadsEveryKindOfPng) {
+  const cv::Mat grey(30, 40, CV_8U, cv::Scalar(90)), deep(30, 40, CV_16UC3, cv::Scalar(10 << 8, 20 << 8, 30 << 8)),
+      clear(30, 40, CV_8UC4, cv::Scalar(10, 20, 30, 77));
+  Bytes file;
+  ASSERT_TRUE(cv::imencode(".png", grey, file));
+  EXPECT_EQ(DecodePhotoBytes(file, 40, 30, 2)->rgb, PixelBytes(20 * 15 * 3, 90));
+  for (const cv::Mat& picture : {deep, clear}) {
+    ASSERT_TRUE(cv::imencode(".png", picture, file));
+    const auto image = DecodePhotoBytes(file, 40, 30, 1);
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    EXPECT_EQ(image->rgb[0], 30);
+    EXPECT_EQ(image->rgb[1], 20);
+    EXPECT_EQ(image->rgb[2], 10);
+  }
+  for (std::size_t length = 0; length + 12 < file.size(); length += 7)
+    EXPECT_FALSE(DecodePhotoBytes(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length)), 40, 30, 1).ok());
+}
+
+TEST(DecodePhotoPart, RefusesWhatTakesMoreThanItMay) {
+  Bytes rgb = Noise(640, 480), progressive, png;
+  const cv::Mat picture(480, 640, CV_8UC3, rgb.data());
+  ASSERT_TRUE(cv::imencode(".jpg", picture, progressive, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  ASSERT_TRUE(cv::imencode(".png", picture, png));
+  const auto refused = DecodePhotoPart(progressive, 640, 480, 8, std::nullopt, {}, 1 << 20);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--max-memory"));
+  EXPECT_TRUE(DecodePhotoPart(progressive, 640, 480, 8, std::nullopt, {}, 4 << 20).ok());
+  EXPECT_TRUE(DecodePhotoPart(png, 640, 480, 8, std::nullopt, {}, 1 << 20).ok());
 }
 
 TEST(DecodePhotoPart, ReadsNothingBelow) {

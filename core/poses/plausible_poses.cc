@@ -1,0 +1,100 @@
+#include "core/poses/plausible_poses.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/median.h"
+#include "core/camera/footprint.h"
+
+namespace skyquilt::poses {
+namespace {
+
+constexpr double kLeastHeightM = 0.5;  // above the ground: a drone about to land
+// Further from the middle of the flight its flat ground leaves the Earth by more than the drone is high.
+constexpr double kFarthestM = 50'000.0;
+constexpr double kHighestLatDeg = 85.0;  // Web Mercator ends at 85.05
+// Of what a photo in the middle of the flight shows. Looking as far towards the horizon as is ever drawn
+// shows some 60 times the ground of looking down, a climb to five times the height 25 times.
+constexpr double kMostTimesTheGround = 400.0;
+
+bool IsFinite(const CameraStand& stand) {
+  const camera::Intrinsics& lens = stand.intrinsics;
+  return stand.cam_from_enu.rotation.coeffs().allFinite() && stand.cam_from_enu.translation.allFinite() &&
+         std::isfinite(stand.height_above_ground_m) && std::isfinite(lens.focal_x_px) &&
+         std::isfinite(lens.focal_y_px) && std::isfinite(lens.center_x_px) &&
+         std::isfinite(lens.center_y_px) && std::isfinite(lens.k1 + lens.k2 + lens.k3 + lens.p1 + lens.p2) &&
+         lens.focal_x_px > 0.0 && lens.focal_y_px > 0.0;
+}
+
+double GroundSeenM2(const CameraStand& stand) {
+  const double plane_z_m = stand.cam_from_enu.TargetOriginInSource().z() - stand.height_above_ground_m;
+  const auto polygon = camera::GroundFootprint(stand.intrinsics, stand.cam_from_enu, plane_z_m);
+  if (polygon.empty()) return 0.0;
+  const geo::Bounds2 bounds = camera::BoundsOf(polygon);
+  return bounds.Width() * bounds.Height();
+}
+
+}  // namespace
+
+std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraStand>& stands,
+                                                       const geo::LocalFrame& frame) {
+  std::vector<std::optional<std::string>> why(stands.size());
+  std::vector<double> easts, norths;
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    if (!IsFinite(stands[i])) {
+      why[i] = "has a position, height or angle that is not a number.";
+      continue;
+    }
+    const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
+    easts.push_back(center.x());
+    norths.push_back(center.y());
+  }
+  if (easts.empty()) return why;
+  const Eigen::Vector2d middle(Median(std::move(easts)), Median(std::move(norths)));
+  std::vector<double> seen_m2(stands.size(), 0.0), some_m2;
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    if (why[i]) continue;
+    const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
+    const double height_m = stands[i].height_above_ground_m;
+    const double far_m = (center.head<2>() - middle).norm();
+    if (far_m > kFarthestM) {
+      why[i] = fmt::format(
+          "was taken {:.0f} km away from the rest of the flight. If the position is right, stitch it as a "
+          "flight of its own.",
+          far_m / 1000.0);
+    } else if (std::abs(frame.Wgs84FromEnu(center).lat_deg) > kHighestLatDeg) {
+      why[i] = "was taken beyond 85 degrees of latitude, where web maps end.";
+    } else if (height_m < kLeastHeightM) {
+      why[i] = fmt::format(
+          "stood {:.1f} m {} the ground by its recorded height and the ground's. Check what its height counts "
+          "from; where the ground differs from take-off, add an elevation model (--dem).",
+          std::abs(height_m), height_m < 0.0 ? "below" : "above");
+    } else {
+      seen_m2[i] = GroundSeenM2(stands[i]);
+      if (seen_m2[i] > 0.0) some_m2.push_back(seen_m2[i]);
+    }
+  }
+  if (some_m2.empty()) return why;
+  const double typical_m2 = Median(std::move(some_m2));
+  for (std::size_t i = 0; i < stands.size(); ++i) {
+    if (seen_m2[i] <= kMostTimesTheGround * typical_m2) continue;
+    why[i] = fmt::format(
+        "would show {:.0f} times as much ground as the others, from {:.0f} m above it. If its height and "
+        "angles are right, stitch it as a flight of its own.",
+        seen_m2[i] / typical_m2, stands[i].height_above_ground_m);
+  }
+  return why;
+}
+
+std::string InWords(const std::vector<flight::LeftOutPhoto>& left_out) {
+  constexpr std::size_t kNamed = 3;
+  std::string words;
+  for (std::size_t i = 0; i < std::min(kNamed, left_out.size()); ++i)
+    words += (i == 0 ? "" : " ") + left_out[i].name + " " + left_out[i].reason;
+  if (left_out.size() > kNamed) words += fmt::format(" So it is with {} more.", left_out.size() - kNamed);
+  return words;
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,72 @@
+#include "core/pipeline/memory_budget.h"
+
+#include <gtest/gtest.h>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/render/seam_grid.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+constexpr std::int64_t kGib = std::int64_t{1} << 30;
+
+// Photos straight down along a line.
+alignment::AlignedFlight FlightAt(const std::vector<double>& heights_m) {
+  alignment::AlignedFlight flight;
+  flight.frame = geo::LocalFrame({46.8, 7.1, 500.0});
+  for (const double height_m : heights_m) {
+    alignment::AlignedPhoto photo;
+    photo.photo.name = "P" + std::to_string(flight.photos.size());
+    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {10.0 * static_cast<double>(flight.photos.size()), 0.0, height_m});
+    photo.height_above_ground_m = height_m;
+    flight.photos.push_back(photo);
+  }
+  return flight;
+}
+
+TEST(MemoryBudget, WhatIsDividedIsNoMoreThanThereIs) {
+  for (const double height_m : {0.01, 0.5, 2.0, 10.0, 50.0, 1000.0}) {
+    for (const std::int64_t memory : {kGib / 4, kGib, 8 * kGib}) {
+      MosaicOptions options;
+      options.max_memory_bytes = memory;
+      options.threads = 8;
+      const auto flight = FlightAt({height_m, height_m, height_m});
+      const auto plan = render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options));
+      ASSERT_TRUE(plan.ok()) << plan.error().message;
+      const RenderBudget budget = BudgetFor(options, *plan);
+      EXPECT_GE(budget.threads, 1);
+      EXPECT_GT(budget.cache_bytes, 0);
+      EXPECT_LE(budget.threads * render::BlockBytes(plan->BlockSizePx()) + budget.cache_bytes, memory)
+          << height_m << " m, " << plan->tile_size_px << " px";
+      const render::SeamGrid grid = render::MakeSeamGrid(*plan, 4000.0, 0.68);
+      double cells = 0.0;
+      for (const geo::Bounds2& seen : plan->seen_in_merc)
+        cells += seen.Width() * seen.Height() / (grid.CellInMercM() * grid.CellInMercM());
+      EXPECT_LE(cells * static_cast<double>(render::kSeamCellBytes), static_cast<double>(memory));
+    }
+  }
+}
+
+// Heights a finger above the ground asked for tiles of 32,768 pixels.
+TEST(MemoryBudget, TilesDoNotGrowBeyondIt) {
+  MosaicOptions options;
+  const auto flight = FlightAt({0.001, 0.001, 0.002});
+  const auto plan = render::PlanMosaic(flight, ground::GroundSurface::Plane(0.0), PlanWithin(options));
+  ASSERT_TRUE(plan.ok()) << plan.error().message;
+  EXPECT_LE(plan->tile_size_px, 4096);
+}
+
+TEST(PlanMosaic, RefusesPixelsFarFinerThanThePhotos) {
+  const auto flight = FlightAt({60.0, 60.0});  // 2 cm
+  const auto ground = ground::GroundSurface::Plane(0.0);
+  const auto plan = render::PlanMosaic(flight, ground, {.gsd_m = 0.001});
+  ASSERT_FALSE(plan.ok());
+  EXPECT_NE(plan.error().message.find("--gsd"), std::string::npos);
+  EXPECT_TRUE(render::PlanMosaic(flight, ground, {.gsd_m = 0.005}).ok());
+}
+
+}  // namespace
+}  // namespace skyquilt::pipeline

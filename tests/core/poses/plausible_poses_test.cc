@@ -1,0 +1,66 @@
+#include "core/poses/plausible_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace skyquilt::poses {
+namespace {
+
+using ::testing::HasSubstr;
+
+CameraStand LookingDown(double east_m, double north_m, double height_m) {
+  return {camera::Intrinsics::Centered(4000, 3000, 3000.0),
+          geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0),
+                                                   {east_m, north_m, height_m}),
+          height_m};
+}
+
+// Five that are well, then those given.
+std::vector<std::optional<std::string>> WhyBesideFive(const std::vector<CameraStand>& stands,
+                                                      double lat_deg = 46.8) {
+  std::vector<CameraStand> all;
+  for (int i = 0; i < 5; ++i) all.push_back(LookingDown(10.0 * i, 0.0, 50.0));
+  all.insert(all.end(), stands.begin(), stands.end());
+  auto why = WhyImplausible(all, geo::LocalFrame({lat_deg, 7.1, 500.0}));
+  for (int i = 0; i < 5 && lat_deg < 85.0; ++i) EXPECT_FALSE(why[static_cast<std::size_t>(i)]);
+  why.erase(why.begin(), why.begin() + 5);
+  return why;
+}
+
+std::string Why(const CameraStand& stand) { return WhyBesideFive({stand})[0].value_or(""); }
+
+TEST(WhyImplausible, NamesWhatIsWrong) {
+  EXPECT_THAT(Why(LookingDown(0.0, 0.0, std::numeric_limits<double>::quiet_NaN())), HasSubstr("not a number"));
+  EXPECT_THAT(Why(LookingDown(std::numeric_limits<double>::infinity(), 0.0, 50.0)), HasSubstr("not a number"));
+  EXPECT_THAT(Why(LookingDown(0.0, 0.0, -47.0)), HasSubstr("47.0 m below the ground"));
+  EXPECT_THAT(Why(LookingDown(0.0, 0.0, 0.1)), HasSubstr("0.1 m above the ground"));
+  EXPECT_THAT(Why(LookingDown(1e6, 0.0, 50.0)), HasSubstr("km away"));
+  EXPECT_THAT(Why(LookingDown(0.0, 0.0, 5000.0)), HasSubstr("10000 times as much ground"));
+  EXPECT_THAT(*WhyBesideFive({LookingDown(0.0, 0.0, 50.0)}, 89.0)[0], HasSubstr("85 degrees"));
+}
+
+TEST(WhyImplausible, LeavesHonestFlightsAlone) {
+  EXPECT_EQ(Why(LookingDown(1000.0, 0.0, 20.0)), "");
+  EXPECT_EQ(Why(LookingDown(0.0, 0.0, 5.0)), "");
+  EXPECT_EQ(Why(LookingDown(0.0, 0.0, 500.0)), "");
+  CameraStand up = LookingDown(0.0, 0.0, 50.0);
+  up.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), {0.0, 0.0, 50.0});
+  EXPECT_EQ(Why(up), "");
+  CameraStand aslant = LookingDown(0.0, 0.0, 50.0);
+  aslant.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitX())) * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0),
+      {0.0, 0.0, 50.0});
+  EXPECT_EQ(Why(aslant), "");
+}
+
+TEST(WhyImplausible, TakesFlightsOfAnySize) {
+  const geo::LocalFrame frame({46.8, 7.1, 500.0});
+  EXPECT_TRUE(WhyImplausible({}, frame).empty());
+  EXPECT_FALSE(WhyImplausible({LookingDown(0.0, 0.0, 50.0)}, frame)[0]);
+  EXPECT_TRUE(WhyImplausible({LookingDown(0.0, 0.0, std::numeric_limits<double>::quiet_NaN())}, frame)[0]);
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
