@@ -82,7 +82,8 @@ cv::Mat AtMost(const cv::Mat& grey, int pixels) {
   const double shrink = std::sqrt(static_cast<double>(pixels) / static_cast<double>(grey.total()));
   if (shrink >= 0.98) return grey;
   cv::Mat smaller;
-  cv::resize(grey, smaller, cv::Size(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink)), 0, 0,
+  cv::resize(grey, smaller,
+             cv::Size(std::max(1, cvRound(grey.cols * shrink)), std::max(1, cvRound(grey.rows * shrink))), 0, 0,
              cv::INTER_AREA);
   return smaller;
 }

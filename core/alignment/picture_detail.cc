@@ -70,6 +70,8 @@ double EnergyAlong(const DirectedEnergy& energy, double c, double s) {
 }
 
 PictureDetail MeasureDetail(int width_px, int height_px, const std::uint8_t* grey) {
+  // A quarter of it must still hold the cells, or be a picture at all.
+  if (std::min(width_px, height_px) < static_cast<int>(kCoarser) * (kDetailCells - 1)) return {};
   const cv::Mat picture(height_px, width_px, CV_8U, const_cast<std::uint8_t*>(grey));
   cv::Mat smooth, coarser;
   cv::GaussianBlur(picture, smooth, {}, 0.5 * kCoarser);
