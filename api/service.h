@@ -44,7 +44,7 @@ struct Service {
   storage::NodeTasks node_tasks{db};
   storage::UploadSpool spool{db, catalogue, store};
   storage::Previews previews{db};
-  storage::Trash trash{db};
+  storage::Trash trash{db, storage::FlightRecords(store.dir())};
   int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::Webhooks webhooks{db};
@@ -55,6 +55,8 @@ struct Service {
   std::mutex once_mutex{};  // held while a request with an Idempotency-Key is carried out
   EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
+  // kUnavailable while the data folder is not where and what it was: then nothing may be stored.
+  std::function<Result<void>()> storage_in_place = [] { return Result<void>(); };
   Basemap basemap{};
   // What is in these files, as JSON, without making a map; `options`: the flight's, as JSON. Reading them takes a second
   // or two. The server has it done by a process apart, once for each set of files.

@@ -34,6 +34,7 @@ void Housekeeper::Run() {
 }
 
 void Housekeeper::Round() {
+  if (!service_.storage_in_place()) return;  // the folder is gone: what is removed now would be another's
   const Result<void> saved = service_.db.SaveAges();
   if (!saved) LogFailure("-", "housekeeping", saved.error().detail);
   const Result<int> expired = service_.spool.RemoveExpired(service_.db.ages().Now());

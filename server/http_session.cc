@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "api/auth/access.h"
@@ -105,8 +106,7 @@ class Session : public std::enable_shared_from_this<Session> {
     const auto call = [&] {
       return Guarded(request, [&] {
         if (!is_checked) {
-          if (auto refused = api::CheckAccess(context_.service, request, route.pattern))
-            return *std::move(refused);
+          if (auto refused = Refused(request, route)) return *std::move(refused);
           is_checked = true;
         }
         return route.handler(request);
@@ -138,6 +138,19 @@ class Session : public std::enable_shared_from_this<Session> {
     return api::Problem({ErrorCode::kRateLimited, message, ""}, request);
   }
 
+  // Whoever may not, and whatever would change what can no longer be stored.
+  std::optional<api::Response> Refused(api::Request& request, const api::Route& route) {
+    if (auto refused = api::CheckAccess(context_.service, request, route.pattern)) return refused;
+    return RefusedUnlessStored(request);
+  }
+
+  std::optional<api::Response> RefusedUnlessStored(const api::Request& request) {
+    if (request.method == api::Method::kGet || request.method == api::Method::kOptions) return std::nullopt;
+    const Result<void> in_place = context_.service.storage_in_place();
+    if (in_place) return std::nullopt;
+    return api::Problem(in_place.error(), request);
+  }
+
   // What a handler throws (the machine is out of something) becomes a 500 of this one request.
   template <typename Call>
   static api::Response Guarded(const api::Request& request, Call call) {
@@ -159,8 +172,7 @@ class Session : public std::enable_shared_from_this<Session> {
     RequestPool& pool = context_.pools.Of(request.work);
     const RequestPool::Answer taken = co_await connection_->AskPool(pool, request.client, [&] {
       response = Guarded(request, [&] {
-        if (auto refused = api::CheckAccess(context_.service, request, route.pattern))
-          return *std::move(refused);
+        if (auto refused = Refused(request, route)) return *std::move(refused);
         auto begun = route.upload(request);
         if (auto* refused = std::get_if<api::Response>(&begun)) return std::move(*refused);
         sink = std::move(std::get<std::unique_ptr<api::BodySink>>(begun));
@@ -175,7 +187,12 @@ class Session : public std::enable_shared_from_this<Session> {
     }
     const bool arrived = !has_body || co_await ReceiveBody(*sink, request, &response);
     co_await connection_->OnPool(pool, [&] {
-      if (arrived) response = Guarded(request, [&] { return sink->Finish(); });
+      if (arrived) {
+        response = Guarded(request, [&] {
+          auto refused = RefusedUnlessStored(request);  // the folder may have gone while the body came
+          return refused ? *std::move(refused) : sink->Finish();
+        });
+      }
       sink.reset();  // an upload that broke is undone here, before anyone hears of it
     });
     if (connection_->has_failed()) co_return;

@@ -103,11 +103,13 @@ Result<fs::path> ShownMap(const WorkerContext& context, const std::string& fligh
 Result<pipeline::MosaicReport> Stitch(WorkerContext& context, const storage::Lease& lease,
                                       const fs::path& out_dir, Progress& progress) {
   std::error_code error;
-  fs::create_directories(out_dir, error);
+  fs::create_directory(out_dir, error);  // below work/, which a data folder that is gone does not have
   if (error) return OsError("make " + out_dir.string(), error.value());
   // An earlier attempt may have died between placing a revision and showing it.
-  const Result<int> swept = storage::SweepRevisions(context.dir, context.catalogue, lease.flight_id);
+  const Result<storage::SweepReport> swept =
+      storage::SweepRevisions(context.dir, context.catalogue, lease.flight_id, storage::Now());
   if (!swept) return swept.error();
+  for (const std::string& line : swept->moved) LogEvent(line);
   const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
   if (!flight) return flight.error();
   const Result<std::vector<storage::StoredFile>> files = context.catalogue.ListFiles(lease.flight_id);

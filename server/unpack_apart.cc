@@ -113,7 +113,12 @@ Result<std::vector<UnpackedFile>> TakeOver(const storage::PhotoStore& store, con
 
 Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, const std::string& flight_id,
                                               const fs::path& archive) {
-  const StagingFolder folder(store.dir().Incoming() / ("unpack-" + storage::NewId()));
+  const StagingFolder folder(store.dir().Incoming() / store.dir().NewTemporaryName(storage::kUnpackKind));
+  std::error_code unmade;
+  if (!fs::create_directory(folder.path(), unmade)) {
+    return Error{ErrorCode::kUnavailable, "The server could not make a folder for what is in the archive. Try again.",
+                 unmade.message()};
+  }
   const Result<storage::DataDir> staging = storage::DataDir::Open(folder.path());
   if (!staging) return staging.error();
   const Result<std::string> answer = RunApart(

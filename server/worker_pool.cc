@@ -52,6 +52,12 @@ void WorkerPool::Start(Slot& slot, int index) {
   slot.pid = *started;
 }
 
+void WorkerPool::Interrupt() {
+  for (const Slot& slot : slots_) {
+    if (slot.pid != 0) kill(slot.pid, SIGTERM);
+  }
+}
+
 void WorkerPool::Reap() {
   for (Slot& slot : slots_) {
     int status = 0;
@@ -73,8 +79,11 @@ void WorkerPool::Ended(Slot& slot, int status) {
   }
   slot.pid = 0;
   if (is_well) return;
-  const Result<int> swept = storage::SweepWork(dir_, queue_, storage::Now());
+  const Result<storage::SweepReport> swept = storage::SweepWork(dir_, queue_, storage::Now());
   if (!swept) LogFailure("-", "worker", swept.error().detail);
+  if (swept) {
+    for (const std::string& line : swept->moved) LogEvent(line);
+  }
 }
 
 void WorkerPool::Stop(std::chrono::milliseconds grace) {

@@ -22,6 +22,8 @@ class WorkerPool {
   // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
   // then.
   void StartMissing();
+  // SIGTERM to all that run: they give their jobs back. They are started again by StartMissing.
+  void Interrupt();
   // Collects the ended. Called on SIGCHLD.
   void Reap();
   // SIGTERM to all, then SIGKILL to who is left after `grace`.

@@ -1,6 +1,7 @@
 #include "storage/catalogue.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "storage/ids.h"
 
@@ -69,6 +70,19 @@ Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const Stored
       .Run();
 }
 
+Result<std::vector<std::string>> UploadsOf(SqliteDb& db, const std::string& flight_id) {
+  Result<Statement> query = db.Prepare("SELECT id FROM upload WHERE flight_id=?");
+  if (!query) return query.error();
+  query->Bind(1, flight_id);
+  std::vector<std::string> ids;
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return row.error();
+    if (!*row) return ids;
+    ids.emplace_back(query->ColumnText(0));
+  }
+}
+
 // "a.jpg", "2" -> "a (2).jpg"
 std::string MarkedName(const std::string& name, std::string_view mark) {
   const std::size_t dot = name.rfind('.');
@@ -77,6 +91,11 @@ std::string MarkedName(const std::string& name, std::string_view mark) {
 }
 
 }  // namespace
+
+Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& file, Time now) const {
+  if (!records_) return {};
+  return records_->AddFile(flight_id, file.stored_name, {file.name, file.bytes, now, false});
+}
 
 Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now,
                                     const std::string& owner) {
@@ -89,8 +108,18 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
   flight.name = name;
   flight.options = options;
   flight.created = now;
+  if (records_) {
+    FlightRecord record;
+    record.name = name;
+    record.options = options;
+    record.owner = owner;
+    record.created = now;
+    const Result<void> begun = records_->Begin(flight.id, record);
+    if (!begun) return begun.error();
+  }
   const Result<void> done =
       insert->Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner).Run();
+  if (!done && records_) records_->Undo(flight.id);
   if (!done) return done.error();
   return flight;
 }
@@ -144,7 +173,10 @@ Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& n
   const Result<void> done = update->Bind(1, name).Bind(2, id).Run();
   if (!done) return done.error();
   if (db->Changes() == 0) return NoSuchFlight(id);
-  return {};
+  if (!records_) return {};
+  FlightRecord change;
+  change.name = name;
+  return records_->Change(id, change);
 }
 
 Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::string& options) {
@@ -154,16 +186,31 @@ Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::strin
   const Result<void> done = update->Bind(1, options).Bind(2, id).Run();
   if (!done) return done.error();
   if (db->Changes() == 0) return NoSuchFlight(id);
-  return {};
+  if (!records_) return {};
+  FlightRecord change;
+  change.options = options;
+  return records_->Change(id, change);
 }
 
 Result<void> Catalogue::DeleteFlight(const std::string& id) {
   const auto db = db_.Lock();
   Result<Statement> remove = db->Prepare("DELETE FROM flight WHERE id=?");
   if (!remove) return remove.error();
+  const Result<bool> known = Exists(*db, "SELECT 1 FROM flight WHERE id=?", id);
+  if (!known) return known.error();
+  if (!*known) return NoSuchFlight(id);
+  const Result<std::vector<std::string>> uploads = UploadsOf(*db, id);
+  if (!uploads) return uploads.error();
+  // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight: the record
+  // only tells a repair of a lost catalogue not to bring the flight back.
+  if (records_) (void)records_->Deleting(id, Now()).ok();
   const Result<void> done = remove->Bind(1, id).Run();
+  if (!done && records_) (void)records_->Change(id, {}).ok();
   if (!done) return done.error();
-  if (db->Changes() == 0) return NoSuchFlight(id);
+  if (!records_) return {};
+  (void)records_->Deleted(id, Now()).ok();
+  // Its resumable uploads went with it; bytes that stay here, the next start moves to lost/.
+  for (const std::string& upload : *uploads) unlink((records_->dir().Uploads() / upload).c_str());
   return {};
 }
 
@@ -211,8 +258,11 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
   }
   const Result<void> inserted = InsertFile(*db, flight_id, file, now);
   if (!inserted) return inserted.error();
+  const Result<void> recorded = Record(flight_id, file, now);
+  if (!recorded) return recorded.error();
   const Result<void> done = transaction->Commit();
   if (!done) return done.error();
+  if (added.replaced && records_) (void)records_->RemoveFile(flight_id, added.replaced_stored_name).ok();  // as below
   return added;
 }
 
@@ -237,6 +287,8 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
   }
   const Result<void> inserted = InsertFile(*db, flight_id, added, now);
   if (!inserted) return inserted.error();
+  const Result<void> recorded = Record(flight_id, added, now);
+  if (!recorded) return recorded.error();
   if (upload_id) {
     Result<Statement> update = db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0");
     if (!update) return update.error();
@@ -272,6 +324,8 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
   }
   const Result<void> done = transaction->Commit();
   if (!done) return done.error();
+  // A record that cannot take it (a full disk) still names a file that is about to go, which does no harm.
+  if (records_) (void)records_->RemoveFile(flight_id, removed.stored_name).ok();
   return removed;
 }
 
@@ -291,6 +345,33 @@ Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_i
     if (!*row) return files;
     files.push_back(
         {std::string(query->ColumnText(0)), std::string(query->ColumnText(1)), query->ColumnInt64(2)});
+  }
+}
+
+Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
+  const auto db = db_.Lock();
+  FlightRecord record;
+  {
+    Result<Statement> query = db->Prepare("SELECT name, options, owner, created_us, deleted_us FROM flight WHERE id=?");
+    if (!query) return query.error();
+    const Result<bool> row = query->Bind(1, flight_id).Step();
+    if (!row) return row.error();
+    if (!*row) return NoSuchFlight(flight_id);
+    record.name = std::string(query->ColumnText(0));
+    record.options = std::string(query->ColumnText(1));
+    record.owner = std::string(query->ColumnText(2));
+    record.created = FromUs(query->ColumnInt64(3));
+    if (!query->IsNull(4)) record.trashed = FromUs(query->ColumnInt64(4));
+  }
+  Result<Statement> query = db->Prepare("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?");
+  if (!query) return query.error();
+  query->Bind(1, flight_id);
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return row.error();
+    if (!*row) return record;
+    record.files[std::string(query->ColumnText(0))] = {std::string(query->ColumnText(1)), query->ColumnInt64(2),
+                                                       FromUs(query->ColumnInt64(3)), false};
   }
 }
 

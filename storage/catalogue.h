@@ -13,6 +13,7 @@
 #include "core/base/result.h"
 #include "storage/catalogue_db.h"
 #include "storage/clock.h"
+#include "storage/flight_record.h"
 
 namespace skyquilt::storage {
 
@@ -58,7 +59,10 @@ struct AddedFile {
 
 class Catalogue {
  public:
-  explicit Catalogue(CatalogueDb& db) : db_(db) {}
+  // `records`: where each change of a flight or its files is written down beside them as well, so that a catalogue that
+  // is lost can be made anew. Absent: nowhere (for whoever only reads, and tests).
+  explicit Catalogue(CatalogueDb& db, std::optional<FlightRecords> records = std::nullopt)
+      : db_(db), records_(std::move(records)) {}
 
   // `owner`: id of a token; empty where nobody showed one.
   Result<Flight> AddFlight(const std::string& name, const std::string& options, Time now,
@@ -87,12 +91,19 @@ class Catalogue {
   // Also of a flight in the trash, whose files are kept.
   Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;
 
+  // All that a record has of a flight.
+  Result<FlightRecord> RecordOf(const std::string& flight_id) const;
+
   Result<std::optional<Revision>> ActiveRevision(const std::string& flight_id) const;
   // Also of a flight in the trash.
   Result<std::vector<std::int64_t>> Revisions(const std::string& flight_id) const;
 
  private:
+  // Before the commit: a file that the catalogue knows is in the record.
+  Result<void> Record(const std::string& flight_id, const StoredFile& file, Time now) const;
+
   CatalogueDb& db_;
+  std::optional<FlightRecords> records_;
 };
 
 }  // namespace skyquilt::storage

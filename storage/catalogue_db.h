@@ -2,7 +2,8 @@
 // migrated to the newest schema, and shared by Catalogue and JobQueue. Survives kill -9 and power loss (WAL,
 // synchronous FULL). Any thread and any number of processes: within a process users take Lock() for the time
 // of a call that writes, and Read() for one that only reads. Readers wait for no writer, in this process or
-// another: each sees what was committed when its statement began.
+// another: each sees what was committed when its statement began. The file and what SQLite keeps beside it are
+// readable by their owner alone.
 #pragma once
 
 #include <condition_variable>
@@ -20,8 +21,11 @@ namespace skyquilt::storage {
 
 class CatalogueDb {
  public:
-  // `readers`: how many may read at the same time; the next one waits for one of them.
+  // Makes the file where it is missing. `readers`: how many may read at the same time; the next one waits for one of
+  // them.
   static Result<std::unique_ptr<CatalogueDb>> Open(const std::filesystem::path& path, int readers = 2);
+  // Never makes one. Errors: kNotFound (no file, an empty one, or one that is no catalogue of ours), kCorrupt.
+  static Result<std::unique_ptr<CatalogueDb>> OpenExisting(const std::filesystem::path& path, int readers = 2);
 
   // The connection that writes, for as long as the lock is held.
   class Access {
@@ -70,6 +74,7 @@ class CatalogueDb {
  private:
   CatalogueDb(SqliteDb db, AgeClock ages, SpaceReserve reserve)
       : db_(std::move(db)), ages_(ages), reserve_(std::move(reserve)) {}
+  static Result<std::unique_ptr<CatalogueDb>> Prepare(SqliteDb db, const std::filesystem::path& path, int readers);
   std::unique_ptr<SqliteDb> TakeReader();
   void GiveBack(std::unique_ptr<SqliteDb> reader);
 

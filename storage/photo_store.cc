@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -34,6 +35,22 @@ Result<void> SyncFolder(const std::filesystem::path& folder) {
   const int code = errno;
   close(fd);
   if (synced != 0) return OsError("fsync " + folder.string(), code);
+  return {};
+}
+
+Error FolderGone() {
+  return {ErrorCode::kUnavailable,
+          "The server's data folder is gone: it was removed or is not mounted. Try again when it is back.", ""};
+}
+
+// The flight's folders, but never those above: a data folder that went away meanwhile must not be made anew.
+Result<void> MakeFilesFolder(const DataDir& dir, const std::string& flight_id) {
+  for (const auto& folder : {dir.Flight(flight_id), dir.Files(flight_id)}) {
+    if (mkdir(folder.c_str(), 0755) == 0 || errno == EEXIST) continue;
+    const int code = errno;
+    if (code == ENOENT && access(dir.Flights().c_str(), F_OK) != 0) return FolderGone();
+    return OsError("make " + folder.string(), code);
+  }
   return {};
 }
 
@@ -76,6 +93,9 @@ Result<void> CheckFileName(std::string_view name) {
   return {};
 }
 
+Upload::Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder)
+    : fd_(fd), temporary_(std::move(temporary)), folder_(std::move(folder)), stored_name_(NewId()) {}
+
 Upload::~Upload() {
   if (fd_ >= 0) close(fd_);
   if (!temporary_.empty()) unlink(temporary_.c_str());
@@ -85,13 +105,15 @@ Upload::Upload(Upload&& other) noexcept
     : fd_(std::exchange(other.fd_, -1)),
       bytes_(other.bytes_),
       temporary_(std::exchange(other.temporary_, {})),
-      folder_(std::move(other.folder_)) {}
+      folder_(std::move(other.folder_)),
+      stored_name_(std::move(other.stored_name_)) {}
 
 Upload& Upload::operator=(Upload&& other) noexcept {
   std::swap(fd_, other.fd_);
   std::swap(bytes_, other.bytes_);
   std::swap(temporary_, other.temporary_);
   std::swap(folder_, other.folder_);
+  std::swap(stored_name_, other.stored_name_);
   return *this;
 }
 
@@ -115,17 +137,19 @@ Result<std::string> Upload::Finish() {
   }
   if (fsync(fd_) != 0) return OsError("fsync " + temporary_.string(), errno);
   close(std::exchange(fd_, -1));
-  const std::string stored_name = temporary_.filename().string();
-  const std::filesystem::path published = folder_ / stored_name;
+  const std::filesystem::path published = folder_ / stored_name_;
   // The flight may have been deleted meanwhile; then its folder is gone and this fails, as it should.
   if (rename(temporary_.c_str(), published.c_str()) != 0) {
-    if (errno == ENOENT) return Error{ErrorCode::kNotFound, "The flight was deleted during the upload.", ""};
+    const int code = errno;
+    if (access(folder_.parent_path().parent_path().c_str(), F_OK) != 0) return FolderGone();
+    if (code == ENOENT) return Error{ErrorCode::kNotFound, "The flight was deleted during the upload.", ""};
+    errno = code;
     return OsError("rename to " + published.string(), errno);
   }
   temporary_.clear();
   const Result<void> synced = SyncFolder(folder_);
   if (!synced) return synced.error();
-  return stored_name;
+  return stored_name_;
 }
 
 Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
@@ -143,9 +167,8 @@ Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
 }
 
 Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::filesystem::path& path) const {
-  std::error_code error;
-  std::filesystem::create_directories(dir_.Files(flight_id), error);
-  if (error) return OsError("make " + dir_.Files(flight_id).string(), error.value());
+  const Result<void> made = MakeFilesFolder(dir_, flight_id);
+  if (!made) return made.error();
   const std::string stored_name = NewId();
   const std::filesystem::path stored = dir_.Files(flight_id) / stored_name;
   if (link(path.c_str(), stored.c_str()) != 0) return OsError("link " + stored.string(), errno);
@@ -157,11 +180,10 @@ Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::f
 Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
   const Result<void> fits = CheckSpace(declared_bytes);
   if (!fits) return fits.error();
-  std::error_code error;
+  const Result<void> made = MakeFilesFolder(dir_, flight_id);
+  if (!made) return made.error();
   const std::filesystem::path folder = dir_.Files(flight_id);
-  std::filesystem::create_directories(folder, error);
-  if (error) return OsError("make " + folder.string(), error.value());
-  const std::filesystem::path temporary = dir_.Incoming() / NewId();
+  const std::filesystem::path temporary = dir_.Incoming() / dir_.NewTemporaryName(kUploadKind);
   const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
   if (fd < 0) return OsError("open " + temporary.string(), errno);
   return Upload(fd, temporary, folder);
@@ -173,13 +195,14 @@ std::filesystem::path PhotoStore::PathOf(const std::string& flight_id, const std
 }
 
 void PhotoStore::Remove(const std::string& flight_id, const std::string& stored_name) const {
-  // A file that stays (a full or failing disk) is garbage that the next start-up sweep removes.
+  // A file that stays (a failing disk) the next start moves to lost/.
   unlink(PathOf(flight_id, stored_name).c_str());
 }
 
 void PhotoStore::RemoveFlight(const std::string& flight_id) const {
-  // Out of sight in one step, then gone piece by piece; what a crash leaves in work/ the sweep removes.
-  const std::filesystem::path trash = dir_.Work() / ("deleted-" + NewId());
+  // Out of sight in one step, then gone piece by piece; what a crash leaves in work/ the sweep removes: its name says
+  // that it was deleted.
+  const std::filesystem::path trash = dir_.Work() / dir_.NewTemporaryName(kDeletedKind);
   std::error_code ignored;
   std::filesystem::rename(dir_.Flight(flight_id), trash, ignored);
   std::filesystem::remove_all(trash, ignored);

@@ -1,6 +1,6 @@
 // PhotoStore: the uploaded bytes. An upload streams into incoming/, is fsynced and renamed to a name of ours
 // below the flight; the name the user gave is data and never a path. What was not finished is removed when
-// the Upload goes out of scope, and by Sweep after a crash. Any thread; one Upload is used by one thread at a
+// the Upload goes out of scope, and by Sweep after a crash: its name says that it is temporary and ours. Any thread; one Upload is used by one thread at a
 // time. Errors: kInvalidArgument (a name that is a path), kUnprocessable (no bytes), kTooLarge, kOutOfSpace,
 // kIo.
 #pragma once
@@ -39,12 +39,12 @@ class Upload {
 
  private:
   friend class PhotoStore;
-  Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder)
-      : fd_(fd), temporary_(std::move(temporary)), folder_(std::move(folder)) {}
+  Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder);
   int fd_ = -1;
   std::int64_t bytes_ = 0;
   std::filesystem::path temporary_;  // empty once published
   std::filesystem::path folder_;
+  std::string stored_name_;
 };
 
 class PhotoStore {

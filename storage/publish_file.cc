@@ -29,6 +29,8 @@ Result<void> SyncPath(const std::filesystem::path& path, int flags) {
 
 }  // namespace
 
+Result<void> SyncFolder(const std::filesystem::path& folder) { return SyncPath(folder, O_RDONLY | O_DIRECTORY); }
+
 Result<void> PublishFile(const std::filesystem::path& temporary, const std::filesystem::path& path) {
   if (auto synced = SyncPath(temporary, O_RDONLY); !synced) return synced;
   if (::rename(temporary.c_str(), path.c_str()) != 0) return FileError("cannot publish", path, errno);

@@ -12,6 +12,9 @@ namespace skyquilt::storage {
 // What the system said of a file, as an Error: kOutOfSpace where the disk is full, else kIo.
 Error FileError(const std::string& what, const std::filesystem::path& path, int number);
 
+// What was made, renamed or removed in a folder stays so through a power cut. Errors: kIo, kOutOfSpace.
+Result<void> SyncFolder(const std::filesystem::path& folder);
+
 // fsync(temporary), rename to `path`, fsync of the folder. Errors: kIo, kOutOfSpace.
 Result<void> PublishFile(const std::filesystem::path& temporary, const std::filesystem::path& path);
 // Writes `bytes` under a temporary name and publishes it.

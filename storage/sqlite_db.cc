@@ -37,7 +37,7 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
   // A reader of a WAL needs to write its index beside the file; query_only keeps it from writing more.
   const int flags = mode == OpenMode::kReadWriteCreate
                         ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX
-                    : mode == OpenMode::kReadShared
+                    : mode == OpenMode::kReadShared || mode == OpenMode::kReadWrite
                         ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX
                         : SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX;
   const std::string name =

@@ -18,6 +18,7 @@ namespace skyquilt::storage {
 enum class OpenMode {
   kReadWriteCreate,    // waits up to 10 s for another writer
   kReadShared,         // only reads a file that others write (WAL): waits for none of them
+  kReadWrite,          // the same, of a file that exists; kNotFound else
   kReadOnlyImmutable,  // the file never changes again: no locks. Not mapped: a hundred maps would count as
                        // this process's memory, and a page that cannot be read would end it
 };

@@ -15,7 +15,8 @@ Error SqliteError(int sqlite_code, std::string_view what, std::string_view libra
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return {ErrorCode::kCorrupt,
-              "A database file is damaged. Restore it or remove it and run the job again.", detail};
+              "A database file is damaged. Put back a good copy of it. A map is made anew by running its job again; "
+              "for a server's catalogue stop the server and run \"skyquilt data check\".", detail};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return {ErrorCode::kUnavailable, "The database is in use by another program. Try again in a moment.",

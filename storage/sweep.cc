@@ -6,6 +6,9 @@
 #include <system_error>
 #include <vector>
 
+#include "storage/ids.h"
+#include "storage/lost_folder.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -26,31 +29,37 @@ int RemoveAll(const fs::path& path) {
   return error ? 0 : 1;
 }
 
-}  // namespace
+bool IsPreviewName(const std::string& name) {
+  const std::string_view prefix = kPreviewFolderPrefix;
+  return name.starts_with(prefix) && IsId(std::string_view(name).substr(prefix.size()));
+}
 
-Result<int> SweepRevisions(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id) {
+Result<void> TakeUnknown(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id, LostFolder& lost,
+                         SweepReport& report) {
   const Result<std::vector<std::int64_t>> known = catalogue.Revisions(flight_id);
   if (!known) return known.error();
-  std::set<std::string> keep = {"files"};
+  std::set<std::string> keep = {"files", kFlightRecordName};
   for (const std::int64_t revision : *known) keep.insert(RevisionFolderName(revision));
-  int removed = 0;
   for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
     const std::string name = entry.filename().string();
-    if (!keep.contains(name) && !name.starts_with(kPreviewFolderPrefix)) removed += RemoveAll(entry);
+    if (!keep.contains(name) && !IsPreviewName(name)) {
+      report.moved.push_back(lost.Take(entry, "is no map that its flight shows"));
+    }
   }
-  return removed;
+  return {};
 }
 
-int SweepPreviews(const DataDir& dir, const std::string& flight_id, const std::string& keep) {
-  int removed = 0;
-  for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
-    const std::string name = entry.filename().string();
-    if (name.starts_with(kPreviewFolderPrefix) && name != keep) removed += RemoveAll(entry);
-  }
-  return removed;
+// A work folder of a job that the catalogue knows and that has ended.
+Result<bool> IsOfEndedJob(const JobQueue& queue, const std::string& work_name) {
+  const std::string id = JobOfWorkName(work_name);
+  if (!IsId(id)) return false;
+  const Result<Job> job = queue.Get(id);
+  if (!job && job.error().code == ErrorCode::kNotFound) return false;
+  if (!job) return job.error();
+  return job->finished.has_value();
 }
 
-Result<int> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
+Result<SweepReport> SweepWorkTo(const DataDir& dir, const JobQueue& queue, Time now, LostFolder& lost) {
   // Listed before the leases are read: a folder that a new lease makes meanwhile is not in the list.
   const std::vector<fs::path> entries = EntriesOf(dir.Work());
   const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
@@ -61,12 +70,44 @@ Result<int> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
   const Result<std::vector<std::string>> unfinished = queue.UnfinishedJobs();
   if (!unfinished) return unfinished.error();
   const std::set<std::string> jobs(unfinished->begin(), unfinished->end());
-  int removed = 0;
+  SweepReport report;
   for (const fs::path& entry : entries) {
     const std::string name = entry.filename().string();
-    if (!live.contains(name) && !jobs.contains(JobOfWorkName(name))) removed += RemoveAll(entry);
+    if (live.contains(name) || jobs.contains(JobOfWorkName(name))) continue;
+    const Result<bool> is_ended = IsOfEndedJob(queue, name);
+    if (!is_ended) return is_ended.error();
+    if (*is_ended || dir.IsTemporaryName(kDeletedKind, name)) {
+      report.removed += RemoveAll(entry);
+    } else {
+      report.moved.push_back(lost.Take(entry, "is of no job in the catalogue"));
+    }
+  }
+  return report;
+}
+
+}  // namespace
+
+Result<SweepReport> SweepRevisions(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id,
+                                   Time now) {
+  LostFolder lost(dir, now);
+  SweepReport report;
+  const Result<void> taken = TakeUnknown(dir, catalogue, flight_id, lost, report);
+  if (!taken) return taken.error();
+  return report;
+}
+
+int SweepPreviews(const DataDir& dir, const std::string& flight_id, const std::string& keep) {
+  int removed = 0;
+  for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
+    const std::string name = entry.filename().string();
+    if (IsPreviewName(name) && name != keep) removed += RemoveAll(entry);
   }
   return removed;
+}
+
+Result<SweepReport> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
+  LostFolder lost(dir, now);
+  return SweepWorkTo(dir, queue, now, lost);
 }
 
 Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue,
@@ -77,30 +118,41 @@ Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const 
   if (!ids) return ids.error();
   std::set<std::string> live_flights;
   for (const auto& lease : *leases) live_flights.insert(lease.flight_id);
+  LostFolder lost(dir, now);
   SweepReport report;
-  const Result<int> work = SweepWork(dir, queue, now);
+  const Result<SweepReport> work = SweepWorkTo(dir, queue, now, lost);
   if (!work) return work.error();
-  report.work_folders = *work;
-  for (const fs::path& entry : EntriesOf(dir.Incoming())) report.uploads += RemoveAll(entry);
+  report.Add(*work);
+  for (const fs::path& entry : EntriesOf(dir.Incoming())) {
+    const std::string name = entry.filename().string();
+    if (dir.IsTemporaryName(kUploadKind, name) || dir.IsTemporaryName(kUnpackKind, name)) {
+      report.removed += RemoveAll(entry);
+    } else {
+      report.moved.push_back(lost.Take(entry, "is no upload of this server"));
+    }
+  }
   const std::set<std::string> flights(ids->begin(), ids->end());
   for (const fs::path& entry : EntriesOf(dir.Flights())) {
-    if (!flights.contains(entry.filename().string())) report.flights += RemoveAll(entry);
+    if (!flights.contains(entry.filename().string())) {
+      report.moved.push_back(lost.Take(entry, "is no flight in the catalogue"));
+    }
   }
   for (const std::string& id : *ids) {
     const Result<std::optional<Preview>> preview = previews.Find(id);
     if (!preview) return preview.error();
-    report.previews += SweepPreviews(dir, id, *preview ? (*preview)->folder : "");
+    report.removed += SweepPreviews(dir, id, *preview ? (*preview)->folder : "");
     if (live_flights.contains(id)) continue;
     const Result<std::vector<StoredFile>> files = catalogue.ListFiles(id);
     if (!files) return files.error();
     std::set<std::string> keep;
     for (const StoredFile& file : *files) keep.insert(file.stored_name);
     for (const fs::path& entry : EntriesOf(dir.Files(id))) {
-      if (!keep.contains(entry.filename().string())) report.files += RemoveAll(entry);
+      if (!keep.contains(entry.filename().string())) {
+        report.moved.push_back(lost.Take(entry, "is no file of its flight"));
+      }
     }
-    const Result<int> revisions = SweepRevisions(dir, catalogue, id);
+    const Result<void> revisions = TakeUnknown(dir, catalogue, id, lost, report);
     if (!revisions) return revisions.error();
-    report.revisions += *revisions;
   }
   return report;
 }

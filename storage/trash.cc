@@ -29,6 +29,12 @@ Error NotInTrash(const std::string& id) {
 
 }  // namespace
 
+// A record that cannot take it (the disk is full, and deleting is what mends that) must not keep the flight where it is:
+// a repair then brings the flight back out of the trash, or into it, and loses nothing.
+void Trash::Record(const std::string& flight_id, std::optional<Time> trashed) const {
+  if (records_) (void)records_->SetTrashed(flight_id, trashed).ok();
+}
+
 Result<void> Trash::Put(const std::string& flight_id, Time now) {
   const auto db = db_.Lock();
   Result<Transaction> transaction = Transaction::Begin(*db);
@@ -58,7 +64,10 @@ Result<void> Trash::Put(const std::string& flight_id, Time now) {
       return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
     }
   }
-  return transaction->Commit();
+  const Result<void> done = transaction->Commit();
+  if (!done) return done.error();
+  Record(flight_id, now);
+  return {};
 }
 
 Result<void> Trash::Restore(const std::string& flight_id) {
@@ -69,6 +78,7 @@ Result<void> Trash::Restore(const std::string& flight_id) {
   const Result<void> done = update->Bind(1, flight_id).Run();
   if (!done) return done.error();
   if (db->Changes() == 0) return NotInTrash(flight_id);
+  Record(flight_id, std::nullopt);
   return {};
 }
 

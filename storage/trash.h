@@ -5,12 +5,15 @@
 // kUnavailable, kIo.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
 #include "storage/catalogue.h"
 #include "storage/catalogue_db.h"
+#include "storage/flight_record.h"
 
 namespace skyquilt::storage {
 
@@ -26,7 +29,9 @@ struct TrashedFlight {
 
 class Trash {
  public:
-  explicit Trash(CatalogueDb& db) : db_(db) {}
+  // `records`: where it is written down beside the flights' files as well, for a repair of a lost catalogue.
+  explicit Trash(CatalogueDb& db, std::optional<FlightRecords> records = std::nullopt)
+      : db_(db), records_(std::move(records)) {}
   // Its job, if one waits or runs, is cancelled with it; its preview goes, to be drawn again should it come back.
   Result<void> Put(const std::string& flight_id, Time now);
   Result<void> Restore(const std::string& flight_id);
@@ -37,7 +42,10 @@ class Trash {
   Result<std::vector<std::string>> DeletedUntil(Time age) const;
 
  private:
+  void Record(const std::string& flight_id, std::optional<Time> trashed) const;
+
   CatalogueDb& db_;
+  std::optional<FlightRecords> records_;
 };
 
 }  // namespace skyquilt::storage

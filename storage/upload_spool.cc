@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -246,34 +245,51 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
 }
 
 Result<int> UploadSpool::RemoveExpired(Time now) {
-  std::vector<fs::path> files;
-  std::error_code missing;  // a folder that is not there has nothing to remove
-  for (const auto& entry : fs::directory_iterator(store_.dir().Uploads(), missing))
-    files.push_back(entry.path());
-  std::set<std::string> keep;
+  std::vector<std::string> over;
   {
     const auto db = db_.Lock();
-    Result<Statement> remove = db->Prepare("DELETE FROM upload WHERE expires_us<=?");
-    if (!remove) return remove.error();
-    const Result<void> removed = remove->Bind(1, ToUs(now)).Run();
-    if (!removed) return removed.error();
-    Result<Statement> query = db->Prepare("SELECT id FROM upload WHERE is_done=0");
+    Result<Statement> query = db->Prepare("SELECT id FROM upload WHERE expires_us<=?1");
+    if (!query) return query.error();
+    query->Bind(1, ToUs(now));
+    while (true) {
+      const Result<bool> row = query->Step();
+      if (!row) return row.error();
+      if (!*row) break;
+      over.emplace_back(query->ColumnText(0));
+    }
+  }
+  // The bytes first: as long as the row is there, they are known to be nobody's.
+  int count = 0;
+  for (const std::string& id : over) {
+    if (unlink(PathOf(id).c_str()) == 0) ++count;
+  }
+  const auto db = db_.Lock();
+  Result<Statement> remove = db->Prepare("DELETE FROM upload WHERE expires_us<=?");
+  if (!remove) return remove.error();
+  const Result<void> removed = remove->Bind(1, ToUs(now)).Run();
+  if (!removed) return removed.error();
+  return count;
+}
+
+Result<std::vector<fs::path>> UploadSpool::StrayFiles() const {
+  std::set<std::string> known;
+  {
+    const auto db = db_.Lock();
+    Result<Statement> query = db->Prepare("SELECT id FROM upload");
     if (!query) return query.error();
     while (true) {
       const Result<bool> row = query->Step();
       if (!row) return row.error();
       if (!*row) break;
-      keep.emplace(query->ColumnText(0));
+      known.emplace(query->ColumnText(0));
     }
   }
-  // An upload that is just being created has its file first; it is too young to be taken for garbage.
-  int count = 0;
-  for (const fs::path& file : files) {
-    struct stat status {};
-    const bool is_old = stat(file.c_str(), &status) == 0 && ToUs(Now()) / 1'000'000 - status.st_mtime > 60;
-    if (is_old && !keep.contains(file.filename().string()) && unlink(file.c_str()) == 0) ++count;
+  std::vector<fs::path> stray;
+  std::error_code missing;  // a folder that is not there has none
+  for (const auto& entry : fs::directory_iterator(store_.dir().Uploads(), missing)) {
+    if (!known.contains(entry.path().filename().string())) stray.push_back(entry.path());
   }
-  return count;
+  return stray;
 }
 
 Result<void> UploadSpool::TakeOver(Turn& turn, Time now) {

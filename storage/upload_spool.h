@@ -60,8 +60,10 @@ class UploadSpool {
 
   // Makes files of the uploads that were complete when a server died. At the start.
   Result<std::vector<SpooledUpload>> FinishComplete(Time now);
-  // Expired uploads, and bytes that belong to none.
+  // Expired uploads, with what is left of finished ones.
   Result<int> RemoveExpired(Time now);
+  // Files of no upload that the catalogue knows. At the start, when none is being made.
+  Result<std::vector<std::filesystem::path>> StrayFiles() const;
 
  private:
   // What the writers of one upload share in this process.

@@ -19,6 +19,7 @@ constexpr std::uint64_t kLeastFreeBytes = std::uint64_t{64} << 20;
 Response Ready(Service& service, const Request& request) {
   const auto refuse = [&](const char* why) { return Problem({ErrorCode::kUnavailable, why, ""}, request); };
   if (service.is_draining) return refuse("The server is shutting down.");
+  if (const Result<void> in_place = service.storage_in_place(); !in_place) return Problem(in_place.error(), request);
   if (!service.queue.Count()) return refuse("The catalogue cannot be read.");
   struct statvfs disk {};
   const bool has_disk = statvfs(service.store.dir().root().c_str(), &disk) == 0;

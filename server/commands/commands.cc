@@ -1,6 +1,7 @@
 #include "server/commands/commands.h"
 
 #include "server/commands/compare.h"
+#include "server/commands/data.h"
 #include "server/commands/inspect.h"
 #include "server/commands/locate.h"
 #include "server/commands/serve.h"
@@ -21,6 +22,7 @@ void AddCommands(CLI::App& app) {
   AddCompareCommand(app);
   AddSimulateCommand(app);
   AddTokenCommand(app);
+  AddDataCommand(app);
   AddUnpackCommand(app);
   AddVerdictCommand(app);
   AddWorkerCommand(app);

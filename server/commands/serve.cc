@@ -20,6 +20,7 @@
 #include "server/commands/config_file.h"
 #include "server/housekeeper.h"
 #include "server/http_server.h"
+#include "server/open_storage.h"
 #include "server/request_log.h"
 #include "server/run_apart.h"
 #include "server/static_files.h"
@@ -28,7 +29,6 @@
 #include "server/verdicts.h"
 #include "server/webhook_sender.h"
 #include "server/worker_pool.h"
-#include "storage/sweep.h"
 
 namespace skyquilt::server {
 namespace {
@@ -111,10 +111,18 @@ sigset_t BlockSignals() {
   return signals;
 }
 
-// Until told to stop: workers that ended are collected and started again.
-void LookAfter(WorkerPool& workers, const sigset_t& signals) {
+// Until told to stop: workers that ended are collected and started again, but not while the data folder is gone: then
+// those that run are told to give their jobs back.
+void LookAfter(WorkerPool& workers, const storage::DataDirWatch& watch, const sigset_t& signals) {
+  bool was_in_place = true;
   while (true) {
-    workers.StartMissing();
+    const Result<void> in_place = watch.Check();
+    if (in_place.ok() != was_in_place) {
+      LogEvent(in_place ? "the data folder is back: the server goes on" : in_place.error().message);
+      if (!in_place) workers.Interrupt();
+      was_in_place = in_place.ok();
+    }
+    if (in_place) workers.StartMissing();
     const int number = sigtimedwait(&signals, nullptr, &kLookAfterWorkers);
     if (number == SIGTERM || number == SIGINT || number == SIGHUP) return;
     workers.Reap();
@@ -127,40 +135,6 @@ api::Response NoPage(const api::Request& request) {
   response.headers.Add("Content-Type", "text/plain; charset=utf-8");
   response.body = "Skyquilt is running. The web page is not installed; the API is at /api/v1/flights.\n";
   return response;
-}
-
-struct Storage {
-  storage::DataDir dir;
-  storage::DataDirLock lock;
-  std::unique_ptr<storage::CatalogueDb> db;
-  std::unique_ptr<storage::CatalogueDb> tiles_db;  // tiles never wait for a write of the others
-};
-
-Storage OpenStorage(const ServeOptions& options) {
-  Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
-  if (!dir) Fail(dir.error());
-  Result<storage::DataDirLock> lock = storage::DataDirLock::Take(*dir);
-  if (!lock) Fail(lock.error());
-  Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::Open(dir->Catalogue(), kReaders);
-  if (!db) Fail(db.error());
-  Result<std::unique_ptr<storage::CatalogueDb>> tiles_db = storage::CatalogueDb::Open(dir->Catalogue(), kTileReaders);
-  if (!tiles_db) Fail(tiles_db.error());
-  return {*std::move(dir), *std::move(lock), *std::move(db), *std::move(tiles_db)};
-}
-
-// What an earlier run left behind: leases of its dead workers, and garbage.
-void Recover(const storage::DataDir& dir, storage::Catalogue& catalogue, storage::JobQueue& queue,
-             const storage::Previews& previews) {
-  const Result<int> released = queue.TakeUpAfterRestart(storage::Now());
-  if (!released) Fail(released.error());
-  const Result<storage::SweepReport> swept = storage::Sweep(dir, catalogue, queue, previews, storage::Now());
-  if (!swept) Fail(swept.error());
-  const int total = swept->uploads + swept->work_folders + swept->files + swept->revisions + swept->previews +
-                    swept->flights;
-  if (total + *released > 0) {
-    LogEvent(
-        fmt::format("after an unclean stop: {} jobs taken up again, {} leftovers removed", *released, total));
-  }
 }
 
 // Resumable uploads that were complete when an earlier run ended.
@@ -184,15 +158,16 @@ void RunServer(const ServeOptions& options) {
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
   KeepFreedMemory();
-  Storage opened = OpenStorage(options);
+  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders);
+  if (!storage) Fail(storage.error());
+  Storage& opened = *storage;
   const Result<std::vector<storage::Token>> tokens = storage::Tokens(*opened.db).List();
   if (!tokens) Fail(tokens.error());
   const Result<HttpSettings> settings = SettingsFrom(options, !tokens->empty());
   if (!settings) Fail(settings.error());
-  storage::Catalogue catalogue(*opened.db);
+  storage::Catalogue catalogue(*opened.db, storage::FlightRecords(opened.dir));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
-  Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db));
   storage::PhotoStore store(opened.dir);
   storage::TilesetCache tilesets(opened.dir, tiles_catalogue);
   api::Metrics metrics;
@@ -203,8 +178,10 @@ void RunServer(const ServeOptions& options) {
     return verdicts.Of(files, mosaic_options);
   };
   service.unpack = UnpackApart;
-  const Result<int> expired = service.spool.RemoveExpired(service.db.ages().Now());
-  if (!expired) Fail(expired.error());
+  service.storage_in_place = [&opened] { return opened.watch.Check(); };
+  const Result<void> recovered =
+      Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db), service.spool, service.db.ages().Now());
+  if (!recovered) Fail(recovered.error());
   FinishUploads(service);
   const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap, options.basemap_attribution);
   if (!basemap) Fail(basemap.error());
@@ -231,7 +208,7 @@ void RunServer(const ServeOptions& options) {
   std::optional<WebhookSender> sender;
   if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
   WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue);
-  LookAfter(workers, signals);
+  LookAfter(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
   if (!(*server)->Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");

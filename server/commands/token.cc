@@ -8,8 +8,8 @@
 
 #include "api/auth/access.h"
 #include "api/json_codec.h"
-#include "storage/data_dir.h"
 #include "storage/ids.h"
+#include "storage/open_data_folder.h"
 #include "storage/tokens.h"
 
 namespace skyquilt::server {
@@ -30,11 +30,9 @@ struct TokenOptions {
 }
 
 std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
-  const Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
-  if (!dir) Fail(dir.error());
-  Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::Open(dir->Catalogue());
-  if (!db) Fail(db.error());
-  return *std::move(db);
+  Result<storage::OpenedDataFolder> opened = storage::OpenOrJoinDataFolder(options.data_dir);
+  if (!opened) Fail(opened.error());
+  return std::move(opened->db);
 }
 
 void Add(const TokenOptions& options) {

@@ -14,7 +14,7 @@
 #include "server/process_limits.h"
 #include "server/request_log.h"
 #include "server/run_job.h"
-#include "storage/catalogue_db.h"
+#include "storage/open_data_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -74,18 +74,18 @@ void RunWorker(const WorkerOptions& options) {
   // A worker whose server died must not go on for nobody.
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
-  const Result<storage::DataDir> dir = storage::DataDir::Open(options.data_dir);
-  if (!dir) Fail(dir.error());
-  const auto db = storage::CatalogueDb::Open(dir->Catalogue());
-  if (!db) Fail(db.error());
+  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir);
+  if (!opened) Fail(opened.error());
+  const storage::DataDir* const dir = &opened->dir;
+  storage::CatalogueDb* const db = opened->db.get();
   if (options.previews) {
-    DrawPreviews(*dir, **db, options.once);
+    DrawPreviews(*dir, *db, options.once);
     return;
   }
   LimitThisProcess({.more_memory_bytes = kJobMemoryBytes, .file_bytes = kJobFileBytes});
-  storage::Catalogue catalogue(**db);
-  storage::JobQueue queue(**db);
-  storage::StageCosts costs(**db);
+  storage::Catalogue catalogue(*db);
+  storage::JobQueue queue(*db);
+  storage::StageCosts costs(*db);
   WorkerContext context{*dir, catalogue, queue, costs, is_stopping, options.parent != 0};
   const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
   for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {

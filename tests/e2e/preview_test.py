@@ -108,7 +108,7 @@ class Preview(ServerTestCase):
         self.assertEqual(server.json("GET", f"/tiles/{flight_id}.json?rev=preview"), server.json("GET", f"/tiles/{flight_id}.json"))
         self.assertIn("rev=1", map_url)
         self.assertEqual(status, 200)
-        self.assertEqual(sorted(path.name for path in (server.data / "flights" / flight_id).iterdir()), ["files", "r1"])
+        self.assertEqual(sorted(path.name for path in (server.data / "flights" / flight_id).iterdir()), ["files", "flight.jsonl", "r1"])
         # Photos that come later wait for the next map.
         self.put(server, flight_id, [("late.jpg", self.photos[0][1])])
         time.sleep(1)

@@ -28,7 +28,7 @@ class Kills(ServerTestCase):
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
         self.assertEqual(server.stop(), 0)
         folders = sorted(path.name for path in (server.data / "flights" / flight_id).iterdir())
-        self.assertEqual(folders, ["files", f"r{flight['revision']}"])
+        self.assertEqual(folders, ["files", "flight.jsonl", f"r{flight['revision']}"])
         with sqlite3.connect(server.data / "catalogue.db") as catalogue:
             self.assertEqual(catalogue.execute("PRAGMA quick_check").fetchall(), [("ok",)])
         return job

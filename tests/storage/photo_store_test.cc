@@ -77,9 +77,9 @@ TEST(PhotoStore, SaysWhenTheFlightWasDeletedMeanwhile) {
   EXPECT_EQ(upload->Finish().error().code, ErrorCode::kNotFound);
 }
 
-TEST(Sweep, RemovesGarbageAndKeepsWhatIsKnownOrLeased) {
+TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
   ScratchDir scratch;
-  const auto dir = *DataDir::Open(scratch.path());
+  const auto dir = *DataDir::Open(scratch.path(), NewId());
   const auto db = *CatalogueDb::Open(dir.Catalogue());
   Catalogue catalogue(*db);
   JobQueue queue(*db);
@@ -97,11 +97,26 @@ TEST(Sweep, RemovesGarbageAndKeepsWhatIsKnownOrLeased) {
   std::filesystem::create_directories(dir.Revision(flight, first));
   ASSERT_TRUE(*queue.Publish(lease, revision, Now()));
 
-  std::ofstream(dir.Incoming() / NewId()) << "half";
-  std::filesystem::create_directories(dir.Work() / "old-job-1" / "deep");
-  std::ofstream(dir.Files(flight) / NewId()) << "unknown";
+  // Ours, and temporary by their names.
+  std::ofstream(dir.Incoming() / dir.NewTemporaryName(kUploadKind)) << "half";
+  std::filesystem::create_directories(dir.Incoming() / dir.NewTemporaryName(kUnpackKind) / "flights");
+  std::filesystem::create_directories(dir.Work() / dir.NewTemporaryName(kDeletedKind) / "files");
+  std::filesystem::create_directories(dir.Work() / WorkName(lease));
+  std::filesystem::create_directories(dir.Flight(flight) / NewPreviewFolder());
+  // Of others, of another folder's server, or of nobody knows whom.
+  const std::vector<std::filesystem::path> strange = {
+      dir.Incoming() / NewId(),
+      dir.Incoming() / DataDir::At(scratch.path(), NewId()).NewTemporaryName(kUploadKind),
+      dir.Work() / "old-job-1",
+      dir.Work() / (NewId() + "-1"),
+      dir.Files(flight) / NewId(),
+      dir.Flight(flight) / "notes.txt",
+      dir.Flight(flight) / "preview-mine",
+      dir.Flights() / "2024",
+      dir.Flight(NewId())};
+  for (const auto& path : strange) std::ofstream(path) << path.filename().string();
   std::filesystem::create_directories(dir.Revision(flight, 99));
-  std::filesystem::create_directories(dir.Flight(NewId()));
+  std::ofstream(dir.Revision(flight, 99) / "mosaic.mbtiles") << "tiles";
   const std::string other = catalogue.AddFlight("running", "{}", Now())->id;
   ASSERT_TRUE(queue.Add(other, "{}", Now()));
   lease = **queue.Claim("w", Now());
@@ -110,11 +125,19 @@ TEST(Sweep, RemovesGarbageAndKeepsWhatIsKnownOrLeased) {
 
   const auto report = Sweep(dir, catalogue, queue, Previews(*db), Now());
   ASSERT_TRUE(report);
-  EXPECT_EQ(report->uploads, 1);
-  EXPECT_EQ(report->work_folders, 1);
-  EXPECT_EQ(report->files, 1);
-  EXPECT_EQ(report->revisions, 1);
-  EXPECT_EQ(report->flights, 1);
+  EXPECT_EQ(report->removed, 5);
+  EXPECT_EQ(report->moved.size(), strange.size() + 1);
+  ASSERT_EQ(CountIn(dir.Lost()), 1);
+  const auto lost = std::filesystem::directory_iterator(dir.Lost())->path();
+  for (const auto& path : strange) {
+    std::ifstream file(lost / path.lexically_relative(dir.root()));
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), path.filename().string()) << path;
+    EXPECT_FALSE(std::filesystem::exists(path));
+  }
+  EXPECT_TRUE(std::filesystem::exists(lost / dir.Revision(flight, 99).lexically_relative(dir.root()) / "mosaic.mbtiles"));
+  const auto again = Sweep(dir, catalogue, queue, Previews(*db), Now());
+  EXPECT_EQ(again->removed, 0);
+  EXPECT_TRUE(again->moved.empty());
   EXPECT_TRUE(std::filesystem::exists(store.PathOf(flight, stored)));
   EXPECT_TRUE(std::filesystem::exists(dir.Revision(flight, first)));
   EXPECT_TRUE(std::filesystem::exists(dir.Work() / WorkName(lease)));
@@ -130,6 +153,16 @@ TEST(DataDirLock, IsHeldByOneAtATime) {
     EXPECT_EQ(DataDirLock::Take(dir).error().code, ErrorCode::kConflict);
   }
   EXPECT_TRUE(DataDirLock::Take(dir));
+}
+
+TEST(DataDirLock, HoldsWhateverIsRemovedFromTheFolder) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  std::ofstream(scratch.path() / "server.lock") << "";
+  const auto first = DataDirLock::Take(dir);
+  ASSERT_TRUE(first);
+  std::filesystem::remove(scratch.path() / "server.lock");
+  EXPECT_EQ(DataDirLock::Take(dir).error().code, ErrorCode::kConflict);
 }
 
 }  // namespace

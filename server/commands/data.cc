@@ -1,0 +1,157 @@
+#include "server/commands/data.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "storage/check_data.h"
+#include "storage/data_marker.h"
+#include "storage/lost_folder.h"
+#include "storage/open_data_folder.h"
+#include "storage/repair_data.h"
+
+namespace skyquilt::server {
+namespace {
+
+// Exit codes beside 0: 1, it could not be done; 2, check found differences, or purge-lost wants --yes.
+constexpr int kFound = 2;
+
+struct DataOptions {
+  std::string data_dir;
+  bool yes = false;
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt data: {}\n", error.message);
+  throw CLI::RuntimeError(1);
+}
+
+// A folder that is ours, kept from servers for as long as the lock lives.
+struct Held {
+  storage::DataDir dir;
+  storage::DataDirLock lock;
+  std::optional<std::string> id;
+};
+
+Held Hold(const DataOptions& options) {
+  const storage::DataDir at = storage::DataDir::At(options.data_dir);
+  const Result<storage::FolderSurvey> survey = storage::SurveyFolder(at);
+  if (!survey) Fail(survey.error());
+  const Result<std::optional<std::string>> marker = storage::ReadMarker(at);
+  if (!marker && marker.error().code == ErrorCode::kCorrupt) {
+    Fail({ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at), ""});
+  }
+  if (!marker) Fail(marker.error());
+  if (!*marker && !survey->has_flights && !survey->has_catalogue) {
+    Fail({ErrorCode::kNotFound,
+          at.root().string() + " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.", ""});
+  }
+  Result<storage::DataDirLock> lock = storage::DataDirLock::Take(at);
+  if (!lock) Fail(lock.error());
+  return {at, *std::move(lock), *marker};
+}
+
+void PrintLost(const std::vector<storage::LostItem>& lost) {
+  for (const storage::LostItem& item : lost) {
+    fmt::print("  lost/{}: {} files, {:.1f} MB\n", item.folder.filename().string(), item.files,
+               static_cast<double>(item.bytes) / 1e6);
+  }
+}
+
+void PrintLines(const char* head, const std::vector<std::string>& lines) {
+  if (lines.empty()) return;
+  fmt::print("{}: {}\n", head, lines.size());
+  for (const std::string& line : lines) fmt::print("  {}\n", line);
+}
+
+void Check(const DataOptions& options) {
+  const Held held = Hold(options);
+  const auto unusable = [&](const std::string& why) {
+    fmt::print("The catalogue {} {}. {}\n", held.dir.Catalogue().string(), why, storage::RepairAdvice(held.dir));
+    throw CLI::RuntimeError(kFound);
+  };
+  const Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::OpenExisting(held.dir.Catalogue());
+  if (!db && db.error().code == ErrorCode::kNotFound) unusable("is missing or empty");
+  if (!db && db.error().code == ErrorCode::kCorrupt) unusable("is damaged");
+  if (!db) Fail(db.error());
+  if (!storage::CheckWhole(held.dir, **db)) unusable("is damaged");
+  const Result<std::optional<std::string>> owner = storage::CatalogueId(*(*db)->Lock());
+  if (!owner) Fail(owner.error());
+  if (held.id && *owner && **owner != *held.id) unusable("belongs to another data folder");
+  const Result<storage::DataCheck> check = storage::CheckData(held.dir, **db);
+  if (!check) Fail(check.error());
+  fmt::print("{}: {} flights, {} files of {:.1f} MB and {} maps in the catalogue\n", held.dir.root().string(),
+             check->flights, check->files, static_cast<double>(check->bytes) / 1e6, check->maps);
+  PrintLines("in the catalogue, but not (whole) on disk", check->missing);
+  PrintLines("on disk, but not in the catalogue", check->unknown);
+  if (!check->lost.empty()) {
+    fmt::print("in lost/, until \"skyquilt data purge-lost\" removes it:\n");
+    PrintLost(check->lost);
+  }
+  if (check->IsWell()) {
+    fmt::print("all is well\n");
+    return;
+  }
+  if (!check->unknown.empty() || !check->lost.empty()) {
+    fmt::print("\"skyquilt data repair --data {}\" brings back what belongs to flights.\n", held.dir.root().string());
+  }
+  throw CLI::RuntimeError(kFound);
+}
+
+void Repair(const DataOptions& options) {
+  const Result<storage::RepairReport> report = storage::RepairData(options.data_dir, storage::Now());
+  if (!report) Fail(report.error());
+  for (const std::string& line : report->lines) fmt::print("{}\n", line);
+  fmt::print("{} flights, {} files and {} maps were entered into {} catalogue\n", report->flights, report->files, report->maps,
+             report->made_catalogue ? "a new" : "the");
+}
+
+void Purge(const DataOptions& options) {
+  const Held held = Hold(options);
+  const std::vector<storage::LostItem> lost = storage::ListLost(held.dir);
+  if (lost.empty()) {
+    fmt::print("There is nothing in {}.\n", held.dir.Lost().string());
+    return;
+  }
+  fmt::print("{}:\n", options.yes ? "Removing for good" : "This would be removed for good");
+  PrintLost(lost);
+  if (!options.yes) {
+    fmt::print("Nothing was removed. Say it again with --yes.\n");
+    throw CLI::RuntimeError(kFound);
+  }
+  const Result<void> purged = storage::PurgeLost(held.dir);
+  if (!purged) Fail(purged.error());
+}
+
+}  // namespace
+
+void AddDataCommand(CLI::App& app) {
+  const auto options = std::make_shared<DataOptions>();
+  CLI::App* command =
+      app.add_subcommand("data", "Check or repair the data folder of a server that is stopped");
+  command->require_subcommand(1);
+  const auto add = [&](const char* name, const char* about, const char* more) {
+    CLI::App* sub = command->add_subcommand(name, about);
+    sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
+    sub->footer(more);
+    return sub;
+  };
+  add("check", "Compare the catalogue with what is on disk",
+      "Lists what the catalogue knows and the disk lacks, what is on disk and the catalogue does not know, and what lies in "
+      "lost/. Changes nothing.\nExit codes: 0 all is well, 1 it could not be checked, 2 there are differences.")
+      ->callback([options] { Check(*options); });
+  add("repair", "Make the catalogue anew from the flights on disk, or complete it",
+      "A catalogue that is missing, damaged or of another folder is set aside in lost/ and made anew; one that can be used "
+      "is kept and only added to. Flights, photos and maps on disk and in lost/ come back under their names. Nothing is "
+      "removed. Of a catalogue that is lost, tokens, webhooks and jobs are lost with it.")
+      ->callback([options] { Repair(*options); });
+  CLI::App* purge = add("purge-lost", "Remove what lies in lost/, for good",
+                        "lost/ holds what the server found in its folder and nothing referred to. Without --yes it is only "
+                        "listed (exit code 2).");
+  purge->add_flag("--yes", options->yes, "Remove it");
+  purge->callback([options] { Purge(*options); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,12 @@
+// The `data` command: check, repair and clear the data folder of a server that is stopped.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace skyquilt::server {
+
+void AddDataCommand(CLI::App& app);
+
+}  // namespace skyquilt::server

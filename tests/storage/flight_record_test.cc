@@ -1,0 +1,98 @@
+#include "storage/flight_record.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+
+#include "storage/ids.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+FlightRecord Sample() {
+  FlightRecord record;
+  record.name = "Field \"north\"\n";
+  record.options = R"({"gsd_m":0.05})";
+  record.owner = "token";
+  record.created = FromUs(1'700'000'000'000'000);
+  return record;
+}
+
+TEST(FlightRecord, TellsAgainWhatWasWritten) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  const FlightRecords records(dir);
+  const std::string id = NewId(), first = NewId(), second = NewId();
+  ASSERT_TRUE(records.Begin(id, Sample()));
+  ASSERT_TRUE(records.AddFile(id, first, {"høyde.jpg", 7, FromUs(5), false}));
+  ASSERT_TRUE(records.AddFile(id, second, {"b.jpg", 8, FromUs(6), false}));
+  ASSERT_TRUE(records.RemoveFile(id, second));
+  FlightRecord change;
+  change.name = "South";
+  ASSERT_TRUE(records.Change(id, change));
+  const auto read = *ReadFlightRecord(dir.Flight(id));
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->is_whole);
+  EXPECT_EQ(read->name, "South");
+  EXPECT_EQ(read->options, Sample().options);
+  EXPECT_EQ(read->created, Sample().created);
+  EXPECT_EQ(read->files.at(first).name, "høyde.jpg");
+  EXPECT_EQ(read->files.at(first).bytes, 7);
+  EXPECT_FALSE(read->files.at(first).is_removed);
+  EXPECT_TRUE(read->files.at(second).is_removed);
+  EXPECT_FALSE(read->is_deleted);
+  ASSERT_TRUE(records.Deleting(id, Now()));
+  EXPECT_TRUE((*ReadFlightRecord(dir.Flight(id)))->is_deleting);
+  ASSERT_TRUE(records.Change(id, {}));  // the deletion came to nothing
+  EXPECT_FALSE((*ReadFlightRecord(dir.Flight(id)))->is_deleting);
+  ASSERT_TRUE(records.Deleted(id, Now()));
+  EXPECT_TRUE((*ReadFlightRecord(dir.Flight(id)))->is_deleted);
+}
+
+TEST(FlightRecord, ALineTornByAPowerCutCostsOnlyItself) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path());
+  const FlightRecords records(dir);
+  const std::string id = NewId(), first = NewId(), second = NewId();
+  ASSERT_TRUE(records.Begin(id, Sample()));
+  ASSERT_TRUE(records.AddFile(id, first, {"a.jpg", 7, FromUs(5), false}));
+  const auto path = dir.Flight(id) / kFlightRecordName;
+  std::ofstream(path, std::ios::app) << R"({"file":{"stored":")";
+  EXPECT_TRUE((*ReadFlightRecord(dir.Flight(id)))->is_whole);
+  ASSERT_TRUE(records.AddFile(id, second, {"b.jpg", 8, FromUs(6), false}));
+  const auto read = *ReadFlightRecord(dir.Flight(id));
+  EXPECT_EQ(read->files.size(), 2u);
+  EXPECT_EQ(read->files.at(second).name, "b.jpg");
+}
+
+TEST(FlightRecord, TakesAnyBytes) {
+  EXPECT_FALSE(ParseFlightRecord("").is_whole);
+  EXPECT_FALSE(ParseFlightRecord("\n\n").is_whole);
+  EXPECT_FALSE(ParseFlightRecord("null\n[]\n{}\n").is_whole);
+  EXPECT_FALSE(ParseFlightRecord(R"({"flight":{"name":7,"created_us":"x"}})" "\n").is_whole);
+  EXPECT_FALSE(ParseFlightRecord(R"({"file":{"stored":"a","name":"b","bytes":1,"created_us":2}})" "\n").is_whole);
+  EXPECT_FALSE(ParseFlightRecord(std::string(100'000, '[')).is_whole);
+  const std::string good = "{\"flight\":{\"name\":\"f\"}}\n{\"removed\":\"x\"}\n{\"deleting\":1}\n";
+  ASSERT_TRUE(ParseFlightRecord(good).is_whole);
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    std::string broken = good;
+    broken[random() % broken.size()] = static_cast<char>(random());
+    (void)ParseFlightRecord(broken).is_whole;
+  }
+}
+
+TEST(FlightRecord, NeverMakesADataFolderAnew) {
+  ScratchDir scratch;
+  const auto dir = *DataDir::Open(scratch.path() / "data");
+  const FlightRecords records(dir);
+  std::filesystem::remove_all(dir.root());
+  EXPECT_EQ(records.Begin(NewId(), Sample()).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(records.Deleting(NewId(), Now()).error().code, ErrorCode::kUnavailable);
+  EXPECT_FALSE(std::filesystem::exists(dir.root()));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

@@ -1,0 +1,182 @@
+#include "storage/repair_data.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+
+#include "storage/check_data.h"
+#include "storage/ids.h"
+#include "storage/lost_folder.h"
+#include "storage/open_data_folder.h"
+#include "storage/photo_store.h"
+#include "storage/sweep.h"
+#include "tests/storage/scratch_dir.h"
+#include "tests/storage/small_tileset.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Store(const OpenedDataFolder& opened, Catalogue& catalogue, const std::string& flight, const std::string& name) {
+  auto upload = PhotoStore(opened.dir).Begin(flight, 0);
+  const std::string bytes = "\xff\xd8\xff of " + name;
+  EXPECT_TRUE(upload->Write({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+  const std::string stored = *upload->Finish();
+  EXPECT_TRUE(catalogue.AddFile(flight, {name, stored, static_cast<std::int64_t>(bytes.size())}, Now()));
+  return stored;
+}
+
+// Two flights: one with a map and a file that was removed again, one without; a third that was deleted.
+struct Sample {
+  std::string mapped, plain, deleted;
+};
+
+Sample Fill(const fs::path& root) {
+  auto opened = OpenDataFolder(root);
+  EXPECT_TRUE(opened) << opened.error().message;
+  Catalogue catalogue(*opened->db, FlightRecords(opened->dir));
+  Sample sample;
+  sample.mapped = catalogue.AddFlight("mapped", R"({"gsd_m":0.1})", FromUs(1'000'000), "someone")->id;
+  Store(*opened, catalogue, sample.mapped, "a.jpg");
+  Store(*opened, catalogue, sample.mapped, "b.jpg");
+  Store(*opened, catalogue, sample.mapped, "gone.jpg");
+  EXPECT_TRUE(catalogue.RemoveFile(sample.mapped, "gone.jpg"));  // and the bytes stay, as a crash would leave them
+  PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "old"}});
+  PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "new"}});
+  sample.plain = catalogue.AddFlight("plain", "{}", Now())->id;
+  Store(*opened, catalogue, sample.plain, "c.jpg");
+  EXPECT_TRUE(catalogue.RenameFlight(sample.plain, "renamed"));
+  sample.deleted = catalogue.AddFlight("deleted", "{}", Now())->id;
+  Store(*opened, catalogue, sample.deleted, "d.jpg");
+  EXPECT_TRUE(catalogue.DeleteFlight(sample.deleted));  // its folder stays likewise
+  return sample;
+}
+
+void ExpectAllBack(const fs::path& root, const Sample& sample) {
+  auto opened = OpenDataFolder(root);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const Catalogue catalogue(*opened->db);
+  const auto mapped = catalogue.GetFlight(sample.mapped);
+  ASSERT_TRUE(mapped);
+  EXPECT_EQ(mapped->name, "mapped");
+  EXPECT_EQ(mapped->options, R"({"gsd_m":0.1})");
+  EXPECT_EQ(mapped->created, FromUs(1'000'000));
+  EXPECT_EQ(mapped->active_revision, 2);
+  const auto files = *catalogue.ListFiles(sample.mapped);
+  ASSERT_EQ(files.size(), 2u);
+  EXPECT_EQ(files[0].name, "a.jpg");
+  EXPECT_EQ(files[1].name, "b.jpg");
+  for (const StoredFile& file : files) {
+    EXPECT_EQ(fs::file_size(opened->dir.Files(sample.mapped) / file.stored_name), static_cast<std::uintmax_t>(file.bytes));
+  }
+  EXPECT_EQ(catalogue.GetFlight(sample.plain)->name, "renamed");
+  EXPECT_EQ(catalogue.ListFiles(sample.plain)->at(0).name, "c.jpg");
+  EXPECT_FALSE(*catalogue.HasFlight(sample.deleted));
+  // The next map gets a number that none on disk has.
+  EXPECT_EQ(PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "next"}}), 3);
+}
+
+TEST(RepairData, MakesALostCatalogueAnew) {
+  const std::vector<std::function<void(const fs::path&)>> losses = {
+      [](const fs::path& path) { fs::remove(path); },
+      [](const fs::path& path) { std::ofstream(path).flush(); },
+      [](const fs::path& path) { std::ofstream(path) << std::string(50'000, 'x'); },
+      [](const fs::path& path) {
+        fs::remove(path);
+        EXPECT_TRUE(CatalogueDb::Open(path));
+      }};
+  for (const auto& lose : losses) {
+    ScratchDir scratch;
+    const Sample sample = Fill(scratch.path());
+    lose(scratch.path() / "catalogue.db");
+    const auto repaired = RepairData(scratch.path(), Now());
+    ASSERT_TRUE(repaired) << repaired.error().message;
+    EXPECT_EQ(repaired->flights, 2);
+    EXPECT_EQ(repaired->files, 3);
+    EXPECT_EQ(repaired->maps, 1);
+    ExpectAllBack(scratch.path(), sample);
+    const auto again = RepairData(scratch.path(), Now());
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->flights + again->files, 0);
+    EXPECT_FALSE(again->made_catalogue);
+  }
+}
+
+TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
+  ScratchDir scratch;
+  { ASSERT_TRUE(OpenDataFolder(scratch.path())); }
+  const fs::path copy = scratch.path().string() + ".copy";
+  fs::copy_file(scratch.path() / "catalogue.db", copy);
+  const Sample sample = Fill(scratch.path());
+  fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
+  fs::remove(copy);
+  EXPECT_FALSE(OpenDataFolder(scratch.path()));
+  const auto repaired = RepairData(scratch.path(), Now());
+  ASSERT_TRUE(repaired) << repaired.error().message;
+  EXPECT_FALSE(repaired->made_catalogue);
+  ExpectAllBack(scratch.path(), sample);
+}
+
+TEST(RepairData, BringsBackWhatWentToLost) {
+  ScratchDir scratch;
+  const Sample sample = Fill(scratch.path());
+  const auto dir = DataDir::At(scratch.path());
+  {
+    LostFolder lost(dir, Now());
+    lost.Take(dir.Flight(sample.plain), "is here for a test");
+    lost.Take(dir.Revision(sample.mapped, 2), "is here for a test");
+    for (const auto& entry : fs::directory_iterator(dir.Files(sample.mapped))) lost.Take(entry.path(), "is here for a test");
+  }
+  fs::remove(dir.Catalogue());
+  const auto repaired = RepairData(scratch.path(), Now());
+  ASSERT_TRUE(repaired) << repaired.error().message;
+  ExpectAllBack(scratch.path(), sample);
+}
+
+TEST(RepairData, RecoversPhotosOfFlightsWithoutARecordUnderTheirStoredNames) {
+  ScratchDir scratch;
+  const Sample sample = Fill(scratch.path());
+  const auto dir = DataDir::At(scratch.path());
+  fs::remove(dir.Flight(sample.plain) / kFlightRecordName);
+  fs::remove(dir.Catalogue());
+  ASSERT_TRUE(RepairData(scratch.path(), Now()));
+  const auto opened = OpenDataFolder(scratch.path());
+  ASSERT_TRUE(opened);
+  const auto files = *Catalogue(*opened->db).ListFiles(sample.plain);
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0].name, files[0].stored_name + ".jpg");
+  EXPECT_TRUE((*ReadFlightRecord(dir.Flight(sample.plain)))->is_whole);
+}
+
+TEST(RepairData, RefusesFoldersOfOthersAndThoseInUse) {
+  ScratchDir scratch;
+  std::ofstream(scratch.path() / "holiday.jpg") << "mine";
+  EXPECT_EQ(RepairData(scratch.path(), Now()).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(RepairData(scratch.path() / "none", Now()).error().code, ErrorCode::kNotFound);
+  const auto opened = OpenDataFolder(scratch.path() / "data");
+  EXPECT_EQ(RepairData(scratch.path() / "data", Now()).error().code, ErrorCode::kConflict);
+}
+
+TEST(CheckData, ListsWhatIsMissingAndWhatIsUnknown) {
+  ScratchDir scratch;
+  const Sample sample = Fill(scratch.path());
+  auto opened = OpenDataFolder(scratch.path());
+  ASSERT_TRUE(opened);
+  ASSERT_TRUE(Sweep(opened->dir, Catalogue(*opened->db), JobQueue(*opened->db), Previews(*opened->db), Now()));
+  ASSERT_TRUE(PurgeLost(opened->dir));
+  EXPECT_TRUE(CheckData(opened->dir, *opened->db)->IsWell());
+  fs::remove_all(opened->dir.Files(sample.plain));
+  fs::remove_all(opened->dir.Revision(sample.mapped, 2));
+  std::ofstream(opened->dir.Files(sample.mapped) / NewId()) << "x";
+  fs::create_directories(opened->dir.Flights() / "2024");
+  const auto check = *CheckData(opened->dir, *opened->db);
+  EXPECT_EQ(check.missing.size(), 2u);
+  EXPECT_EQ(check.unknown.size(), 2u);
+  EXPECT_EQ(check.flights, 2);
+  EXPECT_EQ(check.files, 3);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
