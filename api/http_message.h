@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -77,12 +78,16 @@ class BodySource {
   virtual Result<std::size_t> Read(std::span<std::uint8_t> into) = 0;
 };
 
-// An answer without an end: asked again and again, a few times a second, until the client goes.
+// An answer without an end: asked again whenever it has news, and every few seconds, until the client goes.
 class LiveSource {
  public:
   virtual ~LiveSource() = default;
-  // What is new; often nothing. May block on the disk.
+  // What is new; often nothing.
   virtual Result<std::string> Next() = 0;
+  // Where Next is to be called now: where waiting for the disk is fine, or where sockets are served.
+  virtual bool WaitsForDisk() const = 0;
+  // `wake` is called, from any thread, whenever Next has something; it does not block.
+  virtual void OnNews(std::function<void()> wake) = 0;
 };
 
 struct Response {

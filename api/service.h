@@ -18,6 +18,7 @@
 #include "storage/event_log.h"
 #include "storage/idempotent_answers.h"
 #include "storage/job_queue.h"
+#include "storage/made_tiles.h"
 #include "storage/node_tasks.h"
 #include "storage/photo_store.h"
 #include "storage/preview_cache.h"
@@ -47,6 +48,7 @@ struct Service {
   storage::Trash trash{db, storage::FlightRecords(store.dir())};
   int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
   storage::PreviewCache preview_cache{store.dir(), previews};
+  storage::MadeTiles made_tiles{};
   storage::Webhooks webhooks{db};
   bool sends_webhooks = false;  // the operator lets this server speak to others
   storage::Tokens tokens{db};

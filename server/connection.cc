@@ -36,7 +36,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
  public:
   SocketConnection(net::io_context& io, net::ip::tcp::socket socket, std::string peer,
                    const HttpSettings& settings)
-      : io_(io), stream_(std::move(socket)), settings_(settings), head_deadline_(io) {
+      : io_(io), stream_(std::move(socket)), settings_(settings), head_deadline_(io), rest_(io) {
     peer_ = std::move(peer);
   }
 
@@ -117,11 +117,33 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     });
   }
 
-  Awaitable<void> Pause(std::chrono::milliseconds time) override {
-    net::steady_timer pause(io_);
-    pause.expires_after(time);
-    SystemError error;
-    co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
+  Awaitable<void> Rest(std::chrono::milliseconds time) override {
+    if (!is_woken_) {
+      rest_.expires_after(time);
+      SystemError error;
+      co_await rest_.async_wait(net::redirect_error(net::use_awaitable, error));
+    }
+    is_woken_ = false;
+  }
+
+  std::function<void()> Waker() override {
+    return [weak = weak_from_this(), &io = io_] {
+      net::post(io, [weak] {
+        if (const auto self = weak.lock()) self->Wake();
+      });
+    };
+  }
+
+  void WatchForEnd() override {
+    stream_.socket().async_wait(net::ip::tcp::socket::wait_read,
+                                [weak = weak_from_this()](const SystemError& error) {
+                                  const auto self = weak.lock();
+                                  if (self == nullptr || error == net::error::operation_aborted) return;
+                                  SystemError unknown;
+                                  const bool has_ended = self->stream_.socket().available(unknown) == 0;
+                                  if (error || unknown || has_ended) self->has_failed_ = true;
+                                  self->Wake();
+                                });
   }
 
   Awaitable<void> EndGently() override {
@@ -138,9 +160,15 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
 
   void CloseIfIdle() override {
     if (is_idle_) stream_.close();
+    Wake();
   }
 
  private:
+  void Wake() {
+    is_woken_ = true;
+    rest_.cancel();
+  }
+
   std::string_view Buffered() const {
     const auto bytes = buffer_.data();
     return {static_cast<const char*>(bytes.data()), bytes.size()};
@@ -201,6 +229,8 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
   beast::flat_buffer buffer_;
   std::unique_ptr<RequestParser> parser_;
   net::steady_timer head_deadline_;
+  net::steady_timer rest_;
+  bool is_woken_ = false;
   int deadline_round_ = 0;
   std::size_t since_deadline_ = 0;
   bool is_late_ = false;

@@ -60,11 +60,15 @@ class Connection {
                                                  std::function<void()> work) = 0;
   // The same for a piece of what is under way already, which is never refused.
   virtual Awaitable<void> OnPool(RequestPool& pool, std::function<void()> work) = 0;
-  virtual Awaitable<void> Pause(std::chrono::milliseconds time) = 0;
+  // Until `time` has passed or the waker, which may be called from any thread, was called since the last rest.
+  virtual Awaitable<void> Rest(std::chrono::milliseconds time) = 0;
+  virtual std::function<void()> Waker() = 0;
+  // From now on the client's end of the connection fails it and ends a rest, though nothing is read or written.
+  virtual void WatchForEnd() = 0;
   // Says that nothing more comes, and lets what the client still sends run out for a while: closing over
   // unread bytes would reset the connection under the last answer.
   virtual Awaitable<void> EndGently() = 0;
-  // Closes it where no request is under way.
+  // Closes it where no request is under way, and ends a rest.
   virtual void CloseIfIdle() = 0;
 
   // The other end, as the system says; behind a proxy that is the proxy.

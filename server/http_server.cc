@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/client_address.h"
 #include "server/http_session.h"
 #include "server/request_log.h"
 #include "server/session_set.h"
@@ -70,18 +71,24 @@ struct HttpServer::State {
                                });
                                return;
                              }
-                             // Above the limit the newcomer is closed at once; those that are served are not
-                             // disturbed.
-                             if (sessions.count() < settings.max_connections) {
-                               boost::system::error_code gone;
-                               const tcp::endpoint peer = socket.remote_endpoint(gone);
-                               const int fd = socket.release();
-                               net::post(lane.io, [this, &lane, fd, name = peer.address().to_string()] {
-                                 StartSession(lane.io, fd, name, context);
-                               });
-                             }
+                             HandOver(lane, std::move(socket));
                              Accept();
                            });
+  }
+
+  // Above a bound the newcomer is closed at once; those that are served are not disturbed.
+  void HandOver(Lane& lane, tcp::socket socket) {
+    boost::system::error_code gone;
+    const tcp::endpoint end = socket.remote_endpoint(gone);
+    if (gone) return;
+    std::string peer = end.address().to_string();
+    SessionSet::Place place = sessions.Admit(ClientAddress(peer, {}, settings), settings.max_connections,
+                                             settings.connections_of_client);
+    if (place == nullptr) return;
+    const int fd = socket.release();
+    net::post(lane.io, [this, &lane, fd, peer = std::move(peer), place = std::move(place)]() mutable {
+      StartSession(lane.io, fd, std::move(peer), std::move(place), context);
+    });
   }
 
   HttpSettings settings;
@@ -144,15 +151,21 @@ bool HttpServer::Drain(std::chrono::milliseconds timeout) {
   }
 }
 
-HttpServer::~HttpServer() {
+bool HttpServer::End(std::chrono::steady_clock::time_point until) {
+  state_->context.service.event_hub.Stop();
   for (const auto& lane : state_->lanes) lane->io.stop();
   for (const auto& lane : state_->lanes) {
     if (lane->thread.joinable()) lane->thread.join();
   }
-  const auto forever = RequestPool::Clock::now() + std::chrono::hours(24);
+  bool has_ended = true;
   for (RequestPool* pool : {&state_->pools.read, &state_->pools.write, &state_->pools.compute}) {
-    pool->Stop(forever);
+    has_ended = pool->Stop(until) && has_ended;
   }
+  return has_ended;
+}
+
+HttpServer::~HttpServer() {
+  End(std::chrono::steady_clock::now() + std::chrono::hours(24));
   // What is left of the coroutines is destroyed with its lane, while everything that it refers to is still
   // there.
   state_->acceptor.reset();

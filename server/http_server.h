@@ -25,6 +25,9 @@ class HttpServer {
   void Start();
   // False: some connection did not finish in time and was cut.
   bool Drain(std::chrono::milliseconds timeout);
+  // After Drain: nothing is answered any more, and what requests still do is waited for. False: something goes
+  // on at `until`; then the process is to end at once, with this and all that handlers use undestroyed.
+  bool End(std::chrono::steady_clock::time_point until);
 
  private:
   struct State;

@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kReceiveSliceBytes = 128 * 1024;
 constexpr std::size_t kSendSliceBytes = 256 * 1024;
-constexpr std::chrono::milliseconds kLivePause{200};  // between two looks for what is new
+constexpr std::chrono::seconds kLiveRest{5};          // between two looks for what is new, if nobody wakes it
 constexpr std::chrono::seconds kComputeWait{30};      // after which who waits for a picture has gone
 constexpr int kComputeNiceness = 5;                   // as the workers that stitch
 
@@ -38,8 +38,8 @@ std::span<const std::uint8_t> BytesOf(std::string_view text) {
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  Session(std::shared_ptr<Connection> connection, SessionContext& context)
-      : connection_(std::move(connection)), context_(context) {}
+  Session(std::shared_ptr<Connection> connection, SessionSet::Place place, SessionContext& context)
+      : connection_(std::move(connection)), place_(std::move(place)), context_(context) {}
 
   ~Session() {
     context_.sessions.Remove(key_);
@@ -276,20 +276,28 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Until the client goes or the server stops.
   Awaitable<void> SendLive(std::unique_ptr<api::LiveSource> live) {
+    connection_->WatchForEnd();
+    live->OnNews(connection_->Waker());
     while (!connection_->has_failed() && !context_.service.is_draining) {
       std::string text;
-      co_await connection_->OnPool(context_.pools.read, [&] {
+      const auto look = [&] {
         Result<std::string> next = live->Next();
         if (next) text = *std::move(next);
         if (!next) connection_->GiveUp();
-      });
+      };
+      const bool was_behind = live->WaitsForDisk();
+      if (was_behind) {
+        co_await connection_->OnPool(context_.pools.read, look);
+      } else {
+        look();
+      }
       if (!text.empty()) co_await connection_->Write(text, {});
-      if (connection_->has_failed()) co_return;
-      co_await connection_->Pause(kLivePause);
+      if (!was_behind && !connection_->has_failed()) co_await connection_->Rest(kLiveRest);
     }
   }
 
   std::shared_ptr<Connection> connection_;
+  SessionSet::Place place_;
   SessionContext& context_;
   std::uint64_t key_ = 0;
   std::string request_id_;
@@ -312,9 +320,12 @@ RequestPool& RequestPools::Of(api::Work work) {
   return work == api::Work::kRead ? read : work == api::Work::kWrite ? write : compute;
 }
 
-void StartSession(net::io_context& io, int fd, std::string peer, SessionContext& context) {
+void StartSession(net::io_context& io, int fd, std::string peer, SessionSet::Place place,
+                  SessionContext& context) {
   std::shared_ptr<Connection> connection = TakeConnection(io, fd, std::move(peer), context.settings);
-  if (connection != nullptr) std::make_shared<Session>(std::move(connection), context)->Start(io);
+  if (connection != nullptr) {
+    std::make_shared<Session>(std::move(connection), std::move(place), context)->Start(io);
+  }
 }
 
 }  // namespace skyquilt::server

@@ -36,7 +36,9 @@ struct SessionContext {
   SessionSet& sessions;
 };
 
-// Takes over the accepted socket `fd`, whose other end is `peer`. The io_context is run by one thread.
-void StartSession(boost::asio::io_context& io, int fd, std::string peer, SessionContext& context);
+// Takes over the accepted socket `fd`, whose other end is `peer`, and keeps `place` while it is open. The
+// io_context is run by one thread.
+void StartSession(boost::asio::io_context& io, int fd, std::string peer, SessionSet::Place place,
+                  SessionContext& context);
 
 }  // namespace skyquilt::server

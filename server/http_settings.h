@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/address_range.h"
+
 namespace skyquilt::server {
 
 struct HttpSettings {
@@ -18,7 +20,7 @@ struct HttpSettings {
   int compute_threads = 2;    // that make pictures, plans and verdicts
   std::size_t most_waiting = 64;    // requests for each kind of thread, beside those that run
   std::size_t most_of_client = 16;  // requests that wait or run, of one client and kind of thread
-  std::vector<std::string> trusted_proxies;  // addresses whose X-Forwarded-For is believed
+  std::vector<AddressRange> trusted_proxies;  // whose X-Forwarded-For is believed
   std::string public_url;     // "https://maps.example.org", for absolute links behind a proxy; empty: by Host
   bool loopback_names_only = true;  // refuse requests whose Host is not this machine (DNS rebinding)
   std::chrono::seconds header_deadline{

@@ -21,9 +21,26 @@ void SessionSet::CloseIdle() {
   for (const auto& [key, close_if_idle] : sessions_) close_if_idle();
 }
 
-std::size_t SessionSet::count() const {
+SessionSet::Place SessionSet::Admit(const std::string& client, std::size_t most, std::size_t most_of_client) {
   const std::lock_guard lock(mutex_);
-  return sessions_.size();
+  if (admitted_ >= most) return nullptr;
+  if (!client.empty()) {
+    std::size_t& held = of_client_[client];
+    if (most_of_client > 0 && held >= most_of_client) return nullptr;
+    ++held;
+  }
+  ++admitted_;
+  return {new std::string(client), [this](const std::string* name) {
+            GiveBack(*name);
+            delete name;
+          }};
+}
+
+void SessionSet::GiveBack(const std::string& client) {
+  const std::lock_guard lock(mutex_);
+  --admitted_;
+  const auto held = of_client_.find(client);
+  if (held != of_client_.end() && --held->second == 0) of_client_.erase(held);
 }
 
 bool SessionSet::WaitForNone(std::chrono::milliseconds timeout) {

@@ -41,6 +41,8 @@ class MadeTiles {
   static constexpr std::size_t kUsualBudgetBytes = std::size_t{64} << 20;
 
   explicit MadeTiles(std::size_t budget_bytes = kUsualBudgetBytes) : budget_bytes_(budget_bytes) {}
+  // Before the first use.
+  void SetBudget(std::size_t bytes) { budget_bytes_ = bytes; }
 
   // Null: nobody has made it yet, or it has gone.
   std::shared_ptr<const MadeTile> Find(const MadeTileKey& key);
@@ -66,7 +68,7 @@ class MadeTiles {
   std::shared_ptr<const MadeTile> Touch(const std::string& key);
   void Keep(const std::string& key, std::shared_ptr<const MadeTile> tile);
 
-  const std::size_t budget_bytes_;
+  std::size_t budget_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable made_;
   std::list<Entry> entries_;  // the latest asked for first

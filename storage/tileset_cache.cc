@@ -83,6 +83,11 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
   }
 }
 
+bool TilesetCache::IsOpen(const std::string& flight_id) const {
+  const std::lock_guard lock(mutex_);
+  return entries_.contains(flight_id);
+}
+
 void TilesetCache::Forget(const std::string& flight_id) {
   const std::lock_guard lock(mutex_);
   entries_.erase(flight_id);

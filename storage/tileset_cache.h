@@ -35,6 +35,8 @@ class TilesetCache {
 
   TilesetCache(DataDir dir, Catalogue& catalogue) : dir_(std::move(dir)), catalogue_(catalogue) {}
   Result<std::shared_ptr<const Tileset>> Get(const std::string& flight_id);
+  // True: Get opens no file, unless a newer revision was published a moment ago.
+  bool IsOpen(const std::string& flight_id) const;
   // The flight was deleted here: gone for the next request.
   void Forget(const std::string& flight_id);
 
@@ -49,7 +51,7 @@ class TilesetCache {
 
   DataDir dir_;
   Catalogue& catalogue_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::unordered_map<std::string, Entry> entries_;
 };
 

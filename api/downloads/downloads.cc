@@ -90,7 +90,7 @@ void AddDownloadRoutes(Router& router, Service& service) {
   add("/api/v1/flights/{flight}/layer_height.mbtiles", {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {
     Result<Response> sent = SendAll(service, request);
     return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
   });

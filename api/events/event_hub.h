@@ -1,12 +1,20 @@
-// EventHub: what all followers of events share, so that a thousand of them ask the database no oftener than
-// one. Any thread.
+// EventHub: one reader that follows the log of events and the progress of running jobs, and hands on what is
+// new to all who listen, so that a thousand of them ask the database no oftener than one. It reads only while
+// somebody listens, in a thread of its own. The latest few thousand items stay in memory; whoever needs older
+// ones reads them from the log (EventStream does). Any thread. Errors: the log's.
 #pragma once
 
-#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "core/base/result.h"
@@ -17,28 +25,85 @@ namespace skyquilt::api {
 
 class EventHub {
  public:
-  static constexpr int kMostFollowers = 1024;
+  static constexpr std::size_t kMostListeners = 4096;
+  static constexpr std::size_t kUsualMostOfClient = 64;
 
-  EventHub(storage::EventLog& events, storage::JobQueue& queue) : events_(events), queue_(queue) {}
-
-  struct Now {
-    std::int64_t latest_seq = 0;
-    std::vector<storage::Job> running;
+  struct Item {
+    std::int64_t seq = 0;  // of an event; 0: progress
+    std::string flight_id;
+    std::optional<std::string> job_id;
+    std::string text;
   };
-  // At most a quarter of a second old.
-  Result<std::shared_ptr<const Now>> Look();
+  using Items = std::vector<std::shared_ptr<const Item>>;
 
-  // False: there are too many followers already.
-  bool Join() { return followers_.fetch_add(1) < kMostFollowers || (followers_.fetch_sub(1), false); }
-  void Leave() { followers_.fetch_sub(1); }
+  EventHub(const storage::EventLog& events, const storage::JobQueue& queue) : events_(events), queue_(queue) {}
+  ~EventHub() { Stop(); }
+  EventHub(const EventHub&) = delete;
+  EventHub& operator=(const EventHub&) = delete;
+
+  // Wakes nobody any more once it has come back: before what wakers lead to is destroyed.
+  void Stop();
+
+  // Before the first Join. 0: no bound.
+  void SetMostOfClient(std::size_t listeners) { most_of_client_ = listeners; }
+
+  enum class Joined { kYes, kFull, kClientFull };
+  struct Seat {
+    Joined joined = Joined::kYes;
+    std::uint64_t id = 0;
+  };
+  // A listener of this client's; an unnamed client has no bound of its own. Ended by Leave.
+  Result<Seat> Join(const std::string& client, const storage::EventFilter& filter);
+  void Leave(std::uint64_t id);
+  // Called, from the reader's thread, whenever there is something for this listener; must not block.
+  void OnNews(std::uint64_t id, std::function<void()> wake);
+
+  // All events up to this one have been read.
+  std::int64_t tail() const;
+  // Where in memory the events behind `seq` begin, with how far the running jobs are now. Absent: some of them
+  // are in the log only.
+  struct Place {
+    std::uint64_t next = 0;
+    Items progress;
+  };
+  std::optional<Place> Enter(std::int64_t seq) const;
+  // What came since, and moves `next` behind it. Absent: the place is no longer in memory.
+  Result<std::optional<Items>> Since(std::uint64_t& next) const;
+
+  static bool Matches(const Item& item, const storage::EventFilter& filter);
 
  private:
-  storage::EventLog& events_;
-  storage::JobQueue& queue_;
-  std::atomic<int> followers_ = 0;
-  std::mutex mutex_;
-  std::shared_ptr<const Now> now_;
-  std::chrono::steady_clock::time_point looked_at_;
+  struct Listener {
+    std::string client;
+    storage::EventFilter filter;
+    std::function<void()> wake;
+  };
+  void Run();
+  Result<Items> ReadNew(std::int64_t tail);
+  void Append(Items items);
+
+  const storage::EventLog& events_;
+  const storage::JobQueue& queue_;
+  std::size_t most_of_client_ = kUsualMostOfClient;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::thread reader_;
+  bool is_ending_ = false;
+  std::map<std::uint64_t, Listener> listeners_;
+  std::map<std::string, std::size_t> of_client_;
+  std::uint64_t next_id_ = 1;
+
+  std::deque<std::shared_ptr<const Item>> items_;
+  std::uint64_t first_ = 0;        // place of items_.front()
+  std::int64_t seq_before_ = 0;    // events behind this one are in items_, as far as the tail
+  std::int64_t tail_ = 0;
+  std::map<std::string, std::shared_ptr<const Item>> progress_;  // of running jobs, by job
+  bool begins_anew_ = false;       // nobody listened for a while
+  std::optional<Error> failure_;   // of the latest look
+
+  // The reader's own.
+  std::map<std::string, std::pair<double, std::string>> told_;
 };
 
 }  // namespace skyquilt::api

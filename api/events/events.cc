@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
-#include <map>
+#include <functional>
 
+#include "api/events/event_text.h"
 #include "api/json_codec.h"
 #include "api/problem.h"
 #include "api/responses.h"
@@ -18,28 +20,22 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMostAtOnce = 200;
 constexpr std::chrono::seconds kPing{15};  // proxies close what is silent
 
+// One listener: first what it missed, from the log, then what the hub hands on.
 class EventStream final : public LiveSource {
  public:
-  EventStream(Service& service, storage::EventFilter filter, std::int64_t after)
-      : service_(service), filter_(std::move(filter)), after_(after) {}
-  ~EventStream() override { service_.event_hub.Leave(); }
+  EventStream(Service& service, std::uint64_t seat, storage::EventFilter filter, std::int64_t after)
+      : service_(service), seat_(seat), filter_(std::move(filter)), after_(after) {}
+  ~EventStream() override { service_.event_hub.Leave(seat_); }
+
+  void OnNews(std::function<void()> wake) override { service_.event_hub.OnNews(seat_, std::move(wake)); }
+  bool WaitsForDisk() const override { return !next_; }
 
   Result<std::string> Next() override {
     std::string text;
     if (is_first_) text = "retry: 2000\n\n";
     is_first_ = false;
-    const auto now = service_.event_hub.Look();
-    if (!now) return now.error();
-    if ((*now)->latest_seq > after_) {
-      const Result<std::vector<storage::Event>> events = service_.events.After(after_, filter_, kMostAtOnce);
-      if (!events) return events.error();
-      for (const storage::Event& event : *events) text += Told(event);
-      // A full answer may not be the last; else all up to the latest has been looked through.
-      const bool is_full = events->size() == kMostAtOnce;
-      after_ = is_full ? events->back().seq : std::max(after_, (*now)->latest_seq);
-      if (!events->empty()) after_ = std::max(after_, events->back().seq);
-    }
-    for (const storage::Job& job : (*now)->running) text += Progress(job);
+    const Result<void> told = next_ ? HandOn(text) : CatchUp(text);
+    if (!told) return told.error();
     if (!text.empty()) spoke_at_ = Clock::now();
     if (text.empty() && Clock::now() - spoke_at_ >= kPing) {
       text = ": still here\n\n";
@@ -49,31 +45,47 @@ class EventStream final : public LiveSource {
   }
 
  private:
-  static std::string Told(const storage::Event& event) {
-    return fmt::format("id: {}\nevent: {}\ndata: {}\n\n", event.seq, event.kind,
-                       JsonObject({{"at", JsonString(FormatTime(event.at))},
-                                   {"flight_id", JsonString(event.flight_id)},
-                                   {"job_id", event.job_id ? JsonString(*event.job_id) : std::string("null")},
-                                   {event.kind == "deleted" ? "deleted" : event.kind, event.body}}));
+  Result<void> HandOn(std::string& text) {
+    const auto items = service_.event_hub.Since(*next_);
+    if (!items) return items.error();
+    if (!*items) {
+      next_.reset();  // too slow: the rest is in the log
+      return {};
+    }
+    for (const auto& item : **items) {
+      if (EventHub::Matches(*item, filter_)) text += item->text;
+      if (item->seq > 0) after_ = item->seq;
+    }
+    return {};
   }
 
-  std::string Progress(const storage::Job& job) {
-    if (filter_.job_id && job.id != *filter_.job_id) return "";
-    if (filter_.flight_id && job.flight_id != *filter_.flight_id) return "";
-    std::string told = JobJson(job, storage::Now());
-    auto& [progress, message] = last_[job.id];
-    if (progress == job.progress && message == job.message) return "";
-    progress = job.progress;
-    message = job.message;
-    return fmt::format("event: progress\ndata: {}\n\n", told);
+  Result<void> CatchUp(std::string& text) {
+    // Before the look: what comes meanwhile is not taken for looked through.
+    const std::int64_t tail = service_.event_hub.tail();
+    const Result<std::vector<storage::Event>> events = service_.events.After(after_, filter_, kMostAtOnce);
+    if (!events) return events.error();
+    for (const storage::Event& event : *events) {
+      text += EventText(event);
+      after_ = event.seq;
+    }
+    if (events->size() == kMostAtOnce) return {};
+    after_ = std::max(after_, tail);
+    const auto place = service_.event_hub.Enter(after_);
+    if (!place) return {};
+    next_ = place->next;
+    for (const auto& item : place->progress) {
+      if (EventHub::Matches(*item, filter_)) text += item->text;
+    }
+    return {};
   }
 
   Service& service_;
+  std::uint64_t seat_;
   storage::EventFilter filter_;
-  std::int64_t after_;
+  std::int64_t after_;                 // the last event that was told or looked at
+  std::optional<std::uint64_t> next_;  // where in the hub it goes on; absent: from the log
   bool is_first_ = true;
   Clock::time_point spoke_at_ = Clock::now();
-  std::map<std::string, std::pair<double, std::string>> last_;
 };
 
 std::optional<std::int64_t> SeqFrom(std::string_view text) {
@@ -107,14 +119,21 @@ Response Follow(Service& service, const Request& request) {
     if (!latest) return Problem(latest.error(), request);
     after = *latest;
   }
-  if (!service.event_hub.Join()) {
+  const Result<EventHub::Seat> seat = service.event_hub.Join(request.client, filter);
+  if (!seat) return Problem(seat.error(), request);
+  if (seat->joined == EventHub::Joined::kFull) {
     return Problem({ErrorCode::kUnavailable, "Too many are following events. Try again later.", ""}, request);
+  }
+  if (seat->joined == EventHub::Joined::kClientFull) {
+    return Problem({ErrorCode::kRateLimited,
+                    "As many as may are following events from your address already. Close some of them.", ""},
+                   request);
   }
   Response response;
   response.headers.Add("Content-Type", "text/event-stream");
   response.headers.Add("Cache-Control", "no-store");
   response.headers.Add("X-Accel-Buffering", "no");
-  response.live = std::make_unique<EventStream>(service, std::move(filter), *after);
+  response.live = std::make_unique<EventStream>(service, seat->id, std::move(filter), *after);
   return response;
 }
 

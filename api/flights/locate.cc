@@ -84,8 +84,8 @@ Response GroundOf(Service& service, const Request& request) {
 }  // namespace
 
 void AddLocateRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/at", [&](const Request& r) { return At(service, r); });
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/photos/{name}/ground",
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/at", [&](const Request& r) { return At(service, r); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/photos/{name}/ground",
              [&](const Request& r) { return GroundOf(service, r); });
 }
 

@@ -182,7 +182,7 @@ Response Download(Service& service, const Request& request) {
 }  // namespace
 
 void AddNodeArchiveRoute(Router& router, Service& service) {
-  router.Add(Method::kGet, "/task/{uuid}/download/{asset}",
+  router.AddCompute(Method::kGet, "/task/{uuid}/download/{asset}",
              [&](const Request& r) { return Download(service, r); });
 }
 

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <functional>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "api/etag.h"
@@ -40,14 +44,26 @@ bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
   return tile.BoundsInMerc().Intersects(bounds_in_merc);
 }
 
-// Made once for each size that occurs (256 and 512 as a rule).
-const std::string& BlankTile(int side_px) {
+// Not here: to be asked again where such work is done.
+Response AskFor(Work work) {
+  Response response;
+  response.wants = work;
+  return response;
+}
+
+// Made once for each size that occurs (256 and 512 as a rule). Null: it is still to be made, but not here.
+const std::string* BlankTile(int side_px, Work work) {
   static std::mutex mutex;
   static std::map<int, std::string> made;
+  {
+    const std::lock_guard lock(mutex);
+    const auto found = made.find(side_px);
+    if (found != made.end()) return &found->second;
+  }
+  if (work < Work::kCompute) return nullptr;
+  std::string png = TransparentPng(side_px);
   const std::lock_guard lock(mutex);
-  std::string& png = made[side_px];
-  if (png.empty()) png = TransparentPng(side_px);
-  return png;
+  return &made.try_emplace(side_px, std::move(png)).first->second;
 }
 
 // An address that names the revision it shows never changes its bytes.
@@ -73,14 +89,17 @@ Result<Response> Blank(const Request& request, const TileWish& tile_wish, int si
     response.status = 304;
     return response;
   }
+  const std::string* png = BlankTile(std::min(side_px, kMaxSidePx), request.work);
+  if (png == nullptr) return AskFor(Work::kCompute);
   response.headers.Add("Content-Type", "image/png");
-  response.body = BlankTile(side_px);
+  response.body = *png;
   return response;
 }
 
 // Made of the four tiles below it, or enlarged where there are none.
-Result<Response> DoubleTile(const Request& request, const storage::Tileset& tileset, const TileWish& wish) {
-  const geo::Bounds2 bounds = wish.tile.BoundsInMerc();
+Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::TileId& tile,
+                                   pipeline::TileFormat format) {
+  const geo::Bounds2 bounds = tile.BoundsInMerc();
   MapWindow window;
   window.width_px = window.height_px = 2 * TileSizePx(tileset);
   window.pixel_m = (bounds.max.x() - bounds.min.x()) / window.width_px;
@@ -88,18 +107,39 @@ Result<Response> DoubleTile(const Request& request, const storage::Tileset& tile
   window.y_in_merc = [&](int row) { return bounds.max.y() - (row + 0.5) * window.pixel_m; };
   Result<Pixels> pixels = RenderWindow(tileset, window);
   if (!pixels) return pixels.error();
+  return EncodeTile(*std::move(pixels), format);
+}
+
+// From those that were made before, or made here if this is the place. Null: it is not.
+Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Request& request,
+                                                      const storage::MadeTileKey& key,
+                                                      const std::function<Result<std::string>()>& make) {
+  if (request.work < Work::kCompute) return service.made_tiles.Find(key);
+  return service.made_tiles.Get(key, make);
+}
+
+Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
+                            const TileWish& wish) {
+  if (2 * TileSizePx(tileset) > kMaxSidePx) {
+    return Error{ErrorCode::kNotFound, "The tiles of this map are so large that there are none of twice the size.",
+                 ""};
+  }
   const pipeline::TileFormat format = wish.format.value_or(pipeline::TileFormat::kPng);
+  const auto made =
+      Made(service, request, {tileset.flight_id, tileset.revision.revision, wish.tile, format, 2},
+           [&] { return MakeDoubleTile(tileset, wish.tile, format); });
+  if (!made) return made.error();
+  if (*made == nullptr) return AskFor(Work::kCompute);
   Response response;
-  response.body = EncodeTile(*std::move(pixels), format);
-  const std::string etag = StrongEtag(std::hash<std::string>()(response.body), "2x");
+  const std::string etag = StrongEtag((*made)->digest, "2x");
   response.headers.Add("Cache-Control", CacheControl(request, tileset));
   response.headers.Add("ETag", etag);
   if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
     response.status = 304;
-    response.body.clear();
     return response;
   }
   response.headers.Add("Content-Type", ContentTypeOf(format));
+  response.body = (*made)->bytes;
   return response;
 }
 
@@ -113,9 +153,11 @@ std::optional<pipeline::TileFormat> FormatByAccept(const Request& request) {
   return std::nullopt;
 }
 
-// A tile as it is stored, or in the format asked for. `reader` gives the bytes that `found` does not have.
-Result<Response> Stored(const Request& request, const TileWish& wish, storage::FoundTile found,
-                        storage::MbtilesReader* reader, const char* cache_control) {
+// A tile as it is stored, or in the format asked for. `reader` gives the bytes that `found` does not have;
+// without a tileset (a preview, which grows) what is made is not kept.
+Result<Response> Stored(Service& service, const Request& request, const TileWish& wish, storage::FoundTile found,
+                        storage::MbtilesReader* reader, const storage::Tileset* tileset,
+                        const char* cache_control) {
   Response response;
   response.headers.Add("Cache-Control", cache_control);
   // The format asked for is part of the tag: the same content has other bytes in another format.
@@ -130,10 +172,20 @@ Result<Response> Stored(const Request& request, const TileWish& wish, storage::F
   if (!bytes) return bytes.error();
   const std::optional<pipeline::TileFormat> stored = TileFormatOf(*bytes);
   if (wish.format && stored && *wish.format != *stored) {
-    Result<std::string> converted = TranscodeTile(*bytes, *wish.format);
-    if (!converted) return converted.error();
     response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
-    response.body = *std::move(converted);
+    if (tileset == nullptr) {
+      if (request.work < Work::kCompute) return AskFor(Work::kCompute);
+      Result<std::string> converted = TranscodeTile(*bytes, *wish.format);
+      if (!converted) return converted.error();
+      response.body = *std::move(converted);
+      return response;
+    }
+    const auto made =
+        Made(service, request, {tileset->flight_id, tileset->revision.revision, wish.tile, *wish.format, 1},
+             [&] { return TranscodeTile(*bytes, *wish.format); });
+    if (!made) return made.error();
+    if (*made == nullptr) return AskFor(Work::kCompute);
+    response.body = (*made)->bytes;
     return response;
   }
   response.headers.Add("Content-Type", stored ? ContentTypeOf(*stored) : "application/octet-stream");
@@ -142,7 +194,7 @@ Result<Response> Stored(const Request& request, const TileWish& wish, storage::F
 }
 
 // Codes, not pictures: as they are stored, in no other size or format.
-Result<Response> LayerTile(const Request& request, const storage::Tileset& tileset, const TileWish& wish) {
+Result<Response> LayerTile(Service& service, const Request& request, const storage::Tileset& tileset, const TileWish& wish) {
   const Result<std::shared_ptr<storage::MbtilesReader>> reader = FindLayer(tileset, *wish.layer);
   if (!reader) return reader.error();
   if (wish.is_double || wish.format.value_or(pipeline::TileFormat::kPng) != pipeline::TileFormat::kPng) {
@@ -159,7 +211,7 @@ Result<Response> LayerTile(const Request& request, const storage::Tileset& tiles
   }
   TileWish as_stored = wish;
   as_stored.format.reset();
-  return Stored(request, as_stored, **std::move(found), reader->get(), cache_control);
+  return Stored(service, request, as_stored, **std::move(found), reader->get(), &tileset, cache_control);
 }
 
 // A tile of a map that is not made yet. Always 256 pixels: there is nothing finer to show for it.
@@ -179,7 +231,7 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
   Result<std::optional<storage::FoundTile>> found = (*open)->tiles->Find(wish.tile);
   if (!found) return found.error();
   if (!*found) return Blank(request, wish, kPreviewTileSizePx, kGrowing);
-  return Stored(request, wish, **std::move(found), nullptr, kGrowing);
+  return Stored(service, request, wish, **std::move(found), nullptr, nullptr, kGrowing);
 }
 
 Result<Response> Tile(Service& service, const Request& request) {
@@ -191,6 +243,9 @@ Result<Response> Tile(Service& service, const Request& request) {
   wish.tile = path->tile;
   wish.format = path->format ? path->format : FormatByAccept(request);
   wish.is_double = path->is_double;
+  // Previews are written while they are read, and a map is opened by whoever asks first.
+  const bool is_open = service.tilesets.IsOpen(wish.flight_id) && request.Query("rev") != kPreviewRevision;
+  if (request.work < Work::kRead && !is_open) return AskFor(Work::kRead);
   Result<Response> answer = ShowsPreview(service, request, wish.flight_id)
                                 ? PreviewTile(service, request, wish)
                                 : AnswerTile(service, request, wish);
@@ -211,10 +266,11 @@ bool ShowsPreview(Service& service, const Request& request, const std::string& f
 Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish) {
   const Result<void> checked = CheckId(wish.flight_id, "flight");
   if (!checked) return checked.error();
+  if (request.work < Work::kRead && !service.tilesets.IsOpen(wish.flight_id)) return AskFor(Work::kRead);
   const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(wish.flight_id);
   if (!tileset) return tileset.error();
   const storage::Revision& revision = (*tileset)->revision;
-  if (wish.layer) return LayerTile(request, **tileset, wish);
+  if (wish.layer) return LayerTile(service, request, **tileset, wish);
   if (wish.tile.z() < revision.min_zoom || wish.tile.z() > revision.max_zoom) {
     return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
   }
@@ -227,8 +283,9 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
     return Blank(request, wish, TileSizePx(**tileset) * (wish.is_double ? 2 : 1),
                  CacheControl(request, **tileset));
   }
-  if (wish.is_double) return DoubleTile(request, **tileset, wish);
-  return Stored(request, wish, **std::move(found), &reader, CacheControl(request, **tileset));
+  if (wish.is_double) return DoubleTile(service, request, **tileset, wish);
+  return Stored(service, request, wish, **std::move(found), &reader, tileset->get(),
+                CacheControl(request, **tileset));
 }
 
 int TileSizePx(const storage::Tileset& tileset) {

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/pyramid/png_encoder.h"
 
 namespace skyquilt::api {
 namespace {
 
 using pipeline::TileFormat;
 
-constexpr int kMaxSidePx = 4096;
 constexpr int kJpegQuality = 90;
 constexpr float kWebpQuality = 90.0F;
 
@@ -111,7 +111,18 @@ std::string EncodeJpeg(Pixels pixels) {
   return bytes;
 }
 
+// Photographs: many times faster than libpng, and about as small.
 std::string EncodePng(const Pixels& pixels) {
+  pyramid::RgbaImage image{pixels.width, pixels.height, {}};
+  image.rgba.resize(pixels.rgba.size());
+  std::memcpy(image.rgba.data(), pixels.rgba.data(), pixels.rgba.size());
+  // The pixels' alpha is straight already, as PNG has it.
+  const std::vector<std::uint8_t> png = pyramid::EncodeWholePng(image, pyramid::PngAlpha::kAsItIs);
+  return std::string(reinterpret_cast<const char*>(png.data()), png.size());
+}
+
+// What has hardly anything in it: by the general compressor.
+std::string EncodePlainPng(const Pixels& pixels) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(pixels.width);
@@ -192,7 +203,7 @@ std::string TransparentPng(int side_px) {
   Pixels pixels;
   const Result<void> sized = Resize(&pixels, side_px, side_px);
   SKYQUILT_CHECK(sized.ok(), "an empty tile of no sensible size");
-  return EncodePng(pixels);
+  return EncodePlainPng(pixels);
 }
 
 std::optional<int> TileSidePx(std::string_view bytes) {

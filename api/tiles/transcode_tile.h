@@ -1,5 +1,5 @@
 // TranscodeTile: one encoded tile in another format; TileFormatOf: the format of encoded bytes, by their
-// magic; TransparentPng: an empty tile. JPEG has no transparency: it is laid on white. Pure; any thread.
+// magic; TransparentPng: an empty tile, as small as it gets. JPEG has no transparency: it is laid on white. Pure; any thread.
 // Errors: kCorrupt (bytes that do not decode), kTooLarge (a tile of more than 4096 pixels a side).
 #pragma once
 
@@ -29,6 +29,7 @@ std::string EncodeTile(Pixels pixels, pipeline::TileFormat to);
 
 Result<std::string> TranscodeTile(std::string_view bytes, pipeline::TileFormat to);
 std::string TransparentPng(int side_px);
+inline constexpr int kMaxSidePx = 4096;
 // The side of a tile from its header; absent when it does not decode.
 std::optional<int> TileSidePx(std::string_view bytes);
 

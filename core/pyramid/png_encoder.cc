@@ -38,15 +38,15 @@ MatchLength LengthOf(int length) {
 }
 
 // Every row after its filter byte: what the mean of the pixels to the left and above did not foretell.
-std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int size_px, PngAlpha alpha) {
-  const auto row_bytes = static_cast<std::size_t>(size_px) * 4;
-  std::vector<std::uint8_t> filtered((row_bytes + 1) * static_cast<std::size_t>(size_px));
+std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int width_px, int height_px, PngAlpha alpha) {
+  const auto row_bytes = static_cast<std::size_t>(width_px) * 4;
+  std::vector<std::uint8_t> filtered((row_bytes + 1) * static_cast<std::size_t>(height_px));
   // Four zeros before each row are the pixel to the left of its first.
   std::vector<std::uint8_t> above(row_bytes + 4, 0), row(row_bytes + 4, 0);
   std::uint8_t* out = filtered.data();
-  for (int dy = 0; dy < size_px; ++dy) {
+  for (int dy = 0; dy < height_px; ++dy) {
     if (alpha == PngAlpha::kStraight) {
-      StraightenAlpha(image.Pixel(x, y + dy), size_px, row.data() + 4);
+      StraightenAlpha(image.Pixel(x, y + dy), width_px, row.data() + 4);
     } else {
       std::memcpy(row.data() + 4, image.Pixel(x, y + dy), row_bytes);
     }
@@ -65,15 +65,15 @@ std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int siz
 // Walks the filtered rows: literal(byte) and as_is(pixel) for what is written as it is, run(n) for n zeros
 // that follow a zero.
 template <typename Literal, typename AsIs, typename Run>
-void Walk(const std::vector<std::uint8_t>& filtered, int size_px, const Literal& literal, const AsIs& as_is,
+void Walk(const std::vector<std::uint8_t>& filtered, int width_px, int height_px, const Literal& literal, const AsIs& as_is,
           const Run& run) {
   const std::uint8_t* in = filtered.data();
-  for (int y = 0; y < size_px; ++y) {
+  for (int y = 0; y < height_px; ++y) {
     literal(*in++);
-    for (int x = 0; x < size_px;) {
+    for (int x = 0; x < width_px;) {
       std::uint32_t pixel = 0;
       int zeros = 0;
-      while (x + zeros < size_px && (std::memcpy(&pixel, in + 4 * zeros, 4), pixel == 0)) ++zeros;
+      while (x + zeros < width_px && (std::memcpy(&pixel, in + 4 * zeros, 4), pixel == 0)) ++zeros;
       if (zeros > 0) {
         literal(0);
         for (int rest = 4 * zeros - 1; rest > 0;) {
@@ -152,18 +152,17 @@ void CloseChunk(std::string_view name, std::uint8_t* chunk, std::size_t size) {
   PutBigEndian(libdeflate_crc32(0, chunk + 4, size + 4), chunk + 8 + size);
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px, PngAlpha alpha) {
-  SKYQUILT_CHECK(
-      size_px > 0 && x >= 0 && y >= 0 && x + size_px <= image.width_px && y + size_px <= image.height_px,
-      "a picture beyond the image");
-  const std::vector<std::uint8_t> filtered = Filtered(image, x, y, size_px, alpha);
+std::vector<std::uint8_t> EncodePart(const RgbaImage& image, int x, int y, int width_px, int height_px,
+                                     PngAlpha alpha) {
+  SKYQUILT_CHECK(width_px > 0 && height_px > 0 && x >= 0 && y >= 0 && x + width_px <= image.width_px &&
+                     y + height_px <= image.height_px,
+                 "a picture beyond the image");
+  const std::vector<std::uint8_t> filtered = Filtered(image, x, y, width_px, height_px, alpha);
   std::vector<std::uint32_t> counts(kSymbols, 0);
   // Each channel by itself, so that no sum waits for another.
   std::array<std::array<std::uint32_t, 256>, 4> counts_of{};
   Walk(
-      filtered, size_px, [&](std::uint8_t byte) { ++counts[byte]; },
+      filtered, width_px, height_px, [&](std::uint8_t byte) { ++counts[byte]; },
       [&](const std::uint8_t* pixel) {
         for (std::size_t c = 0; c < 4; ++c) ++counts_of[c][pixel[c]];
       },
@@ -185,8 +184,8 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
       kSignature.size() + 3 * kAroundChunk + kHeader + kZlibHeader + bits / 8 + 8 + kSum, 0);
   std::copy(kSignature.begin(), kSignature.end(), png.begin());
   std::uint8_t* chunk = png.data() + kSignature.size();
-  PutBigEndian(static_cast<std::uint32_t>(size_px), chunk + 8);
-  PutBigEndian(static_cast<std::uint32_t>(size_px), chunk + 12);
+  PutBigEndian(static_cast<std::uint32_t>(width_px), chunk + 8);
+  PutBigEndian(static_cast<std::uint32_t>(height_px), chunk + 12);
   chunk[16] = 8;  // bits a channel
   chunk[17] = 6;  // red, green, blue, alpha
   CloseChunk("IHDR", chunk, kHeader);
@@ -197,7 +196,7 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
   BitWriter out(content + kZlibHeader);
   PutCode(code, out);
   Walk(
-      filtered, size_px, [&](std::uint8_t byte) { out.Put(code.words[byte]); },
+      filtered, width_px, height_px, [&](std::uint8_t byte) { out.Put(code.words[byte]); },
       [&](const std::uint8_t* pixel) {
         out.Put(code.words[pixel[0]], code.words[pixel[1]]);
         out.Put(code.words[pixel[2]], code.words[pixel[3]]);
@@ -217,6 +216,16 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
   CloseChunk("IEND", chunk, 0);
   png.resize(static_cast<std::size_t>(chunk + kAroundChunk - png.data()));
   return png;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int size_px, PngAlpha alpha) {
+  return EncodePart(image, x, y, size_px, size_px, alpha);
+}
+
+std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image, PngAlpha alpha) {
+  return EncodePart(image, 0, 0, image.width_px, image.height_px, alpha);
 }
 
 }  // namespace skyquilt::pyramid

@@ -10,13 +10,17 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "api/build_api.h"
 #include "api/uploads/unpack.h"
+#include "server/address_range.h"
 #include "server/commands/config_file.h"
 #include "server/housekeeper.h"
 #include "server/http_server.h"
@@ -33,8 +37,11 @@
 namespace skyquilt::server {
 namespace {
 
-constexpr std::chrono::seconds kDrainTime{10};
-constexpr std::chrono::seconds kWorkerGrace{8};
+// From the signal to stop: what is under way may end, then connections are cut and workers killed, and at the
+// last the process ends whatever it computes. Supervisors kill after ten seconds or more.
+constexpr std::chrono::milliseconds kDrainTime{7'000};
+constexpr std::chrono::milliseconds kWorkerGrace{7'000};
+constexpr std::chrono::milliseconds kStopTime{9'000};
 // As many as threads that may read the catalogue at the same time, so that none waits for another.
 constexpr int kReaders = 16;
 constexpr int kTileReaders = 16;
@@ -53,6 +60,12 @@ struct ServeOptions {
   int trash_days = 30;
   bool previews = true;
   bool open = false;
+  std::vector<std::string> trusted_proxies;
+  std::size_t connections_per_address = HttpSettings().connections_of_client;
+  std::size_t listeners_per_address = api::EventHub::kUsualMostOfClient;
+  std::size_t requests_per_address = HttpSettings().most_of_client;
+  std::size_t waiting_requests = HttpSettings().most_waiting;
+  std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -90,6 +103,19 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   settings.public_url = options.public_url;
   while (settings.public_url.ends_with('/')) settings.public_url.pop_back();
   settings.threads = std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
+  settings.compute_threads = settings.threads;
+  settings.connections_of_client = options.connections_per_address;
+  settings.most_of_client = options.requests_per_address;
+  settings.most_waiting = options.waiting_requests;
+  for (const std::string& proxy : options.trusted_proxies) {
+    const std::optional<AddressRange> range = AddressRange::From(proxy);
+    if (!range) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--trusted-proxy {}: give it as an IP address or a network, such as 127.0.0.1 or 10.0.0.0/8.",
+                               proxy), ""};
+    }
+    settings.trusted_proxies.push_back(*range);
+  }
   return settings;
 }
 
@@ -127,6 +153,21 @@ void LookAfter(WorkerPool& workers, const storage::DataDirWatch& watch, const si
     if (number == SIGTERM || number == SIGINT || number == SIGHUP) return;
     workers.Reap();
   }
+}
+
+// What handlers use is not destroyed under them; accepted data is on the disk already.
+[[noreturn]] void ExitNow() {
+  LogEvent("something did not end in time; the process ends without it");
+  std::fflush(stdout);
+  _exit(0);
+}
+
+// Whatever hangs: a library in a handler, a webhook, or the waiting for either.
+void ExitAt(std::chrono::steady_clock::time_point deadline) {
+  std::thread([deadline] {
+    std::this_thread::sleep_until(deadline);
+    ExitNow();
+  }).detach();
 }
 
 api::Response NoPage(const api::Request& request) {
@@ -182,6 +223,8 @@ void RunServer(const ServeOptions& options) {
   const Result<void> recovered =
       Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db), service.spool, service.db.ages().Now());
   if (!recovered) Fail(recovered.error());
+  service.made_tiles.SetBudget(options.tile_cache_mb << 20);
+  service.event_hub.SetMostOfClient(options.listeners_per_address);
   FinishUploads(service);
   const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap, options.basemap_attribution);
   if (!basemap) Fail(basemap.error());
@@ -211,9 +254,15 @@ void RunServer(const ServeOptions& options) {
   LookAfter(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
-  if (!(*server)->Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
-  EndAllApart();
+  const auto deadline = std::chrono::steady_clock::now() + kStopTime;
+  ExitAt(deadline);
+  std::thread draining([&server = **server] {
+    if (!server.Drain(kDrainTime)) LogEvent("some connections did not finish in time and were cut");
+    EndAllApart();
+  });
   workers.Stop(kWorkerGrace);
+  draining.join();
+  if (!(*server)->End(deadline)) ExitNow();
 }
 
 std::string IsHttpUrl(const std::string& text) {
@@ -227,7 +276,10 @@ void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
   constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews",
                                            "web",      "public-url", "basemap", "basemap-attribution",
-                                           "webhooks", "open",       "trash-days"};
+                                           "webhooks", "open",       "trusted-proxy",
+                                           "connections-per-address", "listeners-per-address",
+                                           "requests-per-address",    "waiting-requests",
+                                           "tile-cache-mb",           "trash-days"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -238,6 +290,30 @@ void RefuseUnknownVariables() {
       Fail({ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
     }
   }
+}
+
+// What one client may take of the server, and who counts as one.
+void AddBounds(CLI::App& command, ServeOptions& options) {
+  constexpr std::size_t kMost = 1'000'000;
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return command.add_option(std::string("--") + name, value, what)->envname(VariableOf(name));
+  };
+  const auto add_number = [&](const char* name, std::size_t& value, std::size_t least, const char* what) {
+    add(name, value, what)->check(CLI::Range(least, kMost))->capture_default_str();
+  };
+  add("trusted-proxy", options.trusted_proxies,
+      "Address (or network, as 10.0.0.0/8) of a proxy whose X-Forwarded-For says who the client is; may be given several times")
+      ->delimiter(',');
+  add_number("connections-per-address", options.connections_per_address, 0,
+             "Connections that one client address may hold; 0: no bound");
+  add_number("listeners-per-address", options.listeners_per_address, 0,
+             "Listeners to events that one client address may have; 0: no bound");
+  add_number("requests-per-address", options.requests_per_address, 0,
+             "Requests of one client address that wait or are worked on, of each kind; 0: no bound");
+  add_number("waiting-requests", options.waiting_requests, 1,
+             "Requests that wait for a thread, of each kind; more are answered 429");
+  add_number("tile-cache-mb", options.tile_cache_mb, 0,
+             "Megabytes of memory for tiles in other formats and sizes than they are stored in");
 }
 
 }  // namespace
@@ -292,10 +368,13 @@ void AddServeCommand(CLI::App& app) {
       ->add_flag("--open", options->open,
                  "Permit an address that other machines can reach, without any token")
       ->envname(VariableOf("open"));
+  AddBounds(*command, *options);
   command->add_option("--config", options->config, "File with these options, one \"name = value\" a line");
   // A file's options come before those of the command line.
-  for (CLI::Option* option : command->get_options())
+  for (CLI::Option* option : command->get_options()) {
+    if (option->check_name("--trusted-proxy")) continue;
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
   command->callback([options] {
     RefuseUnknownVariables();
     RunServer(*options);

@@ -15,6 +15,8 @@ CORE_VALUES = {
     "core/base/", "core/geo/", "core/camera/intrinsics.h", "core/flight/photo.h", "core/flight/flight.h",
     "core/flight/read_flight.h", "core/flight/input_file.h", "core/pipeline/ports.h", "core/pipeline/map_memory.h", "core/pipeline/mosaic_options.h",
     "core/pipeline/mosaic_report.h", "core/pipeline/locate.h", "core/alignment/aligned_flight.h", "core/render/map_layer.h",
+    # Encoding of pictures, which knows nothing of maps.
+    "core/pyramid/png_encoder.h", "core/pyramid/tile_image.h",
 }
 LIBRARIES = {
     r"boost/": {"server"},

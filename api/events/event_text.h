@@ -1,0 +1,16 @@
+// What followers of events are sent, as the HTML standard's text/event-stream has it (9.2.5). Pure; any thread.
+#pragma once
+
+#include <string>
+
+#include "storage/clock.h"
+#include "storage/event_log.h"
+#include "storage/job_queue.h"
+
+namespace skyquilt::api {
+
+std::string EventText(const storage::Event& event);
+// How far a job is. It has no id: nobody who comes back is told what was.
+std::string ProgressText(const storage::Job& job, storage::Time now);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,74 @@
+// Reading the catalogue while somebody writes it.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "storage/catalogue.h"
+#include "storage/event_log.h"
+#include "storage/job_queue.h"
+#include "storage/tokens.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+class CatalogueReadersTest : public testing::Test {
+ protected:
+  CatalogueReadersTest()
+      : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db", 3)), catalogue_(*db_), queue_(*db_) {}
+
+  ScratchDir dir_;
+  std::unique_ptr<CatalogueDb> db_;
+  Catalogue catalogue_;
+  JobQueue queue_;
+};
+
+TEST_F(CatalogueReadersTest, WaitForNoWriterOfAnotherProcess) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+  auto other = SqliteDb::Open(dir_.path() / "catalogue.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(other->Exec("BEGIN IMMEDIATE; UPDATE flight SET name='unsaid'"));
+  EXPECT_EQ(catalogue_.GetFlight(flight)->name, "field");
+  EXPECT_TRUE(queue_.Count());
+  EXPECT_TRUE(Tokens(*db_).Known());
+  EXPECT_EQ(*EventLog(*db_).Latest(), 0);
+  ASSERT_TRUE(other->Exec("COMMIT"));
+  EXPECT_EQ(catalogue_.GetFlight(flight)->name, "unsaid");
+}
+
+TEST_F(CatalogueReadersTest, WaitForNoWriterOfThisProcess) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+  const auto writing = db_->Lock();  // a thread that waits for another's write lock holds this
+  EXPECT_EQ(catalogue_.GetFlight(flight)->name, "field");
+  EXPECT_TRUE(Tokens(*db_).List());
+}
+
+TEST_F(CatalogueReadersTest, SeeWhatWasJustWritten) {
+  for (int i = 0; i < 50; ++i) {
+    const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+    EXPECT_TRUE(catalogue_.GetFlight(flight));
+  }
+}
+
+TEST_F(CatalogueReadersTest, CannotWrite) {
+  const auto db = db_->Read();
+  EXPECT_FALSE(db->Exec("DELETE FROM flight"));
+}
+
+TEST_F(CatalogueReadersTest, TakeTurnsWhereTheyAreMoreThanConnections) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
+  std::vector<std::thread> readers;
+  std::atomic<int> found = 0;
+  for (int i = 0; i < 8; ++i) {
+    readers.emplace_back([&] {
+      for (int j = 0; j < 100; ++j) found += catalogue_.GetFlight(flight).ok() ? 1 : 0;
+    });
+  }
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(catalogue_.RenameFlight(flight, std::to_string(i)));
+  for (std::thread& reader : readers) reader.join();
+  EXPECT_EQ(found, 800);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
