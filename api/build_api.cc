@@ -1,6 +1,7 @@
 #include "api/build_api.h"
 
 #include "api/arcgis/arcgis.h"
+#include "api/auth/flight_access.h"
 #include "api/basemap/basemap.h"
 #include "api/connect/connect.h"
 #include "api/downloads/downloads.h"
@@ -15,6 +16,7 @@
 #include "api/ogc/ogc.h"
 #include "api/ogc/processes.h"
 #include "api/ops/ops.h"
+#include "api/shares/shares.h"
 #include "api/stac/stac.h"
 #include "api/tiles/tiles.h"
 #include "api/tms/tms.h"
@@ -33,6 +35,7 @@ Router BuildApi(Service& service) {
   AddBasemapRoutes(router, service.basemap);
   AddFlightRoutes(router, service);
   AddTrashRoutes(router, service);
+  AddShareRoutes(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);
   AddFileRoutes(router, service);
@@ -57,6 +60,9 @@ Router BuildApi(Service& service) {
   AddNodeChangeRoutes(router, service);
   AddNodeUploadRoutes(router, service);
   AddNodeArchiveRoute(router, service);
+  router.PutBefore([&service](const Request& request, std::string_view pattern) {
+    return CheckFlightAccess(service, request, pattern);
+  });
   return router;
 }
 

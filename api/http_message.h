@@ -60,10 +60,12 @@ struct Request {
   std::string body;      // small bodies only; empty for uploads
   std::string base_url;  // "http://host:port", for absolute links; no slash at the end
   std::string request_id;
-  std::string owner;              // id of the token it showed; empty where the server asks for none
   std::string client;             // who counts as one when shares are dealt out; empty: this machine itself
   Work work = Work::kCompute;     // where it is carried out now; a handler that needs a later kind asks for it
-  bool may_jump_the_queue = true;  // ask for a priority above the usual
+  // Who asks (api/auth/access).
+  std::string owner;         // id of the token it showed; empty where the server asks for none
+  bool is_admin = false;     // may act on flights of others; so may everybody where the server asks for no token
+  std::string only_flight;   // the one flight that its token opens; empty: every flight
 
   // The route promises its parameters: asking for another is our bug.
   const std::string& Parameter(std::string_view name) const;

@@ -172,6 +172,7 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
                         {"tilejson", fmt::format("/tiles/{}.json?rev={}", view.flight.id, kPreviewRevision)}};
   }
   value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);
+  value["may_change"] = view.may_change;
   return Dump(value);
 }
 

@@ -25,6 +25,7 @@ struct FlightView {
   std::optional<storage::Job> job;            // the latest
   std::optional<storage::Revision> revision;  // what is shown
   std::optional<storage::Preview> preview;    // until then
+  bool may_change = true;                     // may who asks (api/auth/flight_access)?
 };
 
 // One file of an upload: stored under `name`, or refused with `error`; `note` says when the name was changed.

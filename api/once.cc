@@ -29,58 +29,51 @@ Response Replay(const storage::IdempotentAnswer& answer) {
   return response;
 }
 
-Result<std::string> KeyOf(const Request& request) {
+Result<storage::IdempotencyKey> KeyOf(const Request& request) {
   std::string key(request.headers.Find("Idempotency-Key"));
   if (key.empty() || key.size() > kLongestKey) {
     return Error{ErrorCode::kInvalidArgument, "Idempotency-Key must be 1 to 255 characters.", ""};
   }
-  return key;
-}
-
-Result<void> Keep(Service& service, const std::string& key, const Request& request, std::string_view body,
-                  const Response& response) {
-  // What the machine could not do may be tried again.
-  if (response.status >= 500) return {};
-  return service.idempotent_answers.Keep(
-      key, RouteOf(request),
-      {FingerprintOf(body), response.status, std::string(response.headers.Find("Location")), response.body},
-      service.db.ages().Now());
+  return storage::IdempotencyKey{request.owner, std::move(key), RouteOf(request)};
 }
 
 }  // namespace
 
-Response Once(Service& service, const Request& request, std::string_view body,
-              const std::function<Response()>& carry_out) {
+Response OnceBy(Service& service, const Request& request, const std::string& fingerprint,
+                const std::function<Response()>& carry_out) {
   if (!request.headers.Has("Idempotency-Key")) return carry_out();
-  const Result<std::string> key = KeyOf(request);
+  const Result<storage::IdempotencyKey> key = KeyOf(request);
   if (!key) return Problem(key.error(), request);
   const std::lock_guard lock(service.once_mutex);
-  const auto known = service.idempotent_answers.Find(*key, RouteOf(request), service.db.ages().Now());
+  const auto known = service.idempotent_answers.Find(*key, service.db.ages().Now());
   if (!known) return Problem(known.error(), request);
-  if (*known && (*known)->fingerprint != FingerprintOf(body)) {
-    return Problem({ErrorCode::kUnprocessable, "This Idempotency-Key was used for another request.", ""},
+  if (*known && (*known)->fingerprint != fingerprint) {
+    return Problem({ErrorCode::kUnprocessable,
+                    "This Idempotency-Key was used for another request. Send this one under a key of its own.", ""},
                    request);
   }
   if (*known) return Replay(**known);
   Response response = carry_out();
-  const Result<void> kept = Keep(service, *key, request, body, response);
+  // What the machine could not do may be tried again.
+  if (response.status >= 500) return response;
+  const Result<void> kept = service.idempotent_answers.Keep(
+      *key, {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},
+      service.db.ages().Now());
   return kept ? std::move(response) : Problem(kept.error(), request);
 }
 
-std::optional<Response> KeptAnswer(Service& service, const Request& request) {
-  if (!request.headers.Has("Idempotency-Key")) return std::nullopt;
-  const Result<std::string> key = KeyOf(request);
-  if (!key) return Problem(key.error(), request);
-  const auto known = service.idempotent_answers.Find(*key, RouteOf(request), service.db.ages().Now());
-  if (!known) return Problem(known.error(), request);
-  if (!*known) return std::nullopt;
-  return Replay(**known);
+Response Once(Service& service, const Request& request, std::string_view body,
+              const std::function<Response()>& carry_out) {
+  return OnceBy(service, request, FingerprintOf(body), carry_out);
 }
 
-void KeepAnswer(Service& service, const Request& request, const Response& response) {
-  const Result<std::string> key = KeyOf(request);
-  // An answer that could not be kept is lost to a second try, not to the first.
-  if (key) (void)Keep(service, *key, request, "", response).ok();
+Result<bool> HasKeptAnswer(Service& service, const Request& request) {
+  if (!request.headers.Has("Idempotency-Key")) return false;
+  const Result<storage::IdempotencyKey> key = KeyOf(request);
+  if (!key) return key.error();
+  const auto known = service.idempotent_answers.Find(*key, service.db.ages().Now());
+  if (!known) return known.error();
+  return known->has_value();
 }
 
 }  // namespace skyquilt::api

@@ -1,9 +1,10 @@
 // Once: a request under an Idempotency-Key is carried out once; sent again it gets the first answer again,
 // marked with "Idempotency-Replayed: true". Without the header it is simply carried out. Another body under
-// the same key is a mistake (422). Any thread; requests with keys go one after the other.
+// the same key is a mistake (422); another token's key is another key. Any thread; requests with keys go one after the other.
 #pragma once
 
 #include <functional>
+#include <string>
 #include <optional>
 #include <string_view>
 
@@ -15,9 +16,11 @@ namespace skyquilt::api {
 Response Once(Service& service, const Request& request, std::string_view body,
               const std::function<Response()>& carry_out);
 
-// For requests whose body is too large to be compared: the answer that was kept, if any, before the body is
-// read; and keeping one.
-std::optional<Response> KeptAnswer(Service& service, const Request& request);
-void KeepAnswer(Service& service, const Request& request, const Response& response);
+// The same for a body that is too large to be kept: by a digest of what it says (api/uploads/form_digest).
+Response OnceBy(Service& service, const Request& request, const std::string& fingerprint,
+                const std::function<Response()>& carry_out);
+// Before the body is read: true where it need only be compared. Errors: kInvalidArgument (no good key), and the
+// catalogue's.
+Result<bool> HasKeptAnswer(Service& service, const Request& request);
 
 }  // namespace skyquilt::api

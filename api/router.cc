@@ -75,6 +75,29 @@ void Router::AddUpload(Method method, std::string_view pattern, UploadHandler ha
   route.work = Work::kWrite;
 }
 
+void Router::PutBefore(const Guard& guard) {
+  const std::function<void(Node&)> visit = [&](Node& node) {
+    for (auto& [method, route] : node.routes) {
+      if (route.handler) {
+        route.handler = [guard, pattern = route.pattern, handler = std::move(route.handler)](const Request& request) {
+          std::optional<Response> refused = guard(request, pattern);
+          return refused ? *std::move(refused) : handler(request);
+        };
+      } else {
+        route.upload = [guard, pattern = route.pattern, upload = std::move(route.upload)](
+                           const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+          std::optional<Response> refused = guard(request, pattern);
+          if (refused) return *std::move(refused);
+          return upload(request);
+        };
+      }
+    }
+    for (auto& [name, next] : node.literals) visit(*next);
+    if (node.any != nullptr) visit(*node.any);
+  };
+  visit(*root_);
+}
+
 void Router::SetFallback(Handler handler) {
   fallback_.emplace();
   fallback_->pattern = "(page)";

@@ -42,6 +42,9 @@ class Router {
   // served, and everybody there waits for it.
   void AddQuick(Method method, std::string_view pattern, Handler handler);
   void AddUpload(Method method, std::string_view pattern, UploadHandler handler);
+  // Asked before the handler of every route that is there now; a Response of its is the answer.
+  using Guard = std::function<std::optional<Response>(const Request&, std::string_view pattern)>;
+  void PutBefore(const Guard& guard);
   // Answers GET of paths that no pattern has (the web page).
   void SetFallback(Handler handler);
 

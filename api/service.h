@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/auth/limits.h"
+#include "api/auth/quota.h"
 #include "api/basemap/basemap.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
@@ -54,6 +55,7 @@ struct Service {
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};
   RateLimiter rate_limiter{};
+  ByteLedger quotas{};
   std::mutex once_mutex{};  // held while a request with an Idempotency-Key is carried out
   EventHub event_hub{events, queue};
   std::atomic<bool> is_draining = false;
@@ -64,11 +66,13 @@ struct Service {
   // or two. The server has it done by a process apart, once for each set of files.
   std::function<Result<std::string>(const std::vector<flight::InputFile>&, const std::string& options)> inspect =
       nullptr;
-  // An archive's files into a flight's store. The server has it done by a process apart.
+  // An archive's files into a flight's store, no more than `most_bytes` (kTooLarge beyond). The server has it done
+  // by a process apart.
   std::function<Result<std::vector<storage::UnpackedFile>>(const storage::PhotoStore&, const std::string& flight_id,
-                                                           const std::filesystem::path& archive)>
-      unpack = [](const auto& photo_store, const auto& flight_id, const auto& archive) {
-        return storage::UnpackArchive(photo_store, flight_id, archive);
+                                                           const std::filesystem::path& archive,
+                                                           std::int64_t most_bytes)>
+      unpack = [](const auto& photo_store, const auto& flight_id, const auto& archive, std::int64_t most_bytes) {
+        return storage::UnpackArchive(photo_store, flight_id, archive, {.room_bytes = most_bytes});
       };
 };
 

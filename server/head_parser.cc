@@ -50,10 +50,6 @@ HeadState HeadParser::Parse(std::string_view head_with_end) {
     head_.headers.Add(std::string(field.name_string()), std::string(field.value()));
   }
   if (const auto refusal = CheckFields(head_)) return Refuse(*refusal);
-  if (settings_.loopback_names_only && !head_.host.empty() && !IsLoopbackHost(head_.host)) {
-    return Refuse(
-        {421, "This server answers to its own machine only. Start it with --open to let others in."});
-  }
   return HeadState::kWhole;
 }
 

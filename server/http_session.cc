@@ -65,6 +65,7 @@ class Session : public std::enable_shared_from_this<Session> {
     bool goes_on = true;
     while (goes_on) {
       is_head_ = false;
+      cors_ = {};
       const Connection::Head got = co_await connection_->ReadHead();
       if (got == Connection::Head::kClosed) co_return;
       started_ = Clock::now();
@@ -87,8 +88,9 @@ class Session : public std::enable_shared_from_this<Session> {
     keep_alive_ = keep_alive_ && connection_->KeepsAlive();
     is_head_ = head.method == "HEAD";
     const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
-    Routed routed = RouteRequest(head, context_.router, context_.settings, request_id_);
+    Routed routed = RouteRequest(head, context_.router, context_.settings, context_.service, request_id_);
     routed.request.client = ClientAddress(connection_->peer(), routed.request.headers, context_.settings);
+    cors_ = std::move(routed.cors);
     if (routed.route != nullptr && routed.route->upload) {
       co_await Receive(*routed.route, std::move(routed.request), has_body);
       co_return;
@@ -234,6 +236,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Awaitable<void> Send(api::Response response, bool is_quick) {
     const RequestHead& asked = connection_->head();
+    for (const auto& [name, value] : cors_.list()) response.headers.Add(name, value);
     const bool is_live = response.live != nullptr;
     const bool has_length = response.status != 204 && response.status != 304 && !is_live;
     if (is_live) keep_alive_ = false;  // the end of the connection is the only end it has
@@ -301,6 +304,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionContext& context_;
   std::uint64_t key_ = 0;
   std::string request_id_;
+  api::Headers cors_;
   Clock::time_point started_;
   bool is_head_ = false;
   bool is_upload_ = false;

@@ -22,7 +22,9 @@ struct HttpSettings {
   std::size_t most_of_client = 16;  // requests that wait or run, of one client and kind of thread
   std::vector<AddressRange> trusted_proxies;  // whose X-Forwarded-For is believed
   std::string public_url;     // "https://maps.example.org", for absolute links behind a proxy; empty: by Host
-  bool loopback_names_only = true;  // refuse requests whose Host is not this machine (DNS rebinding)
+  std::vector<std::string> hosts;   // names that it goes by, besides those of loopback and the address
+  bool always_checks_host = false;  // also where a token is asked for
+  std::vector<std::string> cors_origins;  // whose pages may read answers; none: any, where a token is asked for
   std::chrono::seconds header_deadline{
       10};                                 // from the first byte of a request (or the connection) to its last
   std::chrono::seconds idle_deadline{60};  // between requests

@@ -117,11 +117,4 @@ bool IsLoopbackHost(std::string_view host) {
   return name.starts_with("127.") && name.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
-bool IsForeignOrigin(const RequestHead& head) {
-  const std::string_view origin = head.headers.Find("Origin");
-  if (origin.empty()) return false;
-  const std::size_t scheme = origin.find("://");
-  return scheme == std::string_view::npos || !api::EqualsIgnoringCase(origin.substr(scheme + 3), head.host);
-}
-
 }  // namespace skyquilt::server

@@ -41,7 +41,5 @@ std::optional<Refusal> CheckFields(RequestHead& head);
 
 // 127.0.0.0/8, ::1, or localhost, with or without a port.
 bool IsLoopbackHost(std::string_view host);
-// True when a page of another origin sent this (its Origin header names another host).
-bool IsForeignOrigin(const RequestHead& head);
 
 }  // namespace skyquilt::server

@@ -1,10 +1,13 @@
 #include "server/route_request.h"
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <utility>
 
 #include "api/problem.h"
 #include "api/target.h"
+#include "server/origin_policy.h"
 
 namespace skyquilt::server {
 namespace {
@@ -21,10 +24,6 @@ api::Response Options(const std::string& allow) {
   api::Response response;
   response.status = 204;
   response.headers.Add("Allow", allow);
-  response.headers.Add("Access-Control-Allow-Origin", "*");
-  response.headers.Add("Access-Control-Allow-Methods", "GET, HEAD");
-  response.headers.Add("Access-Control-Allow-Headers", "Authorization, Range, If-None-Match");
-  response.headers.Add("Access-Control-Max-Age", "86400");
   return response;
 }
 
@@ -38,7 +37,7 @@ std::string BaseUrl(const RequestHead& head, const HttpSettings& settings) {
 std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
 
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    const std::string& request_id) {
+                    api::Service& service, const std::string& request_id) {
   Routed routed;
   const std::string path = PathOf(head.target);
   const auto answer = [&](api::Response response) {
@@ -49,19 +48,28 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   const auto problem = [&](ErrorCode code, const char* message) {
     return api::Problem({code, message, ""}, path, request_id);
   };
+  const bool asks_for_token = service.tokens.AsksForToken();
+  if ((!asks_for_token || settings.always_checks_host) && !head.host.empty() && !IsOwnHost(head.host, settings)) {
+    return answer(api::ProblemWithStatus(
+        421, fmt::format("This server does not go by the name \"{}\". Its operator adds names with --host.", head.host),
+        path, request_id));
+  }
+  routed.cors = CorsHeaders(head, settings, asks_for_token);
   if (head.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));
   Result<api::Target> target = api::ParseTarget(head.target);
   if (!target) return answer(api::Problem(target.error(), path, request_id));
   const std::optional<api::Method> method = MethodFrom(head.method == "HEAD" ? "GET" : head.method);
   if (!method) return answer(problem(ErrorCode::kNotImplemented, "This method is not known here."));
   api::Router::Match match = router.Find(*method, target->segments);
+  if (*method == api::Method::kOptions) AddPreflightHeaders(router.Allowed(target->segments), routed.cors);
   if (*method == api::Method::kOptions && match.route == nullptr) {
     const std::string allowed = router.Allowed(target->segments);
     return answer(allowed.empty() ? problem(ErrorCode::kNotFound, "There is nothing at this address.")
                                   : Options(allowed));
   }
   const bool changes = *method != api::Method::kGet && *method != api::Method::kOptions;
-  if (changes && IsForeignOrigin(head)) {
+  if (changes && IsFromForeignPage(head, settings) &&
+      !IsOriginAllowed(head.headers.Find("Origin"), settings, asks_for_token)) {
     return answer(problem(ErrorCode::kForbidden, "Pages of other sites may not change anything here."));
   }
   if (match.route == nullptr) {

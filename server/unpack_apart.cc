@@ -112,7 +112,7 @@ Result<std::vector<UnpackedFile>> TakeOver(const storage::PhotoStore& store, con
 }  // namespace
 
 Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, const std::string& flight_id,
-                                              const fs::path& archive) {
+                                              const fs::path& archive, std::int64_t most_bytes) {
   const StagingFolder folder(store.dir().Incoming() / store.dir().NewTemporaryName(storage::kUnpackKind));
   std::error_code unmade;
   if (!fs::create_directory(folder.path(), unmade)) {
@@ -124,7 +124,8 @@ Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, 
   const Result<std::string> answer = RunApart(
       {.name = "unpack",
        .words = {"unpack", "--staging", folder.path().string(), "--flight", flight_id, "--parent",
-                 std::to_string(getpid()), archive.string()},
+                 std::to_string(getpid()), "--most-bytes", std::to_string(most_bytes),
+                 archive.string()},
        .deadline = std::chrono::duration_cast<std::chrono::milliseconds>(DeadlineOf(archive)),
        .most_answer_bytes = kMostAnswerBytes,
        .refusal = kRefusal});
@@ -134,8 +135,9 @@ Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, 
   return TakeOver(store, flight_id, *staging, *std::move(files));
 }
 
-void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs::path& archive) {
-  const storage::ArchiveLimits limits;
+void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs::path& archive,
+                std::int64_t most_bytes) {
+  const storage::ArchiveLimits limits{.room_bytes = most_bytes};
   BecomeApart({.limits = {.more_memory_bytes = kMemoryBytes,
                           .more_cpu_s = CpuSecondsFor(archive),
                           .file_bytes = limits.file_bytes},

@@ -4,6 +4,7 @@
 // of storage::UnpackArchive, and kUnprocessable where the process did not live to its end.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,11 +16,12 @@ namespace skyquilt::server {
 
 Result<std::vector<storage::UnpackedFile>> UnpackApart(const storage::PhotoStore& store,
                                                        const std::string& flight_id,
-                                                       const std::filesystem::path& archive);
+                                                       const std::filesystem::path& archive,
+                                                       std::int64_t most_bytes);
 
 // What that process does: unpacks `archive` below the data folder `staging` and writes what it found to
 // standard output, as UnpackApart reads it.
 void UnpackHere(const std::filesystem::path& staging, const std::string& flight_id,
-                const std::filesystem::path& archive);
+                const std::filesystem::path& archive, std::int64_t most_bytes);
 
 }  // namespace skyquilt::server

@@ -12,7 +12,7 @@ constexpr const char* kIsThere = "SELECT 1 FROM flight WHERE id=? AND deleted_us
 constexpr const char* kFlightColumns =
     "SELECT f.id, f.name, f.options, f.created_us, f.active_revision,"
     " (SELECT count(*) FROM file WHERE flight_id=f.id),"
-    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id) FROM flight f ";
+    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), f.owner FROM flight f ";
 
 Error NoSuchFlight(const std::string& id) {
   return {ErrorCode::kNotFound, fmt::format("There is no flight {}.", id), ""};
@@ -27,6 +27,7 @@ Flight FlightFrom(const Statement& row) {
   if (!row.IsNull(4)) flight.active_revision = row.ColumnInt64(4);
   flight.file_count = row.ColumnInt64(5);
   flight.bytes = row.ColumnInt64(6);
+  flight.owner = row.ColumnText(7);
   return flight;
 }
 
@@ -108,6 +109,7 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
   flight.name = name;
   flight.options = options;
   flight.created = now;
+  flight.owner = owner;
   if (records_) {
     FlightRecord record;
     record.name = name;
@@ -134,6 +136,16 @@ Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
   const Result<bool> row = query->Bind(1, owner).Step();
   if (!row) return row.error();
   return query->ColumnInt64(0);
+}
+
+Result<std::string> Catalogue::OwnerOf(const std::string& flight_id) const {
+  const auto db = db_.Lock();
+  Result<Statement> query = db->Prepare("SELECT owner FROM flight WHERE id=?");
+  if (!query) return query.error();
+  const Result<bool> row = query->Bind(1, flight_id).Step();
+  if (!row) return row.error();
+  if (!*row) return NoSuchFlight(flight_id);
+  return std::string(query->ColumnText(0));
 }
 
 Result<Flight> Catalogue::GetFlight(const std::string& id) const {

@@ -25,6 +25,7 @@ struct Flight {
   std::int64_t file_count = 0;
   std::int64_t bytes = 0;
   std::optional<std::int64_t> active_revision;
+  std::string owner = {};  // id of the token that made it; empty without one
 };
 
 struct StoredFile {
@@ -69,6 +70,7 @@ class Catalogue {
                            const std::string& owner = "");
   // What the flights of an owner hold, with the uploads that are still coming.
   Result<std::int64_t> BytesOf(const std::string& owner) const;
+  Result<std::string> OwnerOf(const std::string& flight_id) const;
   Result<Flight> GetFlight(const std::string& id) const;
   // Flights older than `cursor` (an id that an earlier page ended with), or the newest.
   Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;

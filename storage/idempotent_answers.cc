@@ -2,14 +2,18 @@
 
 namespace skyquilt::storage {
 
-Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const std::string& key,
-                                                                const std::string& route, Time now) const {
+Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const IdempotencyKey& key,
+                                                                Time now) const {
   const auto db = db_.Read();
   Result<Statement> query = db->Prepare(
-      "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE key=? AND route=? AND "
-      "created_us>?");
+      "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE owner=? AND key=? AND "
+      "route=? AND created_us>?");
   if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, key).Bind(2, route).Bind(3, ToUs(now - kKeptFor)).Step();
+  const Result<bool> row = query->Bind(1, key.owner)
+                               .Bind(2, key.key)
+                               .Bind(3, key.route)
+                               .Bind(4, ToUs(now - kKeptFor))
+                               .Step();
   if (!row) return row.error();
   if (!*row) return std::optional<IdempotentAnswer>();
   IdempotentAnswer answer;
@@ -21,24 +25,24 @@ Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const std::strin
   return std::optional<IdempotentAnswer>(std::move(answer));
 }
 
-Result<void> IdempotentAnswers::Keep(const std::string& key, const std::string& route,
-                                     const IdempotentAnswer& answer, Time now) {
+Result<void> IdempotentAnswers::Keep(const IdempotencyKey& key, const IdempotentAnswer& answer, Time now) {
   const auto db = db_.Lock();
   Result<Statement> forget = db->Prepare("DELETE FROM idempotent_answer WHERE created_us<=?");
   if (!forget) return forget.error();
   const Result<void> forgotten = forget->Bind(1, ToUs(now - kKeptFor)).Run();
   if (!forgotten) return forgotten.error();
-  Result<Statement> insert = db->Prepare("INSERT OR REPLACE INTO idempotent_answer VALUES(?,?,?,?,?,?,?)");
+  Result<Statement> insert = db->Prepare("INSERT OR REPLACE INTO idempotent_answer VALUES(?,?,?,?,?,?,?,?)");
   if (!insert) return insert.error();
   const std::span<const std::uint8_t> fingerprint(
       reinterpret_cast<const std::uint8_t*>(answer.fingerprint.data()), answer.fingerprint.size());
-  return insert->Bind(1, key)
-      .Bind(2, route)
-      .Bind(3, fingerprint)
-      .Bind(4, answer.status)
-      .Bind(5, answer.location)
-      .Bind(6, answer.body)
-      .Bind(7, ToUs(now))
+  return insert->Bind(1, key.owner)
+      .Bind(2, key.key)
+      .Bind(3, key.route)
+      .Bind(4, fingerprint)
+      .Bind(5, answer.status)
+      .Bind(6, answer.location)
+      .Bind(7, answer.body)
+      .Bind(8, ToUs(now))
       .Run();
 }
 

@@ -1,6 +1,6 @@
 // IdempotentAnswers: what was answered to a request under a key that its client chose, so that the same
-// request sent again (the answer got lost) is answered the same and does nothing twice. Kept for a day of the AgeClock. Any
-// thread. Errors: kUnavailable, kOutOfSpace, kIo.
+// request sent again (the answer got lost) is answered the same and does nothing twice. Each token has keys of
+// its own. Kept for a day of the AgeClock. Any thread. Errors: kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
 #include <chrono>
@@ -13,8 +13,15 @@
 
 namespace skyquilt::storage {
 
+// Which request an answer belongs to.
+struct IdempotencyKey {
+  std::string owner;  // id of the token that sent it; empty without one
+  std::string key;
+  std::string route;  // method and path
+};
+
 struct IdempotentAnswer {
-  std::string fingerprint;  // of the request's body
+  std::string fingerprint;  // of what the request's body says
   int status = 0;
   std::string location;
   std::string body;
@@ -24,11 +31,9 @@ class IdempotentAnswers {
  public:
   static constexpr std::chrono::hours kKeptFor{24};
   explicit IdempotentAnswers(CatalogueDb& db) : db_(db) {}
-  Result<std::optional<IdempotentAnswer>> Find(const std::string& key, const std::string& route,
-                                               Time now) const;
+  Result<std::optional<IdempotentAnswer>> Find(const IdempotencyKey& key, Time now) const;
   // Also forgets those that are too old.
-  Result<void> Keep(const std::string& key, const std::string& route, const IdempotentAnswer& answer,
-                    Time now);
+  Result<void> Keep(const IdempotencyKey& key, const IdempotentAnswer& answer, Time now);
 
  private:
   CatalogueDb& db_;

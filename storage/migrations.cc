@@ -20,12 +20,13 @@ extern const std::string_view kSchema0009;  // storage/schema/0009_turns.sql
 extern const std::string_view kSchema0010;  // storage/schema/0010_interruptions.sql
 extern const std::string_view kSchema0011;  // storage/schema/0011_trash.sql
 extern const std::string_view kSchema0012;  // storage/schema/0012_data_dir.sql
+extern const std::string_view kSchema0013;  // storage/schema/0013_access.sql
 
 namespace {
 
 // Step i brings version i to i + 1. Only ever appended to.
 const std::array kSteps = {&kSchema0001, &kSchema0002, &kSchema0003, &kSchema0004, &kSchema0005, &kSchema0006,
-                           &kSchema0007, &kSchema0008, &kSchema0009, &kSchema0010, &kSchema0011, &kSchema0012};
+                           &kSchema0007, &kSchema0008, &kSchema0009, &kSchema0010, &kSchema0011, &kSchema0012, &kSchema0013};
 
 Result<int> CurrentVersion(SqliteDb& db) {
   Result<Statement> query = db.Prepare("PRAGMA user_version");

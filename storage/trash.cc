@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kColumns =
     "SELECT id, name, created_us, (SELECT count(*) FROM file WHERE flight_id=f.id),"
-    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), deleted_us, deleted_age_us FROM flight f"
+    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), deleted_us, deleted_age_us, owner FROM flight f"
     " WHERE deleted_us IS NOT NULL ";
 
 TrashedFlight FlightFrom(const Statement& row) {
@@ -19,6 +19,7 @@ TrashedFlight FlightFrom(const Statement& row) {
   flight.bytes = row.ColumnInt64(4);
   flight.deleted = FromUs(row.ColumnInt64(5));
   flight.deleted_age = FromUs(row.ColumnInt64(6));
+  flight.owner = row.ColumnText(7);
   return flight;
 }
 

@@ -25,6 +25,7 @@ struct TrashedFlight {
   std::int64_t bytes = 0;  // of the uploaded files
   Time deleted;            // by the machine's clock of then
   Time deleted_age;        // by the AgeClock
+  std::string owner;       // id of the token that made it; empty without one
 };
 
 class Trash {

@@ -121,6 +121,9 @@ class Unpacking {
   }
 
   Result<void> CheckTotal() const {
+    if (total_ > limits_.room_bytes) {
+      return Error{ErrorCode::kTooLarge, "The archive was not taken: there is no room for what is in it.", ""};
+    }
     if (total_ > limits_.total_bytes) return Refuse("it unpacks to more than the server takes");
     if (total_ > kGrowthFrom && total_ / limits_.growth > archive_bytes_) {
       return Refuse(fmt::format("it unpacks to more than {} times its size", limits_.growth));

@@ -1,11 +1,12 @@
 // UnpackArchive: the files of a zip or tar (also gzipped) into a flight's store, with hard limits on what an
 // archive may make of itself. Names are data: folders are dropped, and no name is ever a path. All or nothing
 // for what is wrong with the archive as a whole; a file inside that cannot be taken is noted and skipped. Any
-// thread. Errors: kUnprocessable (damaged, encrypted, beyond a limit), kOutOfSpace, kIo.
+// thread. Errors: kUnprocessable (damaged, encrypted, beyond a limit), kTooLarge (beyond room_bytes), kOutOfSpace, kIo.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,8 @@ struct ArchiveLimits {
   std::int64_t total_bytes = std::int64_t{200} << 30;
   // Real photos hardly compress: what grows more than this is made to fill disks. Counted from 1 MiB on.
   std::int64_t growth = 100;
+  // What there is room for by other rules than the archive's; kTooLarge beyond.
+  std::int64_t room_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
 struct UnpackedFile {

@@ -113,7 +113,7 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
 Result<void> UploadSpool::CheckOwner(const std::string& id, const std::string& asker, Time now) const {
   const Result<SpooledUpload> upload = Read(id, now);
   if (!upload) return upload.error();
-  if (!upload->owner.empty() && upload->owner != asker) return NoSuchUpload();
+  if (upload->owner != asker) return NoSuchUpload();
   return {};
 }
 

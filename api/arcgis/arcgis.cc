@@ -69,7 +69,6 @@ Response MapServer(Service& service, const Request& request) {
   answer["exportTilesAllowed"] = false;
   std::string text = answer.dump(-1, ' ', false, Value::error_handler_t::replace);
   Response response = Text(200, std::move(text), "application/json");
-  response.headers.Add("Access-Control-Allow-Origin", "*");
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }

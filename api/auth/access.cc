@@ -38,6 +38,7 @@ constexpr Rule kRules[] = {
     {Method::kGet, "/api/v1/webhooks", Scope::kAdmin},
     {Method::kPost, "/api/v1/webhooks", Scope::kAdmin},
     {Method::kDelete, "/api/v1/webhooks/{webhook}", Scope::kAdmin},
+    {Method::kGet, "/api/v1/flights/{flight}/shares", Scope::kUpload},
     {Method::kGet, "/api/v1/*", Scope::kRead},
     {Method::kGet, "/tiles/*", Scope::kRead},
     {Method::kGet, "/tms*", Scope::kRead},
@@ -50,8 +51,6 @@ constexpr Rule kRules[] = {
     {Method::kGet, "/info", Scope::kRead},
     {Method::kGet, "/options", Scope::kRead},
     {Method::kGet, "/task/*", Scope::kRead},
-    {Method::kDelete, "/api/v1/flights/{flight}", Scope::kAdmin},
-    {Method::kDelete, "/api/v1/trash/{flight}", Scope::kAdmin},
     {Method::kDelete, "/api/v1/*", Scope::kUpload},
     {Method::kPost, "/api/v1/*", Scope::kUpload},
     {Method::kPut, "/api/v1/*", Scope::kUpload},
@@ -93,27 +92,28 @@ Shown ShownBy(const Request& request) {
 }
 
 // Every token is compared whole, whatever the outcome: the time taken tells nothing.
-const storage::Token* Recognise(const std::vector<storage::Token>& tokens, std::string_view text) {
+const storage::Token* Recognise(const storage::TokenSet& set, std::string_view text) {
   const std::string hash = HashToken(text);
   const storage::Token* found = nullptr;
-  for (const storage::Token& token : tokens) {
+  for (const storage::Token& token : set.tokens) {
     if (token.hash.size() == hash.size() && CRYPTO_memcmp(token.hash.data(), hash.data(), hash.size()) == 0) {
       found = &token;
     }
   }
-  if (found != nullptr && found->expires && *found->expires <= storage::Now()) return nullptr;
-  return found;
+  return found != nullptr && found->HasEnded(storage::Now()) ? nullptr : found;
 }
 
-Response Unauthorized(const Request& request, std::string_view pattern) {
+Response Unauthorized(const Request& request, std::string_view pattern, bool has_live_token) {
   if (IsNode(pattern)) {
     return NodeAnswer(
         R"({"error":"Invalid authentication token: give one that this node's operator made."})");
   }
-  Response response =
-      Problem({ErrorCode::kUnauthorized,
-               "This server asks for a token. Its operator makes one with \"skyquilt token add\".", ""},
-              request);
+  const char* how =
+      has_live_token
+          ? "This server asks for a token. Its operator makes one with \"skyquilt token add\"."
+          : "This server asks for a token, and all that it had were revoked or have ended. Its operator makes one "
+            "with \"skyquilt token add\", or starts it again with --open to let everybody in.";
+  Response response = Problem({ErrorCode::kUnauthorized, how, ""}, request);
   response.headers.Add("WWW-Authenticate", "Bearer realm=\"skyquilt\"");
   return response;
 }
@@ -140,18 +140,33 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
   if (!asked) return std::nullopt;
   const auto tokens = service.tokens.Known();
   if (!tokens) return Problem(tokens.error(), request);
-  if ((*tokens)->empty()) return std::nullopt;
+  if (!(*tokens)->asks_for_token) {
+    request.is_admin = true;
+    return std::nullopt;
+  }
   const Shown shown = ShownBy(request);
   const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
-  if (token == nullptr) return Unauthorized(request, pattern);
+  if (token == nullptr) return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()));
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
-  const Scope granted = shown.is_in_query && !IsNode(pattern) ? Scope::kRead : token->scope;
+  const bool only_reads = (shown.is_in_query && !IsNode(pattern)) || !token->flight_id.empty();
+  const Scope granted = only_reads ? Scope::kRead : token->scope;
   if (granted < *asked) return Forbidden(request, pattern, *asked);
   request.owner = token->id;
-  request.may_jump_the_queue = granted == Scope::kAdmin;
-  const Result<void> within = CheckLimits(service, *token, request, pattern);
+  request.is_admin = granted == Scope::kAdmin;
+  request.only_flight = token->flight_id;
+  const Result<void> within = CheckLimits(service, *token);
   if (within) return std::nullopt;
   return IsNode(pattern) ? NodeRefusal(within.error().message) : Problem(within.error(), request);
+}
+
+bool IsStillGood(Service& service, const Request& request) {
+  const auto tokens = service.tokens.Known();
+  if (!tokens) return false;
+  if (!(*tokens)->asks_for_token) return true;
+  for (const storage::Token& token : (*tokens)->tokens) {
+    if (token.id == request.owner) return !token.HasEnded(storage::Now());
+  }
+  return false;
 }
 
 std::string NewTokenText() {

@@ -1,14 +1,12 @@
-// What a token may take: requests a minute, and bytes that its flights hold. Any thread. Errors:
-// kRateLimited, kTooLarge, and the catalogue's.
+// What a token may take: requests a minute. (What its flights may hold is api/auth/quota.) Any thread. Errors:
+// kRateLimited.
 #pragma once
 
 #include <chrono>
 #include <map>
 #include <mutex>
 #include <string>
-#include <string_view>
 
-#include "api/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::storage {
@@ -34,8 +32,7 @@ class RateLimiter {
   std::map<std::string, Bucket> buckets_;  // as many as there are tokens
 };
 
-// Counts the request. Bytes are refused before they are taken: by what the request says it brings.
-Result<void> CheckLimits(Service& service, const storage::Token& token, const Request& request,
-                         std::string_view pattern);
+// Counts one request.
+Result<void> CheckLimits(Service& service, const storage::Token& token);
 
 }  // namespace skyquilt::api

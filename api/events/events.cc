@@ -6,6 +6,7 @@
 #include <charconv>
 #include <functional>
 
+#include "api/auth/access.h"
 #include "api/events/event_text.h"
 #include "api/json_codec.h"
 #include "api/problem.h"
@@ -23,14 +24,17 @@ constexpr std::chrono::seconds kPing{15};  // proxies close what is silent
 // One listener: first what it missed, from the log, then what the hub hands on.
 class EventStream final : public LiveSource {
  public:
-  EventStream(Service& service, std::uint64_t seat, storage::EventFilter filter, std::int64_t after)
-      : service_(service), seat_(seat), filter_(std::move(filter)), after_(after) {}
+  EventStream(Service& service, const Request& request, std::uint64_t seat, storage::EventFilter filter, std::int64_t after)
+      : service_(service), asker_(AskerOf(request)), seat_(seat), filter_(std::move(filter)), after_(after) {}
   ~EventStream() override { service_.event_hub.Leave(seat_); }
 
   void OnNews(std::function<void()> wake) override { service_.event_hub.OnNews(seat_, std::move(wake)); }
   bool WaitsForDisk() const override { return !next_; }
 
   Result<std::string> Next() override {
+    if (!IsStillGood(service_, asker_)) {
+      return Error{ErrorCode::kUnauthorized, "The token of this stream was revoked or has ended.", ""};
+    }
     std::string text;
     if (is_first_) text = "retry: 2000\n\n";
     is_first_ = false;
@@ -45,6 +49,12 @@ class EventStream final : public LiveSource {
   }
 
  private:
+  static Request AskerOf(const Request& request) {
+    Request asker;
+    asker.owner = request.owner;
+    return asker;
+  }
+
   Result<void> HandOn(std::string& text) {
     const auto items = service_.event_hub.Since(*next_);
     if (!items) return items.error();
@@ -80,6 +90,7 @@ class EventStream final : public LiveSource {
   }
 
   Service& service_;
+  Request asker_;
   std::uint64_t seat_;
   storage::EventFilter filter_;
   std::int64_t after_;                 // the last event that was told or looked at
@@ -97,6 +108,10 @@ std::optional<std::int64_t> SeqFrom(std::string_view text) {
   return seq;
 }
 
+Response NothingToFollow(const Request& request) {
+  return Problem({ErrorCode::kNotFound, "This token opens one flight, and this is none of its events.", ""}, request);
+}
+
 Response Follow(Service& service, const Request& request) {
   storage::EventFilter filter;
   if (const auto flight = request.Query("flight")) filter.flight_id = *flight;
@@ -106,6 +121,14 @@ Response Follow(Service& service, const Request& request) {
     return Problem(
         {ErrorCode::kInvalidArgument, "\"flight\" and \"job\" are ids as the server gave them.", ""},
         request);
+  }
+  if (!request.only_flight.empty()) {
+    if (filter.flight_id.value_or(request.only_flight) != request.only_flight) return NothingToFollow(request);
+    filter.flight_id = request.only_flight;
+    if (filter.job_id) {
+      const Result<storage::Job> job = service.queue.Get(*filter.job_id);
+      if (!job || job->flight_id != request.only_flight) return NothingToFollow(request);
+    }
   }
   // A browser sends the header when it comes back; the parameter is for whoever knows where to begin.
   std::string_view from = request.headers.Find("Last-Event-ID");
@@ -133,7 +156,7 @@ Response Follow(Service& service, const Request& request) {
   response.headers.Add("Content-Type", "text/event-stream");
   response.headers.Add("Cache-Control", "no-store");
   response.headers.Add("X-Accel-Buffering", "no");
-  response.live = std::make_unique<EventStream>(service, seat->id, std::move(filter), *after);
+  response.live = std::make_unique<EventStream>(service, request, seat->id, std::move(filter), *after);
   return response;
 }
 

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/problem.h"
 #include "api/responses.h"
@@ -55,13 +56,14 @@ Response List(Service& service, const Request& request) {
     }
     cursor = *given;
   }
-  Result<storage::FlightPage> page = service.catalogue.ListFlights(*limit, cursor);
+  Result<storage::FlightPage> page = ListVisibleFlights(service, request, *limit, cursor);
   if (!page) return Problem(page.error(), request);
   std::vector<std::string> items;
   const storage::Time now = storage::Now();
   for (storage::Flight& flight : page->flights) {
-    const Result<FlightView> view = WithJobAndMap(service, std::move(flight));
+    Result<FlightView> view = WithJobAndMap(service, std::move(flight));
     if (!view) return Problem(view.error(), request);
+    view->may_change = MayChange(request, view->flight.owner);
     items.push_back(FlightJson(*view, now));
   }
   Response response = Json(200, JsonObject({{"flights", JsonArray(items)},
@@ -75,8 +77,9 @@ Response List(Service& service, const Request& request) {
 }
 
 Response Get(Service& service, const Request& request) {
-  const Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
+  Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
   if (!view) return Problem(view.error(), request);
+  view->may_change = MayChange(request, view->flight.owner);
   return Json(200, FlightJson(*view, storage::Now()));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "api/auth/flight_access.h"
 #include "api/flights/flights.h"
 #include "api/json_codec.h"
 #include "api/problem.h"
@@ -31,7 +32,10 @@ Response List(Service& service, const Request& request) {
   const Result<std::vector<storage::TrashedFlight>> flights = service.trash.List();
   if (!flights) return Problem(flights.error(), request);
   std::vector<std::string> items;
-  for (const storage::TrashedFlight& flight : *flights) items.push_back(TrashedJson(service, flight));
+  for (const storage::TrashedFlight& flight : *flights) {
+    // What was deleted is seen by whoever may take it back.
+    if (MayChange(request, flight.owner)) items.push_back(TrashedJson(service, flight));
+  }
   return Json(200,
               JsonObject({{"days", std::to_string(service.trash_days)}, {"flights", JsonArray(items)}}));
 }
@@ -42,8 +46,9 @@ Response Restore(Service& service, const Request& request) {
   if (!checked) return Problem(checked.error(), request);
   const Result<void> restored = service.trash.Restore(id);
   if (!restored) return Problem(restored.error(), request);
-  const Result<FlightView> view = ViewFlight(service, id);
+  Result<FlightView> view = ViewFlight(service, id);
   if (!view) return Problem(view.error(), request);
+  view->may_change = MayChange(request, view->flight.owner);
   return Json(200, FlightJson(*view, storage::Now()));
 }
 

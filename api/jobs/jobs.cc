@@ -1,5 +1,7 @@
 #include "api/jobs/jobs.h"
 
+#include <algorithm>
+
 #include "api/jobs/queue_job.h"
 #include "api/json_codec.h"
 #include "api/once.h"
@@ -30,6 +32,10 @@ Response Get(Service& service, const Request& request) {
 Response List(Service& service, const Request& request) {
   std::optional<std::string> flight;
   if (const auto given = request.Query("flight")) flight = *given;
+  if (!request.only_flight.empty()) {
+    if (flight && *flight != request.only_flight) return Json(200, JsonObject({{"jobs", JsonArray({})}}));
+    flight = request.only_flight;
+  }
   const Result<std::vector<storage::Job>> jobs = service.queue.List(flight, kMostListed);
   if (!jobs) return Problem(jobs.error(), request);
   std::vector<std::string> items;
@@ -54,8 +60,9 @@ Response Retry(Service& service, const Request& request) {
   if (!ended) return Problem(ended.error(), request);
   if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
   const storage::Time now = storage::Now();
+  const int priority = request.is_admin ? ended->priority : std::min(ended->priority, 0);
   const Result<storage::Job> job =
-      service.queue.Add(ended->flight_id, ended->options, now, {ended->priority, request.owner});
+      service.queue.Add(ended->flight_id, ended->options, now, {priority, request.owner});
   if (!job) return Problem(job.error(), request);
   Response response = Json(202, JobJson(*job, now));
   response.headers.Add("Location", "/api/v1/jobs/" + job->id);

@@ -1,5 +1,6 @@
 #include "api/jobs/queue_job.h"
 
+#include "api/auth/flight_access.h"
 #include "api/json_codec.h"
 #include "api/responses.h"
 
@@ -9,9 +10,11 @@ Result<storage::Job> QueueJob(Service& service, const Request& request, const st
                               const std::string& body) {
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return checked.error();
+  const Result<void> may = CheckMayChange(service, request, flight_id);
+  if (!may) return may.error();
   const Result<JobRequest> wish = ParseJobRequest(body);
   if (!wish) return wish.error();
-  if (wish->priority > 0 && !request.may_jump_the_queue) {
+  if (wish->priority > 0 && !request.is_admin) {
     return Error{ErrorCode::kForbidden, "A priority above 0 asks for a token of scope admin.", ""};
   }
   const Result<storage::Flight> flight = service.catalogue.GetFlight(flight_id);

@@ -1,5 +1,6 @@
 // QueueJob: a stitching job for a flight, by whatever door it is asked for. Errors: kNotFound (no such
-// flight), kConflict (it has no files, or an unfinished job), kUnprocessable and kInvalidArgument (the
+// flight), kConflict (it has no files, or an unfinished job), kForbidden (it is
+// another's), kUnprocessable and kInvalidArgument (the
 // request), and the queue's.
 #pragma once
 

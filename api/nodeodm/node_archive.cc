@@ -175,7 +175,6 @@ Response Download(Service& service, const Request& request) {
     return DownloadProblem(sent.error(), request);
   if (!sent) return NodeProblem(sent.error(), request);
   sent->headers.Add("Content-Disposition", "attachment; filename=\"all.zip\"");
-  sent->headers.Add("Access-Control-Allow-Origin", "*");
   return *std::move(sent);
 }
 

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/json_text.h"
 #include "api/nodeodm/node_options.h"
@@ -15,11 +16,13 @@ using Json = nlohmann::json;
 struct Wish {
   std::string uuid;
   std::optional<std::string> options;  // JSON list
+  std::string owner;                   // id of the token that asks
 };
 
 // Clients send these as a form or as JSON.
 Result<Wish> ParseWish(const Request& request, const std::string& body) {
   Wish wish;
+  wish.owner = request.owner;
   const std::string_view type = request.headers.Find("Content-Type");
   if (EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json")) {
     const Result<void> fit = CheckJsonText(body);
@@ -67,8 +70,7 @@ Result<void> RemoveTask(Service& service, const storage::NodeTask& task) {
   return DeleteFlight(service, task.flight_id);
 }
 
-Result<void> RestartTask(Service& service, const storage::NodeTask& task,
-                         const std::optional<std::string>& options) {
+Result<void> RestartTask(Service& service, const storage::NodeTask& task, const Wish& wish) {
   const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
   if (!job) return job.error();
   if (!*job || !(*job)->finished) {
@@ -77,14 +79,15 @@ Result<void> RestartTask(Service& service, const storage::NodeTask& task,
   const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
   if (!flight) return flight.error();
   NodeChoice choice{flight->options, task.options};
-  if (options) {
-    const Result<NodeChoice> parsed = ParseNodeOptions(*options);
+  if (wish.options) {
+    const Result<NodeChoice> parsed = ParseNodeOptions(*wish.options);
     if (!parsed) return parsed.error();
     choice = *parsed;
     const Result<void> set = service.catalogue.SetFlightOptions(task.flight_id, choice.job_options);
     if (!set) return set.error();
   }
-  const Result<storage::Job> queued = service.queue.Add(task.flight_id, choice.job_options, storage::Now());
+  const Result<storage::Job> queued =
+      service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wish.owner});
   if (!queued) return queued.error();
   return service.node_tasks.Restart(task.uuid, choice.shown, NodeNowMs());
 }
@@ -100,6 +103,8 @@ void AddChange(Router& router, Service& service, const char* pattern, Change cha
                        if (!wish) return NodeProblem(wish.error(), request);
                        const Result<storage::NodeTask> task = FindNodeTask(service, wish->uuid);
                        if (!task) return Outcome(task.error(), request);
+                       const Result<void> may = CheckMayChange(service, request, task->flight_id);
+                       if (!may) return Outcome(may.error(), request);
                        return Outcome(change(*task, *wish), request);
                      });
                    });
@@ -113,7 +118,7 @@ void AddNodeChangeRoutes(Router& router, Service& service) {
   AddChange(router, service, "/task/remove",
             [&](const storage::NodeTask& task, const Wish&) { return RemoveTask(service, task); });
   AddChange(router, service, "/task/restart", [&](const storage::NodeTask& task, const Wish& wish) {
-    return RestartTask(service, task, wish.options);
+    return RestartTask(service, task, wish);
   });
 }
 

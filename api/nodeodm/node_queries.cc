@@ -141,9 +141,7 @@ std::string LineOf(const storage::Event& event) {
 }  // namespace
 
 Response NodeAnswer(std::string json) {
-  Response response = Json(200, std::move(json));
-  response.headers.Add("Access-Control-Allow-Origin", "*");
-  return response;
+  return Json(200, std::move(json));
 }
 
 Response NodeRefusal(std::string_view message, bool no_retry) {

@@ -98,7 +98,6 @@ Response Xml(std::string body, const char* content_type) {
   Response response =
       Text(200, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + std::move(body), content_type);
   response.headers.Add("Cache-Control", "no-cache");
-  response.headers.Add("Access-Control-Allow-Origin", "*");
   return response;
 }
 

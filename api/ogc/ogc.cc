@@ -1,3 +1,4 @@
+#include "api/auth/flight_access.h"
 #include "api/ogc/ogc.h"
 
 #include <fmt/format.h>
@@ -27,7 +28,6 @@ Response Document(const Value& value) {
   Response response =
       Text(200, value.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
-  response.headers.Add("Access-Control-Allow-Origin", "*");
   return response;
 }
 
@@ -110,7 +110,7 @@ Response Collections(Service& service, const Request& request) {
     return Problem({ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
                    request);
   }
-  const Result<storage::FlightPage> page = service.catalogue.ListFlights(limit, cursor);
+  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, limit, cursor);
   if (!page) return Problem(page.error(), request);
   Value collections = Value::array();
   for (const storage::Flight& flight : page->flights) {

@@ -99,7 +99,6 @@ void AddStacRoute(Router& router, Service& service) {
                              Item(*map, service.store.dir().Revision(map->id, map->revision().revision))
                                  .dump(-1, ' ', false, Value::error_handler_t::replace),
                              "application/geo+json");
-    response.headers.Add("Access-Control-Allow-Origin", "*");
     response.headers.Add("Cache-Control", "no-cache");
     return response;
   });

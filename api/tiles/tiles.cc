@@ -300,7 +300,6 @@ int TileSizePx(const storage::Tileset& tileset) {
 
 Response TileResponse(Result<Response> answer, const Request& request) {
   Response response = answer ? *std::move(answer) : Problem(answer.error(), request);
-  response.headers.Add("Access-Control-Allow-Origin", "*");
   return response;
 }
 

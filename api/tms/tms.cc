@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "api/auth/flight_access.h"
 #include "api/ogc/map_view.h"
 #include "api/problem.h"
 #include "api/tiles/tile_path.h"
@@ -20,7 +21,7 @@ Response Root(const Request& request) {
 }
 
 Response Maps(Service& service, const Request& request) {
-  const Result<storage::FlightPage> page = service.catalogue.ListFlights(kMostMaps, std::nullopt);
+  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMostMaps, std::nullopt);
   if (!page) return Problem(page.error(), request);
   std::string maps;
   for (const storage::Flight& flight : page->flights) {

@@ -17,6 +17,7 @@ Result<void> FormReceiver::Skip(const Error& error) {
     return error;
   }
   upload_.reset();
+  incoming_.reset();
   is_skipped_ = true;
   FileOutcome outcome;
   outcome.name = file_name_;
@@ -57,15 +58,20 @@ Result<void> FormReceiver::BeginFile(const std::string& name) {
   // end.
   const Result<void> named = name.empty() ? Result<void>() : storage::CheckFileName(name);
   if (!named) return Skip(named.error());
+  Result<IncomingBytes> incoming = IncomingBytes::Into(service_, flight_id_);
+  if (!incoming) return incoming.error();
   Result<storage::Upload> upload = service_.store.Begin(flight_id_, 0);
   if (!upload) return Skip(upload.error());
   upload_ = *std::move(upload);
+  incoming_.emplace(*std::move(incoming));
   return {};
 }
 
 Result<void> FormReceiver::PartBytes(std::span<const std::uint8_t> bytes) {
   if (is_file_) {
     if (is_skipped_) return {};
+    const Result<void> taken = incoming_->Take(static_cast<std::int64_t>(bytes.size()));
+    if (!taken) return taken.error();
     const Result<void> written = upload_->Write(bytes);
     return written ? written : Skip(written.error());
   }
@@ -81,6 +87,7 @@ Result<void> FormReceiver::EndPart() {
   if (!is_file_ || is_skipped_) return {};
   const Result<void> ended = EndFile();
   upload_.reset();
+  incoming_.reset();
   return ended;
 }
 
@@ -104,8 +111,10 @@ Result<void> FormReceiver::EndFile() {
     service_.store.Remove(flight_id_, *stored);
     return added.error();
   }
+  incoming_->Kept(bytes);
   Result<std::vector<FileOutcome>> outcomes = UnpackStored(service_, flight_id_, *added);
-  if (!outcomes) return Skip(outcomes.error());
+  const bool is_full = !outcomes && outcomes.error().code == ErrorCode::kTooLarge;  // the quota
+  if (!outcomes) return is_full ? outcomes.error() : Skip(outcomes.error());
   for (FileOutcome& outcome : *outcomes) {
     if (outcome.name == added->name && added->name != file_name_) {
       outcome.note =

@@ -1,6 +1,6 @@
 // FormReceiver: the parts of an upload form, as they come: files go to the photo store and the catalogue,
-// text fields are collected. A file that cannot be taken is noted and skipped; a machine that is full stops
-// the form. One thread at a time.
+// text fields are collected. A file that cannot be taken is noted and skipped; a machine that is full, or a quota
+// (kTooLarge), stops the form. One thread at a time.
 #pragma once
 
 #include <map>
@@ -45,6 +45,7 @@ class FormReceiver final : public PartReceiver {
   std::string flight_id_;
   FormRules rules_;
   std::optional<storage::Upload> upload_;
+  std::optional<IncomingBytes> incoming_;  // for as long as there is an upload_
   std::string* text_ = nullptr;  // the field that is coming in; none: dropped
   bool is_file_ = false;
   bool is_skipped_ = false;

@@ -10,6 +10,7 @@
 #include "api/problem.h"
 #include "api/responses.h"
 #include "api/uploads/files.h"
+#include "api/uploads/form_digest.h"
 #include "api/uploads/form_receiver.h"
 
 namespace skyquilt::api {
@@ -56,7 +57,8 @@ class NewFlight final : public BodySink {
         request_(std::move(request)),
         flight_id_(std::move(flight_id)),
         receiver_(service, flight_id_),
-        parser_(boundary, receiver_) {}
+        digest_(&receiver_),
+        parser_(boundary, digest_) {}
 
   ~NewFlight() override {
     if (is_kept_) return;
@@ -69,6 +71,11 @@ class NewFlight final : public BodySink {
   Response Finish() override {
     const Result<void> whole = parser_.Finish();
     if (!whole) return Problem(whole.error(), request_);
+    return OnceBy(service_, request_, digest_.Finish(), [&] { return QueueAndAnswer(); });
+  }
+
+ private:
+  Response QueueAndAnswer() {
     if (receiver_.stored_count() == 0) return Problem(NothingUsable(receiver_.files()), request_);
     const Result<storage::Job> job = Start();
     if (!job) return Problem(job.error(), request_);
@@ -80,11 +87,9 @@ class NewFlight final : public BodySink {
                                               {"job", JobJson(*job, now)},
                                               {"files", FileOutcomesJson(receiver_.files())}}));
     response.headers.Add("Location", "/api/v1/jobs/" + job->id);
-    if (request_.headers.Has("Idempotency-Key")) KeepAnswer(service_, request_, response);
     return response;
   }
 
- private:
   Result<storage::Job> Start() {
     const std::optional<std::string> name = receiver_.Text("name");
     const std::optional<std::string> chosen = receiver_.Text("options");
@@ -113,8 +118,33 @@ class NewFlight final : public BodySink {
   Request request_;
   std::string flight_id_;
   FormReceiver receiver_;
+  FormDigest digest_;
   MultipartParser parser_;
   bool is_kept_ = false;
+};
+
+// The same form again under its key: it is only compared with the first, and nothing of it stored.
+class FormAgain final : public BodySink {
+ public:
+  FormAgain(Service& service, Request request, const std::string& boundary)
+      : service_(service), request_(std::move(request)), parser_(boundary, digest_) {}
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override { return parser_.Push(bytes); }
+
+  Response Finish() override {
+    const Result<void> whole = parser_.Finish();
+    if (!whole) return Problem(whole.error(), request_);
+    return OnceBy(service_, request_, digest_.Finish(), [&] {
+      return Problem({ErrorCode::kUnavailable, "The first answer under this key is no longer kept. Send it again.", ""},
+                     request_);
+    });
+  }
+
+ private:
+  Service& service_;
+  Request request_;
+  FormDigest digest_{nullptr};
+  MultipartParser parser_;
 };
 
 Response MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
@@ -139,9 +169,11 @@ Begun BeginFlight(Service& service, const Request& request) {
       return Once(service, request, body, [&] { return MakeEmptyFlight(service, request, body); });
     });
   }
-  if (auto kept = KeptAnswer(service, request)) return *std::move(kept);
   const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
   if (!boundary) return Problem(boundary.error(), request);
+  const Result<bool> is_again = HasKeptAnswer(service, request);
+  if (!is_again) return Problem(is_again.error(), request);
+  if (*is_again) return std::make_unique<FormAgain>(service, request, *boundary);
   const storage::Time now = storage::Now();
   const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
   if (!flight) return Problem(flight.error(), request);

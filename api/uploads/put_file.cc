@@ -17,13 +17,17 @@ namespace {
 class PutFile final : public BodySink {
  public:
   // `sha256`: what Content-Digest says of the bytes, if it came.
-  PutFile(Service& service, Request request, storage::Upload upload, std::optional<std::string> sha256)
+  PutFile(Service& service, Request request, storage::Upload upload, IncomingBytes incoming,
+          std::optional<std::string> sha256)
       : service_(service),
         request_(std::move(request)),
         upload_(std::move(upload)),
+        incoming_(std::move(incoming)),
         sha256_(std::move(sha256)) {}
 
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    const Result<void> taken = incoming_.Take(static_cast<std::int64_t>(bytes.size()));
+    if (!taken) return taken.error();
     if (sha256_) digest_.Add(bytes);
     return upload_.Write(bytes);
   }
@@ -44,6 +48,7 @@ class PutFile final : public BodySink {
       service_.store.Remove(flight_id, *stored);
       return Problem(added.error(), request_);
     }
+    incoming_.Kept(bytes);
     if (added->replaced) service_.store.Remove(flight_id, added->replaced_stored_name);
     if (!storage::IsArchiveName(file.name)) return Json(added->replaced ? 200 : 201, FileJson(file));
     const Result<std::vector<FileOutcome>> outcomes = UnpackStored(service_, flight_id, file);
@@ -55,6 +60,7 @@ class PutFile final : public BodySink {
   Service& service_;
   Request request_;
   storage::Upload upload_;
+  IncomingBytes incoming_;
   std::optional<std::string> sha256_;
   Digest digest_{DigestAlgorithm::kSha256};
 };
@@ -68,6 +74,10 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
   const Result<bool> known = service.catalogue.HasFlight(flight_id);
   if (!known) return Problem(known.error(), request);
   if (!*known) return Problem({ErrorCode::kNotFound, "There is no such flight.", ""}, request);
+  Result<IncomingBytes> incoming = IncomingBytes::Into(service, flight_id);
+  if (!incoming) return Problem(incoming.error(), request);
+  const Result<void> fits = incoming->CheckRoom(request.content_length);
+  if (!fits) return Problem(fits.error(), request);
   Result<storage::Upload> upload =
       service.store.Begin(flight_id, static_cast<std::int64_t>(std::min<std::uint64_t>(
                                          request.content_length.value_or(0), storage::kMaxFileBytes + 1)));
@@ -80,7 +90,7 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
                      request);
     }
   }
-  return std::make_unique<PutFile>(service, request, *std::move(upload), std::move(sha256));
+  return std::make_unique<PutFile>(service, request, *std::move(upload), *std::move(incoming), std::move(sha256));
 }
 
 Response List(Service& service, const Request& request) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "api/auth/flight_access.h"
 #include "api/json_codec.h"
 #include "api/problem.h"
 #include "api/responses.h"
@@ -53,6 +54,7 @@ std::optional<Response> CheckVersion(const Request& request) {
 // Before anything is done with an upload that is there: the version, and whose it is.
 std::optional<Response> CheckAsker(const Service& service, const Request& request) {
   if (auto refused = CheckVersion(request)) return refused;
+  if (request.is_admin) return std::nullopt;
   const Result<void> checked =
       service.spool.CheckOwner(request.Parameter("upload"), request.owner, service.db.ages().Now());
   if (checked) return std::nullopt;
@@ -69,18 +71,26 @@ class Chunk final : public BodySink {
   // `answer` turns the upload as it is then into the response.
   using Answer = std::function<Response(const SpooledUpload&)>;
   Chunk(Service& service, Request request, std::unique_ptr<storage::UploadSpool::Append> append,
-        std::optional<TusChecksum> checksum, Answer answer)
+        std::optional<TusChecksum> checksum, std::optional<IncomingBytes> incoming, Answer answer)
       : service_(service),
         request_(std::move(request)),
         append_(std::move(append)),
         checksum_(std::move(checksum)),
+        incoming_(std::move(incoming)),
+        saved_(append_->saved_offset()),
         answer_(std::move(answer)) {
     if (checksum_) digest_.emplace(checksum_->algorithm);
   }
 
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (incoming_) {
+      const Result<void> taken = incoming_->Take(static_cast<std::int64_t>(bytes.size()));
+      if (!taken) return taken.error();
+    }
     if (digest_) digest_->Add(bytes);
-    return append_->Write(bytes);
+    const Result<void> written = append_->Write(bytes);
+    CountSaved();
+    return written;
   }
 
   Response Finish() override {
@@ -89,6 +99,7 @@ class Chunk final : public BodySink {
                     "The checksum is another. Nothing of this request was kept: send it again.", request_);
     }
     const Result<SpooledUpload> upload = append_->Commit(service_.db.ages().Now());
+    CountSaved();
     if (!upload) return Refuse(upload.error(), request_);
     if (upload->file) {
       const auto unpacked = UnpackStored(service_, upload->flight_id, *upload->file);
@@ -98,11 +109,18 @@ class Chunk final : public BodySink {
   }
 
  private:
+  void CountSaved() {
+    if (incoming_) incoming_->Kept(append_->saved_offset() - saved_);
+    saved_ = append_->saved_offset();
+  }
+
   Service& service_;
   Request request_;
   std::unique_ptr<storage::UploadSpool::Append> append_;
   std::optional<TusChecksum> checksum_;
   std::optional<Digest> digest_;
+  std::optional<IncomingBytes> incoming_;  // of an upload whose length is not counted yet
+  std::int64_t saved_;
   Answer answer_;
 };
 
@@ -124,7 +142,14 @@ Begun BeginChunk(Service& service, const Request& request, const std::string& id
   Result<std::unique_ptr<storage::UploadSpool::Append>> append =
       service.spool.Begin(id, offset, checksum->has_value(), now);
   if (!append) return Refuse(append.error(), request);
-  return std::make_unique<Chunk>(service, request, *std::move(append), *checksum, std::move(answer));
+  std::optional<IncomingBytes> incoming;
+  if (!(*append)->has_length()) {
+    Result<IncomingBytes> counted = IncomingBytes::Into(service, (*append)->flight_id());
+    if (!counted) return Refuse(counted.error(), request);
+    incoming.emplace(*std::move(counted));
+  }
+  return std::make_unique<Chunk>(service, request, *std::move(append), *checksum, std::move(incoming),
+                                 std::move(answer));
 }
 
 // What a creation asks for.
@@ -170,11 +195,18 @@ Begun BeginCreation(Service& service, const Request& request) {
   if (has_body && !IsChunk(request)) {
     return Refuse(415, "The first bytes of an upload come as application/offset+octet-stream.", request);
   }
+  const Result<void> may = CheckMayChange(service, request, wish->flight_id);
+  if (!may) return Refuse(may.error(), request);
   const storage::Time now = service.db.ages().Now();
   const Result<int> expired = service.spool.RemoveExpired(now);
   if (!expired) return Refuse(expired.error(), request);
+  Result<IncomingBytes> incoming = IncomingBytes::Into(service, wish->flight_id);
+  if (!incoming) return Refuse(incoming.error(), request);
+  const Result<void> fits = incoming->Take(wish->length.value_or(0));
+  if (!fits) return Refuse(fits.error(), request);
   const Result<SpooledUpload> upload = service.spool.Create(*wish, now);
   if (!upload) return Refuse(upload.error(), request);
+  incoming->Kept(wish->length.value_or(0));  // a length that is known counts from here on
   const auto created = [&service](const SpooledUpload& made) {
     Response response = WithVersion(Response());
     response.status = 201;
@@ -186,6 +218,20 @@ Begun BeginCreation(Service& service, const Request& request) {
   return CollectBody([created, made = *upload](const std::string&) { return created(made); });
 }
 
+// A length that comes late counts as a whole from here on.
+Result<void> DeclareLength(Service& service, const std::string& id, std::int64_t length) {
+  const Result<SpooledUpload> upload = service.spool.Find(id, service.db.ages().Now());
+  if (!upload) return upload.error();
+  if (upload->length || length < upload->offset) return service.spool.DeclareLength(id, length, service.db.ages().Now());
+  Result<IncomingBytes> incoming = IncomingBytes::Into(service, upload->flight_id);
+  if (!incoming) return incoming.error();
+  const Result<void> fits = incoming->Take(length - upload->offset);
+  if (!fits) return fits.error();
+  const Result<void> declared = service.spool.DeclareLength(id, length, service.db.ages().Now());
+  if (declared) incoming->Kept(length - upload->offset);
+  return declared;
+}
+
 Begun BeginPatch(Service& service, const Request& request) {
   if (auto refused = CheckAsker(service, request)) return *std::move(refused);
   const std::string& id = request.Parameter("upload");
@@ -195,7 +241,7 @@ Begun BeginPatch(Service& service, const Request& request) {
   if (request.headers.Has("Upload-Length")) {
     const std::optional<std::int64_t> length = ParseTusNumber(request.headers.Find("Upload-Length"));
     if (!length) return Refuse(400, "Upload-Length is not a number.", request);
-    const Result<void> declared = service.spool.DeclareLength(id, *length, service.db.ages().Now());
+    const Result<void> declared = DeclareLength(service, id, *length);
     if (!declared) return Refuse(declared.error(), request);
   }
   return BeginChunk(service, request, id, *offset, [&service](const SpooledUpload& upload) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 #include "storage/unpack_archive.h"
@@ -14,6 +15,12 @@ FileOutcome Outcome(std::string name, std::int64_t bytes) {
   outcome.name = std::move(name);
   outcome.bytes = bytes;
   return outcome;
+}
+
+std::int64_t SizeOf(const std::vector<storage::UnpackedFile>& files) {
+  std::int64_t bytes = 0;
+  for (const storage::UnpackedFile& file : files) bytes += file.error ? 0 : file.file.bytes;
+  return bytes;
 }
 
 Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& flight_id,
@@ -45,12 +52,31 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file) {
   if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
+  Result<IncomingBytes> incoming = IncomingBytes::Into(service, flight_id);
+  if (!incoming) return incoming.error();
+  const Result<std::optional<std::int64_t>> room = incoming->Room();
+  if (!room) return room.error();
+  // The archive's own bytes are counted still, and go when it is unpacked.
+  const std::int64_t most_bytes = *room ? **room + file.bytes : std::numeric_limits<std::int64_t>::max();
   const Result<std::vector<storage::UnpackedFile>> unpacked =
-      service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name));
+      service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name), most_bytes);
   const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
-  if (removed) service.store.Remove(flight_id, removed->stored_name);
-  if (!unpacked) return unpacked.error();
-  return AddAll(service, flight_id, *unpacked);
+  if (removed) {
+    service.store.Remove(flight_id, removed->stored_name);
+    incoming->Freed(removed->bytes);
+  }
+  if (!unpacked) return unpacked.error().code == ErrorCode::kTooLarge ? incoming->Refusal() : unpacked.error();
+  const std::int64_t bytes = SizeOf(*unpacked);
+  const Result<void> taken = incoming->Take(bytes);
+  if (!taken) {
+    for (const storage::UnpackedFile& one : *unpacked) {
+      if (!one.error) service.store.Remove(flight_id, one.file.stored_name);
+    }
+    return taken.error();
+  }
+  Result<std::vector<FileOutcome>> outcomes = AddAll(service, flight_id, *unpacked);
+  incoming->Kept(bytes);
+  return outcomes;
 }
 
 }  // namespace skyquilt::api

@@ -11,7 +11,7 @@
 namespace skyquilt::api {
 
 // One outcome a file: the file itself, or those of the archive that it was. Errors: those of the store and of
-// UnpackArchive; then the archive is gone too.
+// UnpackArchive, kTooLarge (beyond its owner's quota); then the archive is gone too.
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file);
 

@@ -170,7 +170,6 @@ Response GetMap(Service& service, const Request& request) {
   Response response;
   response.headers.Add("Content-Type", ContentTypeOf(wish->format));
   response.headers.Add("Cache-Control", "no-cache");
-  response.headers.Add("Access-Control-Allow-Origin", "*");
   response.body = *std::move(drawn);
   return response;
 }

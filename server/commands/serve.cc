@@ -25,6 +25,7 @@
 #include "server/housekeeper.h"
 #include "server/http_server.h"
 #include "server/open_storage.h"
+#include "server/origin_policy.h"
 #include "server/request_log.h"
 #include "server/run_apart.h"
 #include "server/static_files.h"
@@ -55,6 +56,8 @@ struct ServeOptions {
   std::string basemap;
   std::string basemap_attribution;
   std::string webhooks = "off";
+  std::vector<std::string> hosts;
+  std::vector<std::string> cors_origins;
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   int trash_days = 30;
@@ -71,6 +74,12 @@ struct ServeOptions {
 [[noreturn]] void Fail(const Error& error) {
   fmt::print(stderr, "skyquilt serve: {}\n", error.message);
   throw CLI::RuntimeError(1);
+}
+
+// "https://maps.example.org:8443/x" -> "maps.example.org:8443"
+std::string HostOf(const std::string& url) {
+  const std::size_t host = url.find("://") + 3;
+  return url.substr(host, url.find('/', host) - host);
 }
 
 // "127.0.0.1:8080", "localhost:0", "[::1]:8080".
@@ -98,10 +107,12 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
         ""};
   }
   settings.address = address;
-  // With tokens a page that got hold of our address by a name of its own (DNS rebinding) still has none.
-  settings.loopback_names_only = !options.open && !has_tokens;
   settings.public_url = options.public_url;
   while (settings.public_url.ends_with('/')) settings.public_url.pop_back();
+  settings.hosts = options.hosts;
+  settings.always_checks_host = !options.hosts.empty();
+  if (!settings.public_url.empty()) settings.hosts.push_back(HostOf(settings.public_url));
+  settings.cors_origins = options.cors_origins;
   settings.threads = std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
   settings.compute_threads = settings.threads;
   settings.connections_of_client = options.connections_per_address;
@@ -178,6 +189,21 @@ api::Response NoPage(const api::Request& request) {
   return response;
 }
 
+// Once there was a token, the server asks for one; --open alone, where none is left, lets everybody in again.
+bool AsksForToken(storage::CatalogueDb& db, bool is_open) {
+  storage::Tokens tokens(db);
+  const Result<storage::TokenSet> set = tokens.Read();
+  if (!set) Fail(set.error());
+  if (!set->asks_for_token || set->HasLiveOne(storage::Now())) return set->asks_for_token;
+  if (!is_open) {
+    LogEvent("all tokens were revoked or have ended: nobody gets in until one is made or --open is said");
+    return true;
+  }
+  const Result<void> opened = tokens.LetEverybodyIn();
+  if (!opened) Fail(opened.error());
+  return false;
+}
+
 // Resumable uploads that were complete when an earlier run ended.
 void FinishUploads(api::Service& service) {
   const Result<std::vector<storage::SpooledUpload>> finished = service.spool.FinishComplete(service.db.ages().Now());
@@ -202,9 +228,8 @@ void RunServer(const ServeOptions& options) {
   Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders);
   if (!storage) Fail(storage.error());
   Storage& opened = *storage;
-  const Result<std::vector<storage::Token>> tokens = storage::Tokens(*opened.db).List();
-  if (!tokens) Fail(tokens.error());
-  const Result<HttpSettings> settings = SettingsFrom(options, !tokens->empty());
+  const bool asks_for_token = AsksForToken(*opened.db, options.open);
+  const Result<HttpSettings> settings = SettingsFrom(options, asks_for_token);
   if (!settings) Fail(settings.error());
   storage::Catalogue catalogue(*opened.db, storage::FlightRecords(opened.dir));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
@@ -279,7 +304,8 @@ void RefuseUnknownVariables() {
                                            "webhooks", "open",       "trusted-proxy",
                                            "connections-per-address", "listeners-per-address",
                                            "requests-per-address",    "waiting-requests",
-                                           "tile-cache-mb",           "trash-days"};
+                                           "tile-cache-mb",           "trash-days",
+                                           "host",                    "cors-origin"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -366,15 +392,35 @@ void AddServeCommand(CLI::App& app) {
       ->envname(VariableOf("basemap-attribution"));
   command
       ->add_flag("--open", options->open,
-                 "Permit an address that other machines can reach, without any token")
+                 "Permit an address that other machines can reach, without any token; lets everybody in again where "
+                 "the last token was revoked")
       ->envname(VariableOf("open"));
   AddBounds(*command, *options);
+  CLI::Option* hosts =
+      command
+          ->add_option("--host", options->hosts,
+                       "A name that the server goes by, besides those of this machine; several, or with commas. Without "
+                       "tokens no other is answered")
+          ->delimiter(',')
+          ->envname(VariableOf("host"));
+  CLI::Option* cors_origins =
+      command
+          ->add_option("--cors-origin", options->cors_origins,
+                       "A site whose pages may use the API: https://host; several, or with commas. Without this, any "
+                       "with a token, and none where no token is asked for")
+          ->delimiter(',')
+          ->check([](const std::string& text) {
+            return IsOriginText(text) ? std::string() : "must be an origin as https://host:port, without a path";
+          })
+          ->envname(VariableOf("cors-origin"));
   command->add_option("--config", options->config, "File with these options, one \"name = value\" a line");
   // A file's options come before those of the command line.
   for (CLI::Option* option : command->get_options()) {
     if (option->check_name("--trusted-proxy")) continue;
     option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
+  for (CLI::Option* option : {hosts, cors_origins})
+    option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
   command->callback([options] {
     RefuseUnknownVariables();
     RunServer(*options);

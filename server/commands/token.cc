@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <chrono>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "api/auth/access.h"
 #include "api/json_codec.h"
+#include "storage/catalogue.h"
 #include "storage/ids.h"
 #include "storage/open_data_folder.h"
 #include "storage/tokens.h"
@@ -19,7 +24,9 @@ struct TokenOptions {
   std::string data_dir;
   std::string name;
   std::string scope = "read";
-  int days = 0;  // 0: for ever
+  std::string flight;   // the one that it opens; empty: every flight
+  std::string expires;  // "30d"; empty: by `days`
+  int days = 0;         // 0: for ever
   double most_gb = 0.0;         // 0: no limit
   int requests_per_minute = 0;  // 0: no limit
 };
@@ -35,8 +42,45 @@ std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options)
   return std::move(opened->db);
 }
 
+// "90s", "30m", "12h", "30d", "8w".
+std::optional<std::chrono::seconds> ParseDuration(const std::string& text) {
+  std::int64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, number);
+  constexpr std::int64_t kMost = 100'000;  // of any unit
+  if (parsed.ec != std::errc() || parsed.ptr + 1 != end || number < 1 || number > kMost) return std::nullopt;
+  switch (*parsed.ptr) {
+    case 's':
+      return std::chrono::seconds(number);
+    case 'm':
+      return std::chrono::minutes(number);
+    case 'h':
+      return std::chrono::hours(number);
+    case 'd':
+      return std::chrono::hours(24 * number);
+    case 'w':
+      return std::chrono::hours(7 * 24 * number);
+    default:
+      return std::nullopt;
+  }
+}
+
+void RequireFlight(storage::CatalogueDb& db, const std::string& id) {
+  const Result<bool> known = storage::Catalogue(db).HasFlight(id);
+  if (!known) Fail(known.error());
+  if (!*known) {
+    Fail({ErrorCode::kNotFound, fmt::format("There is no flight {}. Its id stands in its address on the page.", id), ""});
+  }
+}
+
 void Add(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
+  if (!options.flight.empty()) {
+    RequireFlight(*db, options.flight);
+    if (options.scope != "read") {
+      Fail({ErrorCode::kInvalidArgument, "A token for one flight only reads: leave --scope out.", ""});
+    }
+  }
   const std::string text = api::NewTokenText();
   storage::Token token;
   token.id = storage::NewId();
@@ -44,7 +88,9 @@ void Add(const TokenOptions& options) {
   token.hash = api::HashToken(text);
   token.scope = storage::ScopeFrom(options.scope).value_or(storage::Scope::kRead);
   token.created = storage::Now();
+  token.flight_id = options.flight;
   if (options.days > 0) token.expires = token.created + std::chrono::hours(24) * options.days;
+  if (!options.expires.empty()) token.expires = token.created + *ParseDuration(options.expires);
   if (options.most_gb > 0.0) token.most_bytes = static_cast<std::int64_t>(options.most_gb * 1e9);
   if (options.requests_per_minute > 0) token.requests_per_minute = options.requests_per_minute;
   const Result<void> added = storage::Tokens(*db).Add(token);
@@ -55,14 +101,15 @@ void Add(const TokenOptions& options) {
 
 void List(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
-  const Result<std::vector<storage::Token>> tokens = storage::Tokens(*db).List();
-  if (!tokens) Fail(tokens.error());
-  for (const storage::Token& token : *tokens) {
-    fmt::print("{:<20} {:<7} made {} {}{}{}\n", token.name, storage::ScopeName(token.scope),
+  const Result<storage::TokenSet> set = storage::Tokens(*db).Read();
+  if (!set) Fail(set.error());
+  for (const storage::Token& token : set->tokens) {
+    fmt::print("{:<20} {:<7} made {} {}{}{}{}\n", token.name, storage::ScopeName(token.scope),
                api::FormatTime(token.created),
                token.expires ? "ends " + api::FormatTime(*token.expires) : std::string("never ends"),
                token.most_bytes ? fmt::format(", {:g} GB", static_cast<double>(*token.most_bytes) / 1e9) : "",
-               token.requests_per_minute ? fmt::format(", {} requests a minute", *token.requests_per_minute) : "");
+               token.requests_per_minute ? fmt::format(", {} requests a minute", *token.requests_per_minute) : "",
+               token.flight_id.empty() ? "" : ", only flight " + token.flight_id);
   }
 }
 
@@ -90,9 +137,15 @@ void AddTokenCommand(CLI::App& app) {
   add->add_option("--scope", options->scope, "What it may do; each includes those before")
       ->check(CLI::IsMember({"read", "upload", "admin"}))
       ->capture_default_str();
+  add->add_option("--flight", options->flight, "Id of the one flight that it opens, for reading (default: every flight)");
+  add->add_option("--expires", options->expires, "How long it is good for: 12h, 30d, 8w (default: for ever)")
+      ->check([](const std::string& text) {
+        return ParseDuration(text) ? std::string() : "must be a number with s, m, h, d or w behind it, as 30d";
+      });
   add->add_option("--days", options->days, "Days until it ends (0: never)")
       ->check(CLI::Range(0, 36500))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes("--expires");
   add->add_option("--most-gb", options->most_gb, "Gigabytes of files that its flights may hold (0: no limit)")
       ->check(CLI::Range(0.0, 1e6));
   add->add_option("--per-minute", options->requests_per_minute, "Requests a minute (0: no limit)")

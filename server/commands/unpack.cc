@@ -3,6 +3,8 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -17,6 +19,7 @@ struct UnpackOptions {
   std::string staging;
   std::string flight;
   int parent = 0;
+  std::int64_t most_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
 }  // namespace
@@ -30,9 +33,10 @@ void AddUnpackCommand(CLI::App& app) {
   command->add_option("--staging", options->staging, "Folder to unpack into")->required();
   command->add_option("--flight", options->flight, "Whose files they will be")->required();
   command->add_option("--parent", options->parent, "Stop when this process is gone")->required();
+  command->add_option("--most-bytes", options->most_bytes, "Bytes that there is room for");
   command->callback([options] {
     if (!FollowParent(options->parent, SIGKILL)) return;
-    UnpackHere(options->staging, options->flight, options->archive);
+    UnpackHere(options->staging, options->flight, options->archive, options->most_bytes);
   });
 }
 

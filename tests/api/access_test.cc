@@ -84,8 +84,31 @@ TEST(Access, ARevokedTokenEnds) {
   MakeToken(sample, "other", Scope::kRead);
   EXPECT_EQ(StatusFor(sample, Method::kGet, "/api/v1/flights", token), 0);
   ASSERT_TRUE(sample.service().tokens.Revoke("one"));
-  storage::Tokens fresh(sample.service().db);
-  EXPECT_EQ((*fresh.Known())->size(), 1u);
+  EXPECT_EQ(StatusFor(sample, Method::kGet, "/api/v1/flights", token), 401);
+}
+
+TEST(Access, TheLastTokenRevokedOrEndedOpensNothing) {
+  SampleService sample;
+  const std::string token = MakeToken(sample, "one", Scope::kAdmin);
+  ASSERT_TRUE(sample.service().tokens.Revoke("one"));
+  const auto all_are_refused = [&] {
+    for (const auto& [method, pattern] : sample.router().Routes()) {
+      const int refused = ScopeOf(method, pattern) ? 401 : 0;
+      EXPECT_EQ(StatusFor(sample, method, pattern, ""), refused) << MethodName(method) << " " << pattern;
+      EXPECT_EQ(StatusFor(sample, method, pattern, token), refused) << MethodName(method) << " " << pattern;
+    }
+  };
+  all_are_refused();
+  EXPECT_NE(sample.Get("/api/v1/flights").body.find("--open"), std::string::npos);
+  // A process that starts now, or reads the catalogue anew, knows it too.
+  EXPECT_TRUE(storage::Tokens(sample.service().db).Read()->asks_for_token);
+  MakeToken(sample, "ended", Scope::kAdmin, storage::FromUs(1));
+  all_are_refused();
+  EXPECT_FALSE((*sample.service().tokens.Known())->HasLiveOne(storage::Now()));
+  ASSERT_TRUE(sample.service().tokens.LetEverybodyIn());
+  EXPECT_EQ(sample.Get("/api/v1/flights").status, 200);
+  MakeToken(sample, "two", Scope::kRead);
+  EXPECT_EQ(sample.Get("/api/v1/flights").status, 401);
 }
 
 TEST(Access, TokensAreLongAndNeverTheSame) {

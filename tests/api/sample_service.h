@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "api/auth/access.h"
 #include "api/build_api.h"
 #include "api/target.h"
 #include "tests/storage/scratch_dir.h"
@@ -29,7 +30,7 @@ class SampleService {
 
   // One request with its whole body, as a session would make it.
   Response Send(Method method, const std::string& target, const std::string& body = "",
-                Headers headers = {}) {
+                Headers headers = {}, bool says_length = true) {
     const auto parsed = ParseTarget(target);
     EXPECT_TRUE(parsed) << target;
     auto match = router_.Find(method, parsed->segments);
@@ -40,8 +41,9 @@ class SampleService {
     request.parameters = match.parameters;
     request.query = parsed->query;
     request.headers = std::move(headers);
-    request.content_length = body.size();
+    if (says_length) request.content_length = body.size();
     request.base_url = "http://127.0.0.1:1";
+    if (auto refused = CheckAccess(service_, request, match.route->pattern)) return *std::move(refused);
     if (match.route->handler) return match.route->handler(request);
     auto begun = match.route->upload(request);
     if (auto* refused = std::get_if<Response>(&begun)) return std::move(*refused);
@@ -52,6 +54,19 @@ class SampleService {
   }
   Response Get(const std::string& target, Headers headers = {}) {
     return Send(Method::kGet, target, "", std::move(headers));
+  }
+
+  // A new token, as the header that shows it. Its id is its name.
+  Headers MakeToken(const std::string& name, storage::Scope scope, std::optional<std::int64_t> most_bytes = {},
+                    const std::string& flight_id = "") {
+    const std::string text = NewTokenText();
+    storage::Token token{name, name, HashToken(text), scope, storage::Now()};
+    token.most_bytes = most_bytes;
+    token.flight_id = flight_id;
+    EXPECT_TRUE(service_.tokens.Add(token));
+    Headers headers;
+    headers.Add("Authorization", "Bearer " + text);
+    return headers;
   }
 
   std::string NewFlight() { return catalogue.AddFlight("field", "{}", storage::Now())->id; }

@@ -8,6 +8,7 @@ import shutil
 import socket
 import subprocess
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -63,16 +64,29 @@ class Image(unittest.TestCase):
         self.assertIn("libc6", packages)
         self.assertLessEqual({"libsqlite3-0", "libarchive13"}, set(packages))
 
-    def test_the_command_serves_and_the_health_check_sees_it(self):
+    def test_the_command_serves_with_a_token_and_the_health_check_sees_it(self):
+        self.serve_as_the_image(None)
+
+    def test_the_command_serves_everybody_where_a_variable_says_so(self):
+        self.serve_as_the_image({"SKYQUILT_SERVE_OPEN": "true"})
+
+    def serve_as_the_image(self, variables):
         command = json.loads(next(rest for word, rest in instructions() if word == "CMD"))
         check = json.loads(re.search(r"CMD (\[.*\])", next(rest for word, rest in instructions() if word == "HEALTHCHECK")).group(1))
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
-        replayed = [word.replace("/data", self.scratch.name).replace("0.0.0.0:8080", f"127.0.0.1:{port}") for word in command]
+        self.assertIn("0.0.0.0:8080", command)
+        replayed = [word.replace("/data", self.scratch.name).replace(":8080", f":{port}") for word in command]
         self.assertEqual(replayed[0], "skyquilt")
         self.assertNotEqual(self.run_check(check, port), 0)
-        server = subprocess.Popen([str(BINARY), *replayed[1:]], stdout=subprocess.PIPE, text=True)
+        # Nobody is let in who did not say so: with a token, or by the variable.
+        refused = subprocess.run([str(BINARY), *replayed[1:]], capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("token add", refused.stderr)
+        if variables is None:
+            subprocess.run([str(BINARY), "token", "add", "one", "--data", self.scratch.name], check=True, capture_output=True)
+        server = subprocess.Popen([str(BINARY), *replayed[1:]], stdout=subprocess.PIPE, text=True, env={**os.environ, **(variables or {})})
         try:
             self.assertIn("serving at", server.stdout.readline())
             self.assertEqual(self.run_check(check, port), 0)
@@ -113,7 +127,8 @@ class Image(unittest.TestCase):
         self.assertTrue((ROOT / "docker" / built["context"] / built["dockerfile"]).exists())
         self.assertNotIn("ports", compose["services"]["skyquilt"])  # only nginx is reached from outside
 
-    def test_nginx_understands_its_configuration(self):
+    def nginx_config(self, ports):
+        """nginx.conf as this machine can run it, with other ports (by their numbers in the image)."""
         if not shutil.which("nginx") or not shutil.which("openssl"):
             self.skipTest("nginx and openssl are not here")
         folder = pathlib.Path(self.scratch.name)
@@ -121,11 +136,46 @@ class Image(unittest.TestCase):
                         "-keyout", folder / "privkey.pem", "-out", folder / "fullchain.pem"], check=True, capture_output=True)
         text = (ROOT / "docker/nginx.conf").read_text().replace("/etc/nginx/certs", str(folder)).replace("skyquilt:8080", "127.0.0.1:8080")
         # Debian's nginx is older than the image's and says HTTP/2 another way.
-        text = text.replace("  http2 on;\n", "")
+        text = text.replace("  http2 on;\n", "").replace("/var/log/nginx", str(folder))
+        for inside, outside in ports.items():
+            text = text.replace(f"  listen {inside} ", f"  listen 127.0.0.1:{outside} ")
+            text = re.sub(rf"  listen \[::\]:{inside} .*\n", "", text)
+        kept = " ".join(f"{kind}_temp_path {folder}/{kind};" for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
         config = folder / "nginx.conf"
-        config.write_text(f"pid {folder}/pid; error_log stderr; events {{}} http {{ access_log off; {text} }}")
-        said = subprocess.run(["nginx", "-t", "-c", config], capture_output=True, text=True)
+        config.write_text(f"pid {folder}/pid; error_log stderr; events {{}} http {{ access_log off; {kept} {text} }}")
+        return config
+
+    def test_nginx_understands_its_configuration(self):
+        said = subprocess.run(["nginx", "-t", "-c", self.nginx_config({})], capture_output=True, text=True)
         self.assertEqual(said.returncode, 0, said.stderr)
+
+    def test_nginx_writes_no_token_down(self):
+        ports = {}
+        for inside in (80, 443):
+            with socket.socket() as probe:
+                probe.bind(("127.0.0.1", 0))
+                ports[inside] = probe.getsockname()[1]
+        config = self.nginx_config(ports)
+        text = config.read_text()
+        self.assertIn(f"listen 127.0.0.1:{ports[443]} ssl", text)
+        server = subprocess.Popen(["nginx", "-c", config, "-g", "daemon off; master_process off;"], stderr=subprocess.PIPE, text=True)
+        try:
+            for scheme, inside in (("http", 80), ("https", 443)):
+                for _ in range(100):
+                    asked = subprocess.run(["curl", "-sk", "-o", "/dev/null", "-e", "https://localhost/?token=sq_secret",
+                                            f"{scheme}://127.0.0.1:{ports[inside]}/tiles/x/1/2/3?token=sq_secret"])
+                    if asked.returncode == 0:
+                        break
+                    time.sleep(0.1)
+                self.assertEqual(asked.returncode, 0)
+        finally:
+            server.terminate()
+            errors = server.communicate(timeout=60)[1]
+        folder = pathlib.Path(self.scratch.name)
+        # There is nothing behind it: what nginx says of that must not hold the token either.
+        written = (folder / "access.log").read_text() + (folder / "error.log").read_text() + errors
+        self.assertEqual(written.count("/tiles/x/1/2/3"), 2, written)
+        self.assertNotIn("sq_secret", written)
 
 
 if __name__ == "__main__":

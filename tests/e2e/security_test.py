@@ -34,9 +34,13 @@ class Security(ServerTestCase):
         self.assertEqual(server.request("POST", f"{flights}?token={admin}", "{}", as_json)[0], 403)
         status, headers, _ = server.request("POST", flights, "{}", {**as_json, **self.bearer(upload)})
         self.assertEqual(status, 201)
-        self.assertEqual(server.request("DELETE", headers["Location"], headers=self.bearer(upload))[0], 403)
+        self.assertEqual(server.request("DELETE", headers["Location"], headers=self.bearer(read))[0], 403)
         self.assertEqual(server.request("GET", "/metrics", headers=self.bearer(upload))[0], 403)
-        self.assertEqual(server.request("DELETE", headers["Location"], headers=self.bearer(admin))[0], 204)
+        # Upload deletes what it made, and admin what anybody made.
+        self.assertEqual(server.request("DELETE", headers["Location"], headers=self.bearer(upload))[0], 204)
+        made = [server.request("POST", flights, "{}", {**as_json, **self.bearer(token)})[1]["Location"] for token in (upload, admin)]
+        self.assertEqual(server.request("DELETE", made[1], headers=self.bearer(upload))[0], 403)
+        self.assertEqual([server.request("DELETE", path, headers=self.bearer(admin))[0] for path in made], [204, 204])
         # The node's clients send their token in the address, and take a refusal as an answer.
         status, _, body = server.request("GET", "/info")
         self.assertEqual((status, b"Invalid authentication token" in body), (200, True))

@@ -1,4 +1,5 @@
 """Several who use one server: limits of a token, turns, OGC API Processes, and others who want to be told."""
+import base64
 import hashlib
 import hmac
 import http.server
@@ -62,7 +63,9 @@ class Sharing(ServerTestCase):
         self.assertEqual(server.request("PUT", f"{files}/a.jpg", bytes(600_000), small)[0], 201)
         status, _, body = server.request("PUT", f"{files}/b.jpg", bytes(600_000), small)
         self.assertEqual((status, b"Delete a flight" in body), (413, True))
-        refused = server.request("POST", "/api/v1/uploads", headers={**small, "Tus-Resumable": "1.0.0", "Upload-Length": "600000"})
+        encoded = [base64.b64encode(text.encode()).decode() for text in (files.split("/")[4], "b.jpg")]
+        metadata = {"Upload-Metadata": f"flight {encoded[0]},filename {encoded[1]}"}
+        refused = server.request("POST", "/api/v1/uploads", headers={**small, **metadata, "Tus-Resumable": "1.0.0", "Upload-Length": "600000"})
         self.assertEqual(refused[0], 413)
         self.assertEqual(server.request("PUT", f"{files}/b.jpg", bytes(300_000), small)[0], 201)
         jobs = files.replace("/files", "/jobs")

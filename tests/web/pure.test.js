@@ -116,6 +116,7 @@ test('addresses survive a round trip, broken ones lead home', () => {
     assert.deepEqual(parseRoute(routeHash(route)), route);
   }
   assert.deepEqual(parseRoute('#/flights/%E0%A4%A'), { view: 'home' });
+  assert.deepEqual(parseRoute('#/flights/abc?token=sq_x'), { view: 'flight', id: 'abc' });
 });
 
 test('a place is inside its ring, with holes of the even-odd rule', () => {

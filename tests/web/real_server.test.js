@@ -66,6 +66,32 @@ async function assertGdalSeesTheSame(page, url, id, [west, south, east, north]) 
   assert.ok(mean > 20, 'the window shows ground, not the outside');
 }
 
+/** The page's Share makes a link for who has nothing else, and Revoke ends it. */
+async function assertSharesOneFlight(page, id) {
+  await page.click('#flight-share');
+  await page.click('#share-make');
+  await page.waitForSelector('#share-made input');
+  const link = await page.inputValue('#share-made input');
+  const guests = await browser.newContext();
+  try {
+    const guest = await guests.newPage();
+    await guest.goto(link);
+    await guest.waitForSelector('#report');
+    await mapIdle(guest);
+    assert.ok(!guest.url().includes('token'), 'the address does not keep the token');
+    assert.equal(await guest.locator('#flight-delete, #flight-rename, #flight-share').count(), 0);
+    const token = new URL(link).hash.split('token=')[1];
+    const asked = (/** @type {string} */ path) => guest.evaluate(async ([at, bearer]) => (await fetch(at, { headers: { Authorization: `Bearer ${bearer}` } })).status, [path, token]);
+    assert.equal(await asked(`/api/v1/flights/${id}/download.mbtiles`), 200);
+    assert.equal(await asked('/api/v1/webhooks'), 403);
+    await page.locator('.shares li button').first().click();
+    await page.waitForFunction(() => document.querySelectorAll('.shares li').length === 0);
+    assert.equal(await asked(`/api/v1/flights/${id}`), 401);
+  } finally {
+    await guests.close();
+  }
+}
+
 test('a server with tokens opens to the one that was typed, and to a share link', options, async () => {
   const data = join(folder, 'guarded');
   const tokenOf = (/** @type {string} */ scope) => {
@@ -89,6 +115,7 @@ test('a server with tokens opens to the one that was typed, and to a share link'
     await mapIdle(shared);
     assert.ok(!shared.url().includes('token'), 'the address does not keep the token');
     assert.equal(await shared.locator('#token-dialog').count(), 0);
+    await assertSharesOneFlight(page, id);
   } finally {
     await context.close();
     await server.stop();

@@ -1,19 +1,25 @@
-// The token that a server for others asks for. It comes from a share link (?token=...), and stays for this tab, or from
-// the user, and stays in this browser. Requests carry it in their header; pictures and downloads, which cannot, in their
+// The token that a server for others asks for. It comes from a share link (#/flights/ID?token=..., which is sent to
+// nobody, or ?token=...), and stays for this tab, or from the user, and stays in this browser. Requests carry it in their header; pictures and downloads, which cannot, in their
 // address, where the server takes it for reading only.
 import { h } from './dom.js';
 import { strings } from './strings.js';
 
 const kKey = 'skyquilt-token';
 
-/** Keeps the token of a share link, before the first request. */
+/**
+ * Keeps the token of a share link, before the first request.
+ * @returns {boolean} whether there was one
+ */
 export function takeSharedToken() {
   const address = new URL(location.href);
-  const shared = address.searchParams.get('token');
-  if (!shared) return;
+  const [route, query = ''] = address.hash.split('?');
+  const shared = new URLSearchParams(query).get('token') ?? address.searchParams.get('token');
+  if (!shared) return false;
   sessionStorage.setItem(kKey, shared);
   address.searchParams.delete('token');
+  address.hash = route;
   history.replaceState(null, '', address);  // a copied address or a history must not give it away
+  return true;
 }
 
 const token = () => sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Flight, Job, PhotoCollection, Report, Sighting, StoredFile, TileJson, Trash } from './types.js' */
+/** @import { Flight, Job, PhotoCollection, Report, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { askForToken, authorization, readable } from './access.js';
 import { strings } from './strings.js';
 
@@ -152,6 +152,15 @@ export const getTileJson = (path, signal) => request('GET', path, undefined, sig
 
 /** @param {string} path @returns {Promise<import('./types.js').LayerLegends>} */
 export const getLegends = (path) => request('GET', path);
+
+/** @param {string} id @returns {Promise<{needs_token: boolean, shares: Share[]}>} */
+export const listShares = (id) => request('GET', `${flight_path(id)}/shares`);
+
+/** @param {string} id @param {number|null} days null: it never ends @returns {Promise<Share & {token: string, page: string}>} */
+export const addShare = (id, days) => request('POST', `${flight_path(id)}/shares`, { expires_in_days: days });
+
+/** @param {string} id @param {string} share its id @returns {Promise<null>} */
+export const removeShare = (id, share) => request('DELETE', `${flight_path(id)}/shares/${encodeURIComponent(share)}`);
 
 /** @param {string} id @param {'mbtiles'|'tif'} kind @returns {string} */
 export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;

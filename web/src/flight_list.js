@@ -35,6 +35,9 @@ export function flightFacts(flight) {
     .join(' · ');
 }
 
+/** May who looks change it? @param {Flight} flight */
+export const mayChange = (flight) => flight.may_change !== false;
+
 /** @type {Record<'newest'|'name'|'largest', (a: Flight, b: Flight) => number>} */
 const orders = {
   newest: (a, b) => (a.created_at < b.created_at ? 1 : a.created_at > b.created_at ? -1 : 0),
@@ -122,8 +125,8 @@ export function flightList(actions) {
         h(
           'span',
           { class: 'row-actions' },
-          action('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
-          action('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
+          mayChange(flight) && action('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
+          mayChange(flight) && action('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
         ),
       );
       if (had_focus) entry.row.querySelector('a')?.focus();

@@ -4,7 +4,7 @@
 import { announce, showError } from './announce.js';
 import { ApiError, getFlight, getReport, startJob } from './api.js';
 import { h, put } from './dom.js';
-import { flightFacts, stateChip } from './flight_list.js';
+import { flightFacts, mayChange, stateChip } from './flight_list.js';
 import { followFlight } from './follow_flight.js';
 import { icon } from './icons.js';
 import { isOver, watchJob } from './job_watch.js';
@@ -19,6 +19,7 @@ import { uploadView } from './upload_view.js';
  * @typedef {object} FlightActions
  * @property {(flight: Flight) => void} rename
  * @property {(flight: Flight) => void} remove
+ * @property {(flight: Flight) => void} share
  * @property {() => void} add_photos
  * @property {(flight: Flight) => void} on_flight called with each new state of the flight
  */
@@ -126,9 +127,14 @@ export class FlightView {
         h(
           'div',
           { class: 'head-actions no-print' },
-          button('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
-          button('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
-          button('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
+          ...(mayChange(flight)
+            ? [
+                button('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
+                button('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
+                button('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
+                button('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
+              ]
+            : []),
         ),
       ),
       h('p', { class: 'flight-facts' }, stateChip(flight), ' ', flightFacts(flight)),
@@ -210,7 +216,7 @@ export class FlightView {
         { class: 'callout callout-error', role: 'alert', id: 'failure' },
         h('p', { class: 'callout-title' }, icon('warning'), strings.job.failed),
         text && h('p', {}, text),
-        h('div', { class: 'row' }, this.#startButton(flight, strings.job.again), this.#addButton()),
+        mayChange(flight) && h('div', { class: 'row' }, this.#startButton(flight, strings.job.again), this.#addButton()),
       ),
     );
   }
@@ -226,7 +232,7 @@ export class FlightView {
         { class: 'callout', id: 'waiting' },
         h('p', {}, hint),
         flight.state === 'uploaded' && h('p', { class: 'muted' }, strings.drop.resume_hint),
-        h('div', { class: 'row' }, flight.state === 'uploaded' && this.#startButton(flight, strings.upload.start), this.#addButton()),
+        mayChange(flight) && h('div', { class: 'row' }, flight.state === 'uploaded' && this.#startButton(flight, strings.upload.start), this.#addButton()),
       ),
     );
   }

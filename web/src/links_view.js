@@ -54,7 +54,7 @@ async function copyText(text) {
  * @param {string} address
  * @returns {HTMLElement}
  */
-function addressField(label, address) {
+export function addressField(label, address) {
   const id = `address-${label.toLowerCase().replace(/[^a-z]+/g, '-')}`;
   const input = h('input', { id, class: 'field mono', type: 'text', readonly: true, value: address });
   input.addEventListener('focus', () => input.select());

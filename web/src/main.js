@@ -14,6 +14,7 @@ import { FlightView } from './flight_view.js';
 import { clipName } from './format.js';
 import { icon } from './icons.js';
 import { go, watchRoute } from './router.js';
+import { showShareDialog } from './share_dialog.js';
 import { bottomSheet } from './sheet.js';
 import { Stage } from './stage.js';
 import { strings } from './strings.js';
@@ -22,6 +23,10 @@ import { isUploading, startUpload, uploadOf } from './uploads.js';
 import { welcomeView } from './welcome.js';
 
 takeSharedToken();
+// A share link that is opened where the page is already: everything is asked for anew, with its token.
+addEventListener('hashchange', () => {
+  if (takeSharedToken()) location.reload();
+});
 const stage = new Stage();
 const panel_body = byId('panel-body');
 /** @type {FlightView|null} */
@@ -139,6 +144,7 @@ async function openFlight(route) {
     open_view = new FlightView(route.id, stage, {
       rename,
       remove: (flight) => void remove(flight),
+      share: showShareDialog,
       add_photos: pickers.choose_folder,
       on_flight: (flight) => {
         byId('panel').setAttribute('aria-label', flight.name);

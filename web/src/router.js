@@ -11,7 +11,7 @@
  * @returns {Route}
  */
 export function parseRoute(hash) {
-  const parts = hash.replace(/^#\/?/, '').split('/').map(decode);
+  const parts = hash.split('?')[0].replace(/^#\/?/, '').split('/').map(decode);
   if (parts[0] === 'flights' && parts[1]) {
     if (parts[2] === 'compare' && parts[3]) return { view: 'compare', id: parts[1], other: parts[3] };
     return { view: 'flight', id: parts[1] };

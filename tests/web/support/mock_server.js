@@ -30,8 +30,8 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, trash_days?: number}} [options] upload_ms: time each file takes at least;
- *   basemap_makers: there is a basemap, of theirs
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, trash_days?: number}} [options] upload_ms: time each file takes at least;
+ *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared
  */
 export async function startMockServer(options = {}) {
   const job_ms = options.job_ms ?? 2500;
@@ -56,7 +56,7 @@ export async function startMockServer(options = {}) {
 
   function addFlight(name) {
     const flight = {
-      id: newId(), name, created_at: new Date(Date.UTC(2026, 4, 12, 9, 30 + counter)).toISOString(), files: new Map(),
+      id: newId(), name, created_at: new Date(Date.UTC(2026, 4, 12, 9, 30 + counter)).toISOString(), files: new Map(), shares: [],
       job: null, ready: false, revision: null, error: null,
       place: { lon: 7.4391, lat: 46.9512, half_m: 105, season: counter },
     };
@@ -113,7 +113,7 @@ export async function startMockServer(options = {}) {
       bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
       bounds: report?.bounds ?? null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
       photos: report?.photos ?? null, gsd_m: report?.gsd_m ?? null,
-      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error,
+      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, may_change: flight.may_change ?? true,
     };
   }
 
@@ -218,6 +218,21 @@ export async function startMockServer(options = {}) {
       if (rest === '/at') {
         const names = [...flight.files.keys()].slice(2, 5);
         return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60 })) });
+      }
+      if (rest === '/shares' && request.method === 'GET') {
+        return send(200, { needs_token: Boolean(options.has_tokens), shares: flight.shares.map(({ token, page, ...share }) => share) });
+      }
+      if (rest === '/shares' && request.method === 'POST') {
+        const { expires_in_days: days } = JSON.parse((await readBody()).toString());
+        const token = `sq_${newId()}`;
+        const share = { id: newId(), created_at: new Date().toISOString(), expires_at: days ? new Date(Date.now() + days * 86_400_000).toISOString() : null,
+          token, page: `/#/flights/${flight.id}?token=${token}` };
+        flight.shares.unshift(share);
+        return send(201, share);
+      }
+      if (rest.startsWith('/shares/') && request.method === 'DELETE') {
+        flight.shares = flight.shares.filter(({ id }) => id !== rest.slice('/shares/'.length));
+        return send(204, null);
       }
       if (rest === '/jobs' && request.method === 'POST') {
         await readBody();

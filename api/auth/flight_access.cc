@@ -1,0 +1,115 @@
+#include "api/auth/flight_access.h"
+
+#include <algorithm>
+
+#include "api/auth/access.h"
+#include "api/nodeodm/nodeodm.h"
+#include "api/problem.h"
+
+namespace skyquilt::api {
+namespace {
+
+// What a token for one flight opens besides addresses that name its flight: documents without one, and lists,
+// whose handlers leave the others out.
+constexpr std::string_view kOpenToOneFlight[] = {"/api/v1/flights",
+                                                 "/api/v1/jobs",
+                                                 "/api/v1/jobs/{job}",
+                                                 "/api/v1/jobs/{job}/log",
+                                                 "/api/v1/events",
+                                                 "/tiles/{tileset}",
+                                                 "/tms",
+                                                 "/tms/1.0.0",
+                                                 "/ogc",
+                                                 "/ogc/conformance",
+                                                 "/ogc/tileMatrixSets",
+                                                 "/ogc/tileMatrixSets/{set}",
+                                                 "/ogc/collections",
+                                                 "/ogc/jobs/{job}",
+                                                 "/ogc/jobs/{job}/results"};
+
+bool IsNode(std::string_view pattern) {
+  return pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
+}
+
+std::optional<std::string> ParameterOf(const Request& request, std::string_view name) {
+  for (const auto& [known, value] : request.parameters) {
+    if (known == name) return value;
+  }
+  return std::nullopt;
+}
+
+// The flight that an address is about; none where it names none, or nothing that is there.
+Result<std::optional<std::string>> FlightOf(Service& service, const Request& request) {
+  if (auto flight = ParameterOf(request, "flight")) return flight;
+  if (const auto tileset = ParameterOf(request, "tileset")) {
+    return std::optional(tileset->substr(0, tileset->find('.')));
+  }
+  if (const auto job = ParameterOf(request, "job")) {
+    const Result<storage::Job> found = service.queue.Get(*job);
+    if (found) return std::optional(found->flight_id);
+    if (found.error().code != ErrorCode::kNotFound) return found.error();
+  }
+  if (const auto uuid = ParameterOf(request, "uuid")) {
+    const std::optional<std::string> usual = NodeUuid(*uuid);
+    if (!usual) return std::optional<std::string>();
+    const Result<storage::NodeTask> found = service.node_tasks.Find(*usual);
+    if (found) return std::optional(found->flight_id);
+    if (found.error().code != ErrorCode::kNotFound) return found.error();
+  }
+  return std::optional<std::string>();
+}
+
+bool IsOpenToOneFlight(const Request& request, std::string_view pattern, const std::optional<std::string>& flight) {
+  const bool is_listed =
+      std::find(std::begin(kOpenToOneFlight), std::end(kOpenToOneFlight), pattern) != std::end(kOpenToOneFlight);
+  if (!is_listed && pattern.find("{flight}") == std::string_view::npos) return false;
+  return !flight || *flight == request.only_flight;
+}
+
+}  // namespace
+
+bool MayChange(const Request& request, const std::string& owner) {
+  return request.is_admin || (!request.owner.empty() && request.only_flight.empty() && owner == request.owner);
+}
+
+Result<void> CheckMayChange(Service& service, const Request& request, const std::string& flight_id) {
+  if (request.is_admin) return {};
+  const Result<std::string> owner = service.catalogue.OwnerOf(flight_id);
+  if (!owner) return owner.error();
+  if (MayChange(request, *owner)) return {};
+  return Error{ErrorCode::kForbidden,
+               "This flight belongs to another token. Only that one, or one of scope admin, may change it.", ""};
+}
+
+std::optional<Response> CheckFlightAccess(Service& service, const Request& request, std::string_view pattern) {
+  if (request.is_admin) return std::nullopt;
+  const std::optional<storage::Scope> asked = ScopeOf(request.method, pattern);
+  if (!asked) return std::nullopt;
+  const bool changes = *asked >= storage::Scope::kUpload;
+  if (!changes && request.only_flight.empty()) return std::nullopt;
+  const auto refuse = [&](const Error& error) {
+    return IsNode(pattern) ? NodeProblem(error, request) : Problem(error, request);
+  };
+  const Result<std::optional<std::string>> flight = FlightOf(service, request);
+  if (!flight) return refuse(flight.error());
+  if (!request.only_flight.empty() && !IsOpenToOneFlight(request, pattern, *flight)) {
+    return refuse({ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here.", ""});
+  }
+  if (!changes || !*flight) return std::nullopt;
+  const Result<void> may = CheckMayChange(service, request, **flight);
+  if (may || may.error().code == ErrorCode::kNotFound) return std::nullopt;
+  return refuse(may.error());
+}
+
+Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& request, int limit,
+                                               const std::optional<std::string>& cursor) {
+  if (request.only_flight.empty()) return service.catalogue.ListFlights(limit, cursor);
+  storage::FlightPage page;
+  if (cursor) return page;
+  Result<storage::Flight> flight = service.catalogue.GetFlight(request.only_flight);
+  if (flight) page.flights.push_back(*std::move(flight));
+  if (!flight && flight.error().code != ErrorCode::kNotFound) return flight.error();
+  return page;
+}
+
+}  // namespace skyquilt::api

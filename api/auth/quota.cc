@@ -1,0 +1,123 @@
+#include "api/auth/quota.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "api/service.h"
+
+namespace skyquilt::api {
+namespace {
+
+// "9.8 kB", "2.50 GB"
+std::string Readable(std::int64_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (size < 1e6) return fmt::format("{:.1f} kB", size / 1e3);
+  if (size < 1e9) return fmt::format("{:.1f} MB", size / 1e6);
+  return fmt::format("{:.2f} GB", size / 1e9);
+}
+
+}  // namespace
+
+Result<IncomingBytes> IncomingBytes::For(Service& service, const std::string& owner) {
+  IncomingBytes incoming(service, owner);
+  if (owner.empty()) return incoming;
+  const auto known = service.tokens.Known();
+  if (!known) return known.error();
+  for (const storage::Token& token : (*known)->tokens) {
+    if (token.id != owner) continue;
+    incoming.token_name_ = token.name;
+    incoming.most_bytes_ = token.most_bytes;
+  }
+  return incoming;
+}
+
+Result<IncomingBytes> IncomingBytes::Into(Service& service, const std::string& flight_id) {
+  const Result<std::string> owner = service.catalogue.OwnerOf(flight_id);
+  if (!owner) return owner.error();
+  return For(service, *owner);
+}
+
+IncomingBytes::IncomingBytes(IncomingBytes&& other) noexcept
+    : service_(other.service_),
+      owner_(std::move(other.owner_)),
+      token_name_(std::move(other.token_name_)),
+      most_bytes_(std::exchange(other.most_bytes_, std::nullopt)),
+      taken_(std::exchange(other.taken_, 0)) {}
+
+IncomingBytes::~IncomingBytes() {
+  if (!most_bytes_ || taken_ == 0) return;
+  ByteLedger& ledger = service_->quotas;
+  const std::lock_guard lock(ledger.mutex_);
+  ledger.accounts_[owner_].on_the_way -= taken_;
+}
+
+Result<void> IncomingBytes::Ask() const {
+  const Result<std::int64_t> held = service_->catalogue.BytesOf(owner_);
+  if (!held) return held.error();
+  service_->quotas.accounts_[owner_].held = *held;
+  return {};
+}
+
+Result<void> IncomingBytes::Take(std::int64_t bytes) {
+  if (!most_bytes_) return {};
+  ByteLedger& ledger = service_->quotas;
+  const std::lock_guard lock(ledger.mutex_);
+  ByteLedger::Account& account = ledger.accounts_[owner_];
+  const auto fits = [&] { return account.held && *account.held + account.on_the_way + bytes <= *most_bytes_; };
+  if (!fits()) {
+    const Result<void> asked = Ask();
+    if (!asked) return asked.error();
+  }
+  if (!fits()) return Refusal();
+  account.on_the_way += bytes;
+  taken_ += bytes;
+  return {};
+}
+
+void IncomingBytes::Kept(std::int64_t bytes) {
+  if (!most_bytes_) return;
+  const std::int64_t kept = std::min(bytes, taken_);
+  ByteLedger& ledger = service_->quotas;
+  const std::lock_guard lock(ledger.mutex_);
+  ByteLedger::Account& account = ledger.accounts_[owner_];
+  account.on_the_way -= kept;
+  taken_ -= kept;
+  if (account.held) *account.held += kept;
+}
+
+void IncomingBytes::Freed(std::int64_t bytes) {
+  if (!most_bytes_) return;
+  ByteLedger& ledger = service_->quotas;
+  const std::lock_guard lock(ledger.mutex_);
+  ByteLedger::Account& account = ledger.accounts_[owner_];
+  if (account.held) *account.held = std::max<std::int64_t>(0, *account.held - bytes);
+}
+
+Result<std::optional<std::int64_t>> IncomingBytes::Room() const {
+  if (!most_bytes_) return std::optional<std::int64_t>();
+  ByteLedger& ledger = service_->quotas;
+  const std::lock_guard lock(ledger.mutex_);
+  const Result<void> asked = Ask();
+  if (!asked) return asked.error();
+  const ByteLedger::Account& account = ledger.accounts_[owner_];
+  return std::optional(std::max<std::int64_t>(0, *most_bytes_ - *account.held - account.on_the_way));
+}
+
+Result<void> IncomingBytes::CheckRoom(std::optional<std::uint64_t> content_length) const {
+  const Result<std::optional<std::int64_t>> room = Room();
+  if (!room) return room.error();
+  if (*room && content_length.value_or(0) > static_cast<std::uint64_t>(**room)) return Refusal();
+  return {};
+}
+
+Error IncomingBytes::Refusal() const {
+  return {ErrorCode::kTooLarge,
+          fmt::format("The flights of the token \"{}\" may hold {}, and this would be more. Delete a flight, or ask "
+                      "the server's operator for room.",
+                      token_name_, Readable(most_bytes_.value_or(0))),
+          ""};
+}
+
+}  // namespace skyquilt::api

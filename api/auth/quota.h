@@ -1,0 +1,67 @@
+// Quotas: the bytes that the flights of a token may hold (token add --most-gb), kept to while bytes arrive, through
+// whatever door and from whomever they come: neither an upload that does not say its length nor several at once go
+// past it. The ledger knows, by owner, what the catalogue had when it was last asked and what is on its way; it
+// may have missed that something was deleted, never that something came, and asks again before it refuses. Any
+// thread; one IncomingBytes is used by one thread at a time. Errors: kTooLarge (the quota), kNotFound (no such
+// flight), and the catalogue's.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+struct Service;
+
+class ByteLedger {
+ private:
+  friend class IncomingBytes;
+  struct Account {
+    std::optional<std::int64_t> held;  // by the catalogue; absent: not asked yet
+    std::int64_t on_the_way = 0;
+  };
+  std::mutex mutex_;
+  std::map<std::string, Account> accounts_;  // by token id; only of tokens with a quota
+};
+
+// What one request brings. Counted from Take on; given back at its end, but for what was kept.
+class IncomingBytes {
+ public:
+  // For the flights of a token (empty: of nobody, who has no quota), or of whom a flight belongs to.
+  static Result<IncomingBytes> For(Service& service, const std::string& owner);
+  static Result<IncomingBytes> Into(Service& service, const std::string& flight_id);
+  ~IncomingBytes();
+  IncomingBytes(IncomingBytes&& other) noexcept;
+  IncomingBytes& operator=(IncomingBytes&&) = delete;
+  IncomingBytes(const IncomingBytes&) = delete;
+
+  // Before they are written.
+  Result<void> Take(std::int64_t bytes);
+  // Of those taken, what the catalogue has by now.
+  void Kept(std::int64_t bytes);
+  // What the catalogue had and has no more.
+  void Freed(std::int64_t bytes);
+  // How many bytes could be taken now; absent: there is no quota.
+  Result<std::optional<std::int64_t>> Room() const;
+  // Refuses a body that says that it is longer, before it is sent.
+  Result<void> CheckRoom(std::optional<std::uint64_t> content_length) const;
+  Error Refusal() const;  // why no more are taken
+
+ private:
+  IncomingBytes(Service& service, std::string owner) : service_(&service), owner_(std::move(owner)) {}
+  // The caller holds the ledger's mutex.
+  Result<void> Ask() const;
+
+  Service* service_;
+  std::string owner_;
+  std::string token_name_;
+  std::optional<std::int64_t> most_bytes_;
+  std::int64_t taken_ = 0;  // and not kept
+};
+
+}  // namespace skyquilt::api

@@ -1,0 +1,157 @@
+#include "api/shares/shares.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/auth/access.h"
+#include "api/json_codec.h"
+#include "api/json_text.h"
+#include "api/problem.h"
+#include "api/responses.h"
+#include "storage/ids.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr int kMostDays = 3650;
+constexpr int kUsualDays = 30;
+constexpr std::size_t kMostShares = 100;  // of one flight; each request looks through all tokens
+
+// Days until the share ends; absent: never.
+Result<std::optional<int>> ParseDays(const std::string& body) {
+  if (body.find_first_not_of(" \t\r\n") == std::string::npos) return std::optional<int>(kUsualDays);
+  const Result<void> fit = CheckJsonText(body);
+  if (!fit) return fit.error();
+  const auto parsed = nlohmann::json::parse(body, nullptr, false);
+  if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"expires_in_days\": 30}.", ""};
+  std::optional<int> days = kUsualDays;
+  for (const auto& [field, value] : parsed.items()) {
+    if (field != "expires_in_days") {
+      return Error{ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field), ""};
+    }
+    const bool is_fit = value.is_null() || (value.is_number_integer() && value >= 1 && value <= kMostDays);
+    if (!is_fit) {
+      return Error{ErrorCode::kUnprocessable,
+                   fmt::format("The field \"expires_in_days\" must be a whole number from 1 to {}, or null for a share "
+                               "that never ends.",
+                               kMostDays),
+                   ""};
+    }
+    days = value.is_null() ? std::nullopt : std::optional(value.get<int>());
+  }
+  return days;
+}
+
+std::vector<std::pair<std::string_view, std::string>> Described(const storage::Token& token) {
+  return {{"id", JsonString(token.id)},
+          {"created_at", JsonString(FormatTime(token.created))},
+          {"expires_at", token.expires ? JsonString(FormatTime(*token.expires)) : std::string("null")}};
+}
+
+Result<void> RequireFlight(Service& service, const std::string& flight_id) {
+  const Result<void> checked = CheckId(flight_id, "flight");
+  if (!checked) return checked.error();
+  const Result<bool> known = service.catalogue.HasFlight(flight_id);
+  if (!known) return known.error();
+  if (!*known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  return {};
+}
+
+// Those that have not ended, newest first.
+std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::string& flight_id, storage::Time now) {
+  std::vector<storage::Token> shares;
+  for (auto token = set.tokens.rbegin(); token != set.tokens.rend(); ++token) {
+    if (token->flight_id == flight_id && !token->HasEnded(now)) shares.push_back(*token);
+  }
+  return shares;
+}
+
+Response List(Service& service, const Request& request) {
+  const std::string& flight_id = request.Parameter("flight");
+  const Result<void> known = RequireFlight(service, flight_id);
+  if (!known) return Problem(known.error(), request);
+  const Result<storage::TokenSet> set = service.tokens.Read();
+  if (!set) return Problem(set.error(), request);
+  std::vector<std::string> items;
+  for (const storage::Token& share : SharesOf(*set, flight_id, storage::Now())) {
+    items.push_back(JsonObject(Described(share)));
+  }
+  return Json(200, JsonObject({{"needs_token", set->asks_for_token ? "true" : "false"}, {"shares", JsonArray(items)}}));
+}
+
+// Shares that have ended make room.
+Result<void> MakeRoom(Service& service, const storage::TokenSet& set, const std::string& flight_id,
+                      storage::Time now) {
+  if (SharesOf(set, flight_id, now).size() >= kMostShares) {
+    return Error{ErrorCode::kConflict,
+                 fmt::format("This flight has {} shares already. Revoke one first.", kMostShares), ""};
+  }
+  for (const storage::Token& token : set.tokens) {
+    if (token.flight_id != flight_id || !token.HasEnded(now)) continue;
+    const Result<void> removed = service.tokens.RevokeShare(flight_id, token.id);
+    // Another request may have been faster.
+    if (!removed && removed.error().code != ErrorCode::kNotFound) return removed.error();
+  }
+  return {};
+}
+
+Response Add(Service& service, const Request& request, const std::string& body) {
+  const std::string& flight_id = request.Parameter("flight");
+  const Result<void> known = RequireFlight(service, flight_id);
+  if (!known) return Problem(known.error(), request);
+  const Result<std::optional<int>> days = ParseDays(body);
+  if (!days) return Problem(days.error(), request);
+  const Result<storage::TokenSet> set = service.tokens.Read();
+  if (!set) return Problem(set.error(), request);
+  if (!set->asks_for_token) {
+    // A first token would close the server to everybody else.
+    return Problem({ErrorCode::kConflict,
+                    "This server asks nobody for a token: the address of the flight alone shows it to whoever can reach "
+                    "the server.",
+                    ""},
+                   request);
+  }
+  const storage::Time now = storage::Now();
+  const Result<void> has_room = MakeRoom(service, *set, flight_id, now);
+  if (!has_room) return Problem(has_room.error(), request);
+  const std::string text = NewTokenText();
+  storage::Token token;
+  token.id = storage::NewId();
+  token.name = "share-" + token.id;
+  token.hash = HashToken(text);
+  token.created = now;
+  if (*days) token.expires = now + std::chrono::hours(24) * **days;
+  token.flight_id = flight_id;
+  const Result<void> added = service.tokens.Add(token);
+  if (!added) return Problem(added.error(), request);
+  auto members = Described(token);
+  members.emplace_back("token", JsonString(text));
+  // Behind '#', so that no server or proxy on the way writes it down.
+  members.emplace_back("page", JsonString(fmt::format("/#/flights/{}?token={}", flight_id, text)));
+  return Json(201, JsonObject(members));
+}
+
+Response Remove(Service& service, const Request& request) {
+  const Result<void> removed = service.tokens.RevokeShare(request.Parameter("flight"), request.Parameter("share"));
+  return removed ? NoContent() : Problem(removed.error(), request);
+}
+
+}  // namespace
+
+void AddShareRoutes(Router& router, Service& service) {
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/shares", [&](const Request& r) { return List(service, r); });
+  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/shares",
+                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                     if (!IsJson(request)) {
+                       return Problem({ErrorCode::kUnsupportedFormat, "Send the wish as application/json.", ""},
+                                      request);
+                     }
+                     return CollectBody(
+                         [&service, request](const std::string& body) { return Add(service, request, body); });
+                   });
+  router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
+             [&](const Request& r) { return Remove(service, r); });
+}
+
+}  // namespace skyquilt::api
