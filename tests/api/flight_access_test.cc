@@ -168,7 +168,7 @@ std::string StateOf(World& w) {
   std::string state;
   for (const std::string& id : *w.sample.catalogue.FlightIds()) {
     const auto flight = w.sample.catalogue.GetFlight(id);
-    state += id + flight->name + flight->options + std::to_string(flight->bytes);
+    state += id + (flight ? flight->name + flight->options + std::to_string(flight->bytes) : "gone");
     for (const auto& file : *w.sample.catalogue.ListFiles(id)) state += file.name + file.stored_name;
     for (const auto& job : *w.sample.queue.List(id, 100)) state += job.id + storage::JobStateName(job.state);
   }
