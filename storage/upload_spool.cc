@@ -326,6 +326,11 @@ Result<void> UploadSpool::Append::Sync(Time now) {
   return {};
 }
 
+std::int64_t UploadSpool::Append::saved_offset() const {
+  const std::lock_guard lock(turn_->mutex);  // whoever takes over saves what was written
+  return upload_.offset;
+}
+
 Result<void> UploadSpool::Append::Write(std::span<const std::uint8_t> bytes) {
   const std::lock_guard lock(turn_->mutex);
   if (turn_->writer != this) return TakenOver();

@@ -96,7 +96,7 @@ class UploadSpool::Append {
   Result<void> Write(std::span<const std::uint8_t> bytes);
   const std::string& flight_id() const { return upload_.flight_id; }
   bool has_length() const { return upload_.length.has_value(); }
-  std::int64_t saved_offset() const { return upload_.offset; }  // what the catalogue has
+  std::int64_t saved_offset() const;  // what the catalogue has
   // Durable; the upload as it is now. The last bytes make it a file of its flight.
   Result<SpooledUpload> Commit(Time now);
 
