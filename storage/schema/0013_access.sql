@@ -7,6 +7,10 @@ INSERT INTO token_policy SELECT 1, EXISTS(SELECT 1 FROM token);
 CREATE TRIGGER token_added AFTER INSERT ON token BEGIN
   UPDATE token_policy SET asks_for_token = 1;
 END;
+-- So does a catalogue that was made anew from flights on the disk: one with an owner had a token.
+CREATE TRIGGER owned_flight_added AFTER INSERT ON flight WHEN NEW.owner <> '' BEGIN
+  UPDATE token_policy SET asks_for_token = 1;
+END;
 
 -- A token may open one flight alone, for reading; it goes with the flight.
 ALTER TABLE token ADD COLUMN flight_id TEXT REFERENCES flight(id) ON DELETE CASCADE;
