@@ -16,8 +16,10 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "server/request_log.h"
+#include "server/sandbox.h"
 #include "server/spawn_self.h"
 
 namespace skyquilt::server {
@@ -185,6 +187,12 @@ void EndAllApart() { is_ending = true; }
 void BecomeApart(const ApartNeeds& needs) {
   StepBack();
   LimitThisProcess(needs.limits);
+  FileAccess access{.reads = needs.reads};
+  if (needs.writes_below) access.writes.push_back(*needs.writes_below);
+  const Result<void> confined = Confine(std::move(access));
+  if (confined) return;
+  TellParent(confined.error());
+  _exit(0);
 }
 
 std::string ReadInput() {
