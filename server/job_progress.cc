@@ -14,7 +14,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kBeat{250};
 constexpr std::chrono::seconds kRenewEvery{3};
-constexpr std::chrono::milliseconds kHearWithin{500};
 
 }  // namespace
 
@@ -45,12 +44,11 @@ double WholeJobFraction(const StageShares& shares, std::string_view stage, doubl
 }
 
 JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-                         std::function<void()> on_deaf, StageShares shares)
+                         StageShares shares)
     : queue_(queue),
       lease_(std::move(lease)),
       shares_(std::move(shares)),
       is_stopping_(is_stopping),
-      on_deaf_(std::move(on_deaf)),
       thread_([this] { Beat(); }) {}
 
 JobProgress::~JobProgress() {
@@ -81,7 +79,6 @@ bool JobProgress::IsCancelled() const { return is_stopping_ || state_ != LeaseSt
 
 void JobProgress::Beat() {
   std::unique_lock lock(mutex_);
-  std::optional<Clock::time_point> cancelled_at;
   while (!is_ended_) {
     end_.wait_for(lock, kBeat, [this] { return is_ended_; });
     if (is_ended_) return;
@@ -90,9 +87,6 @@ void JobProgress::Beat() {
     lock.unlock();
     const LeaseState state = TellQueue(is_changed, progress);
     if (state != LeaseState::kHeld) state_ = state;
-    if (state == LeaseState::kCancelRequested && !cancelled_at) cancelled_at = Clock::now();
-    if (cancelled_at && on_deaf_ && Clock::now() - *cancelled_at >= kHearWithin)
-      std::exchange(on_deaf_, nullptr)();
     lock.lock();
   }
 }

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -31,10 +30,8 @@ double WholeJobFraction(const StageShares& shares, std::string_view stage, doubl
 class JobProgress final : public Progress {
  public:
   // `is_stopping` is the worker's own wish to end.
-  // `on_deaf` is called, once and from another thread, when the work goes on for long after the wish to
-  // cancel.
   JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-              std::function<void()> on_deaf = nullptr, StageShares shares = UsualShares());
+              StageShares shares = UsualShares());
   ~JobProgress() override;
 
   void BeginStage(std::string_view stage) override;
@@ -55,7 +52,6 @@ class JobProgress final : public Progress {
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;
   std::condition_variable end_;
-  std::function<void()> on_deaf_;
   bool is_ended_ = false;
   bool is_changed_ = false;
   storage::JobProgress latest_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,11 +18,8 @@
 namespace skyquilt::server {
 namespace {
 
-namespace fs = std::filesystem;
 using storage::Preview;
 
-constexpr int kPhotosAtOnce = 3;
-constexpr std::size_t kMostTracks = 8;
 // A flight of some kilometres still shows as a few pixels.
 constexpr int kOverviewLevels = 9;
 
@@ -64,79 +60,57 @@ bool IsTurned(const poses::PosedFlight& posed, std::size_t photo) {
 
 }  // namespace
 
-PreviewPainter::Track& PreviewPainter::TrackOf(const storage::PreviewWork& work) {
-  if (!tracks_.contains(work.flight_id) && tracks_.size() >= kMostTracks) tracks_.clear();
-  Track& track = tracks_[work.flight_id];
+void PreviewPainter::Remember(const std::vector<storage::StoredFile>& tried) {
   // The catalogue is right: a file that is gone is no part of the flight any more.
-  std::map<std::string, flight::Photo> before = std::exchange(track.photos, {});
+  std::map<std::string, flight::Photo> before = std::exchange(photos_, {});
   std::set<std::string> waiting;
-  for (const storage::StoredFile& file : work.tried) {
+  for (const storage::StoredFile& file : tried) {
     const auto found = before.find(file.stored_name);
     if (found != before.end()) {
-      track.photos.insert(before.extract(found));
-      if (track.waiting.contains(file.stored_name)) waiting.insert(file.stored_name);
+      photos_.insert(before.extract(found));
+      if (waiting_.contains(file.stored_name)) waiting.insert(file.stored_name);
       continue;
     }
-    Result<flight::Photo> photo =
-        flight::ReadPhoto({file.name, store_.PathOf(work.flight_id, file.stored_name)});
-    if (photo && photo->position) track.photos.emplace(file.stored_name, *std::move(photo));
+    begin_photo_(file.stored_name);
+    Result<flight::Photo> photo = flight::ReadPhoto({file.name, files_dir_ / file.stored_name});
+    if (photo && photo->position) photos_.emplace(file.stored_name, *std::move(photo));
   }
-  track.waiting = std::move(waiting);
-  return track;
+  waiting_ = std::move(waiting);
 }
 
-Result<bool> PreviewPainter::Step() {
-  const Result<std::optional<storage::PreviewWork>> work = previews_.Claim(kPhotosAtOnce);
-  if (!work) return work.error();
-  if (!*work) return false;
-  Track& track = TrackOf(**work);
-  std::vector<storage::StoredFile> without_part;
-  for (const storage::StoredFile& file : (*work)->fresh) {
-    Result<flight::Photo> photo =
-        flight::ReadPhoto({file.name, store_.PathOf((*work)->flight_id, file.stored_name)});
+Result<PreviewDrawn> PreviewPainter::Draw(const PreviewRequest& request) {
+  Remember(request.tried);
+  PreviewDrawn drawn;
+  for (const storage::StoredFile& file : request.fresh) {
+    begin_photo_(file.stored_name);
+    Result<flight::Photo> photo = flight::ReadPhoto({file.name, files_dir_ / file.stored_name});
     if (photo && photo->position) {
-      track.photos.emplace(file.stored_name, *std::move(photo));
-      track.waiting.insert(file.stored_name);
+      photos_.insert_or_assign(file.stored_name, *std::move(photo));
+      waiting_.insert(file.stored_name);
     } else {
-      without_part.push_back(file);
+      drawn.forgone.push_back(file.stored_name);
     }
   }
-  if (!without_part.empty()) {
-    const Result<void> forgone = previews_.Forgo(without_part);
-    if (!forgone) return forgone.error();
-  }
-  if (!track.waiting.empty()) {
-    const Result<void> drawn = Draw((*work)->flight_id, track);
-    if (!drawn) return drawn.error();
-  }
-  return true;
+  if (waiting_.empty()) return drawn;
+  Result<std::optional<Preview>> preview = DrawWaiting(request.preview);
+  if (!preview) return preview.error();
+  drawn.preview = *std::move(preview);
+  return drawn;
 }
 
-Result<Preview> PreviewPainter::Begin(const std::string& flight_id) const {
-  Preview preview;
-  preview.flight_id = flight_id;
-  preview.folder = storage::NewPreviewFolder();
-  std::error_code error;
-  fs::create_directory(dir_.Flight(flight_id) / preview.folder, error);
-  if (error) return Error{ErrorCode::kIo, "The folder of a preview cannot be made.", error.message()};
-  return preview;
-}
-
-Result<void> PreviewPainter::Draw(const std::string& flight_id, Track& track) {
-  const poses::PosedFlight posed = PoseOf(track.photos);
-  if (posed.photos.empty()) return {};
+Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview> preview) {
+  const poses::PosedFlight posed = PoseOf(photos_);
+  if (posed.photos.empty()) return std::optional<Preview>();
   const alignment::AlignedFlight placed = alignment::AlignByPoseOnly(posed);
-  const Result<std::optional<Preview>> found = previews_.Find(flight_id);
-  if (!found) return found.error();
-  std::optional<Preview> preview = *found;
   const flight::FilePhotoSource source;
   std::optional<PreviewCanvas> canvas;
   std::shared_ptr<storage::PreviewTiles> tiles;
   std::optional<std::array<double, 4>> changed;
   for (std::size_t i = 0; i < placed.photos.size(); ++i) {
     const std::string stored_name = placed.photos[i].photo.path.filename().string();
-    if (!track.waiting.contains(stored_name) || !IsTurned(posed, i)) continue;
-    track.waiting.erase(stored_name);
+    if (!waiting_.contains(stored_name) || !IsTurned(posed, i)) continue;
+    waiting_.erase(stored_name);
+    begin_photo_(stored_name);
     pipeline::PreviewOptions options;
     if (preview) options.gsd_m = GsdOfZoom(preview->max_zoom, placed.frame.origin().lat_deg);
     Collected collected;
@@ -148,16 +122,13 @@ Result<void> PreviewPainter::Draw(const std::string& flight_id, Track& track) {
     }
     if (drawn->tile_size_px != PreviewCanvas::kTileSizePx) continue;  // a flight at arm's length
     if (!preview) {
-      Result<Preview> begun = Begin(flight_id);
-      if (!begun) return begun.error();
-      preview = *std::move(begun);
+      preview.emplace();
       preview->bounds = drawn->bounds;
       preview->max_zoom = drawn->max_zoom;
       preview->min_zoom = std::max(0, drawn->max_zoom - kOverviewLevels);
     }
     if (!tiles) {
-      Result<std::shared_ptr<storage::PreviewTiles>> opened =
-          storage::PreviewTiles::Open(dir_.Flight(flight_id) / preview->folder);
+      Result<std::shared_ptr<storage::PreviewTiles>> opened = storage::PreviewTiles::Open(folder_);
       if (!opened) return opened.error();
       tiles = *std::move(opened);
       canvas.emplace(*tiles, preview->min_zoom, preview->max_zoom);
@@ -171,22 +142,13 @@ Result<void> PreviewPainter::Draw(const std::string& flight_id, Track& track) {
     Include(drawn->bounds, preview->bounds);
     ++preview->photos;
   }
-  if (!changed) return {};
+  if (!changed) return std::optional<Preview>();
   const Result<storage::PreviewTiles::Tiles> made = canvas->Finish();
   if (!made) return made.error();
   const Result<void> put = tiles->Put(*made);
   if (!put) return put.error();
-  ++preview->edition;
   preview->changed = *changed;
-  const Result<bool> shown = previews_.Show(*preview);
-  if (!shown) return shown.error();
-  if (!*shown) {
-    // The map came first, or a photo was taken out: what was drawn is nobody's now.
-    std::error_code ignored;  // what stays is swept at the next start
-    fs::remove_all(dir_.Flight(flight_id) / preview->folder, ignored);
-    tracks_.erase(flight_id);
-  }
-  return {};
+  return preview;
 }
 
 }  // namespace skyquilt::server

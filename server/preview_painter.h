@@ -1,9 +1,11 @@
-// PreviewPainter: draws photos into their flights' previews as they arrive: by recorded poses, coarse.
-// Decodes what others uploaded, so it belongs into a process of its own. Photos without a position take no
-// part (a log may place them later, in the map), nor does what is no photo. Blocking; one thread.
+// PreviewPainter: draws photos of one flight into its preview as they arrive: by recorded poses, coarse.
+// Decodes what others uploaded, so it runs in a confined process (server/preview_apart.h); it writes the
+// tiles and knows no catalogue. Photos without a position take no part (a log may place them later, in the
+// map), nor does what is no photo. Blocking; one thread.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -11,35 +13,30 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/flight/photo.h"
-#include "storage/data_dir.h"
-#include "storage/photo_store.h"
-#include "storage/previews.h"
+#include "server/preview_messages.h"
 
 namespace skyquilt::server {
 
 class PreviewPainter {
  public:
-  PreviewPainter(const storage::DataDir& dir, storage::Previews& previews)
-      : dir_(dir), store_(dir), previews_(previews) {}
+  // `begin_photo` is told the stored name of each photo before anything is done with it.
+  PreviewPainter(std::filesystem::path files_dir, std::filesystem::path folder,
+                 std::function<void(const std::string&)> begin_photo)
+      : files_dir_(std::move(files_dir)), folder_(std::move(folder)), begin_photo_(std::move(begin_photo)) {}
 
-  // Draws a few of the photos that wait. False: none waited. Errors are the machine's (kOutOfSpace,
-  // kUnavailable, kIo): of a photo that cannot be drawn the log tells, and the others go on.
-  Result<bool> Step();
+  // Errors are the machine's (kOutOfSpace, kUnavailable, kIo): a photo that cannot be drawn is passed over.
+  Result<PreviewDrawn> Draw(const PreviewRequest& request);
 
  private:
-  // What is known of a flight's photos, by the names of their files.
-  struct Track {
-    std::map<std::string, flight::Photo> photos;
-    std::set<std::string> waiting;  // to be drawn when more is known
-  };
-  Track& TrackOf(const storage::PreviewWork& work);
-  Result<void> Draw(const std::string& flight_id, Track& track);
-  Result<storage::Preview> Begin(const std::string& flight_id) const;
+  void Remember(const std::vector<storage::StoredFile>& tried);
+  Result<std::optional<storage::Preview>> DrawWaiting(std::optional<storage::Preview> preview);
 
-  storage::DataDir dir_;
-  storage::PhotoStore store_;
-  storage::Previews& previews_;
-  std::map<std::string, Track> tracks_;  // by flight
+  std::filesystem::path files_dir_;
+  std::filesystem::path folder_;
+  std::function<void(const std::string&)> begin_photo_;
+  // What is known of the flight's photos, by the names of their files.
+  std::map<std::string, flight::Photo> photos_;
+  std::set<std::string> waiting_;  // to be drawn when more is known
 };
 
 }  // namespace skyquilt::server

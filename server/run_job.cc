@@ -8,16 +8,16 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <functional>
 #include <optional>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 #include "api/job_options.h"
+#include "server/job_limits.h"
 #include "server/job_progress.h"
 #include "server/request_log.h"
-#include "server/stitch_job.h"
+#include "server/stitch_apart.h"
 #include "storage/photo_store.h"
 #include "storage/sweep.h"
 
@@ -37,7 +37,7 @@ Error OsError(const std::string& what, int code) {
 }
 
 Result<void> Sync(const fs::path& path, int flags) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | flags);
   if (fd < 0) return OsError("open " + path.string(), errno);
   const int failed = fsync(fd);
   const int code = errno;
@@ -100,48 +100,52 @@ Result<fs::path> ShownMap(const WorkerContext& context, const std::string& fligh
   return context.dir.Revision(flight_id, *std::max_element(revisions->begin(), revisions->end()));
 }
 
-Result<pipeline::MosaicReport> Stitch(WorkerContext& context, const storage::Lease& lease,
-                                      const fs::path& out_dir, Progress& progress) {
+StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const fs::path& out_dir,
+                     Progress& progress) {
   std::error_code error;
   fs::create_directory(out_dir, error);  // below work/, which a data folder that is gone does not have
-  if (error) return OsError("make " + out_dir.string(), error.value());
+  if (error) return {OsError("make " + out_dir.string(), error.value())};
   // An earlier attempt may have died between placing a revision and showing it.
   const Result<storage::SweepReport> swept =
       storage::SweepRevisions(context.dir, context.catalogue, lease.flight_id, storage::Now());
-  if (!swept) return swept.error();
+  if (!swept) return {swept.error()};
   for (const std::string& line : swept->moved) LogEvent(line);
   const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
-  if (!flight) return flight.error();
+  if (!flight) return {flight.error()};
   const Result<std::vector<storage::StoredFile>> files = context.catalogue.ListFiles(lease.flight_id);
-  if (!files) return files.error();
-  Result<pipeline::MosaicOptions> options = api::ParseJobOptions(lease.options);
-  if (!options) return options.error();
-  options->title = flight->name;
+  if (!files) return {files.error()};
+  const Result<pipeline::MosaicOptions> options = api::ParseJobOptions(lease.options);
+  if (!options) return {options.error()};
+  const Result<fs::path> shown = ShownMap(context, lease.flight_id);
+  if (!shown) return {shown.error()};
+  StitchTask task;
+  task.files_dir = context.dir.Files(lease.flight_id);
+  task.previous_dir = *shown;
+  task.out_dir = out_dir;
+  task.options = lease.options;
+  task.title = flight->name;
   const storage::PhotoStore store(context.dir);
-  std::vector<flight::InputFile> inputs;
+  std::int64_t bytes = 0;
   for (const storage::StoredFile& file : *files) {
-    inputs.push_back({file.name, store.PathOf(lease.flight_id, file.stored_name)});
+    task.files.push_back({file.name, store.PathOf(lease.flight_id, file.stored_name)});
+    bytes += file.bytes;
   }
-  StitchJobOptions job_options;
-  job_options.mosaic = *options;
-  Result<fs::path> shown = ShownMap(context, lease.flight_id);
-  if (!shown) return shown.error();
-  job_options.previous_dir = *std::move(shown);
-  return StitchToDirectory(inputs, job_options, out_dir, progress);
+  const auto count = static_cast<std::int64_t>(files->size());
+  return StitchApart(std::move(task), LimitsOfJob(count, bytes, *options, context.timeout), progress);
 }
 
-storage::Revision RevisionFrom(const pipeline::MosaicReport& report, std::int64_t number) {
-  storage::Revision revision;
-  revision.revision = number;
-  revision.bounds = report.bounds;
-  revision.min_zoom = report.min_zoom;
-  revision.max_zoom = report.max_zoom;
-  revision.gsd_m = report.gsd_m;
-  revision.photos_total = report.photos_total;
-  revision.photos_aligned = report.photos_aligned;
-  revision.photos_pose_only = report.photos_pose_only;
-  revision.photos_left_out = report.photos_left_out;
-  return revision;
+// What a confined process left: plain files with no second name, nothing that leads elsewhere.
+Result<void> CheckProducts(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    std::error_code unknown;
+    if (entry.symlink_status(unknown).type() != fs::file_type::regular || entry.hard_link_count(unknown) != 1) {
+      return Error{ErrorCode::kInternal, "The process that made the map left what is no map.",
+                   entry.path().string()};
+    }
+  }
+  if (error) return OsError("list " + folder.string(), error.value());
+  return {};
 }
 
 // Folders of revisions that the publish retired. The one shown before stays for readers who just looked it
@@ -159,7 +163,9 @@ void RemoveRetired(WorkerContext& context, const std::string& flight_id,
 
 // False: the lease was lost, and nothing was shown.
 Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
-                     const pipeline::MosaicReport& report) {
+                     storage::Revision revision) {
+  const Result<void> plain = CheckProducts(made);
+  if (!plain) return plain.error();
   const Result<void> synced = SyncTree(made);
   if (!synced) return synced.error();
   const Result<std::vector<std::int64_t>> before = context.catalogue.Revisions(lease.flight_id);
@@ -172,7 +178,8 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
   if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
   const Result<void> named = Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY);
   if (!named) return named.error();
-  const Result<bool> published = context.queue.Publish(lease, RevisionFrom(report, **number), storage::Now());
+  revision.revision = **number;
+  const Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
   if (!published || !*published) return published;
   placed.Keep();
   RemoveRetired(context, lease.flight_id, *before);
@@ -202,9 +209,8 @@ std::optional<storage::Expectation> Expect(WorkerContext& context, const storage
   return expectation;
 }
 
-void KeepCost(WorkerContext& context, const storage::Lease& lease, const pipeline::MosaicReport& report) {
-  storage::JobCost cost{lease.job_id, report.photos_total, {}};
-  for (const auto& timing : report.timings) cost.stages_s.emplace_back(timing.stage, timing.wall_s);
+void KeepCost(WorkerContext& context, const storage::Lease& lease, const StitchOutcome& outcome) {
+  const storage::JobCost cost{lease.job_id, outcome.figures.photos_total, outcome.stages_s};
   const Result<void> kept = context.costs.Add(cost);
   if (!kept) LogFailure(lease.job_id, "cost", kept.error().detail);
 }
@@ -231,28 +237,24 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   LeaseState state = LeaseState::kHeld;
   {
     AdoptEarlierAttempt(context.dir.Work(), lease);
-    const WorkFolder work(context.dir.Work() / storage::WorkName(lease));
-    const auto leave = [&] {
-      TellUntilHeard(lease, [&] { return context.queue.Dismiss(lease, storage::Now()); });
-      LogEvent(fmt::format("job {} is cancelled in the middle of a stage", lease.job_id));
-      _exit(kCancelledExitCode);
-    };
+    WorkFolder work(context.dir.Work() / storage::WorkName(lease));
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         context.may_exit ? std::function<void()>(leave) : nullptr,
                          expectation ? SharesOf(*expectation) : UsualShares());
     try {
-      const Result<pipeline::MosaicReport> report = Stitch(context, lease, work.path(), progress);
-      if (!report) failure = report.error();
-      if (report && !progress.IsCancelled()) {
-        const Result<bool> published = Publish(context, lease, work.path(), *report);
+      const StitchedApart made = Stitch(context, lease, work.path(), progress);
+      if (!made.outcome) failure = made.outcome.error();
+      if (made.outcome && !progress.IsCancelled()) {
+        const Result<bool> published = Publish(context, lease, work.path(), made.outcome->figures);
         if (!published) failure = published.error();
-        if (published && *published) KeepCost(context, lease, *report);
+        if (published && *published) KeepCost(context, lease, *made.outcome);
         if (published) {
           LogEvent(fmt::format("job {} {}", lease.job_id, *published ? "is published" : "lost its lease"));
           return;
         }
       }
+      // The next attempt goes on from there; the last one's is swept.
+      if (made.has_died && !progress.IsCancelled() && lease.attempt < storage::kMaxAttempts) work.Keep();
     } catch (const std::exception& thrown) {
       failure = Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
                       thrown.what()};
@@ -263,6 +265,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
     LogEvent(fmt::format("job {} lost its lease", lease.job_id));
   } else if (state == LeaseState::kCancelRequested) {
     TellUntilHeard(lease, [&] { return context.queue.Dismiss(lease, storage::Now()); });
+    LogEvent(fmt::format("job {} is cancelled", lease.job_id));
   } else if (context.is_stopping) {
     TellUntilHeard(lease, [&] { return context.queue.GiveBack(lease, storage::Now()); });
   } else if (failure) {

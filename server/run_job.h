@@ -1,10 +1,13 @@
-// RunJob: one leased job from its files to a published revision. The products are made in a folder of the
-// lease's own below work/, moved into the flight in one step, and shown only if the lease still holds.
-// Whatever happens, the job ends or goes back to the queue, and the work folder is removed. Blocking; one at
-// a time in a process.
+// RunJob: one leased job from its files to a published revision. The products are made by a confined process
+// (server/stitch_apart.h) in a folder of the lease's own below work/, of which nothing but plain files is taken,
+// moved into the flight in one step, and shown only if the lease still holds.
+// Whatever happens, the job ends or goes back to the queue; the work folder is removed, unless the process
+// died and another attempt goes on from it. Blocking; any thread that lives as long.
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <optional>
 
 #include "storage/catalogue.h"
 #include "storage/data_dir.h"
@@ -18,13 +21,8 @@ struct WorkerContext {
   storage::JobQueue& queue;
   storage::StageCosts& costs;
   const std::atomic<bool>& is_stopping;
-  // This process is one of a server's own, which starts another: a cancelled job that does not stop in time
-  // may end it. What it leaves behind the server removes.
-  bool may_exit = false;
+  std::optional<std::chrono::seconds> timeout = std::nullopt;  // of a job, instead of what LimitsOfJob says
 };
-
-// How such a process ends.
-inline constexpr int kCancelledExitCode = 3;
 
 void RunJob(WorkerContext& context, const storage::Lease& lease);
 

@@ -19,7 +19,7 @@ constexpr const char* kSystemFiles[] = {
     "/usr/lib32",     "/usr/lib64",       "/usr/libexec",     "/usr/share",
     "/usr/local/lib", "/usr/local/share", "/etc/ld.so.cache", "/etc/localtime",
     "/proc/self",     "/proc/cpuinfo",    "/proc/meminfo",    "/sys/devices/system",
-    "/dev/urandom",   "/dev/random",      "/dev/zero"};
+    "/sys/fs/cgroup", "/dev/urandom",     "/dev/random",      "/dev/zero"};
 // Where an operator's own PROJ and GDAL have their data; lists with colons.
 constexpr const char* kDataVariables[] = {"PROJ_DATA", "PROJ_LIB", "GDAL_DATA"};
 

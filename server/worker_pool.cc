@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "server/request_log.h"
-#include "server/run_job.h"
 #include "server/spawn_self.h"
 #include "storage/sweep.h"
 
@@ -21,8 +20,9 @@ constexpr std::chrono::seconds kBackoff{1};
 
 }  // namespace
 
-WorkerPool::WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue)
-    : dir_(std::move(dir)), queue_(queue), slots_(static_cast<std::size_t>(count)) {
+WorkerPool::WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue,
+                       std::vector<std::string> words)
+    : dir_(std::move(dir)), words_(std::move(words)), queue_(queue), slots_(static_cast<std::size_t>(count)) {
   if (!draws_previews) return;
   slots_.emplace_back();
   slots_.back().draws_previews = true;
@@ -42,6 +42,7 @@ void WorkerPool::Start(Slot& slot, int index) {
   std::vector<std::string> words = {"worker",  "--data",   dir_.root().string(),     "--name",
                                     slot.name, "--parent", std::to_string(getpid()), "--jobs",
                                     "1"};
+  words.insert(words.end(), words_.begin(), words_.end());
   if (slot.draws_previews) words.emplace_back("--previews");
   const Result<pid_t> started = SpawnSelf(std::move(words));
   if (!started) {
@@ -71,14 +72,13 @@ void WorkerPool::Ended(Slot& slot, int status) {
   const Result<int> released = queue_.ReleaseWorker(slot.name, end, storage::Now());
   if (!released) LogFailure("-", "worker", released.error().detail);
   const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  const bool is_cancelled = WIFEXITED(status) && WEXITSTATUS(status) == kCancelledExitCode;
-  if (!is_stopping_ && !is_well && !is_cancelled) {
+  if (!is_stopping_ && !is_well) {
     LogFailure("-", "worker",
                fmt::format("{} (process {}) ended {}", slot.name, slot.pid, HowItEnded(status)));
     if (Clock::now() - slot.started < kYoung) slot.not_before = Clock::now() + kBackoff;
   }
   slot.pid = 0;
-  if (is_well) return;
+  // Also of a job that was cancelled while it waited for another attempt.
   const Result<storage::SweepReport> swept = storage::SweepWork(dir_, queue_, storage::Now());
   if (!swept) LogFailure("-", "worker", swept.error().detail);
   if (swept) {

@@ -17,7 +17,9 @@ namespace skyquilt::server {
 
 class WorkerPool {
  public:
-  WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue);
+  // `words`: options that every worker is started with.
+  WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue,
+             std::vector<std::string> words = {});
 
   // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
   // then.
@@ -42,6 +44,7 @@ class WorkerPool {
   void Ended(Slot& slot, int wait_status);
 
   storage::DataDir dir_;
+  const std::vector<std::string> words_;
   storage::JobQueue& queue_;
   std::vector<Slot> slots_;
   int starts_ = 0;

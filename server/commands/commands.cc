@@ -1,6 +1,7 @@
 #include "server/commands/commands.h"
 
 #include "server/commands/compare.h"
+#include "server/commands/confined.h"
 #include "server/commands/data.h"
 #include "server/commands/inspect.h"
 #include "server/commands/locate.h"
@@ -26,6 +27,7 @@ void AddCommands(CLI::App& app) {
   AddUnpackCommand(app);
   AddVerdictCommand(app);
   AddWorkerCommand(app);
+  AddConfinedCommands(app);
 }
 
 }  // namespace skyquilt::server

@@ -28,6 +28,7 @@
 #include "server/origin_policy.h"
 #include "server/request_log.h"
 #include "server/run_apart.h"
+#include "server/sandbox.h"
 #include "server/static_files.h"
 #include "server/unpack_apart.h"
 #include "server/verdict_apart.h"
@@ -61,6 +62,8 @@ struct ServeOptions {
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   int trash_days = 30;
+  int job_timeout_s = 0;
+  int photo_timeout_s = 60;
   bool previews = true;
   bool open = false;
   std::vector<std::string> trusted_proxies;
@@ -275,7 +278,10 @@ void RunServer(const ServeOptions& options) {
   const Housekeeper housekeeper(service);
   std::optional<WebhookSender> sender;
   if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
-  WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue);
+  LogEvent("what others made is decoded under " + ConfinementHere());
+  WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue,
+                     {"--job-timeout", std::to_string(options.job_timeout_s), "--photo-timeout",
+                      std::to_string(options.photo_timeout_s)});
   LookAfter(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
@@ -299,7 +305,7 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews",
+  constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews", "job-timeout", "photo-timeout",
                                            "web",      "public-url", "basemap", "basemap-attribution",
                                            "webhooks", "open",       "trusted-proxy",
                                            "connections-per-address", "listeners-per-address",
@@ -357,6 +363,18 @@ void AddServeCommand(CLI::App& app) {
   command->add_option("--workers", options->workers, "Worker processes that stitch")
       ->check(CLI::Range(0, 64))
       ->envname(VariableOf("workers"))
+      ->capture_default_str();
+  command
+      ->add_option("--job-timeout", options->job_timeout_s,
+                   "Seconds after which a job is ended; 0: ten minutes, a minute a file and a second a MiB")
+      ->check(CLI::Range(0, 30 * 24 * 3600))
+      ->envname(VariableOf("job-timeout"))
+      ->capture_default_str();
+  command
+      ->add_option("--photo-timeout", options->photo_timeout_s,
+                   "Seconds of processor time that the preview of one photo may take; it is passed over then")
+      ->check(CLI::Range(1, 24 * 3600))
+      ->envname(VariableOf("photo-timeout"))
       ->capture_default_str();
   command
       ->add_flag("--previews,!--no-previews", options->previews,

@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "server/preview_painter.h"
+#include "server/preview_apart.h"
 #include "server/process_limits.h"
 #include "server/request_log.h"
 #include "server/run_job.h"
@@ -26,6 +26,8 @@ struct WorkerOptions {
   std::string name;
   int parent = 0;
   int jobs = 0;  // 0: any number
+  int job_timeout_s = 0;    // 0: by what was uploaded
+  int photo_timeout_s = 0;  // 0: as PhotoLimits says
   bool once = false;
   bool previews = false;
 };
@@ -39,30 +41,18 @@ void OnStopSignal(int) { is_stopping = true; }
   throw CLI::RuntimeError(1);
 }
 
-// What a photo may take of a machine that also has tiles to serve: decoders have been talked into more.
-constexpr std::int64_t kPreviewMemoryBytes = std::int64_t{2560} << 20;
-// A photo that keeps its decoder busy for longer ends this process; it counts as tried, and the next one goes
-// on.
-constexpr std::int64_t kPreviewStepCpuS = 60;
-// No job comes near (the budget for photos and tiles is 1 GiB), but one that a codec was talked into ends
-// here instead of taking the machine with it. Address space is more than memory: files are mapped, and each
-// thread has its stack and arena.
-constexpr std::int64_t kJobMemoryBytes = std::int64_t{12} << 30;
-// A map of the most pixels that are rendered (core/render/plan_mosaic) is smaller.
-constexpr std::int64_t kJobFileBytes = std::int64_t{1} << 40;
-
-void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, bool once) {
-  LimitThisProcess({.more_memory_bytes = kPreviewMemoryBytes});
+void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, const WorkerOptions& options) {
   storage::Previews previews(db);
-  PreviewPainter painter(dir, previews);
+  PhotoLimits limits;
+  if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
+  PreviewApart drawing(dir, previews, limits);
   while (!is_stopping) {
-    LimitThisProcess({.more_cpu_s = kPreviewStepCpuS});
-    const Result<bool> drawn = painter.Step();
+    const Result<bool> drawn = drawing.Step();
     if (!drawn) {
       LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
       std::this_thread::sleep_for(std::chrono::seconds(1));
     } else if (!*drawn) {
-      if (once) return;
+      if (options.once) return;
       std::this_thread::sleep_for(kPoll);
     }
   }
@@ -71,22 +61,24 @@ void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, bool on
 void RunWorker(const WorkerOptions& options) {
   signal(SIGTERM, OnStopSignal);
   signal(SIGINT, OnStopSignal);
+  signal(SIGPIPE, SIG_IGN);  // a process it started may die before it has heard all
   // A worker whose server died must not go on for nobody.
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
+  LimitThisProcess({});
   Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir);
   if (!opened) Fail(opened.error());
   const storage::DataDir* const dir = &opened->dir;
   storage::CatalogueDb* const db = opened->db.get();
   if (options.previews) {
-    DrawPreviews(*dir, *db, options.once);
+    DrawPreviews(*dir, *db, options);
     return;
   }
-  LimitThisProcess({.more_memory_bytes = kJobMemoryBytes, .file_bytes = kJobFileBytes});
   storage::Catalogue catalogue(*db);
   storage::JobQueue queue(*db);
   storage::StageCosts costs(*db);
-  WorkerContext context{*dir, catalogue, queue, costs, is_stopping, options.parent != 0};
+  WorkerContext context{*dir, catalogue, queue, costs, is_stopping};
+  if (options.job_timeout_s > 0) context.timeout = std::chrono::seconds(options.job_timeout_s);
   const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
   for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {
     const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());
@@ -115,6 +107,10 @@ void AddWorkerCommand(CLI::App& app) {
   command->add_option("--name", options->name, "Name in the queue (default: worker-<process id>)");
   command->add_option("--parent", options->parent, "Stop when this process is gone");
   command->add_option("--jobs", options->jobs, "Stop after this many jobs (default: never)");
+  command->add_option("--job-timeout", options->job_timeout_s,
+                      "Seconds that a job may take (default: by what was uploaded)");
+  command->add_option("--photo-timeout", options->photo_timeout_s,
+                      "Seconds of processor time that the preview of a photo may take (default: 60)");
   command->add_flag("--once", options->once, "Stop when the queue is empty");
   command->add_flag("--previews", options->previews,
                     "Draw the previews of flights that are still uploading instead");

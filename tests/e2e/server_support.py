@@ -116,6 +116,30 @@ def is_running(pid):
         return False
 
 
+def children_of(pid):
+    """Process ids of a process's children, whichever of its threads made them."""
+    children = []
+    for task in pathlib.Path(f"/proc/{pid}/task").glob("*"):
+        try:
+            children += [int(child) for child in (task / "children").read_text().split()]
+        except FileNotFoundError:
+            continue
+    return children
+
+
+def confined_of(server, kind):
+    """Process ids of the processes that a server's workers have started to decode what others made."""
+    found = []
+    for worker in server.workers():
+        for pid in children_of(worker):
+            try:
+                if kind.encode() in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
+                    found.append(pid)
+            except FileNotFoundError:
+                continue
+    return found
+
+
 def open_files_of(pid):
     """What the descriptors of a process point to; those that it closes meanwhile are left out."""
     targets = []

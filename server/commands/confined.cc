@@ -1,0 +1,31 @@
+#include "server/commands/confined.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "server/preview_apart.h"
+#include "server/stitch_apart.h"
+
+namespace skyquilt::server {
+namespace {
+
+void Add(CLI::App& app, const char* name, const char* what, int (*run)(int parent)) {
+  const auto parent = std::make_shared<int>(0);
+  CLI::App* command = app.add_subcommand(name, what);
+  command->group("");  // not in the list of commands
+  command->add_option("--parent", *parent, "Stop when this process is gone")->required();
+  // All has been said: what libraries do at the end of a process is not worth a call that is refused.
+  command->callback([parent, run] { _exit(run(*parent)); });
+}
+
+}  // namespace
+
+void AddConfinedCommands(CLI::App& app) {
+  Add(app, "stitch-confined", "Make the map of a job (a worker starts this by itself)", StitchConfined);
+  Add(app, "preview-confined", "Draw the preview of a flight (a worker starts this by itself)",
+      PreviewConfined);
+}
+
+}  // namespace skyquilt::server
