@@ -1,5 +1,5 @@
 // What a job may take of the machine: generous for any flight, in proportion to what was uploaded, and an end
-// to a file that was made to keep a decoder busy for ever. Pure; any thread.
+// to a file that was made to keep a decoder busy for ever. Any thread.
 #pragma once
 
 #include <chrono>
@@ -16,11 +16,22 @@ struct JobLimits {
   std::int64_t memory_bytes = 0;  // of its own, beyond which it is ended
 };
 
+// What an operator says instead.
+struct GivenLimits {
+  std::optional<std::chrono::seconds> timeout = std::nullopt;
+  std::optional<std::int64_t> memory_bytes = std::nullopt;
+  // Of the machine or container, of which a job may take three quarters; 0: not known.
+  std::int64_t machine_memory_bytes = 0;
+};
+
 // Ten minutes, a minute a file and a second a MiB; twice as much processor time. Real flights take one to
-// three seconds of processor time a photo. With `timeout` that instead, on the wall, and for each core on the
-// processor. Memory: the options' budget, 4 GiB for what does not follow it (the program, features and
+// three seconds of processor time a photo. With a timeout given that instead, on the wall, and for each core
+// on the processor. Memory: the options' budget, 4 GiB for what does not follow it (the program, features and
 // matches, the solver), and 2 MiB a file.
 JobLimits LimitsOfJob(std::int64_t files, std::int64_t bytes, const pipeline::MosaicOptions& options,
-                      std::optional<std::chrono::seconds> timeout);
+                      const GivenLimits& given);
+
+// The memory that this machine has, or that its container may take. Reads /proc and /sys.
+std::int64_t MemoryOfThisMachine();
 
 }  // namespace skyquilt::server

@@ -187,7 +187,7 @@ void EndAllApart() { is_ending = true; }
 void BecomeApart(const ApartNeeds& needs) {
   StepBack();
   LimitThisProcess(needs.limits);
-  FileAccess access{.reads = needs.reads};
+  FileAccess access{.reads = needs.reads, .writes = {}};
   if (needs.writes_below) access.writes.push_back(*needs.writes_below);
   const Result<void> confined = Confine(std::move(access));
   if (confined) return;

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "api/job_options.h"
-#include "server/job_limits.h"
 #include "server/job_progress.h"
 #include "server/request_log.h"
 #include "server/stitch_apart.h"
@@ -131,7 +130,7 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
     bytes += file.bytes;
   }
   const auto count = static_cast<std::int64_t>(files->size());
-  return StitchApart(std::move(task), LimitsOfJob(count, bytes, *options, context.timeout), progress);
+  return StitchApart(std::move(task), LimitsOfJob(count, bytes, *options, context.limits), progress);
 }
 
 // What a confined process left: plain files with no second name, nothing that leads elsewhere.

@@ -6,9 +6,8 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
-#include <optional>
 
+#include "server/job_limits.h"
 #include "storage/catalogue.h"
 #include "storage/data_dir.h"
 #include "storage/job_queue.h"
@@ -21,7 +20,7 @@ struct WorkerContext {
   storage::JobQueue& queue;
   storage::StageCosts& costs;
   const std::atomic<bool>& is_stopping;
-  std::optional<std::chrono::seconds> timeout = std::nullopt;  // of a job, instead of what LimitsOfJob says
+  GivenLimits limits = {};
 };
 
 void RunJob(WorkerContext& context, const storage::Lease& lease);

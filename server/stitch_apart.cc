@@ -55,7 +55,7 @@ std::optional<Error> Excess(const ConfinedChild& child, const JobLimits& limits,
     return Error{
         ErrorCode::kUnprocessable,
         fmt::format("The job was ended because it needed more than {} of memory {}. {}, or make the map "
-                    "of fewer photos.",
+                    "of fewer photos. Whoever runs the server can give jobs more with --job-memory.",
                     Gib(limits.memory_bytes), where.InWords(), kAdvice),
         fmt::format("{} bytes", memory)};
   }

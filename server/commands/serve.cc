@@ -63,6 +63,7 @@ struct ServeOptions {
   int workers = 1;
   int trash_days = 30;
   int job_timeout_s = 0;
+  int job_memory_mib = 0;
   int photo_timeout_s = 60;
   bool previews = true;
   bool open = false;
@@ -280,7 +281,8 @@ void RunServer(const ServeOptions& options) {
   if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
   LogEvent("what others made is decoded under " + ConfinementHere());
   WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue,
-                     {"--job-timeout", std::to_string(options.job_timeout_s), "--photo-timeout",
+                     {"--job-timeout", std::to_string(options.job_timeout_s), "--job-memory",
+                      std::to_string(options.job_memory_mib), "--photo-timeout",
                       std::to_string(options.photo_timeout_s)});
   LookAfter(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
@@ -305,7 +307,7 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews", "job-timeout", "photo-timeout",
+  constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews", "job-timeout", "job-memory", "photo-timeout",
                                            "web",      "public-url", "basemap", "basemap-attribution",
                                            "webhooks", "open",       "trusted-proxy",
                                            "connections-per-address", "listeners-per-address",
@@ -369,6 +371,13 @@ void AddServeCommand(CLI::App& app) {
                    "Seconds after which a job is ended; 0: ten minutes, a minute a file and a second a MiB")
       ->check(CLI::Range(0, 30 * 24 * 3600))
       ->envname(VariableOf("job-timeout"))
+      ->capture_default_str();
+  command
+      ->add_option("--job-memory", options->job_memory_mib,
+                   "MiB of memory beyond which a job is ended; 0: 5 GiB and 2 MiB a file, and no more "
+                   "than three quarters of what the machine has")
+      ->check(CLI::Range(0, 1 << 24))
+      ->envname(VariableOf("job-memory"))
       ->capture_default_str();
   command
       ->add_option("--photo-timeout", options->photo_timeout_s,

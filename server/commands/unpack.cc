@@ -1,6 +1,7 @@
 #include "server/commands/unpack.h"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -37,6 +38,7 @@ void AddUnpackCommand(CLI::App& app) {
   command->callback([options] {
     if (!FollowParent(options->parent, SIGKILL)) return;
     UnpackHere(options->staging, options->flight, options->archive, options->most_bytes);
+    _exit(0);  // what libraries do at the end of a process may be a call that it has no right to any more
   });
 }
 

@@ -25,8 +25,9 @@ struct WorkerOptions {
   std::string data_dir;
   std::string name;
   int parent = 0;
-  int jobs = 0;  // 0: any number
+  int jobs = 0;             // 0: any number
   int job_timeout_s = 0;    // 0: by what was uploaded
+  int job_memory_mib = 0;   // 0: by what was uploaded
   int photo_timeout_s = 0;  // 0: as PhotoLimits says
   bool once = false;
   bool previews = false;
@@ -78,7 +79,9 @@ void RunWorker(const WorkerOptions& options) {
   storage::JobQueue queue(*db);
   storage::StageCosts costs(*db);
   WorkerContext context{*dir, catalogue, queue, costs, is_stopping};
-  if (options.job_timeout_s > 0) context.timeout = std::chrono::seconds(options.job_timeout_s);
+  if (options.job_timeout_s > 0) context.limits.timeout = std::chrono::seconds(options.job_timeout_s);
+  context.limits.machine_memory_bytes = MemoryOfThisMachine();
+  if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;
   const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
   for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {
     const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());
@@ -109,6 +112,8 @@ void AddWorkerCommand(CLI::App& app) {
   command->add_option("--jobs", options->jobs, "Stop after this many jobs (default: never)");
   command->add_option("--job-timeout", options->job_timeout_s,
                       "Seconds that a job may take (default: by what was uploaded)");
+  command->add_option("--job-memory", options->job_memory_mib,
+                      "MiB of memory that a job may take (default: by what was uploaded)");
   command->add_option("--photo-timeout", options->photo_timeout_s,
                       "Seconds of processor time that the preview of a photo may take (default: 60)");
   command->add_flag("--once", options->once, "Stop when the queue is empty");

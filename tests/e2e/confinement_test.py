@@ -79,7 +79,7 @@ class Confinement(ServerTestCase):
 
     def test_the_process_of_a_job_holds_nothing_but_its_folder(self):
         server = self.serve("--no-previews")
-        self.assertIn("decoded under seccomp", server.errors())
+        wait_until(lambda: "decoded under seccomp" in server.errors(), "the log does not say what confines decoders")
         flight_id, job_id = self.start_job(server, self.photos + [(f"again_{name}", content) for name, content in self.photos])
         pid = self.find(server, "stitch-confined")
         os.kill(pid, signal.SIGSTOP)
@@ -134,6 +134,14 @@ class Confinement(ServerTestCase):
         _, job_id = self.start_job(server)
         self.assertEqual(server.wait_for_job(job_id)["state"], "successful")
 
+    def test_a_job_that_needs_more_memory_than_it_may_is_ended(self):
+        server = self.serve("--no-previews", "--job-memory", "150")
+        _, job_id = self.start_job(server, [("slow.jpg", slow_photo(self.photos[0][1], coefficients=5))])
+        job = server.wait_for_job(job_id)
+        self.assertEqual((job["state"], job["attempts"]), ("failed", 1), job)
+        self.assertIn("needed more than 0.1 GiB of memory in the stage", str(job["error"]))
+        wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
+
     def put(self, server, flight_id, name, content):
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
 
@@ -182,7 +190,7 @@ class Confinement(ServerTestCase):
             server = self.serve()
         finally:
             server_support.subprocess.Popen = popen
-        self.assertIn("offers no Landlock", server.errors())
+        wait_until(lambda: "offers no Landlock" in server.errors(), "the log does not say that Landlock is missing")
         _, flight = server.json("POST", "/api/v1/flights", {})
         for name, content in self.photos:
             self.put(server, flight["id"], name, content)

@@ -185,13 +185,17 @@ TEST(PreviewMessages, ComeAsTheyWereSentAndNothingElse) {
 
 TEST(JobLimits, GrowWithWhatWasUploaded) {
   const pipeline::MosaicOptions options;
-  const JobLimits one = LimitsOfJob(1, 20 << 20, options, std::nullopt);
+  const JobLimits one = LimitsOfJob(1, 20 << 20, options, {});
   EXPECT_EQ(one.wall, std::chrono::seconds(600 + 60 + 20));
   EXPECT_EQ(one.cpu_s, 2 * one.wall.count());
   EXPECT_EQ(one.memory_bytes, options.max_memory_bytes + (std::int64_t{4} << 30) + (2 << 20));
-  const JobLimits many = LimitsOfJob(2000, std::int64_t{20} << 30, options, std::nullopt);
+  const JobLimits many = LimitsOfJob(2000, std::int64_t{20} << 30, options, {});
   EXPECT_GT(many.wall, std::chrono::hours(30));
-  EXPECT_EQ(LimitsOfJob(2000, 0, options, std::chrono::seconds(7)).wall, std::chrono::seconds(7));
+  EXPECT_EQ(LimitsOfJob(1, 0, options, {.machine_memory_bytes = std::int64_t{4} << 30}).memory_bytes, std::int64_t{3} << 30);
+  EXPECT_GT(MemoryOfThisMachine(), 256 << 20);
+  const JobLimits given = LimitsOfJob(2000, 0, options, {std::chrono::seconds(7), 1 << 20});
+  EXPECT_EQ(given.wall, std::chrono::seconds(7));
+  EXPECT_EQ(given.memory_bytes, 1 << 20);
 }
 
 }  // namespace
