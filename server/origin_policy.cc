@@ -30,7 +30,7 @@ std::string_view WithoutPort(std::string_view host) {
 }
 
 // In network byte order; IPv4 has 4 bytes.
-std::optional<std::string> AddressBytes(std::string_view text) {
+std::optional<std::string> BinaryAddress(std::string_view text) {
   const std::string name(text);
   std::array<char, sizeof(in6_addr)> bytes{};
   if (inet_pton(AF_INET, name.c_str(), bytes.data()) == 1) return std::string(bytes.data(), sizeof(in_addr));
@@ -90,9 +90,9 @@ bool IsOwnHost(std::string_view host, const HttpSettings& settings) {
   for (const std::string& known : settings.hosts) {
     if (api::EqualsIgnoringCase(known, name) || api::EqualsIgnoringCase(known, host)) return true;
   }
-  const std::optional<std::string> asked = AddressBytes(name);
+  const std::optional<std::string> asked = BinaryAddress(name);
   if (!asked) return false;
-  if (asked == AddressBytes(settings.address)) return true;
+  if (asked == BinaryAddress(settings.address)) return true;
   const bool is_any = settings.address == "0.0.0.0" || settings.address == "::";
   return is_any && IsAddressOfThisMachine(*asked);
 }
