@@ -157,7 +157,7 @@ Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
     return Error{ErrorCode::kTooLarge, "This file is larger than 4 GiB, more than the server takes.", ""};
   }
   struct statvfs disk {};
-  if (statvfs(dir_.root().c_str(), &disk) != 0) return OsError("statvfs", errno);
+  if (statvfs(dir_.root().c_str(), &disk) != 0) return errno == ENOENT ? FolderGone() : OsError("statvfs", errno);
   const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
   if (free_bytes < kReservedBytes + static_cast<std::uint64_t>(declared_bytes)) {
     return Error{ErrorCode::kOutOfSpace,
