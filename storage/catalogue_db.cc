@@ -11,7 +11,9 @@ namespace {
 
 // Tokens' digests and the secrets of webhooks are in it. SQLite gives what it keeps beside a file the file's mode.
 void KeepFromOthers(const std::filesystem::path& path) {
-  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  // Never one that exists: closing any descriptor of a file lets go of all locks that this process has on it, also those
+  // of SQLite's connections.
+  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (fd >= 0) close(fd);  // where it cannot be made, opening the database says why
   for (const char* ending : {"", "-wal", "-shm"}) {
     // Files of an earlier version were readable by all. Another user's file keeps its mode: then it is that user's care.

@@ -96,7 +96,8 @@ class DataSafety(ServerTestCase):
     def test_a_lost_catalogue_is_never_made_anew_in_silence_and_repair_brings_all_back(self):
         server = self.serve()
         mapped = self.make_map(server)
-        _, plain = server.json("POST", "/api/v1/flights", {"name": "plain"})
+        status, plain = server.json("POST", "/api/v1/flights", {"name": "plain"})
+        self.assertEqual(status, 201, plain)
         server.request("PUT", f"/api/v1/flights/{plain['id']}/files/høyde 1.jpg".replace("ø", "%C3%B8").replace(" ", "%20"),
                        self.photos[0][1])
         server.json("PATCH", f"/api/v1/flights/{plain['id']}", {"name": "renamed"})

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -238,6 +239,27 @@ TEST(DataDirWatch, SeesAFolderThatGoesIsReplacedAndComesBack) {
   fs::rename(root / "aside", root / "catalogue.db");
   fs::remove(root / "catalogue.db-wal");
   EXPECT_EQ(watch->Check().error().code, ErrorCode::kUnavailable);
+}
+
+// A second connection of this process, and one of another that comes and goes: none may take the first one's locks with
+// it, or the other would take itself for the last and remove the log.
+TEST(OpenDataFolder, KeepsItsLocksWhateverElseIsOpened) {
+  ScratchDir scratch;
+  auto opened = OpenDataFolder(scratch.path());
+  ASSERT_TRUE(opened);
+  const auto watch = DataDirWatch::Begin(opened->dir);
+  ASSERT_TRUE(watch);
+  { EXPECT_TRUE(CatalogueDb::OpenExisting(opened->dir.Catalogue())); }
+  const auto second = CatalogueDb::Open(opened->dir.Catalogue());
+  ASSERT_TRUE(second);
+  const pid_t child = fork();
+  if (child == 0) {
+    { const auto joined = JoinDataFolder(scratch.path()); }
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(watch->Check()) << watch->Check().error().message;
 }
 
 TEST(DataMarker, TakesAnyBytes) {
