@@ -5,6 +5,7 @@
 #include "server/commands/data.h"
 #include "server/commands/inspect.h"
 #include "server/commands/locate.h"
+#include "server/commands/reckon.h"
 #include "server/commands/serve.h"
 #include "server/commands/simulate.h"
 #include "server/commands/stitch.h"
@@ -21,6 +22,7 @@ void AddCommands(CLI::App& app) {
   AddLocateCommand(app);
   AddInspectCommand(app);
   AddCompareCommand(app);
+  AddReckonCommand(app);
   AddSimulateCommand(app);
   AddTokenCommand(app);
   AddDataCommand(app);

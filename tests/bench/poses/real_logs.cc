@@ -9,84 +9,14 @@
 #include <vector>
 
 #include "core/flight/logs/read_log.h"
-#include "core/poses/attitude_convention.h"
+#include "core/poses/reckon.h"
 #include "core/poses/recorded_series.h"
 #include "core/poses/smoother_input.h"
-#include "core/poses/strapdown.h"
 
 namespace skyquilt::bench {
 namespace {
 
 using Eigen::Vector3d;
-
-// GNSS position and velocity at a time, between the two fixes around it; nothing across holes.
-struct GnssAt {
-  Vector3d position;
-  Vector3d velocity;
-};
-std::optional<GnssAt> Interpolate(const poses::GnssSeries& gnss, double t) {
-  const auto& p = gnss.positions;
-  const auto next = std::upper_bound(p.begin(), p.end(), t,
-                                     [](double x, const poses::PositionFix& f) { return x < f.t_s; });
-  if (next == p.begin() || next == p.end() || next->t_s - (next - 1)->t_s > 0.6) return std::nullopt;
-  const auto i = static_cast<std::size_t>(next - p.begin());
-  if (gnss.velocities.size() != p.size()) return std::nullopt;
-  const double w = (t - p[i - 1].t_s) / (p[i].t_s - p[i - 1].t_s);
-  return GnssAt{
-      (1.0 - w) * p[i - 1].position_in_enu_m + w * p[i].position_in_enu_m,
-      (1.0 - w) * gnss.velocities[i - 1].velocity_in_enu_mps + w * gnss.velocities[i].velocity_in_enu_mps};
-}
-
-// Windows in flight: the start times, ten seconds apart, from which `length_s` of samples without holes
-// follow.
-std::vector<double> Windows(const flight::FlightLog& log, const poses::GnssSeries& gnss, double length_s) {
-  std::vector<double> starts;
-  const double first = log.imu.front().t_s;
-  const double last = log.imu.back().t_s;
-  for (double t = first + 5.0; t + length_s < last - 5.0; t += 10.0) {
-    const auto begin = std::lower_bound(log.imu.begin(), log.imu.end(), t,
-                                        [](const flight::ImuSample& s, double x) { return s.t_s < x; });
-    bool good = Interpolate(gnss, t) && Interpolate(gnss, t + length_s);
-    double height = 1e9;
-    for (auto s = begin; good && s + 1 != log.imu.end() && s->t_s < t + length_s; ++s) {
-      good = (s + 1)->t_s - s->t_s < 0.2;
-    }
-    for (const flight::BaroSample& b : log.baro) {
-      if (b.t_s > t && b.t_s < t + length_s) height = std::min(height, b.height_above_takeoff_m);
-    }
-    if (good && height > 3.0 && height < 1e8) starts.push_back(t);
-  }
-  return starts;
-}
-
-// Horizontal error after `length_s` of double integration with the autopilot's attitude.
-std::optional<double> Reckon(const flight::FlightLog& log, const std::vector<poses::AttitudeFix>& attitudes,
-                             const poses::GnssSeries& gnss, double begin_s, double length_s, double gravity) {
-  std::vector<flight::ImuSample> samples;
-  std::vector<Eigen::Quaterniond> rotations;
-  for (const flight::ImuSample& s : log.imu) {
-    if (s.t_s < begin_s || s.t_s > begin_s + length_s) continue;
-    const auto next = std::upper_bound(attitudes.begin(), attitudes.end(), s.t_s,
-                                       [](double t, const poses::AttitudeFix& a) { return t < a.t_s; });
-    if (next == attitudes.begin() || next == attitudes.end()) return std::nullopt;
-    const auto before = next - 1;
-    rotations.push_back(
-        before->enu_from_body.slerp((s.t_s - before->t_s) / (next->t_s - before->t_s), next->enu_from_body));
-    samples.push_back(s);
-  }
-  if (samples.size() < 2) return std::nullopt;
-  const auto start = Interpolate(gnss, samples.front().t_s);
-  const auto end = Interpolate(gnss, samples.back().t_s);
-  if (!start || !end) return std::nullopt;
-  poses::StrapdownState state;
-  state.position_in_enu_m = start->position;
-  state.velocity_in_enu_mps = start->velocity;
-  poses::StrapdownOptions options;
-  options.gravity_mps2 = gravity;
-  const auto path = poses::IntegrateStrapdownWithAttitude(samples, rotations, state, options);
-  if (!path.ok()) return std::nullopt;
-  return (path->back().position_in_enu_m - end->position).head<2>().norm();
-}
 
 // Horizontal distance between the smoother's track with all fixes and without those of [begin, begin +
 // length], over that hole, and the sigma that the latter states.
@@ -135,21 +65,16 @@ void PrintLog(const std::filesystem::path& path) {
   const geo::LocalFrame frame(
       {first.position.lat_deg, first.position.lon_deg, first.height_amsl_m.value_or(0.0)});
   const poses::GnssSeries gnss = poses::GnssOfLog(log->gnss, frame);
-  const auto attitudes = poses::AttitudesOfLog(log->attitude);
-  const double gravity = poses::NormalGravityMps2(first.position.lat_deg, first.height_amsl_m.value_or(0.0));
+  const auto reckoning = poses::ReckonBetween(*log, {});
+  if (!reckoning) {
+    fmt::print("  {}\n", reckoning.error().message);
+    return;
+  }
   const double references[] = {8.0, 57.0, 210.0};
   int row = 0;
-  for (const double length : {10.0, 30.0, 60.0}) {
-    double squares = 0.0;
-    int count = 0;
-    for (const double t : Windows(*log, gnss, length)) {
-      const auto error = Reckon(*log, attitudes, gnss, t, length, gravity);
-      if (!error) continue;
-      squares += *error * *error;
-      ++count;
-    }
-    fmt::print("  dead reckoning {:>2.0f} s: {:>7.1f} m RMS of {} windows (reference about {:.0f} m)\n",
-               length, std::sqrt(squares / std::max(1, count)), count, references[row++]);
+  for (const poses::ReckonedDrift& drift : reckoning->drifts) {
+    fmt::print("  dead reckoning {:>2.0f} s: {:>7.1f} m RMS of {} windows (reference about {:.0f} m)\n", drift.length_s,
+               drift.trapezoid_rms_m, drift.windows, references[row++]);
   }
   poses::FlightSources sources;
   sources.log = &*log;
@@ -159,7 +84,7 @@ void PrintLog(const std::filesystem::path& path) {
   for (const double length : {10.0, 30.0}) {
     Bridge mean;
     int count = 0;
-    for (const double t : Windows(*log, gnss, length)) {
+    for (const double t : poses::WindowsInFlight(*log, gnss, length)) {
       const auto bridge = BridgeHole(prepared.input, t, length);
       if (!bridge) continue;
       mean.rms_m += bridge->rms_m * bridge->rms_m;
