@@ -11,6 +11,8 @@
 #include <optional>
 #include <vector>
 
+#include "server/address_range.h"
+
 namespace skyquilt::server {
 namespace {
 
@@ -29,38 +31,29 @@ std::string_view WithoutPort(std::string_view host) {
   return host.substr(0, host.find(':'));
 }
 
-// In network byte order; IPv4 has 4 bytes.
-std::optional<std::string> BinaryAddress(std::string_view text) {
-  const std::string name(text);
-  std::array<char, sizeof(in6_addr)> bytes{};
-  if (inet_pton(AF_INET, name.c_str(), bytes.data()) == 1) return std::string(bytes.data(), sizeof(in_addr));
-  if (inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1) return std::string(bytes.data(), sizeof(in6_addr));
-  return std::nullopt;
-}
-
-std::vector<std::string> AddressesOfThisMachine() {
-  std::vector<std::string> addresses;
+std::vector<AddressBytes> AddressesOfThisMachine() {
+  std::vector<AddressBytes> addresses;
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return addresses;
+  std::array<char, INET6_ADDRSTRLEN> text{};
   for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
     if (one->ifa_addr == nullptr) continue;
-    if (one->ifa_addr->sa_family == AF_INET) {
-      const auto* ip = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
-      addresses.emplace_back(reinterpret_cast<const char*>(&ip->sin_addr), sizeof(in_addr));
-    } else if (one->ifa_addr->sa_family == AF_INET6) {
-      const auto* ip = reinterpret_cast<const sockaddr_in6*>(one->ifa_addr);
-      addresses.emplace_back(reinterpret_cast<const char*>(&ip->sin6_addr), sizeof(in6_addr));
-    }
+    const int family = one->ifa_addr->sa_family;
+    const void* bytes = nullptr;
+    if (family == AF_INET) bytes = &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr;
+    if (family == AF_INET6) bytes = &reinterpret_cast<const sockaddr_in6*>(one->ifa_addr)->sin6_addr;
+    if (bytes == nullptr || inet_ntop(family, bytes, text.data(), text.size()) == nullptr) continue;
+    if (const std::optional<AddressBytes> address = ParseAddress(text.data())) addresses.push_back(*address);
   }
   freeifaddrs(list);
   return addresses;
 }
 
 // Networks come and go while the server runs; a few seconds are soon enough.
-bool IsAddressOfThisMachine(const std::string& address) {
+bool IsAddressOfThisMachine(const AddressBytes& address) {
   constexpr std::chrono::seconds kFreshFor{5};
   static std::mutex mutex;
-  static std::vector<std::string> known;
+  static std::vector<AddressBytes> known;
   static std::optional<std::chrono::steady_clock::time_point> asked_at;
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex);
@@ -90,9 +83,9 @@ bool IsOwnHost(std::string_view host, const HttpSettings& settings) {
   for (const std::string& known : settings.hosts) {
     if (api::EqualsIgnoringCase(known, name) || api::EqualsIgnoringCase(known, host)) return true;
   }
-  const std::optional<std::string> asked = BinaryAddress(name);
+  const std::optional<AddressBytes> asked = ParseAddress(name);
   if (!asked) return false;
-  if (asked == BinaryAddress(settings.address)) return true;
+  if (asked == ParseAddress(settings.address)) return true;
   const bool is_any = settings.address == "0.0.0.0" || settings.address == "::";
   return is_any && IsAddressOfThisMachine(*asked);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 #include <thread>
 #include <tuple>
 
@@ -211,8 +212,9 @@ TEST_F(HttpServerTest, LetsNoPageOfElsewhereReadWithoutTokens) {
   const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
   storage::PublishSmallTileset(dir_, *db_, flight, {{1, 0, 1, "tile"}});
   const std::string evil = " HTTP/1.1\r\n" + kHost + "Origin: https://evil.example\r\n";
-  for (const std::string path : {std::string("/api/v1/flights"), "/tiles/" + flight + "/1/0/0", "/ogc/collections",
-                                 "/stac/" + flight, "/wms/" + flight, "/info"}) {
+  const std::vector<std::string> paths = {"/api/v1/flights", "/tiles/" + flight + "/1/0/0", "/ogc/collections",
+                                          "/stac/" + flight, "/wms/" + flight,            "/info"};
+  for (const std::string& path : paths) {
     EXPECT_EQ(Ask("GET " + path + evil + "\r\n").head.find("Access-Control"), std::string::npos) << path;
     const RawAnswer preflight = Ask("OPTIONS " + path + evil + "Access-Control-Request-Method: GET\r\n\r\n");
     EXPECT_EQ(preflight.head.find("Access-Control"), std::string::npos) << path;
