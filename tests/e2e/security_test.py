@@ -73,7 +73,7 @@ class Security(ServerTestCase):
         self.assertEqual(status, 421)
 
     def test_options_come_from_file_environment_and_command_line(self):
-        config = pathlib.Path(self.data, "skyquilt.toml")
+        config = pathlib.Path(self.scratch, "skyquilt.toml")
         config.write_text('workers = 0\npublic-url = "https://maps.example.org/"\n')
         server = self.serve("--config", str(config))
         _, landing = server.json("GET", "/ogc")
@@ -90,7 +90,7 @@ class Security(ServerTestCase):
 
     def test_the_basemap_says_whose_it_is(self):
         text = "Makers <b>& Sons</b>, \u00a9 2026"
-        config = pathlib.Path(self.data, "skyquilt.toml")
+        config = pathlib.Path(self.scratch, "skyquilt.toml")
         config.write_text(f'workers = 0\nbasemap = "https://tiles.example/{{z}}/{{x}}/{{y}}.png"\nbasemap-attribution = "{text}"\n')
         server = self.serve("--config", str(config))
         basemap = {"tilejson": "3.0.0", "tiles": ["https://tiles.example/{z}/{x}/{y}.png"], "attribution": text}

@@ -53,7 +53,7 @@ class Tus(ServerTestCase):
     def test_tus_js_client_gets_300_mb_through_two_kills(self):
         if self.clients is None:
             self.skipTest("npm's tus-js-client cannot be had")
-        source = pathlib.Path(self.data, "source.bin")
+        source = pathlib.Path(self.scratch, "source.bin")
         with source.open("wb") as file:
             for part in range(300):
                 file.write(random.Random(part).randbytes(MIB))
