@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "api/digest.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {

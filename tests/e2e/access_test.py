@@ -102,8 +102,9 @@ class Quotas(AccessCase):
         metadata = {"Upload-Metadata": f"flight {encoded(flight)},filename {encoded('a.jpg')}"}
         status, headers, _ = server.request("POST", "/api/v1/uploads", headers={**small, **TUS, **metadata, "Upload-Defer-Length": "1"})
         self.assertEqual(status, 201)
+        upload = headers["Location"]
         chunk = {**TUS, "Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"}
-        self.assertEqual(send("PATCH", headers["Location"], slices, {**chunk, "Content-Length": str(20 << 20)})[0], 413)
+        self.assertEqual(send("PATCH", upload, slices, {**chunk, "Content-Length": str(20 << 20)})[0], 413)
         archive = io.BytesIO()
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as made:
             made.writestr("a.txt", b"0123456789" * 4000)
@@ -115,6 +116,8 @@ class Quotas(AccessCase):
         stored = sum(path.stat().st_size for folder in ("incoming", "flights", "uploads")
                      for path in pathlib.Path(self.data, folder).rglob("*") if path.is_file())
         self.assertLessEqual(stored, 10_000)
+        # What a resumable upload has so far counts too, until it ends.
+        self.assertEqual(server.request("DELETE", upload, headers={**small, **TUS})[0], 204)
         self.assertEqual(server.request("PUT", f"{files}/b.jpg", bytes(9000), small)[0], 201)
 
 
