@@ -245,21 +245,29 @@ TEST(DataDirWatch, SeesAFolderThatGoesIsReplacedAndComesBack) {
 // it, or the other would take itself for the last and remove the log.
 TEST(OpenDataFolder, KeepsItsLocksWhateverElseIsOpened) {
   ScratchDir scratch;
-  auto opened = OpenDataFolder(scratch.path());
-  ASSERT_TRUE(opened);
-  const auto watch = DataDirWatch::Begin(opened->dir);
-  ASSERT_TRUE(watch);
-  { EXPECT_TRUE(CatalogueDb::OpenExisting(opened->dir.Catalogue())); }
-  const auto second = CatalogueDb::Open(opened->dir.Catalogue());
-  ASSERT_TRUE(second);
+  int begin[2];
+  ASSERT_EQ(pipe(begin), 0);
+  // Before anything is open: SQLite in a child would take its parent's connections for its own.
   const pid_t child = fork();
   if (child == 0) {
-    { const auto joined = JoinDataFolder(scratch.path()); }
-    _exit(0);
+    char go = 0;
+    const bool told = read(begin[0], &go, 1) == 1;
+    const bool joined = told && JoinDataFolder(scratch.path()).ok();  // and closed again
+    _exit(joined ? 0 : 1);
   }
+  auto opened = OpenDataFolder(scratch.path());
+  ASSERT_TRUE(opened);
+  const auto second = CatalogueDb::OpenExisting(opened->dir.Catalogue());
+  ASSERT_TRUE(second);
+  const auto watch = DataDirWatch::Begin(opened->dir);
+  ASSERT_TRUE(watch);
+  ASSERT_EQ(write(begin[1], "g", 1), 1);
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
   EXPECT_TRUE(watch->Check()) << watch->Check().error().message;
+  close(begin[0]);
+  close(begin[1]);
 }
 
 TEST(DataMarker, TakesAnyBytes) {
