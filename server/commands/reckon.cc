@@ -26,6 +26,7 @@ struct ReckonArguments {
   std::vector<fs::path> inputs;
   fs::path plot;
   fs::path table;
+  double every_s = 2.0;
 };
 
 [[noreturn]] void Fail(const Error& error) {
@@ -33,8 +34,9 @@ struct ReckonArguments {
   throw CLI::RuntimeError(1);
 }
 
-// When the photos were taken, on the log's clock; without photos, the log's own camera events.
-std::vector<poses::Capture> CapturesOf(const flight::FlightLog& log, const flight::Flight& flight) {
+// When the photos were taken, on the log's clock; without photos, the log's own camera events; without these, moments
+// `every_s` apart.
+std::vector<poses::Capture> CapturesOf(const flight::FlightLog& log, const flight::Flight& flight, double every_s) {
   std::vector<poses::Capture> captures;
   if (!flight.photos.empty()) {
     const poses::LogTie tie = poses::TieToLog(log, flight.photos);
@@ -48,6 +50,12 @@ std::vector<poses::Capture> CapturesOf(const flight::FlightLog& log, const fligh
   }
   std::sort(captures.begin(), captures.end(),
             [](const poses::Capture& a, const poses::Capture& b) { return a.t_s < b.t_s; });
+  if (!captures.empty() || log.imu.empty()) return captures;
+  fmt::print("No photos and no camera events: steps of {:g} s.\n", every_s);
+  const double start_s = log.imu.front().t_s;
+  for (int i = 0; start_s + i * every_s <= log.imu.back().t_s; ++i) {
+    captures.push_back({start_s + i * every_s, fmt::format("{:.1f} s", i * every_s)});
+  }
   return captures;
 }
 
@@ -106,12 +114,11 @@ void Run(const ReckonArguments& arguments) {
   if (!joined) {
     Fail({ErrorCode::kUnprocessable, "None of the files is a flight log. Give a DataFlash, ULog or telemetry log.", ""});
   }
-  const std::vector<poses::Capture> captures = CapturesOf(joined->log, *flight);
+  const std::vector<poses::Capture> captures = CapturesOf(joined->log, *flight, arguments.every_s);
   const auto reckoning = poses::ReckonBetween(joined->log, captures);
   if (!reckoning) Fail(reckoning.error());
   fmt::print("{}: {} inertial samples, {} captures\n{}", joined->log.file_name, joined->log.imu.size(), captures.size(),
              TableText(*reckoning));
-  if (captures.empty()) fmt::print("The log holds no camera events; add the photos for steps between captures.\n");
   if (!arguments.table.empty()) Write(arguments.table, Csv(*reckoning));
   if (!arguments.plot.empty()) Write(arguments.plot, ReckoningSvg(*reckoning, joined->log.file_name));
 }
@@ -127,6 +134,9 @@ void AddReckonCommand(CLI::App& app) {
       ->check(CLI::ExistingPath);
   command->add_option("--plot", arguments->plot, "Write a plot (SVG) to this file");
   command->add_option("--table", arguments->table, "Write the table (CSV) to this file");
+  command->add_option("--every", arguments->every_s, "Seconds between the moments taken where there are no captures")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
   command->footer(
       "The step from which Iz and Unel place pictures, with gravity, attitude and true sample times: integrated by the\n"
       "trapezoid and by Simpson's rule, beside what GNSS and the autopilot recorded. Drift: horizontal distance from the\n"
