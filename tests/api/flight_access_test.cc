@@ -1,7 +1,6 @@
 // Whose flight it is: every route that changes something, asked by the owner of another flight; and tokens that open
 // one flight alone.
 #include "api/auth/flight_access.h"
-#include "api/digest.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 // Quotas at every door, with and without a length; and keys of requests that belong to one token and one body.
 #include "api/auth/quota.h"
-#include "api/digest.h"
 
 #include <gtest/gtest.h>
 
