@@ -44,7 +44,7 @@ namespace {
 constexpr std::chrono::milliseconds kDrainTime{7'000};
 constexpr std::chrono::milliseconds kWorkerGrace{7'000};
 constexpr std::chrono::milliseconds kStopTime{9'000};
-// As many as threads that may read the catalogue at the same time, so that none waits for another.
+// Connections that read the catalogue. A read takes microseconds: a thread that finds none idle waits for one.
 constexpr int kReaders = 8;
 constexpr int kTileReaders = 4;
 constexpr timespec kLookAfterWorkers{0, 500'000'000};
