@@ -12,6 +12,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr double kHeightM = 40.0;
+const Eigen::Vector3d kStill = Eigen::Vector3d::Zero();
 
 struct Picture {
   View view;
@@ -50,15 +51,15 @@ class OverGround : public testing::TestWithParam<std::tuple<simulate::TextureLev
 // However the second photo is turned against the first, and whatever lies in the one and not in the other.
 TEST_P(OverGround, SharpPhotosShowAsMuchAsEachOther) {
   const auto [texture, yaw_rad] = GetParam();
-  const Picture first = Take(texture, 0.0, 0.0, {});
-  const Picture second = Take(texture, 12.0, yaw_rad, {});
+  const Picture first = Take(texture, 0.0, 0.0, kStill);
+  const Picture second = Take(texture, 12.0, yaw_rad, kStill);
   EXPECT_GT(Against(first, second), 0.45);
   EXPECT_GT(Against(second, first), 0.45);
 }
 
 TEST_P(OverGround, APhotoTakenInMotionShowsLess) {
   const auto [texture, yaw_rad] = GetParam();
-  const Picture sharp = Take(texture, 0.0, 0.0, {});
+  const Picture sharp = Take(texture, 0.0, 0.0, kStill);
   for (const Eigen::Vector3d& motion_m : {Eigen::Vector3d(0.8, 0.0, 0.0), Eigen::Vector3d(-0.4, 0.7, 0.0)}) {
     const Picture blurred = Take(texture, 12.0, yaw_rad, motion_m);
     EXPECT_LT(Against(blurred, sharp), 0.35);
@@ -73,13 +74,13 @@ INSTANTIATE_TEST_SUITE_P(OfAllKinds, OverGround,
                                           testing::Values(0.0, 0.5 * geo::kPi, 2.4)));
 
 TEST(SharpnessAgainst, SaysNothingOfPhotosThatShareNothing) {
-  const Picture here = Take(simulate::TextureLevel::kRich, 0.0, 0.0, {});
-  const Picture there = Take(simulate::TextureLevel::kRich, 500.0, 0.0, {});
+  const Picture here = Take(simulate::TextureLevel::kRich, 0.0, 0.0, kStill);
+  const Picture there = Take(simulate::TextureLevel::kRich, 500.0, 0.0, kStill);
   EXPECT_FALSE(SharpnessAgainst(here.detail, here.view, there.detail, there.view, Relief(0.0)).has_value());
 }
 
 TEST(SharpnessAgainst, SaysNothingFromDistancesTooDifferent) {
-  Picture near = Take(simulate::TextureLevel::kRich, 0.0, 0.0, {});
+  Picture near = Take(simulate::TextureLevel::kRich, 0.0, 0.0, kStill);
   Picture far = near;
   far.view.cam_from_enu =
       geo::Rigid3::FromRotationAndTargetOrigin(far.view.cam_from_enu.rotation, {0.0, 0.0, 2.0 * kHeightM});
