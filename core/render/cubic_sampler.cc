@@ -127,8 +127,12 @@ inline void Inside(const std::uint8_t* corner, std::ptrdiff_t stride, const Phas
   _mm_storeu_ps(pixel.data(), _mm_add_ps(_mm_add_ps(x, second), _mm_add_ps(third, fourth)));
 }
 
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx2")
+#endif
 
 // Inside for two neighbouring pixels by the same sums, one in the lower half of each register, one in the
 // upper.
@@ -178,7 +182,11 @@ int EvenInside(const Pixels& photo, const Run& run, int count, SampledPixel* pix
   return static_cast<int>(i);
 }
 
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 
 // How many of the first pixels were made.
 int AsManyInside(const Pixels& photo, const Run& run, int count, SampledPixel* pixels) {
