@@ -128,12 +128,14 @@ std::optional<WrittenTime> ParseWrittenTime(std::string_view text) {
     written.names_zone = true;
   } else if (at < text.size() && (text[at] == '+' || text[at] == '-')) {
     const int sign = text[at++] == '+' ? 1 : -1;
-    const auto zone_hour = TakeNumber(text, at);
-    if (!zone_hour) return std::nullopt;
-    int minutes = *zone_hour * 60;
-    if (*zone_hour > 24) minutes = *zone_hour / 100 * 60 + *zone_hour % 100;  // "+0200"
-    if (TakeOneOf(text, at, ":")) minutes += TakeNumber(text, at).value_or(0);
-    if (minutes > 15 * 60) return std::nullopt;
+    const auto zone = TakeNumber(text, at);
+    if (!zone || *zone > 1500) return std::nullopt;
+    const bool is_joined = *zone > 24;  // "+0200"
+    const int hours = is_joined ? *zone / 100 : *zone;
+    int minutes = is_joined ? *zone % 100 : 0;
+    if (!is_joined && TakeOneOf(text, at, ":")) minutes = TakeNumber(text, at).value_or(0);
+    if (minutes > 59 || hours * 60 + minutes > 15 * 60) return std::nullopt;
+    minutes += hours * 60;
     written.time -= std::chrono::minutes(sign * minutes);
     written.names_zone = true;
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace skyquilt::flight {
 namespace {
 
@@ -31,7 +33,8 @@ TEST(ParseWrittenTime, ReadsEveryWayLogsWriteIt) {
   const UtcTime expected = *UtcFromCivil(2022, 5, 1, 15, 1, 58.0);
   for (const char* text :
        {"2022-05-01T15:01:58Z", "2022-05-01 15:01:58", "2022.5.1 15:01:58", "2022:05:01 15:01:58",
-        "2022/05/01 15:01:58.000", "2022-05-01T17:01:58+02:00", "2022-05-01T17:01:58+0200"}) {
+        "2022/05/01 15:01:58.000", "2022-05-01T17:01:58+02:00", "2022-05-01T17:01:58+0200",
+        "2022-05-01T09:31:58-05:30", "2022-05-01T09:31:58-0530", "2022-05-02T06:01:58+15"}) {
     const auto time = ParseWrittenTime(text);
     ASSERT_TRUE(time.has_value()) << text;
     EXPECT_EQ(time->time, expected) << text;
@@ -47,6 +50,12 @@ TEST(ParseWrittenTime, RefusesWhatIsNoDate) {
   for (const char* text : {"", "2022", "2022-13-01 00:00:00", "2022-02-30 00:00:00", "2022-05-01 25:00:00",
                            "99999999999-01-01 00:00:00", "2022-05-01 15:01", "0000:00:00 00:00:00"}) {
     EXPECT_FALSE(ParseWrittenTime(text).has_value()) << text;
+  }
+}
+
+TEST(ParseWrittenTime, RefusesZonesThatAreNone) {
+  for (const char* zone : {"+", "+16", "+15:01", "+1501", "+02:75", "+0275", "-951022222:00", "+999999999", "+00:999999999"}) {
+    EXPECT_FALSE(ParseWrittenTime(std::string("2022-05-01T15:01:58") + zone).has_value()) << zone;
   }
 }
 
