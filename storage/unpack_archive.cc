@@ -44,6 +44,15 @@ bool IsClutter(const std::string& full_name) {
          name == "Thumbs.db";
 }
 
+// Whether an entry of a zip, just begun, is compressed in a way whose memory the format bounds. LZMA, xz, Zstandard and
+// PPMd take as much as the entry asks for, up to gigabytes, before a byte is out. libarchive tells it only by a name:
+// "ZIP 6.3 (lzma)".
+bool HasBoundedMemory(struct archive* archive) {
+  if ((archive_format(archive) & ARCHIVE_FORMAT_BASE_MASK) != ARCHIVE_FORMAT_ZIP) return true;
+  const std::string_view name = archive_format_name(archive);
+  return name.ends_with("(uncompressed)") || name.ends_with("(deflation)") || name.ends_with("(bzip)");
+}
+
 std::optional<Error> WrongWith(struct archive_entry* entry, const std::string& full_name) {
   const auto wrong = [](const char* why) { return Error{ErrorCode::kUnprocessable, why, ""}; };
   if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry) != nullptr) {
@@ -80,6 +89,12 @@ class Unpacking {
       return Refuse(fmt::format("it has more than {} entries", limits_.entries));
     if (archive_entry_is_encrypted(entry) != 0) return Refuse("it is encrypted");
     const std::string full_name = FullName(entry);
+    if (!HasBoundedMemory(archive)) {
+      return Refuse(fmt::format("{} in it is compressed by another method than zip's usual one (deflate); pack it anew "
+                                "with that",
+                                IsValidUtf8(full_name) ? full_name : "a file"),
+                    archive_format_name(archive));
+    }
     if (archive_entry_filetype(entry) == AE_IFDIR || IsClutter(full_name)) return PassOver(archive);
     UnpackedFile file;
     file.file.name = LastPart(full_name);

@@ -1,0 +1,69 @@
+#include "storage/unpack_archive.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "storage/ids.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using namespace std::string_literals;
+
+// A zip of a.jpg, which holds "abc", compressed by LZMA (method 14) with a dictionary of a size of one's choice.
+std::string LzmaZip(std::string_view dictionary_bytes) {
+  const std::string file =
+      "PK\x03\x04\x3f\0\x02\0\x0e\0\0\0\x21\x58\xc2\x41\x24\x35\x16\0\0\0\x03\0\0\0\x05\0\0\0a.jpg"
+      "\x09\x04\x05\0\x5d"s + std::string(dictionary_bytes) + "\0\x30\x98\x88\xa4\x4a\x8e\x9f\xff\xf6\x63\x80\0"s;
+  const std::string directory =
+      "PK\x01\x02\x3f\x03\x3f\0\x02\0\x0e\0\0\0\x21\x58\xc2\x41\x24\x35\x16\0\0\0\x03\0\0\0\x05\0\0\0\0\0\0\0\0\0\0\0"
+      "\x80\x01\0\0\0\0a.jpg"s;
+  return file + directory + "PK\x05\x06\0\0\0\0\x01\0\x01\0\x33\0\0\0\x39\0\0\0\0\0"s;
+}
+
+std::string StoredZip() {
+  const std::string file =
+      "PK\x03\x04\x14\0\0\0\0\0\0\0\x21\x58\xc2\x41\x24\x35\x03\0\0\0\x03\0\0\0\x05\0\0\0a.jpgabc"s;
+  const std::string directory =
+      "PK\x01\x02\x14\x03\x14\0\0\0\0\0\0\0\x21\x58\xc2\x41\x24\x35\x03\0\0\0\x03\0\0\0\x05\0\0\0\0\0\0\0\0\0\0\0"
+      "\x80\x01\0\0\0\0a.jpg"s;
+  return file + directory + "PK\x05\x06\0\0\0\0\x01\0\x01\0\x33\0\0\0\x26\0\0\0\0\0"s;
+}
+
+class UnpackArchiveTest : public testing::Test {
+ protected:
+  Result<std::vector<UnpackedFile>> Unpack(const std::string& archive) {
+    const std::filesystem::path path = scratch_.path() / "archive";
+    std::ofstream(path, std::ios::binary) << archive;
+    return UnpackArchive(store_, flight_, path, {});
+  }
+
+  const ScratchDir scratch_;
+  const PhotoStore store_{*DataDir::Open(scratch_.path())};
+  const std::string flight_ = NewId();
+};
+
+TEST_F(UnpackArchiveTest, TakesFilesAsTheyAre) {
+  const auto files = Unpack(StoredZip());
+  ASSERT_TRUE(files) << files.error().message << files.error().detail;
+  ASSERT_EQ(files->size(), 1U);
+  EXPECT_FALSE(files->front().error);
+  EXPECT_EQ(files->front().file.name, "a.jpg");
+  EXPECT_EQ(files->front().file.bytes, 3);
+}
+
+// Such an entry takes what memory it asks for before a byte of it is out: here 8 MiB, and more than three gigabytes.
+TEST_F(UnpackArchiveTest, RefusesZipsThatAskForMemory) {
+  for (const std::string& dictionary : {"\0\0\x80\0"s, "\0\0\0\xc1"s}) {
+    const auto files = Unpack(LzmaZip(dictionary));
+    ASSERT_FALSE(files);
+    EXPECT_EQ(files.error().code, ErrorCode::kUnprocessable);
+    EXPECT_NE(files.error().message.find("a.jpg"), std::string::npos) << files.error().message;
+    EXPECT_NE(files.error().message.find("deflate"), std::string::npos) << files.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
