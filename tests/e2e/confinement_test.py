@@ -107,7 +107,7 @@ class Confinement(ServerTestCase):
         self.assertEqual((job["state"], job["attempts"]), ("successful", 2), server.errors())
         wait_until(lambda: server.garbage() == [], f"left over: {server.garbage()}")
         folders = sorted(path.name for path in (server.data / "flights" / flight_id).iterdir())
-        self.assertEqual(folders, ["files", "r1"])
+        self.assertEqual(folders, ["files", "flight.jsonl", "r1"])
 
     def test_a_job_whose_process_is_deaf_is_cancelled_all_the_same(self):
         server = self.serve("--no-previews")

@@ -24,6 +24,7 @@ from server_support import BINARY, ServerTestCase, is_running, wait_until
 
 KILLS = int(os.environ.get("SKYQUILT_KILLS", "8"))
 SEED = int(os.environ.get("SKYQUILT_KILL_SEED", "1"))
+MAX_ATTEMPTS = 3
 CHUNK = 40_000  # bytes of one PATCH of a resumable upload
 
 
@@ -140,11 +141,15 @@ class Client(threading.Thread):
                 return job["id"]
             time.sleep(0.2)
 
-    def wait(self, job):
+    def make_map(self, flight):
+        """As a user would: a job that was killed too often is started again."""
+        job = self.start_job(flight)
         while not self.test.is_over.is_set():
             _, state = self.json("GET", f"/api/v1/jobs/{job}")
-            if state["finished_at"]:
+            if state["state"] == "successful":
                 return
+            if state["finished_at"]:
+                job = self.start_job(flight)
             time.sleep(0.2)
 
     def one_flight(self):
@@ -161,10 +166,10 @@ class Client(threading.Thread):
         else:
             for name, content in photos[3:5]:
                 self.put(flight, name, content)
-        self.wait(self.start_job(flight))
+        self.make_map(flight)
         if self.random.random() < 0.6:  # append to what is finished
             self.put(flight, *photos[5])
-            self.wait(self.start_job(flight))
+            self.make_map(flight)
         if self.random.random() < 0.3:
             self.in_doubt.add(flight)
             self.ask("DELETE", f"/api/v1/flights/{flight}", fine=(204, 404))
@@ -249,8 +254,11 @@ class RandomKills(ServerTestCase):
                 if flight in client.in_doubt:
                     continue
                 state = self.server.wait_for_job(job)
-                self.assertEqual(state["state"], "successful", f"{state} {self.server.errors()}")
-                extra_attempts += state["attempts"] - 1
+                if state["state"] != "successful":
+                    # Killed as often as a job may be, by itself or with its server, and said so.
+                    is_given_up = state["attempts"] == MAX_ATTEMPTS or "was interrupted" in state["error"]["message"]
+                    self.assertTrue(is_given_up, f"{state} {self.server.errors()}")
+                extra_attempts += max(0, state["attempts"] - 1)
             for flight, files in client.accepted.items():
                 if flight in client.deleted:
                     self.assertEqual(self.server.request("GET", f"/api/v1/flights/{flight}")[0], 404)

@@ -36,14 +36,16 @@ class Reckon(unittest.TestCase):
             for rule in ("trapezoid", "simpson"):
                 moved = sum(float(row[f"{rule}_{axis}_m"]) ** 2 for axis in "enu") ** 0.5
                 recorded = sum(float(row[f"gnss_{axis}_m"]) ** 2 for axis in "enu") ** 0.5
-                self.assertLess(abs(moved - recorded), 5.0, row)
+                seconds = float(row["to_s"]) - float(row["from_s"])
+                # An accelerometer's bias of 0.1 m/s2 and the tilt that the gyroscope's adds, both twice integrated.
+                self.assertLess(abs(moved - recorded), 0.5 + 0.1 * seconds**2, row)
         drawn = xml.etree.ElementTree.parse(plot).getroot()
         circles = drawn.findall(".//{http://www.w3.org/2000/svg}circle")
         self.assertEqual(len(circles), 6 * len(rows))
 
     def test_photos_without_a_log_are_told_so(self):
         photos = self.flight / "photos"
-        ran = reckon(*sorted(photos.glob("*.jpg")))
+        ran = reckon(*sorted(photos.iterdir()))
         self.assertEqual(ran.returncode, 1)
         self.assertIn("flight log", ran.stderr)
 
