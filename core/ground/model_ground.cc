@@ -54,7 +54,8 @@ std::vector<Eigen::Vector3d> OnEarth(const std::vector<Eigen::Vector3d>& points)
   std::vector<Eigen::Vector3d> kept;
   kept.reserve(points.size());
   for (const Eigen::Vector3d& point : points) {
-    if (point.cwiseAbs().maxCoeff() < kFarthestPointM) kept.push_back(point);  // nor what is not a number
+    // Each by itself, so that none that is not a number passes: maxCoeff() may step over it.
+    if ((point.array().abs() < kFarthestPointM).all()) kept.push_back(point);
   }
   return kept;
 }

@@ -44,6 +44,22 @@ TEST(ModelGround, ChoosesThePlaneOnFlatGroundAtTheHeightOfThePoints) {
   EXPECT_EQ(report.model, "plane");
 }
 
+TEST(ModelGround, PassesOverPointsThatAreNoNumbers) {
+  alignment::AlignedFlight flight = FlightOver([](double, double) { return 2.0; }, 0.05);
+  ModelGroundReport clean, report;
+  ModelGround(flight, clean);
+  const double nan = std::nan("");
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < 50; ++i) {
+      flight.tie_points_in_enu.emplace_back(1.0, 1.0, 2.0);
+      flight.tie_points_in_enu.back()[axis] = nan;
+    }
+  }
+  const GroundSurface surface = ModelGround(flight, report);
+  EXPECT_NEAR(surface.MeanHeight(), 2.0, 0.02);
+  EXPECT_EQ(report.points_used, clean.points_used);
+}
+
 TEST(ModelGround, FollowsHillsToAFewDecimetresInSpiteOfOutliers) {
   const auto hills = [](double east, double north) {
     return 5.0 * std::sin(east / 30.0) + 3.0 * std::cos(north / 25.0);
