@@ -123,7 +123,7 @@ test('a server with tokens opens to the one that was typed, and to a share link'
 });
 
 test('an upload outlives the server and, chosen again, a reload', options, async () => {
-  let server = await startServer(join(folder, 'data'));
+  let server = await startServer(join(folder, 'outlived'));
   const { page, context, foreign_requests } = await openPage(browser, server.url);
   page.on('dialog', (dialog) => dialog.accept());
   const stored = async () => {
@@ -144,7 +144,7 @@ test('an upload outlives the server and, chosen again, a reload', options, async
     const { port } = new URL(server.url);
     await server.stop('SIGKILL');
     await page.waitForTimeout(800);
-    server = await startServer(join(folder, 'data'), `127.0.0.1:${port}`);
+    server = await startServer(join(folder, 'outlived'), `127.0.0.1:${port}`);
     await until(async () => (await stored()) >= 3);
     await page.reload();
     await page.waitForSelector('#waiting');
