@@ -1,0 +1,211 @@
+#include "core/alignment/registration/view_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/alignment/registration/match_descriptors.h"
+#include "core/alignment/registration/rotation_averaging.h"
+#include "core/base/median.h"
+#include "core/base/parallel_for.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kLeastRefusedRad = 0.21;  // 12 degrees: flat ground seen from nearby leaves a tilt open
+constexpr double kRefusedMedians = 6.0;
+constexpr int kMostThroughOthers = 6;  // pairs of a photo that share a neighbour
+constexpr int kAlikeOfWeak = 24;
+
+using Pair = std::pair<int, int>;
+
+class Verifier {
+ public:
+  Verifier(const RegistrationInput& input, const ViewGraphOptions& options, int threads)
+      : input_(input), options_(options), threads_(threads), rays_(input.photos.size()) {
+    ParallelFor(input.photos.size(), threads, [&](std::size_t i) {
+      if (!input.photos[i].features) return;
+      rays_[i] = RaysOf(*input.photos[i].features, LensOf(static_cast<int>(i)),
+                        std::max(options.features, options.features_of_weak));
+    });
+  }
+
+  void Verify(const std::vector<Pair>& pairs, int features, std::vector<GraphPair>& verified) {
+    std::vector<std::optional<TwoView>> found(pairs.size());
+    ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
+      const auto [i, j] = pairs[p];
+      const TwoViewPhoto first = PhotoOf(i), second = PhotoOf(j);
+      MatchOptions match;
+      match.max_features = features;
+      const std::vector<KeypointMatch> matches = MatchDescriptors(*first.features, *second.features, match);
+      const std::uint64_t seed = static_cast<std::uint64_t>(i) * 1000003U + static_cast<std::uint64_t>(j);
+      found[p] = VerifyPair(first, second, matches, seed, options_.two_view);
+    });
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      if (found[p]) verified.push_back({pairs[p].first, pairs[p].second, *std::move(found[p])});
+    }
+  }
+
+ private:
+  const camera::Intrinsics& LensOf(int i) const {
+    return input_.lenses[static_cast<std::size_t>(input_.photos[static_cast<std::size_t>(i)].lens)].intrinsics;
+  }
+  TwoViewPhoto PhotoOf(int i) const {
+    const auto at = static_cast<std::size_t>(i);
+    return {input_.photos[at].features, &LensOf(i), &rays_[at]};
+  }
+
+  const RegistrationInput& input_;
+  const ViewGraphOptions& options_;
+  int threads_;
+  std::vector<std::vector<Eigen::Vector2d>> rays_;
+};
+
+std::vector<int> PairsOfPhoto(int photos, const std::vector<GraphPair>& pairs) {
+  std::vector<int> count(static_cast<std::size_t>(photos), 0);
+  for (const GraphPair& pair : pairs) {
+    ++count[static_cast<std::size_t>(pair.first)];
+    ++count[static_cast<std::size_t>(pair.second)];
+  }
+  return count;
+}
+
+// Two photos that both show what a third one shows, the best supported first.
+std::vector<Pair> ThroughOthers(int photos, const std::vector<GraphPair>& pairs, const std::set<Pair>& tried) {
+  std::vector<std::map<int, double>> neighbours(static_cast<std::size_t>(photos));
+  for (const GraphPair& pair : pairs) {
+    const auto support = static_cast<double>(pair.view.matches.size());
+    neighbours[static_cast<std::size_t>(pair.first)][pair.second] = support;
+    neighbours[static_cast<std::size_t>(pair.second)][pair.first] = support;
+  }
+  std::vector<std::pair<double, Pair>> ranked;
+  for (int i = 0; i < photos; ++i) {
+    std::map<int, double> through;
+    for (const auto& [middle, support] : neighbours[static_cast<std::size_t>(i)]) {
+      for (const auto& [other, of_other] : neighbours[static_cast<std::size_t>(middle)]) {
+        if (other > i && !tried.contains({i, other})) through[other] += std::min(support, of_other);
+      }
+    }
+    for (const auto& [other, support] : through) ranked.emplace_back(-support, Pair{i, other});
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<int> taken(static_cast<std::size_t>(photos), 0);
+  std::vector<Pair> chosen;
+  for (const auto& [support, pair] : ranked) {
+    int& first = taken[static_cast<std::size_t>(pair.first)];
+    int& second = taken[static_cast<std::size_t>(pair.second)];
+    if (first >= kMostThroughOthers || second >= kMostThroughOthers) continue;
+    ++first;
+    ++second;
+    chosen.push_back(pair);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+std::vector<RelativeRotation> Rotations(const std::vector<GraphPair>& pairs) {
+  std::vector<RelativeRotation> rotations;
+  for (const GraphPair& pair : pairs) {
+    rotations.push_back({pair.first, pair.second, pair.view.poses.front().rotation,
+                         std::min(1.0, static_cast<double>(pair.view.matches.size()) / 100.0)});
+  }
+  return rotations;
+}
+
+// Each pair's pose by what the others say; and out with those that have none.
+void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) {
+  AveragedRotations averaged = AverageRotations(photos, Rotations(graph.pairs));
+  bool is_changed = false;
+  for (GraphPair& pair : graph.pairs) {
+    if (pair.view.poses.size() < 2) continue;
+    const Eigen::Quaterniond expected = averaged.cam_from_world[static_cast<std::size_t>(pair.second)] *
+                                        averaged.cam_from_world[static_cast<std::size_t>(pair.first)].conjugate();
+    if (expected.angularDistance(pair.view.poses[1].rotation) <
+        expected.angularDistance(pair.view.poses[0].rotation)) {
+      std::swap(pair.view.poses[0], pair.view.poses[1]);
+      is_changed = true;
+    }
+  }
+  if (is_changed) averaged = AverageRotations(photos, Rotations(graph.pairs));
+  if (!graph.pairs.empty()) {
+    const double refused_rad = std::max(kLeastRefusedRad, kRefusedMedians * Median(averaged.miss_rad));
+    std::vector<GraphPair> kept;
+    for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
+      if (averaged.miss_rad[p] <= refused_rad) {
+        kept.push_back(std::move(graph.pairs[p]));
+      } else {
+        ++report.pairs_refused;
+      }
+    }
+    if (kept.size() < graph.pairs.size()) {
+      graph.pairs = std::move(kept);
+      averaged = AverageRotations(photos, Rotations(graph.pairs));
+    }
+  }
+  graph.cam_from_world = std::move(averaged.cam_from_world);
+  graph.piece = std::move(averaged.piece);
+}
+
+}  // namespace
+
+ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
+                         RegistrationReport& report, Progress& progress) {
+  ViewGraph graph;
+  const int count = static_cast<int>(input.photos.size());
+  std::vector<const PhotoFeatures*> features;
+  for (const RegistrationPhoto& photo : input.photos) features.push_back(photo.features);
+  std::vector<Pair> candidates;
+  Appearance appearance;
+  {
+    ScopedTimer timer(report.candidates_s);
+    appearance = Appearance::Learn(features, threads);
+    candidates = CandidatePairs(input.photos, appearance, options.candidates, threads);
+  }
+  std::set<Pair> tried(candidates.begin(), candidates.end());
+  {
+    ScopedTimer timer(report.matching_s);
+    Verifier verifier(input, options, threads);
+    verifier.Verify(candidates, options.features, graph.pairs);
+    report.pairs_compared = static_cast<int>(candidates.size());
+    if (!progress.IsCancelled()) {
+      // Photos with few partners: all of their features, and more photos that look alike.
+      const std::vector<int> partners = PairsOfPhoto(count, graph.pairs);
+      const std::vector<std::vector<int>> alike = appearance.MostAlike(kAlikeOfWeak, threads);
+      std::set<Pair> again;
+      const auto is_weak = [&](int i) { return partners[static_cast<std::size_t>(i)] < options.few_pairs; };
+      std::set<Pair> done;
+      for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
+      for (const Pair& pair : candidates) {
+        if ((is_weak(pair.first) || is_weak(pair.second)) && !done.contains(pair)) again.insert(pair);
+      }
+      for (int i = 0; i < count; ++i) {
+        if (!is_weak(i)) continue;
+        for (const int j : alike[static_cast<std::size_t>(i)]) {
+          const Pair pair{std::min(i, j), std::max(i, j)};
+          if (!done.contains(pair)) again.insert(pair);
+        }
+      }
+      const std::vector<Pair> more(again.begin(), again.end());
+      verifier.Verify(more, options.features_of_weak, graph.pairs);
+      report.pairs_compared += static_cast<int>(more.size());
+      tried.insert(more.begin(), more.end());
+    }
+    if (!progress.IsCancelled()) {
+      const std::vector<Pair> more = ThroughOthers(count, graph.pairs, tried);
+      verifier.Verify(more, options.features, graph.pairs);
+      report.pairs_compared += static_cast<int>(more.size());
+    }
+    std::sort(graph.pairs.begin(), graph.pairs.end(), [](const GraphPair& a, const GraphPair& b) {
+      return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+    });
+    report.pairs_verified = static_cast<int>(graph.pairs.size());
+  }
+  ScopedTimer timer(report.rotations_s);
+  AgreeOnRotations(count, graph, report);
+  return graph;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,38 @@
+// BuildViewGraph: the pairs of photos that show the same by what they show, each verified by the geometry of two views,
+// and all of them by each other: a pair whose turn contradicts what the others say round every loop is refused
+// (repeated texture). The same for any number of threads.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "core/alignment/registration/candidate_pairs.h"
+#include "core/alignment/registration/registration.h"
+#include "core/alignment/registration/two_view.h"
+#include "core/base/progress.h"
+
+namespace skyquilt::alignment {
+
+struct ViewGraphOptions {
+  CandidateOptions candidates;
+  int features = 1000;            // compared first
+  int features_of_weak = 2000;    // where that left photos with few pairs
+  int few_pairs = 4;
+  TwoViewOptions two_view;
+};
+
+struct GraphPair {
+  int first = 0, second = 0;  // first < second
+  TwoView view;               // its first pose is the one that the loops agree with
+};
+
+struct ViewGraph {
+  std::vector<GraphPair> pairs;                    // sorted
+  std::vector<Eigen::Quaterniond> cam_from_world;  // averaged, by photo; one world a piece
+  std::vector<int> piece;                          // negative: no pair
+};
+
+ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
+                         RegistrationReport& report, Progress& progress);
+
+}  // namespace skyquilt::alignment

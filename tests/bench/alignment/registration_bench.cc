@@ -1,0 +1,121 @@
+// Registers the photos of a folder by what they show alone and prints what came of it:
+// registration_bench DIR [threads [positions|nothing]]. "nothing": recorded positions are not looked at.
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include <cstdlib>
+#include <map>
+#include <string_view>
+
+#include "core/alignment/align_flight.h"
+#include "core/alignment/registration/register_photos.h"
+#include "core/alignment/registration/similarity.h"
+#include "core/base/median.h"
+#include "core/base/parallel_for.h"
+#include "core/flight/photo_decoder.h"
+#include "core/flight/read_flight.h"
+#include "core/geo/local_frame.h"
+
+namespace {
+
+double CpuSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_utime.tv_sec + usage.ru_stime.tv_sec +
+         1e-6 * (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace skyquilt;
+  if (argc < 2) {
+    fmt::print(stderr, "usage: {} DIR [threads [positions|nothing]]\n", argv[0]);
+    return 2;
+  }
+  SilentProgress progress;
+  const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles({argv[1]});
+  if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
+  const Result<flight::Flight> read = flight::ReadFlight(*files, {}, progress);
+  if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
+  const int threads = argc > 2 ? std::atoi(argv[2]) : 0;
+  const bool with_positions = argc <= 3 || std::string_view(argv[3]) != "nothing";
+  const alignment::FeatureOptions feature_options = alignment::AlignOptions().Features();
+  const std::vector<flight::Photo>& photos = read->photos;
+  std::vector<alignment::PhotoFeatures> features(photos.size());
+  std::vector<char> is_read(photos.size(), 0);
+  const flight::FilePhotoSource source;
+  double cpu = CpuSeconds();
+  ParallelFor(photos.size(), threads, [&](std::size_t i) {
+    Result<alignment::PhotoFeatures> found = alignment::ExtractFeatures(photos[i], source, feature_options);
+    if (!found) return;
+    features[i] = *std::move(found);
+    is_read[i] = 1;
+  });
+  fmt::print("features: cpu {:.2f} s\n", CpuSeconds() - cpu);
+  cpu = CpuSeconds();
+  alignment::RegistrationInput input;
+  std::map<std::string, int> lens_of_key;
+  std::optional<geo::LocalFrame> frame;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const auto [lens, is_new] = lens_of_key.emplace(photos[i].camera_key, static_cast<int>(input.lenses.size()));
+    if (is_new) {
+      alignment::BundleLens added;
+      added.recorded = added.intrinsics = photos[i].intrinsics;
+      added.sigma_focal_share = photos[i].focal_source == flight::FocalSource::kAssumed ? 0.1 : 0.02;
+      added.sigma_k1 = added.sigma_k2 = 0.05;
+      added.sigma_p = 0.0006;
+      added.sigma_center_px = 0.004 * photos[i].intrinsics.width_px;
+      input.lenses.push_back(added);
+    }
+    alignment::RegistrationPhoto photo;
+    photo.features = is_read[i] ? &features[i] : nullptr;
+    photo.lens = lens->second;
+    if (photos[i].position) {
+      const flight::RecordedPosition& at = *photos[i].position;
+      const geo::Wgs84 here{at.position.lat_deg, at.position.lon_deg,
+                            at.height_ellipsoid_m.value_or(at.height_amsl_m.value_or(0.0))};
+      if (!frame) frame.emplace(here);
+      photo.position_in_enu = frame->EnuFromWgs84(here);
+    }
+    input.photos.push_back(photo);
+  }
+  alignment::RegistrationInput blind = input;
+  if (!with_positions) {
+    for (alignment::RegistrationPhoto& photo : blind.photos) photo.position_in_enu.reset();
+  }
+  const alignment::Registration found = alignment::RegisterPhotos(blind, {}, threads, progress);
+  const alignment::RegistrationReport& report = found.report;
+  fmt::print("registration: cpu {:.2f} s; candidates {:.2f} s, matching {:.2f} s, rotations {:.2f} s, growing {:.2f} s\n",
+             CpuSeconds() - cpu, report.candidates_s, report.matching_s, report.rotations_s, report.growing_s);
+  fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", report.pairs_compared, report.pairs_verified,
+             report.pairs_refused, found.tracks.size());
+  std::vector<int> links(photos.size(), 0);
+  for (const alignment::PairLink& link : found.links) ++links[link.first], ++links[link.second];
+  for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {
+    std::vector<alignment::PlacePair> pairs;
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+      if (found.photos[i].block != static_cast<int>(b) || !input.photos[i].position_in_enu) continue;
+      pairs.push_back({found.photos[i].cam_from_world.TargetOriginInSource(), *input.photos[i].position_in_enu,
+                       Eigen::Vector3d(2.0, 2.0, 5.0)});
+    }
+    fmt::print("block {}: {} photos", b, found.block_sizes[b]);
+    if (const auto fitted = alignment::FitRobustly(pairs, {})) {
+      fmt::print("; {} of {} positions hold, {:.2f} m off in the median, {:.1f} m up", fitted->held, pairs.size(),
+                 fitted->median_miss, fitted->target_from_source.scale * alignment::kMedianDepth);
+    }
+    fmt::print("\n");
+  }
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (found.photos[i].block == 0) continue;
+    fmt::print("  not in block 0: {} (block {}, {} links, {} features)\n", photos[i].name, found.photos[i].block,
+               found.photos[i].links, features[i].keypoints.size());
+  }
+  for (const alignment::BundleLens& lens : found.lenses) {
+    fmt::print("lens: focal {:.1f} -> {:.1f} px, k1 {:.4f} k2 {:.4f}\n", lens.recorded.focal_x_px,
+               lens.intrinsics.focal_x_px, lens.intrinsics.k1, lens.intrinsics.k2);
+  }
+  fmt::print("{} of {} registered in block 0, residual {:.2f} px\n",
+             found.block_sizes.empty() ? 0 : found.block_sizes.front(), photos.size(), found.residual_rms_px);
+  return 0;
+}

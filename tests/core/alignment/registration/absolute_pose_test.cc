@@ -1,0 +1,66 @@
+#include "core/alignment/registration/absolute_pose.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/alignment/registration/sampler.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
+
+const geo::Rigid3 kTruth{geo::RotationFromVector({2.9, 0.2, 0.1}), {3.0, -2.0, 45.0}};
+
+std::vector<Sight> SightsOf(const camera::Intrinsics& lens, int count, double wrong_share) {
+  Sampler sampler(3);
+  std::vector<Sight> sights;
+  while (static_cast<int>(sights.size()) < count) {
+    const Eigen::Vector3d point(80.0 * Uniform(sampler) - 40.0, 80.0 * Uniform(sampler) - 40.0, 2.0 * Uniform(sampler));
+    const auto pixel = lens.Project(kTruth * point);
+    if (!pixel || !lens.IsInImage(*pixel)) continue;
+    Sight sight{*pixel, point, 1.0};
+    if (Uniform(sampler) < wrong_share) {
+      sight.pixel_in_image = {4000.0 * Uniform(sampler), 3000.0 * Uniform(sampler)};
+    }
+    sights.push_back(sight);
+  }
+  return sights;
+}
+
+TEST(AbsolutePose, ThreePointsGiveThePoseAmongUpToFour) {
+  const camera::Intrinsics lens = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  const std::vector<Sight> sights = SightsOf(lens, 3, 0.0);
+  std::array<Eigen::Vector3d, 3> rays, points;
+  for (std::size_t k = 0; k < 3; ++k) {
+    rays[k] = lens.Unproject(sights[k].pixel_in_image).normalized();
+    points[k] = sights[k].point_in_world;
+  }
+  double nearest = 1e9;
+  const std::vector<geo::Rigid3> poses = PosesOfThree(rays, points);
+  EXPECT_LE(poses.size(), 4U);
+  for (const geo::Rigid3& pose : poses) {
+    nearest = std::min(nearest, pose.rotation.angularDistance(kTruth.rotation) +
+                                    (pose.translation - kTruth.translation).norm());
+  }
+  EXPECT_LT(nearest, 1e-5);
+}
+
+TEST(AbsolutePose, TwoThirdsWrongSightsDoNotMoveIt) {
+  camera::Intrinsics lens = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  lens.k1 = -0.08;
+  const auto found = FindPose(lens, SightsOf(lens, 150, 0.65), 1, {});
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->cam_from_world.rotation.angularDistance(kTruth.rotation), 1e-4);
+  EXPECT_LT((found->cam_from_world.translation - kTruth.translation).norm(), 0.01);
+  EXPECT_GT(found->followers.size(), 40U);
+}
+
+TEST(AbsolutePose, NoPoseIsFoundWhereSightsAreChance) {
+  const camera::Intrinsics lens = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  EXPECT_FALSE(FindPose(lens, SightsOf(lens, 100, 1.0), 1, {}));
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

@@ -1,0 +1,122 @@
+#include "core/alignment/registration/register_photos.h"
+
+#include <gtest/gtest.h>
+
+#include "core/alignment/registration/similarity.h"
+#include "tests/core/alignment/registration/synthetic_scene.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+struct Judged {
+  int in_first_block = 0;
+  double worst_center_m = 0.0;
+  double worst_turn_rad = 0.0;
+};
+
+Judged Judge(const SyntheticScene& scene, const Registration& found) {
+  Judged judged;
+  std::vector<PlacePair> pairs;
+  std::vector<std::size_t> photos;
+  for (std::size_t i = 0; i < scene.cam_from_enu.size(); ++i) {
+    if (found.photos[i].block != 0) continue;
+    pairs.push_back({found.photos[i].cam_from_world.TargetOriginInSource(),
+                     scene.cam_from_enu[i].TargetOriginInSource(), Eigen::Vector3d::Ones()});
+    photos.push_back(i);
+  }
+  judged.in_first_block = static_cast<int>(pairs.size());
+  const auto fitted = FitSimilarity3(pairs);
+  if (!fitted) return judged;
+  for (const std::size_t i : photos) {
+    const geo::Rigid3 moved = fitted->Moved(found.photos[i].cam_from_world);
+    judged.worst_center_m =
+        std::max(judged.worst_center_m,
+                 (moved.TargetOriginInSource() - scene.cam_from_enu[i].TargetOriginInSource()).norm());
+    judged.worst_turn_rad =
+        std::max(judged.worst_turn_rad, moved.rotation.angularDistance(scene.cam_from_enu[i].rotation));
+  }
+  return judged;
+}
+
+Registration Register(const RegistrationInput& input, int threads = 2) {
+  SilentProgress progress;
+  return RegisterPhotos(input, {}, threads, progress);
+}
+
+void ExpectAllRight(const SyntheticOptions& options, double most_off_m, double focal_factor = 1.0) {
+  const SyntheticScene scene = MakeScene(options);
+  const Judged judged = Judge(scene, Register(InputOf(scene, focal_factor)));
+  EXPECT_EQ(judged.in_first_block, options.columns * options.rows);
+  EXPECT_LT(judged.worst_center_m, most_off_m);
+  EXPECT_LT(judged.worst_turn_rad, 0.03);
+}
+
+TEST(RegisterPhotos, ALevelFlightWithoutAnyRecord) { ExpectAllRight({}, 0.5); }
+
+TEST(RegisterPhotos, ObliquePhotosTurnedAllWays) {
+  SyntheticOptions options;
+  options.any_yaw = true;
+  options.tilt_rad = 0.3;
+  ExpectAllRight(options, 0.7);
+}
+
+TEST(RegisterPhotos, AClimbByFiveTimes) {
+  SyntheticOptions options;
+  options.columns = 30;
+  options.rows = 1;
+  options.step_m = 4.0;
+  options.climb_from_share = 0.2;
+  options.points_per_m2 = 1.0;
+  ExpectAllRight(options, 1.0);
+}
+
+TEST(RegisterPhotos, AFocalLengthThatIsTenPercentOffIsCorrected) {
+  SyntheticOptions options;
+  options.any_yaw = true;
+  options.tilt_rad = 0.3;
+  options.relief_m = 6.0;
+  const SyntheticScene scene = MakeScene(options);
+  const Registration found = Register(InputOf(scene, 1.1));
+  EXPECT_EQ(Judge(scene, found).in_first_block, options.columns * options.rows);
+  EXPECT_NEAR(found.lenses[0].intrinsics.MeanFocalPx(), scene.lens.MeanFocalPx(), 0.015 * scene.lens.MeanFocalPx());
+}
+
+TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
+  SyntheticOptions options;
+  options.columns = 5;
+  options.rows = 2;
+  const SyntheticScene here = MakeScene(options);
+  options.columns = 4;
+  options.seed = 2;
+  const SyntheticScene there = MakeScene(options);
+  RegistrationInput input = InputOf(here);
+  for (const PhotoFeatures& features : there.features) input.photos.push_back({&features, 0, {}});
+  const Registration found = Register(input);
+  ASSERT_EQ(found.block_sizes, (std::vector<int>{10, 8}));
+  for (std::size_t i = 0; i < input.photos.size(); ++i) EXPECT_EQ(found.photos[i].block, i < 10 ? 0 : 1) << i;
+}
+
+TEST(RegisterPhotos, TheSameForAnyNumberOfThreads) {
+  SyntheticOptions options;
+  options.columns = 4;
+  options.rows = 2;
+  const SyntheticScene scene = MakeScene(options);
+  const Registration one = Register(InputOf(scene), 1), three = Register(InputOf(scene), 3);
+  ASSERT_EQ(one.photos.size(), three.photos.size());
+  for (std::size_t i = 0; i < one.photos.size(); ++i) {
+    EXPECT_EQ(one.photos[i].cam_from_world.translation, three.photos[i].cam_from_world.translation);
+    EXPECT_EQ(one.photos[i].cam_from_world.rotation.coeffs(), three.photos[i].cam_from_world.rotation.coeffs());
+  }
+}
+
+TEST(RegisterPhotos, NothingComesOfNothing) {
+  EXPECT_TRUE(Register({}).block_sizes.empty());
+  RegistrationInput input;
+  input.lenses.resize(1);
+  input.lenses[0].recorded = input.lenses[0].intrinsics = camera::Intrinsics::Centered(400, 300, 300.0);
+  input.photos.resize(3);
+  EXPECT_TRUE(Register(input).block_sizes.empty());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

@@ -1,0 +1,64 @@
+#include "core/alignment/registration/rotation_averaging.h"
+
+#include <gtest/gtest.h>
+
+#include "core/alignment/registration/sampler.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
+
+Eigen::Vector3d Random(Sampler& sampler, double most) {
+  return most * Eigen::Vector3d(2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0);
+}
+
+TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
+  Sampler sampler(5);
+  constexpr int kPhotos = 40;
+  std::vector<Eigen::Quaterniond> truth;
+  for (int i = 0; i < kPhotos; ++i) truth.push_back(geo::RotationFromVector(Random(sampler, 2.0)));
+  std::vector<RelativeRotation> pairs;
+  std::vector<char> is_wrong;
+  for (int i = 0; i < kPhotos; ++i) {
+    for (int step = 1; step <= 6; ++step) {
+      const int j = (i + step) % kPhotos;
+      RelativeRotation pair{std::min(i, j), std::max(i, j), {}, 1.0};
+      pair.second_from_first = geo::RotationFromVector(Random(sampler, 0.01)) * truth[pair.second] *
+                               truth[pair.first].conjugate();
+      const bool wrong = Uniform(sampler) < 0.2;
+      if (wrong) pair.second_from_first = geo::RotationFromVector(Random(sampler, 2.0));
+      pairs.push_back(pair);
+      is_wrong.push_back(wrong ? 1 : 0);
+    }
+  }
+  const AveragedRotations averaged = AverageRotations(kPhotos, pairs);
+  // Up to one turn of everything.
+  const Eigen::Quaterniond gauge = averaged.cam_from_world[0].conjugate() * truth[0];
+  for (int i = 0; i < kPhotos; ++i) {
+    EXPECT_LT((averaged.cam_from_world[i] * gauge).angularDistance(truth[i]), 0.02) << i;
+    EXPECT_EQ(averaged.piece[i], 0);
+  }
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    if (!is_wrong[p]) EXPECT_LT(averaged.miss_rad[p], 0.05);
+  }
+  int found = 0, wrong = 0;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    wrong += is_wrong[p];
+    found += is_wrong[p] && averaged.miss_rad[p] > 0.2 ? 1 : 0;
+  }
+  EXPECT_GE(found, 0.9 * wrong);
+}
+
+TEST(RotationAveraging, PhotosWithoutPairsBelongToNoPiece) {
+  const AveragedRotations averaged = AverageRotations(5, {{0, 1, Eigen::Quaterniond::Identity(), 1.0},
+                                                          {3, 4, Eigen::Quaterniond::Identity(), 1.0}});
+  EXPECT_EQ(averaged.piece[0], averaged.piece[1]);
+  EXPECT_EQ(averaged.piece[3], averaged.piece[4]);
+  EXPECT_NE(averaged.piece[0], averaged.piece[3]);
+  EXPECT_LT(averaged.piece[2], 0);
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

@@ -1,0 +1,75 @@
+#include "core/alignment/registration/two_view.h"
+
+#include <gtest/gtest.h>
+
+#include "core/alignment/registration/match_descriptors.h"
+#include "tests/core/alignment/registration/synthetic_scene.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+std::optional<TwoView> View(const SyntheticScene& scene, int i, int j) {
+  const std::vector<Eigen::Vector2d> first = RaysOf(scene.features[i], scene.lens, 2000);
+  const std::vector<Eigen::Vector2d> second = RaysOf(scene.features[j], scene.lens, 2000);
+  return VerifyPair({&scene.features[i], &scene.lens, &first}, {&scene.features[j], &scene.lens, &second},
+                    MatchDescriptors(scene.features[i], scene.features[j], {}), 1, {});
+}
+
+double TurnMiss(const SyntheticScene& scene, int i, int j, const TwoView& view) {
+  const Eigen::Quaterniond truth = scene.cam_from_enu[j].rotation * scene.cam_from_enu[i].rotation.conjugate();
+  double least = 10.0;
+  for (const RelativePose& pose : view.poses) least = std::min(least, pose.rotation.angularDistance(truth));
+  return least;
+}
+
+TEST(TwoView, FlatGroundIsToldFromReliefAndTheTurnIsFoundInBoth) {
+  SyntheticOptions options;
+  options.columns = 2;
+  options.rows = 1;
+  options.any_yaw = true;
+  options.relief_m = 0.0;
+  const SyntheticScene flat = MakeScene(options);
+  const auto of_flat = View(flat, 0, 1);
+  ASSERT_TRUE(of_flat);
+  EXPECT_EQ(of_flat->scene, Scene::kFlat);
+  EXPECT_LT(TurnMiss(flat, 0, 1, *of_flat), 0.02);
+  options.relief_m = 15.0;
+  const SyntheticScene hills = MakeScene(options);
+  const auto of_hills = View(hills, 0, 1);
+  ASSERT_TRUE(of_hills);
+  EXPECT_EQ(of_hills->scene, Scene::kRelief);
+  EXPECT_LT(TurnMiss(hills, 0, 1, *of_hills), 0.01);
+}
+
+TEST(TwoView, ACameraThatOnlyTurnedHasNoParallax) {
+  SyntheticOptions options;
+  options.columns = 2;
+  options.rows = 1;
+  options.step_m = 0.0;
+  options.any_yaw = true;
+  SyntheticScene scene = MakeScene(options);
+  // The same place: the second is the first, turned in the picture's plane and seen anew.
+  scene.features[1] = scene.features[0];
+  for (Keypoint& keypoint : scene.features[1].keypoints) {
+    const float x = keypoint.x_px;
+    keypoint.x_px = 3999.0F - x;
+    keypoint.y_px = 2999.0F - keypoint.y_px;
+    keypoint.angle_rad += 3.14159265F;
+  }
+  const auto view = View(scene, 0, 1);
+  ASSERT_TRUE(view);
+  EXPECT_EQ(view->scene, Scene::kNoParallax);
+}
+
+TEST(TwoView, PhotosOfDifferentPlacesAreNotTied) {
+  SyntheticOptions options;
+  options.columns = 2;
+  options.rows = 1;
+  SyntheticScene scene = MakeScene(options);
+  options.seed = 99;
+  scene.features[1] = MakeScene(options).features[1];
+  EXPECT_FALSE(View(scene, 0, 1));
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
