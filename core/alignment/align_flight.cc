@@ -14,6 +14,7 @@
 #include "core/alignment/link_rounds.h"
 #include "core/alignment/pairs_in_use.h"
 #include "core/alignment/place_photos.h"
+#include "core/alignment/registration/second_leg.h"
 #include "core/alignment/rescue_rounds.h"
 #include "core/alignment/tie_to_control.h"
 #include "core/base/median.h"
@@ -143,6 +144,39 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
   }
 }
 
+std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, const AlignOptions& options, AlignReport& report,
+                                      Progress& progress) {
+  if (!options.fixed.empty()) return std::nullopt;
+  report.second_leg.why = WhyByImages(first);
+  if (report.second_leg.why.empty()) return std::nullopt;
+  progress.Report(0.82, "placing photos by what they show");
+  return PlaceByImages(first, options.control, options.threads, report.second_leg, progress);
+}
+
+// As if the records had said so.
+void GoOnFrom(SecondLeg second, const std::vector<const PhotoFeatures*>& features, const std::vector<int>& lines,
+              poses::PosedFlight& posed, LinkInput& input, Linked& linked, BundleProblem& problem) {
+  posed = std::move(second.posed);
+  linked.corrected = std::move(second.corrected);
+  linked.links = std::move(second.links);
+  linked.pairs.clear();
+  for (const PairLink& link : linked.links) linked.pairs.push_back({link.first, link.second, 0.0});
+  problem = MakeBundle(posed, linked.corrected, lines);
+  for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
+    BundleLens& lens = problem.lenses[c];
+    lens.intrinsics = second.lenses[c];
+    // Where the images found another lens than was recorded, the record is worth that much.
+    const double off = std::abs(std::log(lens.intrinsics.focal_x_px / lens.recorded.focal_x_px));
+    lens.sigma_focal_share = std::max(lens.sigma_focal_share, off);
+  }
+  input = MakeLinkInput(posed);
+  input.features = features;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (!second.by_images[i]) input.features[i] = nullptr;
+  }
+  input.views = ViewsOf(problem);
+}
+
 }  // namespace
 
 FeatureOptions AlignOptions::Features() const {
@@ -171,13 +205,15 @@ Result<void> AlignOptions::Validate() const {
   return {};
 }
 
-Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
+Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipeline::PhotoSource& source,
                                   const AlignOptions& options, AlignReport& report, Progress& progress,
                                   FoundFeatures found) {
   if (Result<void> valid = options.Validate(); !valid) return valid.error();
   const Error cancelled{ErrorCode::kCancelled, "the alignment was cancelled", ""};
   report = {};
   ScopedTimer total_timer(report.total_s);
+  std::vector<char> is_unplaced;
+  poses::PosedFlight posed = WithUnplaced(recorded, &is_unplaced);
   const std::size_t count = posed.photos.size();
   report.photos = static_cast<int>(count);
   std::vector<std::string> names;
@@ -192,13 +228,15 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   if (progress.IsCancelled()) return cancelled;
   report.photo_reports.resize(count);
   LinkInput input = MakeLinkInput(posed);
-  input.features = photographed.Readable();
+  const std::vector<const PhotoFeatures*> readable = photographed.Readable();
+  input.features = readable;
   for (std::size_t i = 0; i < count; ++i) {
     const PhotoFeatures& features = photographed.features[i];
     report.photo_reports[i].name = names[i];
     report.photo_reports[i].features = static_cast<int>(features.keypoints.size());
     report.decode_s += features.decode_s;
     report.features_s += features.detect_s;
+    if (is_unplaced[i]) input.features[i] = nullptr;  // until the second leg places it
   }
 
   const std::vector<int> lines = FindLines(places);
@@ -213,7 +251,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
     report.pairs_by_direct = static_cast<int>(direct_tracks.size());
   }
   if (progress.IsCancelled()) return cancelled;
-  const std::vector<CandidatePair> compared = linked.pairs;
+  std::vector<CandidatePair> compared = linked.pairs;
 
   BundleProblem problem = MakeBundle(posed, linked.corrected, lines);
   if (!options.fixed.empty()) {
@@ -240,7 +278,17 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
       summary = AdjustBundle(problem, first);
       report.iterations += summary.iterations;
     }
-    if (LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
+    if (std::optional<SecondLeg> second = TrySecondLeg(
+            {&posed, &is_unplaced, &readable, &linked.links, &problem}, options, report, progress)) {
+      report.second_leg.is_taken = true;
+      report.second_leg.is_placed = second->is_placed;
+      for (std::size_t i = 0; i < count; ++i) report.photo_reports[i].is_by_images = second->by_images[i] != 0;
+      GoOnFrom(*std::move(second), readable, lines, posed, input, linked, problem);
+      compared = linked.pairs;
+      problem.tracks = TriangulatedTracks(linked.links, input, options);
+      summary = AdjustBundle(problem, first);
+      report.iterations += summary.iterations;
+    } else if (LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
       LookAgain(posed, problem, kMiddleLook, options, relief, input, linked);
       problem.tracks = TriangulatedTracks(linked.links, input, options);
       summary = AdjustBundle(problem, first);
@@ -284,6 +332,10 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipelin
   const std::vector<Track> ground_tracks = GroundTracks(linked.links, input, options);
   AlignedFlight flight = PlacePhotos(
       {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
+  if (Result<void> settled = SettleUnplaced(recorded, flight, report); !settled) return settled.error();
+  if (std::string words = SecondLegInWords(report.second_leg); !words.empty()) {
+    flight.warnings.insert(flight.warnings.begin(), std::move(words));
+  }
   for (const ControlReport& point : report.control) {
     if (!point.is_used) {
       flight.warnings.push_back(

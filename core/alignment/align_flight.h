@@ -35,7 +35,7 @@ struct AlignOptions {
 };
 
 // `found`: features with options.Features() of photos that were decoded before; the others are decoded here.
-Result<AlignedFlight> AlignFlight(const poses::PosedFlight& posed, const pipeline::PhotoSource& source,
+Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipeline::PhotoSource& source,
                                   const AlignOptions& options, AlignReport& report, Progress& progress,
                                   FoundFeatures found = {});
 

@@ -85,6 +85,7 @@ std::string AlignReportJson(const AlignReport& report) {
                                      {"moved_m", photo.moved_m},
                                      {"turned_deg", photo.turned_deg},
                                      {"error_radius_m", photo.error_radius_m},
+                                     {"placed_by", photo.is_by_images ? "images" : "records"},
                                      {"faults", Json::array()}});
     for (const PhotoFault fault : photo.faults) {
       json["photo_reports"].back()["faults"].push_back(FaultName(fault));
@@ -114,6 +115,17 @@ std::string AlignReportJson(const AlignReport& report) {
   }
   json["position_bias_m"] = {report.position_bias_m.x(), report.position_bias_m.y(),
                              report.position_bias_m.z()};
+  const SecondLegReport& second = report.second_leg;
+  json["second_leg"] = {{"why", second.why},
+                        {"outcome", second.outcome},
+                        {"is_taken", second.is_taken},
+                        {"registered", second.registered},
+                        {"groups", second.groups},
+                        {"pairs_compared", second.pairs_compared},
+                        {"pairs_verified", second.pairs_verified},
+                        {"pairs_refused", second.pairs_refused},
+                        {"residual_rms_px", second.residual_rms_px},
+                        {"total_wall_s", second.total_s}};
   // Names are the user's: bytes that are not UTF-8 are replaced, never refused.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }

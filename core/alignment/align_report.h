@@ -36,6 +36,7 @@ struct AlignPhotoReport {
   double moved_m = 0.0;  // how far the image centre moved on the ground against the recorded pose
   double turned_deg = 0.0;
   double error_radius_m = 0.0;
+  bool is_by_images = false;  // its place started from what it shows, not from its record
   std::vector<PhotoFault> faults;
 };
 
@@ -59,6 +60,19 @@ struct AlignLensReport {
   camera::Intrinsics recorded, adjusted;
   double sigma_focal_px = 0.0;
   bool focal_is_held = true;  // the images say no more of it than the record
+};
+
+// Photos placed by what they show, without their recorded poses.
+struct SecondLegReport {
+  std::string why;      // the records were doubted; empty: they held, and nothing was tried
+  std::string outcome;  // in words
+  int registered = 0;   // photos in the largest group
+  int groups = 0;
+  int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
+  double residual_rms_px = 0.0;
+  double total_s = 0.0;  // wall
+  bool is_taken = false;
+  bool is_placed = false;  // on Earth, by positions or surveyed points
 };
 
 struct AlignReport {
@@ -86,6 +100,7 @@ struct AlignReport {
   std::vector<ControlReport> control;
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
   std::vector<std::string> corrections;                       // in words, a photo or a line each
+  SecondLegReport second_leg;
 };
 
 std::string AlignReportJson(const AlignReport& report);

@@ -98,9 +98,9 @@ void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
 }
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
-                                const DemSource* dem, StageRunner& stages) {
+                                const DemSource* dem, StageRunner& stages, bool keep_unplaced = false) {
   return stages.Run("pose", [&] {
-    return poses::EstimatePoses(flight, {options.origin, options.landed_at_start, dem});
+    return poses::EstimatePoses(flight, {options.origin, options.landed_at_start, dem, keep_unplaced});
   });
 }
 
@@ -163,7 +163,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
     return CheckPhotos(std::move(read), source, features, options.threads, progress);
   });
   if (!checked) return checked.error();
-  auto posed = Pose(checked->flight, options, dem, stages);
+  auto posed = Pose(checked->flight, options, dem, stages, options.method == AlignMethod::kAuto);
   if (!posed) return posed.error();
   alignment::AlignReport report;
   auto aligned = stages.Run("align", [&] {
@@ -188,7 +188,7 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   facts.ground_json = ground::ModelGroundReportJson(ground_report);
   facts.poses_json = poses::PoseReportJson(posed->report);
   facts.height_rule = posed->report.height_rule;
-  facts.is_placed = posed->is_placed;
+  facts.is_placed = posed->is_placed || report.second_leg.is_placed;
   return facts;
 }
 

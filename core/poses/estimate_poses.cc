@@ -156,6 +156,26 @@ Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
   return {ErrorCode::kUnprocessable, message, ""};
 }
 
+// A flight that no record places: a frame for what its photos may say.
+void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& options, PosedFlight& posed) {
+  std::vector<geo::LatLon> positions;
+  std::vector<double> heights;
+  for (const flight::GcpList& list : flight.gcp_lists) {
+    for (const flight::GcpPoint& point : list.points) {
+      positions.push_back(point.position);
+      if (point.height_m) heights.push_back(*point.height_m);
+    }
+  }
+  for (const Photo& photo : posed.unplaced) {
+    if (positions.empty() && photo.position) positions.push_back(photo.position->position);
+  }
+  const geo::LatLon middle = MedianPosition(positions).value_or(options.origin.value_or(geo::LatLon{}));
+  posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, MedianIfAny(std::move(heights)).value_or(0.0)});
+  posed.is_placed = posed.report.is_placed = false;
+  posed.report.method = "none: no photo records where it was taken";
+  posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
+}
+
 // Heights above take-off become heights above the ground below each photo.
 void TakeElevations(const DemLay& lay, DemZero zero, bool knows_takeoff, PosedFlight& posed) {
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
@@ -282,6 +302,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
       rest.push_back(photo);
     } else {
       posed.left_out.push_back({photo.name, ErrorCode::kNoPosition, WhyWithoutPosition(log.has_value())});
+      if (options.keep_unplaced) posed.unplaced.push_back(photo);
     }
   }
   const bool has_frame = !posed.photos.empty();
@@ -291,9 +312,14 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     const FlightHeights heights = ChooseHeights(rest, options.dem);
     if (!has_frame && heights.rule == HeightRule::kElevationModel) dem_zero = DemZero::kSeaLevel;
     PlacedByRecords placed = PlaceRest(rest, heights, has_frame, posed);
-    any_without_height = placed.without_height > 0;
+    any_without_height = !placed.without_height.empty();
+    if (options.keep_unplaced) Append(std::move(placed.without_height), posed.unplaced);
     Append(std::move(placed.photos), posed.photos);
     Append(std::move(placed.left_out), posed.left_out);
+  }
+  if (posed.photos.empty() && !posed.unplaced.empty()) {
+    LeaveUnplaced(flight, options, posed);
+    return posed;
   }
   if (posed.photos.empty()) {
     return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out);

@@ -18,6 +18,9 @@ struct EstimatePosesOptions {
   std::optional<geo::LatLon> origin;         // where a flight without positions starts
   bool landed_at_start = false;              // it came back there (only asked without positions)
   const pipeline::DemSource* dem = nullptr;  // heights of the ground, where known
+  // Photos without usable position or height are handed on as PosedFlight::unplaced, and a flight of nothing else
+  // is no error: its frame lies at surveyed points, at the given origin or nowhere (is_placed is false).
+  bool keep_unplaced = false;
 };
 
 Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options);

@@ -77,7 +77,7 @@ PlacedByRecords PlaceByRecords(const std::vector<Photo>& photos, const FlightHei
     };
     if (!heights.above_ground_m[i]) {
       leave_out("has no usable height above the ground, so its scale is unknown.");
-      ++placed.without_height;
+      placed.without_height.push_back(photo);
       continue;
     }
     const geo::LatLon& at = photo.position->position;

@@ -22,6 +22,7 @@ constexpr std::size_t kFewAttitudes = 3;
 constexpr double kAttitudesAgainstGroundRad = 0.27;
 constexpr double kLeastSpreadSigmas = 6.0;
 constexpr double kLooseHeightM = 3.0;
+constexpr double kMostHeightShare = 0.25;
 
 std::vector<std::size_t> PhotosOf(const Registration& registration, int block) {
   std::vector<std::size_t> photos;
@@ -199,8 +200,15 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   }
   if (place.placing == Placing::kByControl) return place;
   if (place.placing == Placing::kByPositions) {
-    // Recorded heights count from anywhere: the ground lies where the flight's ground lies.
-    place.enu_from_world.shift.z() += records.ground_z_in_enu_m - ground_height(place.enu_from_world);
+    // Heights that count from anywhere, or are of another scale than the pictures: the ground lies where the
+    // flight's ground lies.
+    const double ground_z_m = ground_height(place.enu_from_world);
+    std::vector<double> flown;
+    for (const Vector3d& center : centers) flown.push_back((place.enu_from_world * center).z() - ground_z_m);
+    const double off_m = records.ground_z_in_enu_m - ground_z_m;
+    if (!records.trusts_heights || std::abs(off_m) > kMostHeightShare * Median(std::move(flown))) {
+      place.enu_from_world.shift.z() += off_m;
+    }
     return place;
   }
 

@@ -26,6 +26,7 @@ struct GeoreferenceRecords {
   // Surveyed points that two or more photos of the block show: world and enu.
   std::vector<PlacePair> control;
   double ground_z_in_enu_m = 0.0;
+  bool trusts_heights = false;  // of the positions, up to a quarter of the flying height
   double guessed_width_m = 100.0;  // of the ground a photo shows, where nothing tells
 };
 

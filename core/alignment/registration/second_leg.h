@@ -1,0 +1,56 @@
+// The second leg of the alignment: where recorded poses fail their test, photos are placed by what they show alone
+// (RegisterPhotos), and the records count only where they agree with that. What comes back is a posed flight, as the
+// first leg starts from, with links and lenses: the alignment goes on from it. The same for any number of threads.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/align_report.h"
+#include "core/alignment/bundle_adjustment.h"
+#include "core/alignment/correct_poses.h"
+#include "core/alignment/ground_control.h"
+#include "core/alignment/link_rounds.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// The recorded poses as the first leg left them.
+struct FirstLeg {
+  const poses::PosedFlight* posed = nullptr;
+  const std::vector<char>* is_unplaced = nullptr;           // by photo: its pose stands for none
+  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
+  const std::vector<PairLink>* links = nullptr;
+  const BundleProblem* problem = nullptr;                   // adjusted
+};
+
+struct SecondLeg {
+  poses::PosedFlight posed;
+  std::vector<char> by_images;  // by photo
+  std::vector<CorrectedPose> corrected;
+  std::vector<PairLink> links;
+  std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
+  bool is_placed = false;                  // on Earth
+};
+
+// Photos that the flight could not place, as photos of it: in the order of capture, with poses that stand for none.
+poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced);
+
+// In words, for the report; empty: the records hold.
+std::string WhyByImages(const FirstLeg& first);
+
+// Nothing where it is no better than the first leg. Fills report.second_leg.
+std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<ControlPoint>& control, int threads,
+                                       SecondLegReport& report, Progress& progress);
+
+// Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
+// kUnprocessable when nothing is left.
+Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report);
+
+// What the user must know of it; empty where the records held.
+std::string SecondLegInWords(const SecondLegReport& report);
+
+}  // namespace skyquilt::alignment
