@@ -9,6 +9,10 @@
 namespace skyquilt::alignment {
 namespace {
 
+constexpr double kOtherFocal = 0.05;
+constexpr int kFewForALens = 5;
+constexpr int kMostLooks = 2;
+constexpr double kLeastSigmaFocal = 0.05;  // what is recorded may be that of another image size
 constexpr int kLeastSeen = 12;  // points of a photo that counts as registered
 
 void AdjustLast(const RegisterOptions& options, int threads, Block& block) {
@@ -73,17 +77,10 @@ void TakeOver(const std::vector<Block>& blocks, const ViewGraph& graph, Registra
 
 }  // namespace
 
-Registration RegisterPhotos(const RegistrationInput& input, const RegisterOptions& options, int threads,
-                            Progress& progress) {
-  Registration registration;
-  for (const RegistrationPhoto& photo : input.photos) {
-    RegisteredPhoto& registered = registration.photos.emplace_back();
-    registered.lens = photo.lens;
-  }
-  registration.lenses = input.lenses;
-  const ViewGraph graph = BuildViewGraph(input, options.graph, threads, registration.report, progress);
-  ScopedTimer timer(registration.report.growing_s);
-  const SceneTracks scene = JoinMatches(input, graph.pairs);
+namespace {
+
+std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& graph, const SceneTracks& scene,
+                              const RegisterOptions& options, int threads, Progress& progress) {
   std::vector<char> is_taken(input.photos.size(), 0);
   std::vector<Block> blocks;
   std::vector<BundleLens> lenses = input.lenses;
@@ -100,8 +97,50 @@ Registration RegisterPhotos(const RegistrationInput& input, const RegisterOption
     blocks.push_back(*std::move(begun));
   }
   JoinAll(threads, options, blocks);
-  if (!blocks.empty()) registration.lenses = blocks.front().lenses();
-  TakeOver(blocks, graph, registration);
+  return blocks;
+}
+
+// Lenses as the largest block has them, where they are no more what they were taken for.
+bool TakeLenses(const std::vector<Block>& blocks, RegistrationInput& input) {
+  if (blocks.empty() || blocks.front().size() < kFewForALens) return false;
+  bool is_other = false;
+  for (std::size_t c = 0; c < input.lenses.size(); ++c) {
+    const camera::Intrinsics& found = blocks.front().lenses()[c].intrinsics;
+    const double off = std::abs(std::log(found.focal_x_px / input.lenses[c].intrinsics.focal_x_px));
+    is_other = is_other || off > kOtherFocal;
+    input.lenses[c].intrinsics = found;
+  }
+  return is_other;
+}
+
+}  // namespace
+
+Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,
+                            Progress& progress) {
+  Registration registration;
+  for (const RegistrationPhoto& photo : given.photos) registration.photos.emplace_back().lens = photo.lens;
+  registration.lenses = given.lenses;
+  RegistrationInput input = given;
+  for (BundleLens& lens : input.lenses) lens.sigma_focal_share = std::max(lens.sigma_focal_share, kLeastSigmaFocal);
+  ViewGraph graph = BuildViewGraph(input, options.graph, threads, registration.report, progress);
+  for (int look = 0;; ++look) {
+    ScopedTimer timer(registration.report.growing_s);
+    const SceneTracks scene = JoinMatches(input, graph.pairs);
+    const std::vector<Block> blocks = GrowBlocks(input, graph, scene, options, threads, progress);
+    RegistrationInput better = input;
+    if (look < kMostLooks && !progress.IsCancelled() && TakeLenses(blocks, better)) {
+      // Through the right lens more pairs agree, and with each other.
+      input = std::move(better);
+      VerifyAgain(input, options.graph, threads, registration.report, graph);
+      continue;
+    }
+    if (!blocks.empty()) registration.lenses = blocks.front().lenses();
+    TakeOver(blocks, graph, registration);
+    break;
+  }
+  for (std::size_t c = 0; c < given.lenses.size(); ++c) {
+    registration.lenses[c].sigma_focal_share = given.lenses[c].sigma_focal_share;
+  }
   return registration;
 }
 

@@ -17,7 +17,7 @@ struct RegisterOptions {
   int last_observations_per_photo = 150;
 };
 
-Registration RegisterPhotos(const RegistrationInput& input, const RegisterOptions& options, int threads,
+Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,
                             Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -35,6 +35,7 @@ struct RegisteredPhoto {
 
 struct RegistrationReport {
   int pairs_compared = 0, pairs_verified = 0, pairs_refused = 0;
+  int pairs_flat = 0, pairs_relief = 0, pairs_without_parallax = 0;  // of those not refused
   double candidates_s = 0.0, matching_s = 0.0, rotations_s = 0.0, growing_s = 0.0;  // wall
 };
 

@@ -33,19 +33,32 @@ class Verifier {
     });
   }
 
-  void Verify(const std::vector<Pair>& pairs, int features, std::vector<GraphPair>& verified) {
-    std::vector<std::optional<TwoView>> found(pairs.size());
+  // Compares and verifies; adds what was found to the graph.
+  void Compare(const std::vector<Pair>& pairs, int features, ViewGraph& graph) {
+    std::vector<ComparedPair> compared(pairs.size());
     ParallelFor(pairs.size(), threads_, [&](std::size_t p) {
-      const auto [i, j] = pairs[p];
-      const TwoViewPhoto first = PhotoOf(i), second = PhotoOf(j);
       MatchOptions match;
       match.max_features = features;
-      const std::vector<KeypointMatch> matches = MatchDescriptors(*first.features, *second.features, match);
-      const std::uint64_t seed = static_cast<std::uint64_t>(i) * 1000003U + static_cast<std::uint64_t>(j);
-      found[p] = VerifyPair(first, second, matches, seed, options_.two_view);
+      compared[p] = {pairs[p].first, pairs[p].second,
+                     MatchDescriptors(*FeaturesOf(pairs[p].first), *FeaturesOf(pairs[p].second), match)};
     });
-    for (std::size_t p = 0; p < pairs.size(); ++p) {
-      if (found[p]) verified.push_back({pairs[p].first, pairs[p].second, *std::move(found[p])});
+    std::erase_if(compared, [&](const ComparedPair& pair) {
+      return static_cast<int>(pair.matches.size()) < options_.two_view.min_matches;
+    });
+    Verify(compared, graph.pairs);
+    for (ComparedPair& pair : compared) graph.compared.push_back(std::move(pair));
+  }
+
+  void Verify(const std::vector<ComparedPair>& compared, std::vector<GraphPair>& verified) {
+    std::vector<std::optional<TwoView>> found(compared.size());
+    ParallelFor(compared.size(), threads_, [&](std::size_t p) {
+      const ComparedPair& pair = compared[p];
+      const std::uint64_t seed =
+          static_cast<std::uint64_t>(pair.first) * 1000003U + static_cast<std::uint64_t>(pair.second);
+      found[p] = VerifyPair(PhotoOf(pair.first), PhotoOf(pair.second), pair.matches, seed, options_.two_view);
+    });
+    for (std::size_t p = 0; p < compared.size(); ++p) {
+      if (found[p]) verified.push_back({compared[p].first, compared[p].second, *std::move(found[p])});
     }
   }
 
@@ -53,6 +66,7 @@ class Verifier {
   const camera::Intrinsics& LensOf(int i) const {
     return input_.lenses[static_cast<std::size_t>(input_.photos[static_cast<std::size_t>(i)].lens)].intrinsics;
   }
+  const PhotoFeatures* FeaturesOf(int i) const { return input_.photos[static_cast<std::size_t>(i)].features; }
   TwoViewPhoto PhotoOf(int i) const {
     const auto at = static_cast<std::size_t>(i);
     return {input_.photos[at].features, &LensOf(i), &rays_[at]};
@@ -115,6 +129,12 @@ std::vector<RelativeRotation> Rotations(const std::vector<GraphPair>& pairs) {
   return rotations;
 }
 
+void Sort(std::vector<GraphPair>& pairs) {
+  std::sort(pairs.begin(), pairs.end(), [](const GraphPair& a, const GraphPair& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+}
+
 // Each pair's pose by what the others say; and out with those that have none.
 void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) {
   AveragedRotations averaged = AverageRotations(photos, Rotations(graph.pairs));
@@ -145,6 +165,12 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
       averaged = AverageRotations(photos, Rotations(graph.pairs));
     }
   }
+  report.pairs_flat = report.pairs_relief = report.pairs_without_parallax = 0;
+  for (const GraphPair& pair : graph.pairs) {
+    ++(pair.view.scene == Scene::kFlat     ? report.pairs_flat
+       : pair.view.scene == Scene::kRelief ? report.pairs_relief
+                                           : report.pairs_without_parallax);
+  }
   graph.cam_from_world = std::move(averaged.cam_from_world);
   graph.piece = std::move(averaged.piece);
 }
@@ -168,7 +194,7 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
   {
     ScopedTimer timer(report.matching_s);
     Verifier verifier(input, options, threads);
-    verifier.Verify(candidates, options.features, graph.pairs);
+    verifier.Compare(candidates, options.features, graph);
     report.pairs_compared = static_cast<int>(candidates.size());
     if (!progress.IsCancelled()) {
       // Photos with few partners: all of their features, and more photos that look alike.
@@ -189,23 +215,45 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
         }
       }
       const std::vector<Pair> more(again.begin(), again.end());
-      verifier.Verify(more, options.features_of_weak, graph.pairs);
+      verifier.Compare(more, options.features_of_weak, graph);
       report.pairs_compared += static_cast<int>(more.size());
       tried.insert(more.begin(), more.end());
     }
     if (!progress.IsCancelled()) {
       const std::vector<Pair> more = ThroughOthers(count, graph.pairs, tried);
-      verifier.Verify(more, options.features, graph.pairs);
+      verifier.Compare(more, options.features, graph);
       report.pairs_compared += static_cast<int>(more.size());
     }
-    std::sort(graph.pairs.begin(), graph.pairs.end(), [](const GraphPair& a, const GraphPair& b) {
-      return std::pair(a.first, a.second) < std::pair(b.first, b.second);
-    });
+    Sort(graph.pairs);
     report.pairs_verified = static_cast<int>(graph.pairs.size());
   }
   ScopedTimer timer(report.rotations_s);
   AgreeOnRotations(count, graph, report);
   return graph;
+}
+
+void VerifyAgain(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
+                 RegistrationReport& report, ViewGraph& graph) {
+  graph.pairs.clear();
+  {
+    ScopedTimer timer(report.matching_s);
+    Verifier(input, options, threads).Verify(graph.compared, graph.pairs);
+    Sort(graph.pairs);
+    // A pair that was compared twice, with all features the second time: the better.
+    std::vector<GraphPair> once;
+    for (GraphPair& pair : graph.pairs) {
+      if (once.empty() || once.back().first != pair.first || once.back().second != pair.second) {
+        once.push_back(std::move(pair));
+      } else if (pair.view.matches.size() > once.back().view.matches.size()) {
+        once.back() = std::move(pair);
+      }
+    }
+    graph.pairs = std::move(once);
+  }
+  report.pairs_verified = static_cast<int>(graph.pairs.size());
+  report.pairs_refused = 0;
+  ScopedTimer timer(report.rotations_s);
+  AgreeOnRotations(static_cast<int>(input.photos.size()), graph, report);
 }
 
 }  // namespace skyquilt::alignment

@@ -26,7 +26,14 @@ struct GraphPair {
   TwoView view;               // its first pose is the one that the loops agree with
 };
 
+// What looks the same in two photos, whether or not any geometry agrees with it.
+struct ComparedPair {
+  int first = 0, second = 0;
+  std::vector<KeypointMatch> matches;
+};
+
 struct ViewGraph {
+  std::vector<ComparedPair> compared;              // with enough matches for a geometry
   std::vector<GraphPair> pairs;                    // sorted
   std::vector<Eigen::Quaterniond> cam_from_world;  // averaged, by photo; one world a piece
   std::vector<int> piece;                          // negative: no pair
@@ -34,5 +41,9 @@ struct ViewGraph {
 
 ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
                          RegistrationReport& report, Progress& progress);
+
+// The same photos through other lenses: what was compared is verified anew.
+void VerifyAgain(const RegistrationInput& input, const ViewGraphOptions& options, int threads,
+                 RegistrationReport& report, ViewGraph& graph);
 
 }  // namespace skyquilt::alignment

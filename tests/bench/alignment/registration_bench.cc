@@ -88,8 +88,9 @@ int main(int argc, char** argv) {
   const alignment::RegistrationReport& report = found.report;
   fmt::print("registration: cpu {:.2f} s; candidates {:.2f} s, matching {:.2f} s, rotations {:.2f} s, growing {:.2f} s\n",
              CpuSeconds() - cpu, report.candidates_s, report.matching_s, report.rotations_s, report.growing_s);
-  fmt::print("pairs: {} compared, {} verified, {} refused; {} tracks\n", report.pairs_compared, report.pairs_verified,
-             report.pairs_refused, found.tracks.size());
+  fmt::print("pairs: {} compared, {} verified, {} refused; {} flat, {} relief, {} without parallax; {} tracks\n",
+             report.pairs_compared, report.pairs_verified, report.pairs_refused, report.pairs_flat,
+             report.pairs_relief, report.pairs_without_parallax, found.tracks.size());
   std::vector<int> links(photos.size(), 0);
   for (const alignment::PairLink& link : found.links) ++links[link.first], ++links[link.second];
   for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {

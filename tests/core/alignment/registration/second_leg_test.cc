@@ -1,0 +1,190 @@
+// Simulated flights whose records are spoilt: what the photos show must do instead.
+#include "core/alignment/registration/second_leg.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/alignment/align_flight.h"
+#include "core/alignment/registration/sampler.h"
+#include "core/ground/model_ground.h"
+#include "tests/core/alignment/simulated_case.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+simulate::SimulatedFlight MakeTruth(int photos = 16) {
+  simulate::SimulateOptions options;
+  options.seed = options.world.seed = 5;
+  options.world.relief_m = 2.0;
+  options.noise = simulate::NoiseClass::kXmpTypical;
+  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  options.trajectory.photos = photos;
+  options.trajectory.photos_per_line = 4;
+  return *simulate::PlanSimulatedFlight(options);
+}
+
+struct Outcome {
+  AlignedFlight flight;
+  AlignReport report;
+  GroundError error;
+};
+
+Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& posed,
+              const std::vector<ControlPoint>& control = {}) {
+  Outcome outcome;
+  SilentProgress progress;
+  AlignOptions options;
+  options.threads = 2;
+  options.control = control;
+  Result<AlignedFlight> aligned =
+      AlignFlight(posed, simulate::SimulatedPhotoSource(truth), options, outcome.report, progress);
+  EXPECT_TRUE(aligned.ok()) << aligned.error().message;
+  if (!aligned) return outcome;
+  outcome.flight = *std::move(aligned);
+  ground::ModelGroundReport ground_report;
+  outcome.error = MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
+  return outcome;
+}
+
+// As if the photos recorded nothing.
+poses::PosedFlight Unplaced(const simulate::SimulatedFlight& truth) {
+  poses::PosedFlight posed = PosesOf(truth);
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    flight::Photo bare = photo.photo;
+    bare.position.reset();
+    bare.attitude.reset();
+    posed.unplaced.push_back(bare);
+    posed.left_out.push_back({bare.name, ErrorCode::kNoPosition, "has no position."});
+  }
+  posed.photos.clear();
+  posed.is_placed = false;
+  return posed;
+}
+
+// Taken for looking straight down, turned any way.
+void ForgetAngles(poses::PosedFlight& posed) {
+  Sampler sampler(3);
+  for (poses::PosedPhoto& photo : posed.photos) {
+    const double yaw = 0.01 * sampler.Below(628);
+    Eigen::Matrix3d down;
+    down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
+    const Eigen::Quaterniond turned = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())) *
+                                      Eigen::Quaterniond(down);
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(turned.normalized(),
+                                                                  photo.cam_from_enu.TargetOriginInSource());
+    photo.covariance.topLeftCorner<3, 3>() = Eigen::Vector3d(0.01, 0.01, 9.0).asDiagonal();
+    photo.attitude_origin = poses::AttitudeOrigin::kCourse;
+  }
+}
+
+void ScaleHeights(double factor, poses::PosedFlight& posed) {
+  for (poses::PosedPhoto& photo : posed.photos) {
+    Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+    center.z() = posed.ground_z_in_enu_m + factor * (center.z() - posed.ground_z_in_enu_m);
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(photo.cam_from_enu.rotation, center);
+    photo.height_above_ground_m *= factor;
+  }
+}
+
+TEST(SecondLeg, GoodRecordsDoNotCallForIt) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  const Outcome outcome = Align(truth, PosesOf(truth));
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.second_leg.why, "");
+  EXPECT_EQ(outcome.report.second_leg.pairs_compared, 0);
+}
+
+TEST(SecondLeg, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  const Outcome outcome = Align(truth, Unplaced(truth));
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_TRUE(outcome.flight.left_out.empty());
+  EXPECT_TRUE(outcome.report.second_leg.is_taken);
+  EXPECT_FALSE(outcome.report.second_leg.is_placed);
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  ASSERT_FALSE(outcome.flight.warnings.empty());
+  EXPECT_NE(outcome.flight.warnings.front().find("NOT GEOREFERENCED"), std::string::npos);
+}
+
+TEST(SecondLeg, SurveyedPointsAlonePlaceIt) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  const Outcome outcome = Align(truth, Unplaced(truth), SurveyControl(truth));
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_TRUE(outcome.report.second_leg.is_placed);
+  EXPECT_LT(outcome.error.absolute_ce90_m, 2.0 * truth.GsdM());
+}
+
+TEST(SecondLeg, HeightsOfAnotherScaleAreFoundFromThePictures) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  poses::PosedFlight posed = PosesOf(truth);
+  ScaleHeights(0.4, posed);
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+}
+
+TEST(SecondLeg, AnglesThatAreNotRecordedAreFoundFromThePictures) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  poses::PosedFlight posed = PosesOf(truth);
+  ForgetAngles(posed);
+  ScaleHeights(0.5, posed);
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+}
+
+TEST(SecondLeg, AThirdOfThePositionsMayBeFiftyMetresOff) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  poses::PosedFlight posed = PosesOf(truth);
+  ForgetAngles(posed);
+  for (std::size_t i = 0; i < posed.photos.size(); i += 3) {
+    Eigen::Vector3d center = posed.photos[i].cam_from_enu.TargetOriginInSource();
+    center.head<2>() += 50.0 * Eigen::Vector2d(std::cos(2.0 * i), std::sin(2.0 * i));
+    posed.photos[i].cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(posed.photos[i].cam_from_enu.rotation, center);
+  }
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+  EXPECT_LT(outcome.error.absolute_ce90_m, 4.0);
+}
+
+TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  poses::PosedFlight posed = PosesOf(truth);
+  const poses::PosedFlight whole = posed;
+  posed.photos.erase(posed.photos.begin() + 5, posed.photos.begin() + 8);
+  for (std::size_t i = 5; i < 8; ++i) {
+    posed.unplaced.push_back(whole.photos[i].photo);
+    posed.left_out.push_back({whole.photos[i].photo.name, ErrorCode::kNoPosition, "has no usable height."});
+  }
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.photos, 16);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_TRUE(outcome.flight.left_out.empty());
+  for (std::size_t i = 0; i < 16; ++i) EXPECT_EQ(outcome.flight.photos[i].photo.name, whole.photos[i].photo.name);
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+}
+
+TEST(SecondLeg, PhotosThatShowNothingStayLeftOut) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  poses::PosedFlight posed = PosesOf(truth);
+  flight::Photo foreign = posed.photos[3].photo;
+  foreign.name = "foreign.jpg";
+  foreign.path = "foreign.jpg";
+  foreign.position.reset();
+  posed.unplaced.push_back(foreign);
+  posed.left_out.push_back({foreign.name, ErrorCode::kNoPosition, "has no position."});
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.photos, 16);
+  ASSERT_EQ(outcome.flight.left_out.size(), 1U);
+  EXPECT_EQ(outcome.flight.left_out.front().name, "foreign.jpg");
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
