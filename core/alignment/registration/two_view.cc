@@ -222,7 +222,27 @@ double MedianAngle(const Eigen::Quaterniond& rotation, const std::vector<RayPair
 struct Candidate {
   RelativePose pose;
   std::vector<int> fitting;
+  double frontal = 0.0;
 };
+
+// How squarely both cameras look at the plane through the points, 0 (along it) to 1. What flat ground under a camera
+// that moved sideways leaves open is another ground, seen along it, under a camera that turned.
+double Frontal(const RelativePose& pose, const std::vector<RayPair>& pairs, const std::vector<int>& used) {
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (const int k : used) {
+    const RayPair& pair = pairs[static_cast<std::size_t>(k)];
+    const std::optional<Vector2d> depths = Depths(pose, pair);
+    if (!depths || depths->x() <= 0.0) continue;
+    // The inverse depth of a plane's points is linear in the ray.
+    const Vector3d ray = pair.first.homogeneous();
+    normal += ray * ray.transpose();
+    right += ray / depths->x();
+  }
+  normal.diagonal().array() += 1e-12;
+  const Vector3d of_plane = normal.ldlt().solve(right).normalized();
+  return std::min(std::abs(of_plane.z()), std::abs((pose.rotation * of_plane).z()));
+}
 
 void TakeMatches(const std::vector<KeypointMatch>& matches, const std::vector<int>& chosen, TwoView& view) {
   std::vector<int> sorted = chosen;
@@ -296,15 +316,18 @@ std::optional<TwoView> VerifyPair(const TwoViewPhoto& first, const TwoViewPhoto&
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.fitting.size() > b.fitting.size();
   });
+  // Of those that fit nearly as well as the best, the likelier first; the other photos decide in the end.
+  const double enough = kNearlyAsWell * static_cast<double>(candidates.front().fitting.size());
+  std::erase_if(candidates, [&](const Candidate& one) { return static_cast<double>(one.fitting.size()) < enough; });
+  for (Candidate& one : candidates) one.frontal = Frontal(one.pose, pairs, one.fitting);
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.frontal > b.frontal; });
   const Candidate& best = candidates.front();
   view.scene = is_flat ? Scene::kFlat : Scene::kRelief;
   view.poses.push_back(best.pose);
   for (std::size_t k = 1; k < candidates.size() && view.poses.size() < 2; ++k) {
     const Candidate& other = candidates[k];
-    const bool fits = static_cast<double>(other.fitting.size()) > kNearlyAsWell * static_cast<double>(best.fitting.size());
-    if (fits && other.pose.rotation.angularDistance(best.pose.rotation) > kOtherPoseRad) {
-      view.poses.push_back(other.pose);
-    }
+    if (other.pose.rotation.angularDistance(best.pose.rotation) > kOtherPoseRad) view.poses.push_back(other.pose);
   }
   view.angle_rad = MedianAngle(best.pose.rotation, pairs, best.fitting);
   TakeMatches(matches, best.fitting, view);

@@ -24,7 +24,7 @@ enum class Scene { kFlat, kRelief, kNoParallax };
 struct TwoView {
   Scene scene = Scene::kRelief;
   std::vector<KeypointMatch> matches;  // those that fit
-  // The best first; a second where the matches fit it nearly as well.
+  // The likeliest first; a second where the matches fit it nearly as well.
   std::vector<RelativePose> poses;
   double angle_rad = 0.0;  // between two rays to the same point, in the median
 };

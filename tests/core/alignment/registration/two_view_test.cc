@@ -41,6 +41,24 @@ TEST(TwoView, FlatGroundIsToldFromReliefAndTheTurnIsFoundInBoth) {
   EXPECT_LT(TurnMiss(hills, 0, 1, *of_hills), 0.01);
 }
 
+// A camera far to the side sees level ground as one that turned sees ground along its edge.
+TEST(TwoView, OfTwoGroundsTheOneUnderTheCamerasComesFirst) {
+  SyntheticOptions options;
+  options.columns = 2;
+  options.rows = 1;
+  options.relief_m = 0.0;
+  options.tilt_rad = 0.02;
+  for (const double step_m : {6.0, 15.0, 25.0}) {
+    options.step_m = step_m;
+    const SyntheticScene scene = MakeScene(options);
+    const auto view = View(scene, 0, 1);
+    ASSERT_TRUE(view) << step_m;
+    const Eigen::Quaterniond truth = scene.cam_from_enu[1].rotation * scene.cam_from_enu[0].rotation.conjugate();
+    EXPECT_LT(view->poses.front().rotation.angularDistance(truth), 0.02) << step_m;
+    EXPECT_NEAR(view->angle_rad, step_m / options.height_m, 0.3 * step_m / options.height_m);
+  }
+}
+
 TEST(TwoView, ACameraThatOnlyTurnedHasNoParallax) {
   SyntheticOptions options;
   options.columns = 2;
