@@ -173,6 +173,7 @@ void GoOnFrom(SecondLeg second, const std::vector<const PhotoFeatures*>& feature
   input.features = features;
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (!second.by_images[i]) input.features[i] = nullptr;
+    problem.photos[i].has_record = second.has_record[i] != 0;
   }
   input.views = ViewsOf(problem);
 }

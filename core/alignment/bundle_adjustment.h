@@ -25,6 +25,7 @@ struct BundlePhoto {
   double height_above_ground_m = 50.0;
   Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // as AlignedPhoto has it
   bool is_fixed = false;  // stays where it is; others are placed against it
+  bool has_record = true;  // false: the prior is no more than where it was found before
 };
 
 struct BundleLens {

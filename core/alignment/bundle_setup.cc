@@ -184,7 +184,7 @@ void ReweighPriors(BundleProblem& problem) {
   }
   std::vector<double> horizontal, vertical;
   for (std::size_t i = 0; i < problem.photos.size(); ++i) {
-    if (!seen[i]) continue;
+    if (!seen[i] || !problem.photos[i].has_record) continue;
     const BundlePhoto& photo = problem.photos[i];
     const Eigen::Vector3d moved = photo.cam_from_enu.TargetOriginInSource() -
                                   photo.prior_cam_from_enu.TargetOriginInSource() - problem.position_bias_m;
@@ -198,6 +198,7 @@ void ReweighPriors(BundleProblem& problem) {
   const double sigma_h = 1.8 * Median(horizontal);
   const double sigma_v = 1.8 * Median(vertical);
   for (BundlePhoto& photo : problem.photos) {
+    if (!photo.has_record) continue;
     Eigen::Vector3d& sigma = photo.sigma_position_m;
     sigma.x() = std::clamp(sigma_h, std::min(0.1, sigma.x()), sigma.x());
     sigma.y() = std::clamp(sigma_h, std::min(0.1, sigma.y()), sigma.y());

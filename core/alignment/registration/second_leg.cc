@@ -194,6 +194,7 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   corrected.start_cam_from_enu = pose;
   corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(pose.rotation, expected);
   second.by_images[i] = 1;
+  second.has_record[i] = place.position_holds[i];
 }
 
 }  // namespace
@@ -283,6 +284,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<
   SecondLeg second;
   second.posed = posed;
   second.by_images.assign(count, 0);
+  second.has_record.assign(count, 1);
   second.corrected.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     second.corrected[i].start_cam_from_enu = second.corrected[i].prior_cam_from_enu = posed.photos[i].cam_from_enu;

@@ -29,7 +29,8 @@ struct FirstLeg {
 
 struct SecondLeg {
   poses::PosedFlight posed;
-  std::vector<char> by_images;  // by photo
+  std::vector<char> by_images;   // by photo
+  std::vector<char> has_record;  // by photo: a recorded position that agrees
   std::vector<CorrectedPose> corrected;
   std::vector<PairLink> links;
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them

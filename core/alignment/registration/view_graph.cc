@@ -17,8 +17,7 @@ namespace {
 
 constexpr double kLeastRefusedRad = 0.21;  // 12 degrees: flat ground seen from nearby leaves a tilt open
 constexpr double kRefusedMedians = 6.0;
-constexpr int kMostThroughOthers = 6;  // pairs of a photo that share a neighbour
-constexpr int kAlikeOfWeak = 24;
+constexpr int kMostThroughOthers = 4;  // pairs of a photo that share a neighbour
 
 using Pair = std::pair<int, int>;
 
@@ -78,7 +77,7 @@ class Verifier {
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
 
-std::vector<int> PairsOfPhoto(int photos, const std::vector<GraphPair>& pairs) {
+std::vector<int> PartnersOf(int photos, const std::vector<GraphPair>& pairs) {
   std::vector<int> count(static_cast<std::size_t>(photos), 0);
   for (const GraphPair& pair : pairs) {
     ++count[static_cast<std::size_t>(pair.first)];
@@ -188,7 +187,7 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
   {
     ScopedTimer timer(report.candidates_s);
     appearance = Appearance::Learn(features, threads);
-    candidates = CandidatePairs(input.photos, appearance, options.candidates, threads);
+    candidates = CandidatePairs(input.photos, appearance, options.candidates, {}, threads);
   }
   std::set<Pair> tried(candidates.begin(), candidates.end());
   {
@@ -196,26 +195,20 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
     Verifier verifier(input, options, threads);
     verifier.Compare(candidates, options.features, graph);
     report.pairs_compared = static_cast<int>(candidates.size());
-    if (!progress.IsCancelled()) {
-      // Photos with few partners: all of their features, and more photos that look alike.
-      const std::vector<int> partners = PairsOfPhoto(count, graph.pairs);
-      const std::vector<std::vector<int>> alike = appearance.MostAlike(kAlikeOfWeak, threads);
-      std::set<Pair> again;
-      const auto is_weak = [&](int i) { return partners[static_cast<std::size_t>(i)] < options.few_pairs; };
+    for (const bool is_last : {false, true}) {
+      if (progress.IsCancelled()) break;
+      const int enough = is_last ? options.few_partners : options.enough_partners;
+      const std::vector<int> partners = PartnersOf(count, graph.pairs);
+      std::vector<char> wanted(input.photos.size(), 0);
+      for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = partners[i] < enough ? 1 : 0;
+      if (std::count(wanted.begin(), wanted.end(), 1) == 0) break;
+      std::vector<Pair> more =
+          CandidatePairs(input.photos, appearance, CandidateOptions::Generous(), wanted, threads);
+      // The last time all of their features are compared, also with those that did not agree by the first.
       std::set<Pair> done;
       for (const GraphPair& pair : graph.pairs) done.emplace(pair.first, pair.second);
-      for (const Pair& pair : candidates) {
-        if ((is_weak(pair.first) || is_weak(pair.second)) && !done.contains(pair)) again.insert(pair);
-      }
-      for (int i = 0; i < count; ++i) {
-        if (!is_weak(i)) continue;
-        for (const int j : alike[static_cast<std::size_t>(i)]) {
-          const Pair pair{std::min(i, j), std::max(i, j)};
-          if (!done.contains(pair)) again.insert(pair);
-        }
-      }
-      const std::vector<Pair> more(again.begin(), again.end());
-      verifier.Compare(more, options.features_of_weak, graph);
+      std::erase_if(more, [&](const Pair& pair) { return done.contains(pair) || (!is_last && tried.contains(pair)); });
+      verifier.Compare(more, is_last ? options.features_of_weak : options.features, graph);
       report.pairs_compared += static_cast<int>(more.size());
       tried.insert(more.begin(), more.end());
     }
