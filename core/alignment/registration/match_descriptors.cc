@@ -87,7 +87,7 @@ int StandsOut(const std::int32_t* distances, int count, std::int32_t square, dou
               const PhotoFeatures& features) {
   const std::int32_t least = Least(distances, count);
   const auto limit =
-      static_cast<std::int32_t>(std::min(2e9, static_cast<double>(least + square) / max_ratio2)) - square;
+      static_cast<std::int32_t>(std::min(2e9, static_cast<double>(least + square) / max_ratio2)) - square + 1;
   const int nearest = static_cast<int>(std::find(distances, distances + count, least) - distances);
   if (CountBelow(distances, count, limit) > 1) {
     for (int j = 0; j < count; ++j) {

@@ -18,6 +18,7 @@ constexpr int kSamples = 400;
 constexpr double kHoldsSigmas = 4.0;
 constexpr double kMedianOfPlane = 1.177;  // of the length of a two-dimensional normal error
 constexpr double kLeastHeld = 0.5;
+constexpr double kMostMissShare = 0.25;  // of the places' own spread: beyond it they agree on nothing
 constexpr int kSteps = 15;
 
 // Two places and the vertical: turn about it, scale and shift.
@@ -37,6 +38,18 @@ std::optional<Similarity3> OfTwo(const PlacePair& a, const PlacePair& b, const E
 
 double MissHorizontal(const Similarity3& similarity, const PlacePair& pair) {
   return (similarity * pair.in_source - pair.in_target).head<2>().norm();
+}
+
+// Half of the target's places lie further than this from their middle, horizontally.
+double SpreadOf(const std::vector<PlacePair>& pairs) {
+  std::vector<double> east, north, away;
+  for (const PlacePair& pair : pairs) {
+    east.push_back(pair.in_target.x());
+    north.push_back(pair.in_target.y());
+  }
+  const Eigen::Vector2d middle(Median(std::move(east)), Median(std::move(north)));
+  for (const PlacePair& pair : pairs) away.push_back((pair.in_target.head<2>() - middle).norm());
+  return Median(std::move(away));
 }
 
 // Gauss-Newton over what holds; seven unknowns, robust weights.
@@ -175,6 +188,7 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
     }
     if (fitted.held < kLeastHeld * count) return std::nullopt;
     fitted.median_miss = Median(std::move(misses));
+    if (fitted.median_miss > kMostMissShare * SpreadOf(pairs)) return std::nullopt;
     const double now = std::max(1.0, Median(std::move(sigmas)) / kMedianOfPlane);
     spread_sigmas = std::min(spread_sigmas, now);
     if (round == 3) break;

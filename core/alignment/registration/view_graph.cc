@@ -77,13 +77,17 @@ class Verifier {
   std::vector<std::vector<Eigen::Vector2d>> rays_;
 };
 
-std::vector<int> PartnersOf(int photos, const std::vector<GraphPair>& pairs) {
-  std::vector<int> count(static_cast<std::size_t>(photos), 0);
+std::vector<char> WithFewerPartners(const RegistrationInput& input, const std::vector<GraphPair>& pairs, int enough) {
+  std::vector<int> partners(input.photos.size(), 0);
   for (const GraphPair& pair : pairs) {
-    ++count[static_cast<std::size_t>(pair.first)];
-    ++count[static_cast<std::size_t>(pair.second)];
+    ++partners[static_cast<std::size_t>(pair.first)];
+    ++partners[static_cast<std::size_t>(pair.second)];
   }
-  return count;
+  std::vector<char> fewer;
+  for (std::size_t i = 0; i < partners.size(); ++i) {
+    fewer.push_back(input.photos[i].features && partners[i] < enough ? 1 : 0);
+  }
+  return fewer;
 }
 
 // Two photos that both show what a third one shows, the best supported first.
@@ -159,8 +163,9 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
         ++report.pairs_refused;
       }
     }
-    if (kept.size() < graph.pairs.size()) {
-      graph.pairs = std::move(kept);
+    const bool is_fewer = kept.size() < graph.pairs.size();
+    graph.pairs = std::move(kept);
+    if (is_fewer) {
       averaged = AverageRotations(photos, Rotations(graph.pairs));
     }
   }
@@ -198,10 +203,8 @@ ViewGraph BuildViewGraph(const RegistrationInput& input, const ViewGraphOptions&
     for (const bool is_last : {false, true}) {
       if (progress.IsCancelled()) break;
       const int enough = is_last ? options.few_partners : options.enough_partners;
-      const std::vector<int> partners = PartnersOf(count, graph.pairs);
-      std::vector<char> wanted(input.photos.size(), 0);
-      for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = partners[i] < enough ? 1 : 0;
-      if (std::count(wanted.begin(), wanted.end(), 1) == 0) break;
+      const std::vector<char> wanted = WithFewerPartners(input, graph.pairs, enough);
+      if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) break;
       std::vector<Pair> more =
           CandidatePairs(input.photos, appearance, CandidateOptions::Generous(), wanted, threads);
       // The last time all of their features are compared, also with those that did not agree by the first.
