@@ -22,6 +22,7 @@ constexpr std::size_t kFewAttitudes = 3;
 constexpr double kAttitudesAgainstGroundRad = 0.27;
 constexpr double kLeastSpreadSigmas = 6.0;
 constexpr double kLooseHeightM = 3.0;
+constexpr double kPoorestShare = 0.5;  // of the positions' own spread
 constexpr double kMostHeightShare = 0.25;
 
 std::vector<std::size_t> PhotosOf(const Registration& registration, int block) {
@@ -187,8 +188,10 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   }
   place.positions = static_cast<int>(pairs.size());
   std::optional<FittedSimilarity> by_positions;
-  if (AreSpread(pairs)) by_positions = FitRobustly(pairs, up);
+  // Records that are poor everywhere still say better than nothing where and how large the block is.
+  if (AreSpread(pairs)) by_positions = FitRobustly(pairs, up, kPoorestShare);
   if (by_positions) {
+    place.spread_sigmas = by_positions->spread_sigmas;
     place.positions_held = by_positions->held;
     for (std::size_t k = 0; k < photo_of.size(); ++k) place.position_holds[photo_of[k]] = by_positions->holds[k];
     if (place.placing != Placing::kByControl) {

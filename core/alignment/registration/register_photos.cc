@@ -12,7 +12,7 @@ namespace {
 constexpr double kOtherFocal = 0.05;
 constexpr int kFewForALens = 5;
 constexpr int kMostLooks = 2;
-constexpr double kLeastSigmaFocal = 0.05;  // what is recorded may be that of another image size
+constexpr double kLeastSigmaFocal = 0.02;  // what is recorded may be that of another image size
 constexpr int kLeastSeen = 12;  // points of a photo that counts as registered
 
 void AdjustLast(const RegisterOptions& options, int threads, Block& block) {

@@ -31,6 +31,7 @@ constexpr double kSigmaTurnRad = 0.35;     // of what the images say, before the
 constexpr double kUnknownShare = 0.5;      // of the height: of a place that no record tells
 constexpr double kHeightHoldsSigmas = 4.0;
 constexpr double kTrustedHeightShare = 0.1;
+constexpr double kContradictedSigmas = 4.0;
 
 bool HasPosition(const flight::Photo& photo) { return photo.position.has_value(); }
 
@@ -151,6 +152,12 @@ RegistrationInput InputOf(const FirstLeg& first, const std::vector<PhotoRecord>&
 std::string HowPlaced(const BlockPlace& place) {
   switch (place.placing) {
     case Placing::kByPositions:
+      if (place.spread_sigmas > kContradictedSigmas) {
+        return fmt::format(
+            "the recorded positions CONTRADICT it, by {:.0f} m in the median, which is {:.0f} times what they claim: "
+            "the map lies where most of them have it",
+            place.median_miss_m, place.spread_sigmas);
+      }
       return fmt::format("{} of {} recorded positions agree with it", place.positions_held, place.positions);
     case Placing::kByControl:
       return "surveyed points say where on Earth";
@@ -164,7 +171,7 @@ std::string HowPlaced(const BlockPlace& place) {
 
 // One photo of a block, as the block's place has it.
 void TakeOver(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
-              double height_offset_m, std::size_t i, SecondLeg& second) {
+              double height_offset_m, double height_spread_m, std::size_t i, SecondLeg& second) {
   poses::PosedPhoto& photo = second.posed.photos[i];
   const geo::Rigid3 pose = place.enu_from_world.Moved(registration.photos[i].cam_from_world);
   const Eigen::Vector3d center = pose.TargetOriginInSource();
@@ -175,11 +182,11 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   corrected = {};
   if (place.position_holds[i]) {
     expected.head<2>() = record.center_in_enu->head<2>();
-    sigma.head<2>() = record.sigma_m.head<2>();
+    sigma.head<2>() = place.spread_sigmas * record.sigma_m.head<2>();
     const double height_m = record.center_in_enu->z() + height_offset_m;
     if (std::abs(height_m - center.z()) < kHeightHoldsSigmas * record.sigma_m.z()) {
       expected.z() = height_m;
-      sigma.z() = std::min(unknown_m, record.sigma_m.z());
+      sigma.z() = std::min(unknown_m, std::max(record.sigma_m.z(), height_spread_m));
     }
   } else if (record.center_in_enu && place.placing == Placing::kByPositions) {
     corrected.position_was_wrong = true;
@@ -306,10 +313,12 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<
       offsets.push_back((place.enu_from_world * registration.photos[i].cam_from_world.TargetOriginInSource()).z() -
                         records.photos[i].center_in_enu->z());
     }
-    const double height_offset_m = offsets.empty() ? 0.0 : Median(std::move(offsets));
+    const double height_offset_m = offsets.empty() ? 0.0 : Median(offsets);
+    for (double& offset : offsets) offset = std::abs(offset - height_offset_m);
+    const double height_spread_m = offsets.empty() ? 0.0 : 1.48 * Median(std::move(offsets));
     for (std::size_t i = 0; i < count; ++i) {
       if (registration.photos[i].block == block) {
-        TakeOver(registration, place, records.photos[i], height_offset_m, i, second);
+        TakeOver(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second);
       }
     }
   }

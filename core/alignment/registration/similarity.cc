@@ -18,7 +18,6 @@ constexpr int kSamples = 400;
 constexpr double kHoldsSigmas = 4.0;
 constexpr double kMedianOfPlane = 1.177;  // of the length of a two-dimensional normal error
 constexpr double kLeastHeld = 0.5;
-constexpr double kMostMissShare = 0.25;  // of the places' own spread: beyond it they agree on nothing
 constexpr int kSteps = 15;
 
 // Two places and the vertical: turn about it, scale and shift.
@@ -143,7 +142,8 @@ std::optional<Similarity3> FitSimilarity3(const std::vector<PlacePair>& pairs) {
   return fitted;
 }
 
-std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs, const std::optional<UpDirection>& up) {
+std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs, const std::optional<UpDirection>& up,
+                                            double most_miss_share) {
   const int count = static_cast<int>(pairs.size());
   if (count < (up ? 2 : 3)) return std::nullopt;
   const Eigen::Quaterniond level =
@@ -188,9 +188,10 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
     }
     if (fitted.held < kLeastHeld * count) return std::nullopt;
     fitted.median_miss = Median(std::move(misses));
-    if (fitted.median_miss > kMostMissShare * SpreadOf(pairs)) return std::nullopt;
+    if (fitted.median_miss > most_miss_share * SpreadOf(pairs)) return std::nullopt;
     const double now = std::max(1.0, Median(std::move(sigmas)) / kMedianOfPlane);
     spread_sigmas = std::min(spread_sigmas, now);
+    fitted.spread_sigmas = spread_sigmas;
     if (round == 3) break;
     fitted.target_from_source = Refine(fitted.target_from_source, pairs, fitted.holds, 0.0, up);
   }
