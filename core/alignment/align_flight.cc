@@ -132,10 +132,10 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
     for (std::size_t i = 0; i < problem.photos.size(); ++i) {
       if (problem.photos[i].lens == static_cast<int>(c)) {
         told.camera_key = posed.photos[i].photo.camera_key;
+        told.recorded = posed.photos[i].photo.intrinsics;
         break;
       }
     }
-    told.recorded = lens.recorded;
     told.adjusted = lens.intrinsics;
     told.sigma_focal_px = lens.found_sigma_focal_px;
     const double prior_sigma_px = lens.sigma_focal_share * lens.recorded.focal_x_px;
@@ -143,6 +143,9 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
     report.lenses.push_back(told);
   }
 }
+
+constexpr double kOtherFocalSigmas = 3.0;
+constexpr double kSigmaFoundFocal = 0.01;
 
 std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, const AlignOptions& options, AlignReport& report,
                                       Progress& progress) {
@@ -165,9 +168,13 @@ void GoOnFrom(SecondLeg second, const std::vector<const PhotoFeatures*>& feature
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
     BundleLens& lens = problem.lenses[c];
     lens.intrinsics = second.lenses[c];
-    // Where the images found another lens than was recorded, the record is worth that much.
+    // Where the images found another focal length than was recorded, theirs is the one to hold on to: level ground
+    // alone says little of it, and heights that are wrong would bend it.
     const double off = std::abs(std::log(lens.intrinsics.focal_x_px / lens.recorded.focal_x_px));
-    lens.sigma_focal_share = std::max(lens.sigma_focal_share, off);
+    if (off <= kOtherFocalSigmas * lens.sigma_focal_share) continue;
+    lens.recorded.focal_x_px = lens.intrinsics.focal_x_px;
+    lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
+    lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
   }
   input = MakeLinkInput(posed);
   input.features = features;

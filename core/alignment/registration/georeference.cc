@@ -22,6 +22,7 @@ constexpr std::size_t kFewAttitudes = 3;
 constexpr double kAttitudesAgainstGroundRad = 0.27;
 constexpr double kLeastSpreadSigmas = 6.0;
 constexpr double kLooseHeightM = 3.0;
+constexpr double kHeightsWorth = 3.0;
 constexpr double kPoorestShare = 0.5;  // of the positions' own spread
 constexpr double kMostHeightShare = 0.25;
 
@@ -186,6 +187,10 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     pairs.back().sigma.z() = std::max(kLooseHeightM, 3.0 * record.sigma_m.z());
     photo_of.push_back(photos[k]);
   }
+  // Heights err together, slowly along the flight: however many there are, they are worth a few. More would tilt level
+  // ground to a barometer's drift.
+  const double worth = std::sqrt(std::max(1.0, static_cast<double>(pairs.size()) / kHeightsWorth));
+  for (PlacePair& pair : pairs) pair.sigma.z() *= worth;
   place.positions = static_cast<int>(pairs.size());
   std::optional<FittedSimilarity> by_positions;
   // Records that are poor everywhere still say better than nothing where and how large the block is.

@@ -180,7 +180,10 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   Eigen::Vector3d expected = center, sigma = Eigen::Vector3d::Constant(unknown_m);
   CorrectedPose& corrected = second.corrected[i];
   corrected = {};
-  if (place.position_holds[i]) {
+  // Positions that contradict the pictures say where the block is, not how its photos lie to each other.
+  const bool is_contradicted = place.spread_sigmas > kContradictedSigmas;
+  second.has_record[i] = place.position_holds[i] && !is_contradicted ? 1 : 0;
+  if (second.has_record[i]) {
     expected.head<2>() = record.center_in_enu->head<2>();
     sigma.head<2>() = place.spread_sigmas * record.sigma_m.head<2>();
     const double height_m = record.center_in_enu->z() + height_offset_m;
@@ -188,7 +191,7 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
       expected.z() = height_m;
       sigma.z() = std::min(unknown_m, std::max(record.sigma_m.z(), height_spread_m));
     }
-  } else if (record.center_in_enu && place.placing == Placing::kByPositions) {
+  } else if (record.center_in_enu && place.placing == Placing::kByPositions && !place.position_holds[i]) {
     corrected.position_was_wrong = true;
     corrected.note = fmt::format("recorded position is {:.0f} m from where the photo was taken by what it shows",
                                  (record.center_in_enu->head<2>() - center.head<2>()).norm());
@@ -201,7 +204,6 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
   corrected.start_cam_from_enu = pose;
   corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(pose.rotation, expected);
   second.by_images[i] = 1;
-  second.has_record[i] = place.position_holds[i];
 }
 
 }  // namespace

@@ -1,0 +1,162 @@
+#include "core/alignment/registration/georeference.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/alignment/registration/sampler.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
+
+constexpr int kPhotos = 40;
+
+struct Case {
+  Similarity3 enu_from_world;
+  Registration registration;
+  GeoreferenceRecords records;
+  std::vector<Eigen::Vector3d> centers_in_enu;
+};
+
+// Eight photos a line, 60 m over almost level ground, in a world that lies and is scaled anyhow.
+Case MakeCase() {
+  Case made;
+  made.enu_from_world.scale = 1.7;
+  made.enu_from_world.rotation = geo::RotationFromVector({0.4, 2.0, -0.8});
+  made.enu_from_world.shift = {30.0, -20.0, 10.0};
+  Similarity3 world_from_enu;
+  world_from_enu.scale = 1.0 / made.enu_from_world.scale;
+  world_from_enu.rotation = made.enu_from_world.rotation.conjugate();
+  world_from_enu.shift = -(world_from_enu.scale * (world_from_enu.rotation * made.enu_from_world.shift));
+  Sampler sampler(1);
+  BundleLens lens;
+  lens.recorded = lens.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+  made.registration.lenses = {lens};
+  made.registration.block_sizes = {kPhotos};
+  Eigen::Matrix3d down;
+  down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
+  for (int i = 0; i < kPhotos; ++i) {
+    const Eigen::Vector3d center(15.0 * (i % 8), 20.0 * (i / 8), 60.0);
+    made.centers_in_enu.push_back(center);
+    const geo::Rigid3 pose = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(down), center);
+    RegisteredPhoto photo;
+    photo.block = 0;
+    photo.cam_from_world = world_from_enu.Moved(pose);
+    made.registration.photos.push_back(photo);
+    PhotoRecord record;
+    record.center_in_enu =
+        center + Eigen::Vector3d(Uniform(sampler) - 0.5, Uniform(sampler) - 0.5, Uniform(sampler) - 0.5);
+    record.sigma_m = {1.0, 1.0, 1.0};
+    made.records.photos.push_back(record);
+  }
+  for (int k = 0; k < 500; ++k) {
+    Track track;
+    track.observations.push_back({k % kPhotos, Eigen::Vector2d::Zero(), 1.0});
+    track.point_in_enu = world_from_enu * Eigen::Vector3d(140.0 * Uniform(sampler) - 15.0,
+                                                          120.0 * Uniform(sampler) - 20.0, Uniform(sampler) - 0.5);
+    made.registration.tracks.push_back(track);
+  }
+  made.records.trusts_heights = true;
+  return made;
+}
+
+double WorstM(const Case& made, const BlockPlace& place) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < made.centers_in_enu.size(); ++i) {
+    const Eigen::Vector3d center = made.registration.photos[i].cam_from_world.TargetOriginInSource();
+    worst = std::max(worst, (place.enu_from_world * center - made.centers_in_enu[i]).norm());
+  }
+  return worst;
+}
+
+double LeanRad(const Case& made, const BlockPlace& place) {
+  const Eigen::Vector3d up_in_world = made.enu_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  return std::acos(std::min(1.0, (place.enu_from_world.rotation * up_in_world).z()));
+}
+
+TEST(Georeference, PositionsPlaceABlock) {
+  const Case made = MakeCase();
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByPositions);
+  EXPECT_EQ(place.positions_held, kPhotos);
+  EXPECT_LT(WorstM(made, place), 1.5);
+}
+
+TEST(Georeference, HeightsThatDriftDoNotTiltTheGround) {
+  Case made = MakeCase();
+  for (int i = 0; i < kPhotos; ++i) {
+    made.records.photos[i].center_in_enu->z() += 2.5 * i;  // as of a receiver that takes its time
+    made.records.photos[i].sigma_m.z() = 20.0;
+  }
+  made.records.trusts_heights = false;
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByPositions);
+  EXPECT_LT(LeanRad(made, place), 0.03);
+}
+
+TEST(Georeference, PositionsThatArePoorEverywhereStillPlaceItAndAreNotBelieved) {
+  Case made = MakeCase();
+  Sampler sampler(9);
+  for (PhotoRecord& record : made.records.photos) {
+    record.center_in_enu->head<2>() += 40.0 * Eigen::Vector2d(Uniform(sampler) - 0.5, Uniform(sampler) - 0.5);
+  }
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByPositions);
+  EXPECT_GT(place.spread_sigmas, 4.0);
+  EXPECT_LT(WorstM(made, place), 12.0);
+}
+
+TEST(Georeference, SurveyedPointsComeBeforePositions) {
+  Case made = MakeCase();
+  for (PhotoRecord& record : made.records.photos) record.center_in_enu->x() += 25.0;
+  for (int k = 0; k < 5; ++k) {
+    const Eigen::Vector3d& in_world = made.registration.tracks[k * 90].point_in_enu;
+    made.records.control.push_back({in_world, made.enu_from_world * in_world, {0.02, 0.02, 0.04}});
+  }
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByControl);
+  EXPECT_LT(WorstM(made, place), 0.2);
+}
+
+TEST(Georeference, WithoutPositionsRecordedHeightsGiveTheScale) {
+  Case made = MakeCase();
+  for (PhotoRecord& record : made.records.photos) {
+    record.center_in_enu.reset();
+    record.height_above_ground_m = 60.0;
+  }
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByHeights);
+  EXPECT_NEAR(place.enu_from_world.scale, made.enu_from_world.scale, 0.02 * made.enu_from_world.scale);
+  EXPECT_LT(LeanRad(made, place), 0.02);
+}
+
+TEST(Georeference, WithoutAnythingAPhotoShowsTheStatedWidth) {
+  Case made = MakeCase();
+  for (PhotoRecord& record : made.records.photos) record.center_in_enu.reset();
+  made.records.guessed_width_m = 100.0;
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByGuess);
+  EXPECT_FALSE(place.knows_north);
+  const Eigen::Vector3d center =
+      place.enu_from_world * made.registration.photos[0].cam_from_world.TargetOriginInSource();
+  EXPECT_NEAR(center.z() / 3000.0 * 4000.0, 100.0, 3.0);
+}
+
+TEST(Georeference, RecordedAttitudesGiveNorth) {
+  Case made = MakeCase();
+  Eigen::Matrix3d down;
+  down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
+  for (PhotoRecord& record : made.records.photos) {
+    record.center_in_enu.reset();
+    record.cam_from_enu = Eigen::Quaterniond(down);
+  }
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_TRUE(place.knows_north);
+  EXPECT_LT(place.enu_from_world.rotation.angularDistance(made.enu_from_world.rotation), 0.02);
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
