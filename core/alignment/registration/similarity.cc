@@ -18,6 +18,8 @@ constexpr int kSamples = 400;
 constexpr double kHoldsSigmas = 4.0;
 constexpr double kMedianOfPlane = 1.177;  // of the length of a two-dimensional normal error
 constexpr double kLeastHeld = 0.5;
+constexpr double kBelievedSigmas = 3.0;
+constexpr double kHeldUpRad = 0.003;
 constexpr int kSteps = 15;
 
 // Two places and the vertical: turn about it, scale and shift.
@@ -53,7 +55,7 @@ double SpreadOf(const std::vector<PlacePair>& pairs) {
 
 // Gauss-Newton over what holds; seven unknowns, robust weights.
 Similarity3 Refine(const Similarity3& start, const std::vector<PlacePair>& pairs, const std::vector<char>& holds,
-                   double spread, const std::optional<UpDirection>& up) {
+                   double spread_sigmas, const std::optional<UpDirection>& up) {
   using Vector7d = Eigen::Matrix<double, 7, 1>;
   Similarity3 now = start;
   for (int step = 0; step < kSteps; ++step) {
@@ -75,7 +77,7 @@ Similarity3 Refine(const Similarity3& start, const std::vector<PlacePair>& pairs
       slope << 0.0, arm.z(), -arm.y(), arm.x(), 1.0, 0.0, 0.0, -arm.z(), 0.0, arm.x(), arm.y(), 0.0, 1.0, 0.0, arm.y(),
           -arm.x(), 0.0, arm.z(), 0.0, 0.0, 1.0;
       for (int axis = 0; axis < 3; ++axis) {
-        const double sigma = std::max(pairs[k].sigma[axis], axis < 2 ? spread : 0.0);
+        const double sigma = spread_sigmas * pairs[k].sigma[axis];
         if (!std::isfinite(sigma)) continue;
         const double scaled = miss[axis] / sigma / 3.0;
         const double weight = 1.0 / (sigma * sigma) / (1.0 + scaled * scaled);
@@ -193,7 +195,10 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
     spread_sigmas = std::min(spread_sigmas, now);
     fitted.spread_sigmas = spread_sigmas;
     if (round == 3) break;
-    fitted.target_from_source = Refine(fitted.target_from_source, pairs, fitted.holds, 0.0, up);
+    // Places that are worse than they claim err together: what they seem to say of a tilt is their own bending.
+    std::optional<UpDirection> held_up = up;
+    if (held_up && spread_sigmas > kBelievedSigmas) held_up->sigma_rad = kHeldUpRad;
+    fitted.target_from_source = Refine(fitted.target_from_source, pairs, fitted.holds, spread_sigmas, held_up);
   }
   return fitted;
 }

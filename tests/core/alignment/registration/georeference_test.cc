@@ -109,6 +109,15 @@ TEST(Georeference, PositionsThatArePoorEverywhereStillPlaceItAndAreNotBelieved) 
   EXPECT_LT(WorstM(made, place), 12.0);
 }
 
+// Ground seen at an angle is shortened, so a tilt would explain what only looks like one.
+TEST(Georeference, PositionsStretchedOneWayDoNotTiltTheGround) {
+  Case made = MakeCase();
+  for (PhotoRecord& record : made.records.photos) record.center_in_enu->y() *= 0.6;
+  const BlockPlace place = Georeference(made.registration, 0, made.records);
+  EXPECT_EQ(place.placing, Placing::kByPositions);
+  EXPECT_LT(LeanRad(made, place), 0.05);
+}
+
 TEST(Georeference, SurveyedPointsComeBeforePositions) {
   Case made = MakeCase();
   for (PhotoRecord& record : made.records.photos) record.center_in_enu->x() += 25.0;
