@@ -147,10 +147,12 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
 constexpr double kOtherFocalSigmas = 3.0;
 constexpr double kSigmaFoundFocal = 0.01;
 
-std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, const AlignOptions& options, AlignReport& report,
-                                      Progress& progress) {
-  if (!options.fixed.empty()) return std::nullopt;
-  report.second_leg.why = WhyByImages(first);
+constexpr double kMostAreLoose = 0.4;  // of the photos, by links alone
+constexpr double kSomeAreLoose = 0.05;
+
+std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, double loose_share, const AlignOptions& options,
+                                      AlignReport& report, Progress& progress) {
+  report.second_leg.why = WhyByImages(first, loose_share);
   if (report.second_leg.why.empty()) return std::nullopt;
   progress.Report(0.82, "placing photos by what they show");
   return PlaceByImages(first, options.control, options.threads, report.second_leg, progress);
@@ -250,63 +252,74 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
   const std::vector<int> lines = FindLines(places);
   Relief relief(posed.ground_z_in_enu_m);
   Linked linked;
-  std::vector<Track> direct_tracks;
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.7, "comparing photos");
     linked = LinkInRounds(posed, lines, input, options.threads, report, progress);
-    direct_tracks = DirectTracks(input, linked.pairs, linked.links, relief, options.threads);
-    report.pairs_by_direct = static_cast<int>(direct_tracks.size());
   }
   if (progress.IsCancelled()) return cancelled;
   std::vector<CandidatePair> compared = linked.pairs;
-
   BundleProblem problem = MakeBundle(posed, linked.corrected, lines);
   if (!options.fixed.empty()) {
     HoldFixed(posed, options.fixed, problem);
     input.views = ViewsOf(problem);
   }
-  problem.soft_tracks = std::move(direct_tracks);
-  BundleSummary summary;
+  const FirstLeg first_leg{&posed, &is_unplaced, &readable, &linked.links, &problem};
+  std::optional<SecondLeg> second;
+  // Where hardly any photo fits to the others, nothing is worth adjusting.
+  if (options.fixed.empty()) second = TrySecondLeg(first_leg, kMostAreLoose, options, report, progress);
+  if (!second || !second->is_nearly_all) {
+    ScopedTimer timer(report.matching_s);
+    problem.soft_tracks = DirectTracks(input, linked.pairs, linked.links, relief, options.threads);
+    report.pairs_by_direct = static_cast<int>(problem.soft_tracks.size());
+  }
+  if (progress.IsCancelled()) return cancelled;
   {
     ScopedTimer timer(report.adjustment_s);
     progress.Report(0.8, "adjusting");
-    problem.tracks = TriangulatedTracks(linked.links, input, options);
     BundleOptions first;
     first.cuts_px = {30.0, 10.0};
     first.max_iterations = 15;
-    summary = AdjustBundle(problem, first);
-    report.iterations += summary.iterations;
-    input.views = ViewsOf(problem);
-    relief =
-        Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
-    problem.plane = FitPlane(problem);
-    if (RescueInRounds(posed, relief, options.threads, input, linked, problem) > 0) {
+    BundleSummary summary;
+    const auto adjust = [&] {
       problem.tracks = TriangulatedTracks(linked.links, input, options);
       summary = AdjustBundle(problem, first);
       report.iterations += summary.iterations;
+    };
+    if (!second || !second->is_nearly_all) {
+      adjust();
+      input.views = ViewsOf(problem);
+      relief = Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views),
+                                  posed.ground_z_in_enu_m);
+      problem.plane = FitPlane(problem);
+      if (RescueInRounds(posed, relief, options.threads, input, linked, problem) > 0) adjust();
+      if (second && !IsBetter(*second, first_leg)) {
+        second.reset();
+        report.second_leg.outcome = "not taken: the recorded poses tie as many photos together";
+      }
+      if (!second && options.fixed.empty() && report.second_leg.why.empty()) {
+        second = TrySecondLeg(first_leg, kSomeAreLoose, options, report, progress);
+      }
     }
-    if (std::optional<SecondLeg> second = TrySecondLeg(
-            {&posed, &is_unplaced, &readable, &linked.links, &problem}, options, report, progress)) {
+    if (second) {
       report.second_leg.is_taken = true;
       report.second_leg.is_placed = second->is_placed;
-      for (std::size_t i = 0; i < count; ++i) report.photo_reports[i].is_by_images = second->by_images[i] != 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        report.photo_reports[i].is_by_images = second->by_images[i] != 0;
+      }
       GoOnFrom(*std::move(second), readable, lines, posed, input, linked, problem);
       compared = linked.pairs;
-      problem.tracks = TriangulatedTracks(linked.links, input, options);
-      summary = AdjustBundle(problem, first);
-      report.iterations += summary.iterations;
+      adjust();
     } else if (LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
       LookAgain(posed, problem, kMiddleLook, options, relief, input, linked);
-      problem.tracks = TriangulatedTracks(linked.links, input, options);
-      summary = AdjustBundle(problem, first);
-      report.iterations += summary.iterations;
+      adjust();
     }
     TieToControl(posed, options.control, problem, report.control);
   }
   if (progress.IsCancelled()) return cancelled;
 
   // Last look, on the relief, and the last adjustment.
+  BundleSummary summary;
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.88, "comparing photos once more");

@@ -26,7 +26,7 @@ constexpr double kStandInSigmaM = 1e4;
 constexpr double kStandInSigmaRad = 3.0;
 constexpr double kStandInHeightM = 50.0;
 constexpr std::size_t kFewFeatures = 150;  // a photo with fewer shows hardly anything
-constexpr double kLooseShare = 0.05;       // of the photos that may stay without ties
+constexpr double kNearlyAll = 0.9;
 constexpr double kSigmaTurnRad = 0.35;     // of what the images say, before they are asked again
 constexpr double kUnknownShare = 0.5;      // of the height: of a place that no record tells
 constexpr double kHeightHoldsSigmas = 4.0;
@@ -55,6 +55,8 @@ poses::PosedPhoto StandIn(const flight::Photo& photo, const geo::LocalFrame& fra
   return posed;
 }
 
+bool ShowsMuch(const PhotoFeatures* features) { return features && features->keypoints.size() >= kFewFeatures; }
+
 // Photos tied to enough others, in the largest group of them.
 std::size_t LargestTied(const FirstLeg& first, std::vector<char>* is_tied) {
   const std::size_t count = first.posed->photos.size();
@@ -69,7 +71,8 @@ std::size_t LargestTied(const FirstLeg& first, std::vector<char>* is_tied) {
     std::vector<char> tied(count, 0);
     std::size_t size = 0;
     for (const int i : members) {
-      if (seen[static_cast<std::size_t>(i)] < kEnoughObservations) continue;
+      const bool is_held = first.problem->tracks.empty() || seen[static_cast<std::size_t>(i)] >= kEnoughObservations;
+      if (!is_held) continue;
       tied[static_cast<std::size_t>(i)] = 1;
       ++size;
     }
@@ -237,13 +240,17 @@ poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<cha
   return all;
 }
 
-std::string WhyByImages(const FirstLeg& first) {
+bool IsBetter(const SecondLeg& second, const FirstLeg& first) {
+  std::vector<char> is_tied;
+  return second.tied > LargestTied(first, &is_tied);
+}
+
+std::string WhyByImages(const FirstLeg& first, double loose_share) {
   std::vector<char> is_tied;
   LargestTied(first, &is_tied);
   std::size_t unplaced = 0, loose = 0, readable = 0;
   for (std::size_t i = 0; i < is_tied.size(); ++i) {
-    const PhotoFeatures* features = (*first.features)[i];
-    if (!features || features->keypoints.size() < kFewFeatures) continue;
+    if (!ShowsMuch((*first.features)[i])) continue;
     ++readable;
     if ((*first.is_unplaced)[i]) {
       ++unplaced;
@@ -252,10 +259,12 @@ std::string WhyByImages(const FirstLeg& first) {
     }
   }
   if (readable < 3) return {};
-  if (unplaced > 0) {
+  const bool by_links = first.problem->tracks.empty();
+  const double most_loose = std::max(1.0, loose_share * static_cast<double>(readable));
+  if (unplaced > 0 && (!by_links || static_cast<double>(unplaced + loose) > most_loose)) {
     return fmt::format("{} of {} photos have no usable position or height", unplaced, is_tied.size());
   }
-  if (static_cast<double>(loose) > std::max(1.0, kLooseShare * static_cast<double>(readable))) {
+  if (static_cast<double>(loose) > most_loose) {
     return fmt::format("by their recorded poses {} of {} photos do not fit to the others", loose, is_tied.size());
   }
   return {};
@@ -292,6 +301,9 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<
   }
   SecondLeg second;
   second.posed = posed;
+  second.tied = static_cast<std::size_t>(report.registered);
+  const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsMuch);
+  second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable);
   second.by_images.assign(count, 0);
   second.has_record.assign(count, 1);
   second.corrected.resize(count);

@@ -35,13 +35,17 @@ struct SecondLeg {
   std::vector<PairLink> links;
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
   bool is_placed = false;                  // on Earth
+  std::size_t tied = 0;                    // photos in the largest group
+  bool is_nearly_all = false;              // of the photos that show anything
 };
 
 // Photos that the flight could not place, as photos of it: in the order of capture, with poses that stand for none.
 poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced);
 
-// In words, for the report; empty: the records hold.
-std::string WhyByImages(const FirstLeg& first);
+// In words, for the report; empty: the records hold. `loose_share`: of the photos that may be without ties to the
+// largest group, by points or, before there are any, by links.
+std::string WhyByImages(const FirstLeg& first, double loose_share);
+bool IsBetter(const SecondLeg& second, const FirstLeg& first);
 
 // Nothing where it is no better than the first leg. Fills report.second_leg.
 std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<ControlPoint>& control, int threads,
