@@ -144,6 +144,22 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
   }
 }
 
+// Surveyed points that miss what the photos agree on by far more than any survey does; empty: they fit.
+std::string ContradictedControl(const std::vector<ControlReport>& control) {
+  constexpr double kNoSurveyM = 0.25;
+  std::vector<double> misses;
+  for (const ControlReport& point : control) {
+    if (point.is_used) misses.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
+  }
+  if (misses.size() < 3) return {};
+  const double median_m = Median(misses);
+  if (median_m < kNoSurveyM) return {};
+  return fmt::format(
+      "the surveyed points CONTRADICT the photos: half of the {} used lie {:.1f} m or more from where all photos together "
+      "show them. Check the list's coordinates, their zone and the marks",
+      misses.size(), median_m);
+}
+
 constexpr double kOtherFocalSigmas = 3.0;
 constexpr double kSigmaFoundFocal = 0.01;
 
@@ -309,6 +325,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
       }
       GoOnFrom(*std::move(second), readable, lines, posed, input, linked, problem);
       compared = linked.pairs;
+      first.cuts_px = {10.0};  // they have been adjusted to each other
+      first.max_iterations = 8;
       adjust();
     } else if (LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
       LookAgain(posed, problem, kMiddleLook, options, relief, input, linked);
@@ -355,6 +373,9 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
       {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
   if (Result<void> settled = SettleUnplaced(recorded, flight, report); !settled) return settled.error();
   if (std::string words = SecondLegInWords(report.second_leg); !words.empty()) {
+    flight.warnings.insert(flight.warnings.begin(), std::move(words));
+  }
+  if (std::string words = ContradictedControl(report.control); !words.empty()) {
     flight.warnings.insert(flight.warnings.begin(), std::move(words));
   }
   for (const ControlReport& point : report.control) {

@@ -47,7 +47,7 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
   for (const flight::LeftOutPhoto& photo : report.left_out_photos)
     fmt::print("  left out: {}\n", Printable(photo.name + ": " + photo.reason));
   for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", Printable(warning));
-  if (!report.is_placed) fmt::print("  not placed: the map has its scale and north, but no place on Earth\n");
+  if (!report.is_placed) fmt::print("  not placed: the map is whole, but nothing says where on Earth it lies\n");
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
              report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
   fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());

@@ -15,7 +15,7 @@ constexpr int kEnoughPoints = 15;
 constexpr double kLeastAngleRad = 0.03, kWideAngleRad = 0.15;
 constexpr double kNearlyTheMost = 0.5;  // photos that see so many points as the one that sees most come along
 constexpr int kSmallBlock = 12;         // adjusted whole every time
-constexpr double kGrown = 1.25;         // adjusted whole when grown by that
+constexpr double kGrown = 1.4;          // adjusted whole when grown by that
 constexpr int kLensFromPhotos = 5;
 constexpr std::size_t kMostNeighbours = 10;
 constexpr int kLeastKept = 10;  // points of a photo that stays
@@ -222,8 +222,8 @@ int GrowBlock(const std::vector<char>& is_taken, const GrowOptions& options, int
     const std::size_t most = std::max<std::size_t>(2, static_cast<std::size_t>(block.size()) / 2);
     const std::vector<int> taken = TakeRound(is_taken, most, options, threads, failed_at, block);
     if (taken.empty()) {
-      // Once more with everything in its best place.
-      if (asked_again) break;
+      // Once more with everything in its best place, where somebody still waits for it.
+      if (asked_again || PhotosThatSee(block, is_taken, options.min_followers).empty()) break;
       asked_again = true;
       block.Adjust({}, WholeAdjustment(block, options), threads);
       DropUnheld(threads, block);

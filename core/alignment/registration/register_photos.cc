@@ -18,8 +18,8 @@ constexpr int kLeastSeen = 12;  // points of a photo that counts as registered
 void AdjustLast(const RegisterOptions& options, int threads, Block& block) {
   BlockAdjustment last;
   last.observations_per_photo = options.last_observations_per_photo;
-  last.cuts_px = {20.0, 6.0, 0.0};
-  last.max_iterations = 20;
+  last.cuts_px = {10.0, 0.0};
+  last.max_iterations = 15;
   last.adjust_lens = block.size() >= 5;
   block.Adjust({}, last, threads);
 }

@@ -14,7 +14,7 @@ namespace skyquilt::alignment {
 struct RegisterOptions {
   ViewGraphOptions graph;
   GrowOptions grow;
-  int last_observations_per_photo = 150;
+  int last_observations_per_photo = 120;
 };
 
 Registration RegisterPhotos(const RegistrationInput& given, const RegisterOptions& options, int threads,

@@ -15,7 +15,7 @@ namespace skyquilt::alignment {
 
 struct ViewGraphOptions {
   CandidateOptions candidates;
-  int features = 1000;          // compared first
+  int features = 800;           // compared first
   int features_of_weak = 2000;  // of photos that are left with very few partners
   int enough_partners = 6;      // photos with fewer are compared with more
   int few_partners = 3;
