@@ -59,6 +59,7 @@ Result<void> SetQuality(const json& value, pipeline::MosaicOptions* options) {
 Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
   constexpr std::pair<const char*, pipeline::AlignMethod> kMethods[] = {
       {"auto", pipeline::AlignMethod::kAuto},
+      {"images", pipeline::AlignMethod::kImages},
       {"imu", pipeline::AlignMethod::kImu},
       {"features", pipeline::AlignMethod::kFeatures},
       {"direct", pipeline::AlignMethod::kDirect}};

@@ -168,6 +168,7 @@ constexpr double kSomeAreLoose = 0.05;
 
 std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, double loose_share, const AlignOptions& options,
                                       AlignReport& report, Progress& progress) {
+  if (!options.by_images) return std::nullopt;
   report.second_leg.why = WhyByImages(first, loose_share);
   if (report.second_leg.why.empty()) return std::nullopt;
   progress.Report(0.82, "placing photos by what they show");

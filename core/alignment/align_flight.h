@@ -29,6 +29,8 @@ struct AlignOptions {
   std::vector<ControlPoint> control;  // surveyed points marked in photos
   // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
   std::vector<char> fixed;
+  // Photos whose records are missing or contradicted are placed by what they show alone (registration/second_leg.h).
+  bool by_images = false;
 
   FeatureOptions Features() const;
   Result<void> Validate() const;

@@ -13,11 +13,11 @@
 
 namespace skyquilt::pipeline {
 
-enum class AlignMethod { kAuto, kImu, kFeatures, kDirect };
+enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
 enum class TileEncoding { kJpegPng, kWebp };
 
 struct MosaicOptions {
-  AlignMethod method = AlignMethod::kAuto;  // --method auto|imu|features|direct
+  AlignMethod method = AlignMethod::kAuto;  // --method auto|images|imu|features|direct
   std::optional<double> gsd_m;        // --gsd: ground size of an output pixel; default: that of the photos
   std::optional<double> readout_s;    // --readout-ms: of the cameras, first row to last; default: as known of them
   std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts

@@ -121,6 +121,9 @@ Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
       return alignment::AlignDirectly(posed, source, align_options, report, progress);
     case AlignMethod::kAuto:
       break;
+    case AlignMethod::kImages:
+      align_options.by_images = true;
+      break;
   }
   return alignment::AlignFlight(posed, source, align_options, report, progress, std::move(found));
 }
@@ -159,11 +162,11 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                               const DemSource* dem, StageRunner& stages, Progress& progress) {
   auto checked = stages.Run("check", [&] {
     std::optional<alignment::FeatureOptions> features;
-    if (options.method == AlignMethod::kAuto) features = alignment::AlignOptions().Features();
+    if (options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages) features = alignment::AlignOptions().Features();
     return CheckPhotos(std::move(read), source, features, options.threads, progress);
   });
   if (!checked) return checked.error();
-  auto posed = Pose(checked->flight, options, dem, stages, options.method == AlignMethod::kAuto);
+  auto posed = Pose(checked->flight, options, dem, stages, options.method == AlignMethod::kImages);
   if (!posed) return posed.error();
   alignment::AlignReport report;
   auto aligned = stages.Run("align", [&] {

@@ -35,6 +35,7 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
   Outcome outcome;
   SilentProgress progress;
   AlignOptions options;
+  options.by_images = true;
   options.threads = 2;
   options.control = control;
   Result<AlignedFlight> aligned =
