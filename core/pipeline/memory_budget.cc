@@ -47,7 +47,7 @@ std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPla
   constexpr std::int64_t kStartedBytes = 75 * kMib;
   constexpr std::int64_t kComparedPixels = 1'500'000;  // of a photo, whatever its size
   constexpr std::int64_t kBytesPerComparedPixel = 25;
-  constexpr std::int64_t kFeatureBytes = 400 * 1024;
+  constexpr std::int64_t kFeatureBytes = 1024 * 1024;  // features, matches and what is adjusted, of a photo
   const RenderBudget budget = BudgetFor(options, plan);
   const std::int64_t checked =
       5 * kMib + kBytesPerComparedPixel * std::min(size.largest_pixels, kComparedPixels) +
@@ -58,7 +58,7 @@ std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPla
       render::OverviewBytes(plan);
   // The photos around the blocks in work: along the curve about so many are not yet done with.
   const auto in_work =
-      std::min<std::int64_t>(size.photos, 6 + std::llround(3.0 * std::sqrt(static_cast<double>(size.photos))));
+      std::min<std::int64_t>(size.photos, 4 + std::llround(1.5 * std::sqrt(static_cast<double>(size.photos))));
   const std::int64_t decoded = std::min(budget.cache_bytes, 3 * in_work * size.photo_pixels);
   double cells = 0.0;
   const double cell_m =

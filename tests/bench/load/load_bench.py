@@ -84,7 +84,9 @@ def probe(port, paths, pause_s, end, results):
 
 
 def crowd(port, paths, picture, end, ready, results):
-    """Listeners, clients on @2x and on WMS, in a process of their own."""
+    """Listeners, clients on @2x and on WMS, in a process of their own. They give way to the server: clients have
+    processors of their own, and what is measured is the server."""
+    os.nice(19)
     counts = {"heard": 0, "listening": 0}
 
     async def listen():
