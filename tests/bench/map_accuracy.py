@@ -34,6 +34,10 @@ SCENARIOS = {
     "no_gimbal": ["--noise", "xmp", "--tilt-deg", "12", "--height-wander-m", "4", "--yaw-wander-deg", "8"],
     "any_yaw": ["--noise", "xmp", "--yaw", "any"],
     "no_attitude": ["--noise", "no-attitude"],
+    # Leaning by up to that many degrees, turned all ways, and no angle recorded.
+    "no_angles_15": ["--noise", "no-attitude", "--tilt-deg", "15", "--yaw", "any"],
+    "no_angles_30": ["--noise", "no-attitude", "--tilt-deg", "30", "--yaw", "any"],
+    "no_angles_45": ["--noise", "no-attitude", "--tilt-deg", "45", "--yaw", "any"],
     "rtk": ["--noise", "rtk"],
     "rolling": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
     "rolling_unknown": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
