@@ -28,6 +28,7 @@ constexpr double kStandInHeightM = 50.0;
 constexpr std::size_t kFewFeatures = 150;  // a photo with fewer shows hardly anything
 constexpr double kNearlyAll = 0.9;
 constexpr double kSigmaTurnRad = 0.35;     // of what the images say, before they are asked again
+constexpr double kAttitudeHoldsRad = 0.1;
 constexpr double kUnknownShare = 0.5;      // of the height: of a place that no record tells
 constexpr double kHeightHoldsSigmas = 4.0;
 constexpr double kTrustedHeightShare = 0.1;
@@ -199,13 +200,19 @@ void TakeOver(const Registration& registration, const BlockPlace& place, const P
     corrected.note = fmt::format("recorded position is {:.0f} m from where the photo was taken by what it shows",
                                  (record.center_in_enu->head<2>() - center.head<2>()).norm());
   }
+  // A recorded attitude that agrees goes on to hold, where north is the flight's own.
+  const double turned = record.cam_from_enu ? record.cam_from_enu->angularDistance(pose.rotation) : kAttitudeHoldsRad;
+  const bool attitude_holds = turned < kAttitudeHoldsRad && place.knows_north;
+  const Eigen::Matrix3d attitude = photo.covariance.topLeftCorner<3, 3>();
   photo.cam_from_enu = pose;
   photo.covariance.setZero();
   photo.covariance_with_next.setZero();
   photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad), sigma.cwiseAbs2();
+  if (attitude_holds) photo.covariance.topLeftCorner<3, 3>() = attitude;
   photo.error_radius_m = sigma.head<2>().norm();
   corrected.start_cam_from_enu = pose;
-  corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(pose.rotation, expected);
+  corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      attitude_holds ? *record.cam_from_enu : pose.rotation, expected);
   second.by_images[i] = 1;
 }
 
