@@ -14,6 +14,8 @@
 #include "core/alignment/link_rounds.h"
 #include "core/alignment/pairs_in_use.h"
 #include "core/alignment/place_photos.h"
+#include "core/alignment/registration/leg_evidence.h"
+#include "core/alignment/registration/lost_photos.h"
 #include "core/alignment/registration/second_leg.h"
 #include "core/alignment/rescue_rounds.h"
 #include "core/alignment/tie_to_control.h"
@@ -163,17 +165,39 @@ std::string ContradictedControl(const std::vector<ControlReport>& control) {
 constexpr double kOtherFocalSigmas = 3.0;
 constexpr double kSigmaFoundFocal = 0.01;
 
-constexpr double kMostAreLoose = 0.4;  // of the photos, by links alone
-constexpr double kSomeAreLoose = 0.05;
+// Of the readable photos, those that may stay lost before the records are doubted as a whole: by links alone, when
+// nothing has been adjusted and hardly anything would be worth it, and after everything was tried.
+constexpr double kMaxLostShareByLinks = 0.4;
+constexpr double kMaxLostShare = 0.1;
+constexpr int kMaxLostRounds = 3;
+constexpr double kResidualWidthPx = 4000.0;  // of a photo, that residuals are told for
 
-std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, double loose_share, const AlignOptions& options,
-                                      AlignReport& report, Progress& progress) {
-  if (!options.by_images) return std::nullopt;
-  report.second_leg.why = WhyByImages(first, loose_share);
+double ResidualAtWidth(double rms_px, const poses::PosedFlight& posed) {
+  std::vector<double> widths;
+  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
+  return rms_px * kResidualWidthPx / Median(std::move(widths));
+}
+
+std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, const LegEvidence& by_records, double max_lost_share,
+                                      const AlignOptions& options, AlignReport& report, Progress& progress) {
+  const bool is_asked_for = options.by_images == ByImages::kAlways;
+  report.second_leg.why = is_asked_for ? "placing by what they show was asked for" : WhyDoubted(by_records, max_lost_share);
   if (report.second_leg.why.empty()) return std::nullopt;
   progress.Report(0.82, "placing photos by what they show");
-  return PlaceByImages(first, options.control, options.threads, report.second_leg, progress);
+  // Where residuals are in doubt, as many photos tied are not better by number.
+  const bool takes_equal = is_asked_for || by_records.Lost() == 0;
+  return PlaceByImages(first, by_records.tied, takes_equal, options.control, options.threads, report.second_leg,
+                       progress);
 }
+
+// What one leg made of the flight, so that another can be held against it.
+struct LegState {
+  poses::PosedFlight posed;
+  LinkInput input;
+  Linked linked;
+  BundleProblem problem;
+  std::vector<CandidatePair> compared;
+};
 
 // As if the records had said so.
 void GoOnFrom(SecondLeg second, const std::vector<const PhotoFeatures*>& features, const std::vector<int>& lines,
@@ -281,11 +305,20 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
     HoldFixed(posed, options.fixed, problem);
     input.views = ViewsOf(problem);
   }
-  const FirstLeg first_leg{&posed, &is_unplaced, &readable, &linked.links, &problem};
+  const std::vector<PhotoRecord> records = RecordsOf(posed, is_unplaced);
+  const FirstLeg first_leg{&posed, &is_unplaced, &readable, &records, &problem};
+  const bool may_go_by_images = options.fixed.empty() && options.by_images != ByImages::kNever && count > 0;
+  std::vector<char> by_images(count, 0);
+  const auto leg_now = [&](double rms_px) {
+    return WeighedLeg{&records,      &readable, &is_unplaced,
+                      &linked.links, &problem,  count > 0 ? ResidualAtWidth(rms_px, posed) : 0.0};
+  };
   std::optional<SecondLeg> second;
+  LegEvidence by_records = Weigh(leg_now(0.0));
   // Where hardly any photo fits to the others, nothing is worth adjusting.
-  if (options.fixed.empty()) second = TrySecondLeg(first_leg, kMostAreLoose, options, report, progress);
-  if (!second || !second->is_nearly_all) {
+  if (may_go_by_images) second = TrySecondLeg(first_leg, by_records, kMaxLostShareByLinks, options, report, progress);
+  const bool compares_legs = !second || !second->is_nearly_all;
+  if (compares_legs) {
     ScopedTimer timer(report.matching_s);
     problem.soft_tracks = DirectTracks(input, linked.pairs, linked.links, relief, options.threads);
     report.pairs_by_direct = static_cast<int>(problem.soft_tracks.size());
@@ -298,40 +331,65 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
     first.cuts_px = {30.0, 10.0};
     first.max_iterations = 15;
     BundleSummary summary;
-    const auto adjust = [&] {
+    const auto adjust = [&](const BundleOptions& bundle_options) {
       problem.tracks = TriangulatedTracks(linked.links, input, options);
-      summary = AdjustBundle(problem, first);
+      summary = AdjustBundle(problem, bundle_options);
       report.iterations += summary.iterations;
     };
-    if (!second || !second->is_nearly_all) {
-      adjust();
+    if (compares_legs) {
+      adjust(first);
       input.views = ViewsOf(problem);
       relief = Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views),
                                   posed.ground_z_in_enu_m);
       problem.plane = FitPlane(problem);
-      if (RescueInRounds(posed, relief, options.threads, input, linked, problem) > 0) adjust();
-      if (second && !IsBetter(*second, first_leg)) {
-        second.reset();
-        report.second_leg.outcome = "not taken: the recorded poses tie as many photos together";
+      if (RescueInRounds(posed, relief, options.threads, input, linked, problem) > 0) adjust(first);
+      by_records = Weigh(leg_now(summary.rms_px));
+      for (int round = 0; round < kMaxLostRounds && may_go_by_images && HasLost(by_records); ++round) {
+        input.views = ViewsOf(problem);
+        const std::vector<Track> seen = GroundTracks(linked.links, input, options);
+        if (TakeInLost(leg_now(summary.rms_px), seen, options.threads, posed, input, linked, problem, by_images) == 0) {
+          break;
+        }
+        adjust(first);
+        by_records = Weigh(leg_now(summary.rms_px));
       }
-      if (!second && options.fixed.empty() && report.second_leg.why.empty()) {
-        second = TrySecondLeg(first_leg, kSomeAreLoose, options, report, progress);
+      if (may_go_by_images && !second && report.second_leg.why.empty()) {
+        second = TrySecondLeg(first_leg, by_records, kMaxLostShare, options, report, progress);
       }
     }
     if (second) {
-      report.second_leg.is_taken = true;
-      report.second_leg.is_placed = second->is_placed;
-      for (std::size_t i = 0; i < count; ++i) {
-        report.photo_reports[i].is_by_images = second->by_images[i] != 0;
+      std::optional<LegState> kept;
+      if (compares_legs && options.by_images != ByImages::kAlways) {
+        kept = LegState{posed, input, linked, problem, compared};
       }
+      const std::vector<char> placed_by_images = second->by_images;
+      report.second_leg.is_placed = second->is_placed;
       GoOnFrom(*std::move(second), readable, lines, posed, input, linked, problem);
       compared = linked.pairs;
-      first.cuts_px = {10.0};  // they have been adjusted to each other
-      first.max_iterations = 8;
-      adjust();
-    } else if (LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
+      BundleOptions settled = first;
+      settled.cuts_px = {10.0};  // they have been adjusted to each other
+      settled.max_iterations = 8;
+      adjust(settled);
+      report.second_leg.is_taken = true;
+      if (kept) {
+        const LegChoice choice = ChooseLeg(by_records, Weigh(leg_now(summary.rms_px)));
+        report.second_leg.is_taken = choice.takes_images;
+        if (!choice.takes_images) {
+          report.second_leg.outcome = "not taken: " + choice.why;
+          report.second_leg.is_placed = false;
+          posed = std::move(kept->posed);
+          input = std::move(kept->input);
+          linked = std::move(kept->linked);
+          problem = std::move(kept->problem);
+          compared = std::move(kept->compared);
+        }
+      }
+      if (report.second_leg.is_taken) by_images = placed_by_images;
+    }
+    for (std::size_t i = 0; i < count; ++i) report.photo_reports[i].is_by_images = by_images[i] != 0;
+    if (!report.second_leg.is_taken && LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
       LookAgain(posed, problem, kMiddleLook, options, relief, input, linked);
-      adjust();
+      adjust(first);
     }
     TieToControl(posed, options.control, problem, report.control);
   }
@@ -357,6 +415,11 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
     summary = AdjustBundle(problem, last);
     report.iterations += summary.iterations;
   }
+  if (report.second_leg.why.empty()) {
+    const LegEvidence held = Weigh(leg_now(summary.rms_px));
+    report.second_leg.outcome =
+        fmt::format("the recorded poses hold: {} of {} photos are tied together from them", held.tied, held.readable);
+  }
   const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, compared, linked.links, relief);
   report.corrections = DescribeCorrections(linked.corrected, names, lines);
   report.pairs = PairsInUse(problem, names);
@@ -373,7 +436,9 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
   AlignedFlight flight = PlacePhotos(
       {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
   if (Result<void> settled = SettleUnplaced(recorded, flight, report); !settled) return settled.error();
-  if (std::string words = SecondLegInWords(report.second_leg); !words.empty()) {
+  if (std::string words = report.second_leg.is_taken ? SecondLegInWords(report.second_leg)
+                                                     : ContradictionInWords(Weigh(leg_now(summary.rms_px)));
+      !words.empty()) {
     flight.warnings.insert(flight.warnings.begin(), std::move(words));
   }
   if (std::string words = ContradictedControl(report.control); !words.empty()) {

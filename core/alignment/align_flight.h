@@ -20,6 +20,13 @@
 
 namespace skyquilt::alignment {
 
+// Whether photos may be placed by what they show alone (registration/second_leg.h) instead of from recorded poses.
+enum class ByImages {
+  kNever,
+  kByEvidence,  // where the records fail their test, and only if the result stands better
+  kAlways,      // unless it ties fewer photos together
+};
+
 struct AlignOptions {
   int threads = 0;                   // 0 = all cores
   int detector_pixels = 1'500'000;   // pixels of the picture given to the feature detector
@@ -29,8 +36,7 @@ struct AlignOptions {
   std::vector<ControlPoint> control;  // surveyed points marked in photos
   // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
   std::vector<char> fixed;
-  // Photos whose records are missing or contradicted are placed by what they show alone (registration/second_leg.h).
-  bool by_images = false;
+  ByImages by_images = ByImages::kByEvidence;  // never with `fixed`
 
   FeatureOptions Features() const;
   Result<void> Validate() const;

@@ -116,6 +116,7 @@ std::string AlignReportJson(const AlignReport& report) {
   json["position_bias_m"] = {report.position_bias_m.x(), report.position_bias_m.y(),
                              report.position_bias_m.z()};
   const SecondLegReport& second = report.second_leg;
+  json["placed_by"] = second.is_taken ? "images" : "records";
   json["second_leg"] = {{"why", second.why},
                         {"outcome", second.outcome},
                         {"is_taken", second.is_taken},

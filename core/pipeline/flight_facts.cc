@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Raised whenever the meaning changes, or alignment so much that a flight should be aligned anew.
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 
 Json Binary(const void* data, std::size_t bytes) {
   const auto* first = static_cast<const std::uint8_t*>(data);
@@ -145,6 +145,7 @@ FlightFacts Parse(std::string_view bytes) {
   }
   facts.height_rule = json.at("height_rule");
   facts.is_placed = json.at("is_placed");
+  facts.is_by_images = json.at("is_by_images");
   facts.alignment_json = json.at("alignment");
   facts.ground_json = json.at("ground");
   facts.poses_json = json.at("poses");
@@ -204,6 +205,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   }
   json["height_rule"] = facts.height_rule;
   json["is_placed"] = facts.is_placed;
+  json["is_by_images"] = facts.is_by_images;
   json["alignment"] = facts.alignment_json;
   json["ground"] = facts.ground_json;
   json["poses"] = facts.poses_json;

@@ -42,6 +42,7 @@ struct FlightFacts {
   std::vector<render::Thumbnail> thumbnails;  // one a photo
   std::string height_rule;
   bool is_placed = true;
+  bool is_by_images = false;  // some photos were placed by what they show, against or without their records
   std::string alignment_json, ground_json, poses_json;
   std::optional<FlightLook> look;  // absent: the run was killed before
 };

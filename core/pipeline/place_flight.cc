@@ -66,9 +66,10 @@ std::optional<Recalled> Recall(const MapMemory& memory, const MosaicOptions& opt
   return recalled;
 }
 
-// A flight that doubles is better aligned as a whole; so is one that was not finished, or got other files
-// than photos.
+// A flight that doubles is better aligned as a whole; so is one that was not finished, got other files than photos, or
+// has photos that no record places: the new ones may be like them.
 bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
+  if (recalled.facts.is_by_images) return false;
   if (!recalled.facts.look || 2 * recalled.added.size() > recalled.facts.flight.photos.size()) return false;
   if (options.method != AlignMethod::kAuto && options.method != AlignMethod::kImu) return false;
   std::set<std::string> photos;
@@ -122,7 +123,7 @@ Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
     case AlignMethod::kAuto:
       break;
     case AlignMethod::kImages:
-      align_options.by_images = true;
+      align_options.by_images = alignment::ByImages::kAlways;
       break;
   }
   return alignment::AlignFlight(posed, source, align_options, report, progress, std::move(found));
@@ -158,15 +159,20 @@ Error NothingLeft(const alignment::AlignedFlight& flight) {
           "no photo can be drawn where it was placed: " + poses::InWords(flight.left_out), ""};
 }
 
+// What photos show may place them where no record does.
+bool MayGoByImages(const MosaicOptions& options) {
+  return options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages;
+}
+
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options, const PhotoSource& source,
                               const DemSource* dem, StageRunner& stages, Progress& progress) {
   auto checked = stages.Run("check", [&] {
     std::optional<alignment::FeatureOptions> features;
-    if (options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages) features = alignment::AlignOptions().Features();
+    if (MayGoByImages(options)) features = alignment::AlignOptions().Features();
     return CheckPhotos(std::move(read), source, features, options.threads, progress);
   });
   if (!checked) return checked.error();
-  auto posed = Pose(checked->flight, options, dem, stages, options.method == AlignMethod::kImages);
+  auto posed = Pose(checked->flight, options, dem, stages, MayGoByImages(options));
   if (!posed) return posed.error();
   alignment::AlignReport report;
   auto aligned = stages.Run("align", [&] {
@@ -191,6 +197,8 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   facts.ground_json = ground::ModelGroundReportJson(ground_report);
   facts.poses_json = poses::PoseReportJson(posed->report);
   facts.height_rule = posed->report.height_rule;
+  facts.is_by_images = std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
+                                   [](const alignment::AlignPhotoReport& photo) { return photo.is_by_images; });
   facts.is_placed = posed->is_placed || report.second_leg.is_placed;
   return facts;
 }

@@ -223,14 +223,20 @@ void PutGroundBelow(PosedFlight& posed) {
       height_m, guessed_m));
 }
 
-// What no map can be drawn with goes, and what the last photo before it shared with it.
-void LeaveOutNonsense(PosedFlight& posed) {
+// What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what such
+// photos show may place them all the same.
+void LeaveOutNonsense(bool keep_unplaced, PosedFlight& posed) {
   std::vector<std::string> next;
   for (std::size_t i = 1; i < posed.photos.size(); ++i) next.push_back(posed.photos[i].photo.name);
   next.emplace_back();
   std::size_t number = 0;
   std::map<std::string, std::string> next_of;
   for (const PosedPhoto& photo : posed.photos) next_of.emplace(photo.photo.name, next[number++]);
+  std::map<std::string, Photo> all;
+  if (keep_unplaced) {
+    for (const PosedPhoto& photo : posed.photos) all.emplace(photo.photo.name, photo.photo);
+  }
+  const std::size_t known = posed.left_out.size();
   const std::size_t gone = LeaveOutImplausible(
       posed.frame,
       [](const PosedPhoto& photo) {
@@ -238,6 +244,12 @@ void LeaveOutNonsense(PosedFlight& posed) {
       },
       posed.photos, posed.left_out);
   if (gone == 0) return;
+  for (std::size_t i = known; i < posed.left_out.size() && keep_unplaced; ++i) {
+    Photo& photo = all.at(posed.left_out[i].name);
+    // No picture brings a flight back from where web maps end.
+    if (photo.position && std::abs(photo.position->position.lat_deg) > kHighestLatDeg) continue;
+    posed.unplaced.push_back(std::move(photo));
+  }
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     const std::string& now = i + 1 < posed.photos.size() ? posed.photos[i + 1].photo.name : std::string();
     if (next_of[posed.photos[i].photo.name] != now) posed.photos[i].covariance_with_next.setZero();
@@ -334,7 +346,11 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
   PutGroundBelow(posed);
   const std::size_t before = posed.left_out.size();
-  LeaveOutNonsense(posed);
+  LeaveOutNonsense(options.keep_unplaced, posed);
+  if (posed.photos.empty() && !posed.unplaced.empty()) {
+    LeaveUnplaced(flight, options, posed);
+    return posed;
+  }
   if (posed.photos.empty()) {
     return Error{ErrorCode::kUnprocessable,
                  "no photo can be placed where its records say: " +

@@ -14,7 +14,6 @@ namespace {
 constexpr double kLeastHeightM = 0.5;  // above the ground: a drone about to land
 // Further from the middle of the flight its flat ground leaves the Earth by more than the drone is high.
 constexpr double kFarthestM = 50'000.0;
-constexpr double kHighestLatDeg = 85.0;  // Web Mercator ends at 85.05
 // Of what a photo in the middle of the flight shows. Looking as far towards the horizon as is ever drawn
 // shows some 60 times the ground of looking down, a climb to five times the height 25 times.
 constexpr double kMostTimesTheGround = 400.0;

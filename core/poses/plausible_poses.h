@@ -15,6 +15,8 @@
 
 namespace skyquilt::poses {
 
+inline constexpr double kHighestLatDeg = 85.0;  // Web Mercator ends at 85.05
+
 struct CameraStand {
   camera::Intrinsics intrinsics;
   geo::Rigid3 cam_from_enu;

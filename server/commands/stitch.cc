@@ -152,8 +152,8 @@ void AddStitchCommand(CLI::App& app) {
           {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
   command
       ->add_option("--method", arguments->job.mosaic.method,
-                   "auto: poses refined by image features; images: the same, and photos whose angles, heights or positions are "
-                   "missing or wrong are placed by what they show alone; imu: recorded poses alone, no pixel compared; "
+                   "auto: poses refined by image features, and where angles, heights or positions are missing or wrong "
+                   "photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; "
                    "features: homographies chained from photo to photo, poses not looked at; "
                    "direct: recorded poses refined by comparing whole pictures")
       ->transform(CLI::CheckedTransformer(

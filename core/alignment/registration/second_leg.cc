@@ -10,11 +10,9 @@
 #include <set>
 
 #include "core/alignment/bundle_setup.h"
-#include "core/alignment/pieces.h"
 #include "core/alignment/registration/block.h"
 #include "core/alignment/registration/georeference.h"
 #include "core/alignment/registration/register_photos.h"
-#include "core/alignment/rescue_rounds.h"
 #include "core/alignment/tie_to_control.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
@@ -25,8 +23,8 @@ namespace {
 constexpr double kStandInSigmaM = 1e4;
 constexpr double kStandInSigmaRad = 3.0;
 constexpr double kStandInHeightM = 50.0;
-constexpr std::size_t kFewFeatures = 150;  // a photo with fewer shows hardly anything
 constexpr double kNearlyAll = 0.9;
+constexpr double kSoundResidualShare = 0.001;  // of a photo's width
 constexpr double kSigmaTurnRad = 0.35;     // of what the images say, before they are asked again
 constexpr double kAttitudeHoldsRad = 0.1;
 constexpr double kUnknownShare = 0.5;      // of the height: of a place that no record tells
@@ -34,13 +32,22 @@ constexpr double kHeightHoldsSigmas = 4.0;
 constexpr double kTrustedHeightShare = 0.1;
 constexpr double kContradictedSigmas = 4.0;
 
-bool HasPosition(const flight::Photo& photo) { return photo.position.has_value(); }
+constexpr double kMaxFromFlightM = 50'000.0;  // no flight is as long
+constexpr double kMaxLatDeg = 85.0;
+
+// One that can be of this flight; others are no better than none.
+bool HasPosition(const flight::Photo& photo, const geo::LocalFrame& frame) {
+  if (!photo.position) return false;
+  const geo::LatLon& at = photo.position->position;
+  if (!std::isfinite(at.lat_deg + at.lon_deg) || std::abs(at.lat_deg) > kMaxLatDeg) return false;
+  return frame.EnuFromWgs84({at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m}).norm() < kMaxFromFlightM;
+}
 
 poses::PosedPhoto StandIn(const flight::Photo& photo, const geo::LocalFrame& frame, double height_m, double ground_z_m) {
   poses::PosedPhoto posed;
   posed.photo = photo;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  if (HasPosition(photo)) {
+  if (HasPosition(photo, frame)) {
     center = frame.EnuFromWgs84({photo.position->position.lat_deg, photo.position->position.lon_deg,
                                  frame.origin().height_ellipsoid_m});
   }
@@ -56,34 +63,6 @@ poses::PosedPhoto StandIn(const flight::Photo& photo, const geo::LocalFrame& fra
   return posed;
 }
 
-bool ShowsMuch(const PhotoFeatures* features) { return features && features->keypoints.size() >= kFewFeatures; }
-
-// Photos tied to enough others, in the largest group of them.
-std::size_t LargestTied(const FirstLeg& first, std::vector<char>* is_tied) {
-  const std::size_t count = first.posed->photos.size();
-  std::vector<int> seen(count, 0);
-  for (const Track& track : first.problem->tracks) {
-    for (const Observation& one : track.observations) ++seen[static_cast<std::size_t>(one.photo)];
-  }
-  const Pieces pieces = FindPieces(count, *first.links);
-  std::size_t largest = 0;
-  is_tied->assign(count, 0);
-  for (const std::vector<int>& members : pieces.members) {
-    std::vector<char> tied(count, 0);
-    std::size_t size = 0;
-    for (const int i : members) {
-      const bool is_held = first.problem->tracks.empty() || seen[static_cast<std::size_t>(i)] >= kEnoughObservations;
-      if (!is_held) continue;
-      tied[static_cast<std::size_t>(i)] = 1;
-      ++size;
-    }
-    if (size <= largest) continue;
-    largest = size;
-    *is_tied = std::move(tied);
-  }
-  return largest;
-}
-
 double SigmaHorizontal(const poses::PosedPhoto& photo) {
   return std::sqrt(std::max(1e-4, 0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
 }
@@ -97,10 +76,11 @@ PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo
     if (posed.attitude_origin == poses::AttitudeOrigin::kRecorded ||
         posed.attitude_origin == poses::AttitudeOrigin::kSmoothed) {
       record.cam_from_enu = posed.cam_from_enu.rotation;
+      record.sigma_tilt_rad = std::sqrt(std::max(1e-6, 0.5 * (posed.covariance(0, 0) + posed.covariance(1, 1))));
     }
     return record;
   }
-  if (!HasPosition(posed.photo)) return record;
+  if (!HasPosition(posed.photo, frame)) return record;
   const flight::RecordedPosition& position = *posed.photo.position;
   record.center_in_enu = frame.EnuFromWgs84(
       {position.position.lat_deg, position.position.lon_deg, frame.origin().height_ellipsoid_m});
@@ -151,6 +131,22 @@ RegistrationInput InputOf(const FirstLeg& first, const std::vector<PhotoRecord>&
     input.photos.push_back(photo);
   }
   return input;
+}
+
+double MedianWidthPx(const poses::PosedFlight& posed) {
+  std::vector<double> widths;
+  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
+  return Median(std::move(widths));
+}
+
+// Of the largest block's cameras, above the flight's ground.
+double MedianHeightM(const Registration& registration, const BlockPlace& place, const poses::PosedFlight& posed) {
+  std::vector<double> heights;
+  for (const RegisteredPhoto& photo : registration.photos) {
+    if (photo.block != 0) continue;
+    heights.push_back((place.enu_from_world * photo.cam_from_world.TargetOriginInSource()).z() - posed.ground_z_in_enu_m);
+  }
+  return Median(std::move(heights));
 }
 
 std::string HowPlaced(const BlockPlace& place) {
@@ -247,48 +243,27 @@ poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<cha
   return all;
 }
 
-bool IsBetter(const SecondLeg& second, const FirstLeg& first) {
-  std::vector<char> is_tied;
-  return second.tied > LargestTied(first, &is_tied);
+std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced) {
+  std::vector<PhotoRecord> records;
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    records.push_back(RecordOf(posed.photos[i], is_unplaced[i] != 0, posed.frame));
+  }
+  return records;
 }
 
-std::string WhyByImages(const FirstLeg& first, double loose_share) {
-  std::vector<char> is_tied;
-  LargestTied(first, &is_tied);
-  std::size_t unplaced = 0, loose = 0, readable = 0;
-  for (std::size_t i = 0; i < is_tied.size(); ++i) {
-    if (!ShowsMuch((*first.features)[i])) continue;
-    ++readable;
-    if ((*first.is_unplaced)[i]) {
-      ++unplaced;
-    } else if (!is_tied[i]) {
-      ++loose;
-    }
-  }
-  if (readable < 3) return {};
-  const bool by_links = first.problem->tracks.empty();
-  const double most_loose = std::max(1.0, loose_share * static_cast<double>(readable));
-  if (unplaced > 0 && (!by_links || static_cast<double>(unplaced + loose) > most_loose)) {
-    return fmt::format("{} of {} photos have no usable position or height", unplaced, is_tied.size());
-  }
-  if (static_cast<double>(loose) > most_loose) {
-    return fmt::format("by their recorded poses {} of {} photos do not fit to the others", loose, is_tied.size());
-  }
-  return {};
-}
-
-std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<ControlPoint>& control, int threads,
-                                       SecondLegReport& report, Progress& progress) {
+std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
+                                       const std::vector<ControlPoint>& control, int threads, SecondLegReport& report,
+                                       Progress& progress) {
   ScopedTimer timer(report.total_s);
   const poses::PosedFlight& posed = *first.posed;
   const std::size_t count = posed.photos.size();
   GeoreferenceRecords records;
   records.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  records.photos = *first.records;
   std::vector<double> sigmas, heights;
   for (std::size_t i = 0; i < count; ++i) {
-    records.photos.push_back(RecordOf(posed.photos[i], (*first.is_unplaced)[i] != 0, posed.frame));
     if ((*first.is_unplaced)[i]) continue;
-    sigmas.push_back(records.photos.back().sigma_m.z());
+    sigmas.push_back(records.photos[i].sigma_m.z());
     heights.push_back(posed.photos[i].height_above_ground_m);
   }
   records.trusts_heights =
@@ -300,17 +275,18 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<
   report.residual_rms_px = registration.residual_rms_px;
   report.groups = static_cast<int>(registration.block_sizes.size());
   report.registered = registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
-  std::vector<char> was_tied;
-  const std::size_t before = LargestTied(first, &was_tied);
-  if (progress.IsCancelled() || report.registered < 3 || static_cast<std::size_t>(report.registered) <= before) {
-    report.outcome = fmt::format("not taken: it ties {} photos together, the recorded poses {}", report.registered, before);
+  const std::size_t least = std::max<std::size_t>(3, tied_by_records + (takes_equal ? 0 : 1));
+  if (progress.IsCancelled() || static_cast<std::size_t>(report.registered) < least) {
+    report.outcome = fmt::format("not taken: what the photos show ties {} of them together, the recorded poses {}",
+                                 report.registered, tied_by_records);
     return std::nullopt;
   }
   SecondLeg second;
   second.posed = posed;
   second.tied = static_cast<std::size_t>(report.registered);
-  const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsMuch);
-  second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable);
+  const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsEnough);
+  second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable) &&
+                         registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
   second.by_images.assign(count, 0);
   second.has_record.assign(count, 1);
   second.corrected.resize(count);
@@ -327,6 +303,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<
     if (b == 0) {
       second.is_placed = is_on_earth || place.positions > 0;
       report.outcome = fmt::format("{} of {} photos placed by what they show; {}", report.registered, count, HowPlaced(place));
+      if (is_on_earth) report.outcome += fmt::format("; flown {:.0f} m above the ground", MedianHeightM(registration, place, posed));
     }
     std::vector<double> offsets;
     for (std::size_t i = 0; i < count; ++i) {
@@ -361,7 +338,11 @@ Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& f
   std::erase_if(flight.photos, [&](const AlignedPhoto& photo) { return is_nowhere(photo.photo.name); });
   std::erase_if(report.photo_reports, [&](const AlignPhotoReport& photo) { return is_nowhere(photo.name); });
   report.photos = static_cast<int>(report.photo_reports.size());
-  std::erase_if(flight.left_out, [&](const flight::LeftOutPhoto& photo) { return found.contains(photo.name); });
+  std::set<std::string> told;
+  std::erase_if(flight.left_out, [&](const flight::LeftOutPhoto& photo) {
+    // One that nothing placed may have been found far away as well: the first reason is the one.
+    return found.contains(photo.name) || (is_nowhere(photo.name) && !told.insert(photo.name).second);
+  });
   for (flight::LeftOutPhoto& photo : flight.left_out) {
     if (is_nowhere(photo.name)) photo.reason += " It shows too little in common with the other photos to be placed by that.";
   }

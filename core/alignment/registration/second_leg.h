@@ -11,7 +11,7 @@
 #include "core/alignment/bundle_adjustment.h"
 #include "core/alignment/correct_poses.h"
 #include "core/alignment/ground_control.h"
-#include "core/alignment/link_rounds.h"
+#include "core/alignment/registration/leg_evidence.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/poses/posed_flight.h"
@@ -23,8 +23,8 @@ struct FirstLeg {
   const poses::PosedFlight* posed = nullptr;
   const std::vector<char>* is_unplaced = nullptr;           // by photo: its pose stands for none
   const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
-  const std::vector<PairLink>* links = nullptr;
-  const BundleProblem* problem = nullptr;                   // adjusted
+  const std::vector<PhotoRecord>* records = nullptr;        // RecordsOf the flight
+  const BundleProblem* problem = nullptr;                   // for its lenses
 };
 
 struct SecondLeg {
@@ -36,20 +36,22 @@ struct SecondLeg {
   std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
   bool is_placed = false;                  // on Earth
   std::size_t tied = 0;                    // photos in the largest group
-  bool is_nearly_all = false;              // of the photos that show anything
+  // So many of the photos that show anything, and so well, that the first leg needs no adjustment to be compared.
+  bool is_nearly_all = false;
 };
 
 // Photos that the flight could not place, as photos of it: in the order of capture, with poses that stand for none.
 poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced);
 
-// In words, for the report; empty: the records hold. `loose_share`: of the photos that may be without ties to the
-// largest group, by points or, before there are any, by links.
-std::string WhyByImages(const FirstLeg& first, double loose_share);
-bool IsBetter(const SecondLeg& second, const FirstLeg& first);
+// What the flight records of each photo, with what it claims to be good for: of those that are unplaced only the
+// horizontal position, if they have one.
+std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced);
 
-// Nothing where it is no better than the first leg. Fills report.second_leg.
-std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, const std::vector<ControlPoint>& control, int threads,
-                                       SecondLegReport& report, Progress& progress);
+// Nothing where it ties no more photos together than `tied_by_records`, or where that cannot be told apart from an
+// equal (`takes_equal`: then it may tie as many). Fills report.second_leg.
+std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
+                                       const std::vector<ControlPoint>& control, int threads, SecondLegReport& report,
+                                       Progress& progress);
 
 // Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
 // kUnprocessable when nothing is left.

@@ -37,7 +37,6 @@ int main(int argc, char** argv) {
   const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, {});
   if (!posed) return fmt::print(stderr, "{}\n", posed.error().message), 1;
   alignment::AlignOptions options;
-  options.by_images = true;
   if (argc > 2) options.threads = std::atoi(argv[2]);
   if (argc > 3) options.detector_pixels = std::atoi(argv[3]);
   alignment::AlignReport report;

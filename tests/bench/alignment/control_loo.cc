@@ -29,7 +29,6 @@ int main(int argc, char** argv) {
   const std::vector<alignment::ControlPoint> control = pipeline::ControlPointsOf(read->gcp_lists);
   const flight::FilePhotoSource source;
   alignment::AlignOptions options;
-  options.by_images = true;
   alignment::FoundFeatures features;
   std::vector<flight::Photo> photos = posed->unplaced;
   for (const poses::PosedPhoto& photo : posed->photos) photos.push_back(photo.photo);

@@ -35,7 +35,6 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
   Outcome outcome;
   SilentProgress progress;
   AlignOptions options;
-  options.by_images = true;
   options.threads = 2;
   options.control = control;
   Result<AlignedFlight> aligned =
@@ -152,6 +151,67 @@ TEST(SecondLeg, AThirdOfThePositionsMayBeFiftyMetresOff) {
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
   EXPECT_LT(outcome.error.absolute_ce90_m, 4.0);
+}
+
+bool IsAnyByImages(const AlignReport& report) {
+  return std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
+                     [](const AlignPhotoReport& photo) { return photo.is_by_images; });
+}
+
+// Without position or height, among others that are fine.
+poses::PosedFlight WithoutRecords(const poses::PosedFlight& whole, const std::vector<std::size_t>& lost) {
+  poses::PosedFlight posed = whole;
+  for (auto i = lost.rbegin(); i != lost.rend(); ++i) {
+    flight::Photo photo = posed.photos[*i].photo;
+    photo.position.reset();
+    posed.left_out.push_back({photo.name, ErrorCode::kNoPosition, "has no position."});
+    posed.unplaced.push_back(std::move(photo));
+    posed.photos.erase(posed.photos.begin() + static_cast<std::ptrdiff_t>(*i));
+  }
+  return posed;
+}
+
+TEST(SecondLeg, AFewLostPhotosAreRegisteredAgainstTheOthers) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  const Outcome outcome = Align(truth, WithoutRecords(PosesOf(truth), {5, 6, 9}));
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_TRUE(outcome.flight.left_out.empty());
+  // The others stay where their records and the photos have them.
+  EXPECT_EQ(outcome.report.second_leg.why, "");
+  EXPECT_FALSE(outcome.report.second_leg.is_taken);
+  for (std::size_t i = 0; i < 16; ++i) {
+    EXPECT_EQ(outcome.report.photo_reports[i].is_by_images, i == 5 || i == 6 || i == 9) << i;
+  }
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+}
+
+TEST(SecondLeg, APhotoRecordedFarAwayComesBack) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  poses::PosedFlight posed = PosesOf(truth);
+  geo::Rigid3& pose = posed.photos[6].cam_from_enu;
+  const Eigen::Quaterniond turned =
+      Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ())) * pose.rotation;
+  pose = geo::Rigid3::FromRotationAndTargetOrigin(turned.normalized(),
+                                                  pose.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
+  const Outcome outcome = Align(truth, posed);
+  EXPECT_EQ(outcome.report.aligned, 16);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_FALSE(outcome.report.second_leg.is_taken);
+  EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
+}
+
+TEST(SecondLeg, IsLeftOutWhereItMayNot) {
+  const simulate::SimulatedFlight truth = MakeTruth();
+  AlignReport report;
+  SilentProgress progress;
+  AlignOptions options;
+  options.by_images = ByImages::kNever;
+  const Result<AlignedFlight> aligned = AlignFlight(WithoutRecords(PosesOf(truth), {5, 6, 9}),
+                                                    simulate::SimulatedPhotoSource(truth), options, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_EQ(aligned->left_out.size(), 3U);
+  EXPECT_FALSE(IsAnyByImages(report));
 }
 
 TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {

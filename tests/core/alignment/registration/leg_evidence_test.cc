@@ -1,0 +1,123 @@
+// Which leg places a flight, and why.
+#include "core/alignment/registration/leg_evidence.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace skyquilt::alignment {
+namespace {
+
+using ::testing::HasSubstr;
+
+LegEvidence Evidence(std::size_t readable, std::size_t tied, double residual_px = 1.0) {
+  LegEvidence evidence;
+  evidence.readable = readable;
+  evidence.tied = tied;
+  evidence.residual_rms_px = residual_px;
+  evidence.positions = tied;
+  return evidence;
+}
+
+TEST(WhyDoubted, GoodRecordsHold) {
+  EXPECT_EQ(WhyDoubted(Evidence(100, 100), 0.1), "");
+  EXPECT_EQ(WhyDoubted(Evidence(100, 90), 0.1), "");
+  EXPECT_EQ(WhyDoubted(Evidence(5, 4), 0.1), "") << "one photo of a few";
+  EXPECT_EQ(WhyDoubted(Evidence(2, 0), 0.1), "") << "two photos make no block";
+}
+
+TEST(WhyDoubted, SaysWhatFailed) {
+  EXPECT_EQ(WhyDoubted(Evidence(75, 46), 0.1), "by their recorded poses 29 of 75 photos do not fit to the others");
+  LegEvidence nowhere = Evidence(41, 0);
+  nowhere.unplaced = 41;
+  EXPECT_EQ(WhyDoubted(nowhere, 0.4), "41 of 41 photos have no usable position or height");
+  EXPECT_THAT(WhyDoubted(Evidence(50, 50, 7.0), 0.1), HasSubstr("miss each other by 7.0 pixels"));
+  LegEvidence few = Evidence(50, 48);
+  few.unplaced = 2;
+  EXPECT_EQ(WhyDoubted(few, 0.1), "") << "two lost photos do not put the others in doubt";
+}
+
+TEST(ChooseLeg, MorePhotosTiedTogetherWin) {
+  const LegChoice choice = ChooseLeg(Evidence(75, 60), Evidence(75, 75));
+  EXPECT_TRUE(choice.takes_images);
+  EXPECT_EQ(choice.why, "it ties 75 photos together, the recorded poses 60");
+}
+
+TEST(ChooseLeg, NoMorePhotosAreNoReason) {
+  EXPECT_FALSE(ChooseLeg(Evidence(75, 60), Evidence(75, 60)).takes_images);
+  EXPECT_FALSE(ChooseLeg(Evidence(75, 60), Evidence(75, 40)).takes_images);
+}
+
+TEST(ChooseLeg, AsManyThatFitFarBetterWin) {
+  EXPECT_TRUE(ChooseLeg(Evidence(75, 75, 7.0), Evidence(75, 75, 1.2)).takes_images);
+  EXPECT_FALSE(ChooseLeg(Evidence(75, 75, 7.0), Evidence(75, 74, 1.2)).takes_images);
+}
+
+TEST(ChooseLeg, PhotosThatMissEachOtherDoNotWin) {
+  const LegChoice choice = ChooseLeg(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0));
+  EXPECT_FALSE(choice.takes_images);
+  EXPECT_THAT(choice.why, HasSubstr("3.0 pixels"));
+}
+
+TEST(ChooseLeg, AFewMorePhotosDoNotOutweighThePositions) {
+  LegEvidence images = Evidence(75, 75);
+  images.positions_contradicted = 40;
+  const LegChoice choice = ChooseLeg(Evidence(75, 60), images);
+  EXPECT_FALSE(choice.takes_images);
+  EXPECT_THAT(choice.why, HasSubstr("40 of 75 recorded positions"));
+  EXPECT_TRUE(ChooseLeg(Evidence(75, 30), images).takes_images) << "far more photos do";
+}
+
+TEST(ChooseLeg, AFewMorePhotosDoNotOutweighTheAngles) {
+  LegEvidence images = Evidence(75, 75), records = Evidence(75, 60);
+  images.attitudes = 75;
+  images.attitudes_contradicted = 30;
+  records.attitudes = 60;
+  EXPECT_FALSE(ChooseLeg(records, images).takes_images);
+  records.attitudes_contradicted = 30;
+  EXPECT_TRUE(ChooseLeg(records, images).takes_images) << "the records contradict themselves as much";
+}
+
+TEST(ContradictionInWords, IsSaidOfMostPositionsOnly) {
+  LegEvidence evidence = Evidence(30, 28);
+  evidence.median_miss_m = 8.0;
+  evidence.median_miss_sigmas = 5.3;
+  evidence.positions_contradicted = 14;
+  EXPECT_EQ(ContradictionInWords(evidence), "");
+  evidence.positions_contradicted = 15;
+  EXPECT_THAT(ContradictionInWords(evidence), HasSubstr("half of the 28 photos lie 8 m or more"));
+}
+
+// Photos side by side, tied in a row by links of one point each.
+TEST(Weigh, CountsWhatTheRecordsClaim) {
+  constexpr std::size_t kCount = 4;
+  BundleProblem problem;
+  std::vector<PhotoRecord> records(kCount);
+  PhotoFeatures rich;
+  rich.keypoints.resize(500);
+  std::vector<const PhotoFeatures*> features(kCount, &rich);
+  std::vector<char> is_unplaced(kCount, 0);
+  std::vector<PairLink> links{{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const Eigen::Vector3d center(10.0 * static_cast<double>(i), 0.0, 50.0);
+    problem.photos.emplace_back().cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), center);
+    records[i].center_in_enu = center;
+    records[i].sigma_m = {2.0, 2.0, 5.0};
+    records[i].cam_from_enu = Eigen::Quaterniond::Identity();
+  }
+  records[1].center_in_enu->x() += 20.0;
+  records[2].cam_from_enu = Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
+  is_unplaced[3] = 1;
+  const LegEvidence evidence = Weigh({&records, &features, &is_unplaced, &links, &problem, 1.5});
+  EXPECT_EQ(evidence.readable, 4U);
+  EXPECT_EQ(evidence.tied, 3U);
+  EXPECT_EQ(evidence.Lost(), 1U);
+  EXPECT_EQ(evidence.unplaced, 1U);
+  EXPECT_EQ(evidence.positions, 3U);
+  EXPECT_EQ(evidence.positions_contradicted, 1U);
+  EXPECT_EQ(evidence.attitudes_contradicted, 1U);
+  EXPECT_EQ(evidence.residual_rms_px, 1.5);
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
