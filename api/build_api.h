@@ -1,7 +1,7 @@
 // BuildApi: every route of the server in one list. The service must outlive the router.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

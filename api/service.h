@@ -14,22 +14,22 @@
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
 #include "core/base/result.h"
-#include "core/flight/input_file.h"
-#include "storage/catalogue.h"
-#include "storage/event_log.h"
-#include "storage/idempotent_answers.h"
-#include "storage/job_queue.h"
-#include "storage/made_tiles.h"
-#include "storage/node_tasks.h"
-#include "storage/photo_store.h"
-#include "storage/preview_cache.h"
-#include "storage/previews.h"
-#include "storage/tileset_cache.h"
-#include "storage/tokens.h"
-#include "storage/trash.h"
-#include "storage/unpack_archive.h"
-#include "storage/upload_spool.h"
-#include "storage/webhooks.h"
+#include "core/flight/lists/input_file.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/catalogue/event_log.h"
+#include "storage/catalogue/idempotent_answers.h"
+#include "storage/catalogue/node_tasks.h"
+#include "storage/catalogue/previews.h"
+#include "storage/catalogue/tokens.h"
+#include "storage/catalogue/trash.h"
+#include "storage/catalogue/webhooks.h"
+#include "storage/jobs/job_queue.h"
+#include "storage/tilesets/made_tiles.h"
+#include "storage/tilesets/preview_cache.h"
+#include "storage/tilesets/tileset_cache.h"
+#include "storage/uploads/photo_store.h"
+#include "storage/uploads/unpack_archive.h"
+#include "storage/uploads/upload_spool.h"
 
 namespace skyquilt::api {
 
@@ -62,18 +62,19 @@ struct Service {
   // kUnavailable while the data folder is not where and what it was: then nothing may be stored.
   std::function<Result<void>()> storage_in_place = [] { return Result<void>(); };
   Basemap basemap{};
-  // What is in these files, as JSON, without making a map; `options`: the flight's, as JSON. Reading them takes a second
-  // or two. The server has it done by a process apart, once for each set of files.
-  std::function<Result<std::string>(const std::vector<flight::InputFile>&, const std::string& options)> inspect =
-      nullptr;
-  // An archive's files into a flight's store, no more than `most_bytes` (kTooLarge beyond). The server has it done
-  // by a process apart.
-  std::function<Result<std::vector<storage::UnpackedFile>>(const storage::PhotoStore&, const std::string& flight_id,
-                                                           const std::filesystem::path& archive,
-                                                           std::int64_t most_bytes)>
-      unpack = [](const auto& photo_store, const auto& flight_id, const auto& archive, std::int64_t most_bytes) {
-        return storage::UnpackArchive(photo_store, flight_id, archive, {.room_bytes = most_bytes});
-      };
+  // What is in these files, as JSON, without making a map; `options`: the flight's, as JSON. Reading them
+  // takes a second or two. The server has it done by a process apart, once for each set of files.
+  std::function<Result<std::string>(const std::vector<flight::InputFile>&, const std::string& options)>
+      inspect = nullptr;
+  // An archive's files into a flight's store, no more than `max_bytes` (kTooLarge beyond). The server has it
+  // done by a process apart.
+  std::function<Result<std::vector<storage::UnpackedFile>>(
+      const storage::PhotoStore&, const std::string& flight_id, const std::filesystem::path& archive,
+      std::int64_t max_bytes)>
+      unpack =
+          [](const auto& photo_store, const auto& flight_id, const auto& archive, std::int64_t max_bytes) {
+            return storage::UnpackArchive(photo_store, flight_id, archive, {.room_bytes = max_bytes});
+          };
 };
 
 }  // namespace skyquilt::api

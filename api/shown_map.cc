@@ -1,6 +1,6 @@
 #include "api/shown_map.h"
 
-#include "api/responses.h"
+#include "api/http/responses.h"
 
 namespace skyquilt::api {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "api/flights/trash.h"
-#include "server/request_log.h"
+#include "server/routing/request_log.h"
 
 namespace skyquilt::server {
 namespace {
@@ -42,7 +42,8 @@ void Housekeeper::Round() {
   const Result<int> removed = api::RemoveOldTrash(service_);
   if (!removed) LogFailure("-", "trash", removed.error().detail);
   if (removed && *removed > 0)
-    LogEvent(fmt::format("{} flights were deleted {} days ago and are removed now", *removed, service_.trash_days));
+    LogEvent(fmt::format("{} flights were deleted {} days ago and are removed now", *removed,
+                         service_.trash_days));
   service_.db.FillReserve();
 }
 

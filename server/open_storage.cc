@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/request_log.h"
-#include "storage/lost_folder.h"
-#include "storage/sweep.h"
+#include "server/routing/request_log.h"
+#include "storage/folder/lost_folder.h"
+#include "storage/folder/sweep.h"
 
 namespace skyquilt::server {
 
@@ -21,12 +21,12 @@ Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int 
   if (!tiles_db) return tiles_db.error();
   Result<storage::DataDirWatch> watch = storage::DataDirWatch::Begin(opened->dir);
   if (!watch) return watch.error();
-  return Storage{std::move(opened->dir), *std::move(opened->lock), std::move(opened->db), *std::move(tiles_db),
-                 *std::move(watch)};
+  return Storage{std::move(opened->dir), *std::move(opened->lock), std::move(opened->db),
+                 *std::move(tiles_db), *std::move(watch)};
 }
 
-Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& catalogue, storage::JobQueue& queue,
-                     const storage::Previews& previews, storage::UploadSpool& spool,
+Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& catalogue,
+                     storage::JobQueue& queue, const storage::Previews& previews, storage::UploadSpool& spool,
                      storage::Time age) {
   const storage::Time now = storage::Now();
   const Result<int> released = queue.TakeUpAfterRestart(now);
@@ -37,9 +37,10 @@ Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& cata
   const Result<int> expired = spool.RemoveExpired(age);
   if (!expired) return expired.error();
   if (swept->removed + *expired > 0) {
-    LogEvent(fmt::format("{} temporary files and folders of this server were removed: uploads that were cut off or expired, "
-                         "work of jobs that have ended, previews that are drawn anew",
-                         swept->removed + *expired));
+    LogEvent(fmt::format(
+        "{} temporary files and folders of this server were removed: uploads that were cut off or expired, "
+        "work of jobs that have ended, previews that are drawn anew",
+        swept->removed + *expired));
   }
   for (const std::string& line : swept->moved) LogEvent(line);
   const Result<std::vector<std::filesystem::path>> stray = spool.StrayFiles();

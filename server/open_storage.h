@@ -1,15 +1,15 @@
-// The server's side of its data folder: opens it (storage/open_data_folder), puts in order what a crash left, and says
-// so in the log. Errors as of OpenDataFolder.
+// The server's side of its data folder: opens it (storage/folder/open_data_folder), puts in order what a
+// crash left, and says so in the log. Errors as of OpenDataFolder.
 #pragma once
 
 #include <memory>
 
 #include "core/base/result.h"
-#include "storage/data_dir_watch.h"
-#include "storage/job_queue.h"
-#include "storage/open_data_folder.h"
-#include "storage/previews.h"
-#include "storage/upload_spool.h"
+#include "storage/catalogue/previews.h"
+#include "storage/folder/data_dir_watch.h"
+#include "storage/folder/open_data_folder.h"
+#include "storage/jobs/job_queue.h"
+#include "storage/uploads/upload_spool.h"
 
 namespace skyquilt::server {
 
@@ -24,10 +24,10 @@ struct Storage {
 // `readers`, `tile_readers`: how many may read at the same time from each of the two.
 Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int tile_readers);
 
-// Leases of dead workers are given back; what belongs nowhere goes to lost/, and only what this server wrote as
-// temporary is removed. Before requests are taken. `age`: now, by the catalogue's AgeClock.
-Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& catalogue, storage::JobQueue& queue,
-                     const storage::Previews& previews, storage::UploadSpool& spool,
+// Leases of dead workers are given back; what belongs nowhere goes to lost/, and only what this server wrote
+// as temporary is removed. Before requests are taken. `age`: now, by the catalogue's AgeClock.
+Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& catalogue,
+                     storage::JobQueue& queue, const storage::Previews& previews, storage::UploadSpool& spool,
                      storage::Time age);
 
 }  // namespace skyquilt::server

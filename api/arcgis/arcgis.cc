@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
-#include "api/responses.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/geo/web_mercator.h"

@@ -2,7 +2,7 @@
 // and its tiles by level, row and column.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

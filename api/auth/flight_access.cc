@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "api/auth/access.h"
+#include "api/http/problem.h"
 #include "api/nodeodm/nodeodm.h"
-#include "api/problem.h"
 
 namespace skyquilt::api {
 namespace {
@@ -59,9 +59,10 @@ Result<std::optional<std::string>> FlightOf(Service& service, const Request& req
   return std::optional<std::string>();
 }
 
-bool IsOpenToOneFlight(const Request& request, std::string_view pattern, const std::optional<std::string>& flight) {
-  const bool is_listed =
-      std::find(std::begin(kOpenToOneFlight), std::end(kOpenToOneFlight), pattern) != std::end(kOpenToOneFlight);
+bool IsOpenToOneFlight(const Request& request, std::string_view pattern,
+                       const std::optional<std::string>& flight) {
+  const bool is_listed = std::find(std::begin(kOpenToOneFlight), std::end(kOpenToOneFlight), pattern) !=
+                         std::end(kOpenToOneFlight);
   if (!is_listed && pattern.find("{flight}") == std::string_view::npos) return false;
   return !flight || *flight == request.only_flight;
 }
@@ -69,7 +70,8 @@ bool IsOpenToOneFlight(const Request& request, std::string_view pattern, const s
 }  // namespace
 
 bool MayChange(const Request& request, const std::string& owner) {
-  return request.is_admin || (!request.owner.empty() && request.only_flight.empty() && owner == request.owner);
+  return request.is_admin ||
+         (!request.owner.empty() && request.only_flight.empty() && owner == request.owner);
 }
 
 Result<void> CheckMayChange(Service& service, const Request& request, const std::string& flight_id) {
@@ -78,10 +80,12 @@ Result<void> CheckMayChange(Service& service, const Request& request, const std:
   if (!owner) return owner.error();
   if (MayChange(request, *owner)) return {};
   return Error{ErrorCode::kForbidden,
-               "This flight belongs to another token. Only that one, or one of scope admin, may change it.", ""};
+               "This flight belongs to another token. Only that one, or one of scope admin, may change it.",
+               ""};
 }
 
-std::optional<Response> CheckFlightAccess(Service& service, const Request& request, std::string_view pattern) {
+std::optional<Response> CheckFlightAccess(Service& service, const Request& request,
+                                          std::string_view pattern) {
   if (request.is_admin) return std::nullopt;
   const std::optional<storage::Scope> asked = ScopeOf(request.method, pattern);
   if (!asked) return std::nullopt;
@@ -93,7 +97,8 @@ std::optional<Response> CheckFlightAccess(Service& service, const Request& reque
   const Result<std::optional<std::string>> flight = FlightOf(service, request);
   if (!flight) return refuse(flight.error());
   if (!request.only_flight.empty() && !IsOpenToOneFlight(request, pattern, *flight)) {
-    return refuse({ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here.", ""});
+    return refuse(
+        {ErrorCode::kNotFound, "This token opens one flight, and there is nothing of it here.", ""});
   }
   if (!changes || !*flight) return std::nullopt;
   const Result<void> may = CheckMayChange(service, request, **flight);

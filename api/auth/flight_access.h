@@ -1,14 +1,15 @@
-// Which flights a request may be about. A flight belongs to the token that made it: another of scope upload may
-// read it, and change nothing of it; one of scope admin may change all. A token for one flight alone reads that
-// one and learns of no other. Where the server asks for no token, everybody is an admin. Reads the catalogue: not
-// for threads that serve sockets. Errors: kForbidden (it is another's), kNotFound, and the catalogue's.
+// Which flights a request may be about. A flight belongs to the token that made it: another of scope upload
+// may read it, and change nothing of it; one of scope admin may change all. A token for one flight alone
+// reads that one and learns of no other. Where the server asks for no token, everybody is an admin. Reads the
+// catalogue: not for threads that serve sockets. Errors: kForbidden (it is another's), kNotFound, and the
+// catalogue's.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "api/http_message.h"
+#include "api/http/http_message.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
@@ -18,8 +19,8 @@ bool MayChange(const Request& request, const std::string& owner);
 // For handlers whose flight stands in a body or a header.
 Result<void> CheckMayChange(Service& service, const Request& request, const std::string& flight_id);
 
-// For every route: the refusal, where the flight that the address names, or the job or task of one, is not for
-// who asks. An address that names nothing we have passes: its handler says so.
+// For every route: the refusal, where the flight that the address names, or the job or task of one, is not
+// for who asks. An address that names nothing we have passes: its handler says so.
 std::optional<Response> CheckFlightAccess(Service& service, const Request& request, std::string_view pattern);
 
 // The flights that who asks may know of, as Catalogue::ListFlights.

@@ -1,5 +1,5 @@
-// What a token may take: requests a minute. (What its flights may hold is api/auth/quota.) Any thread. Errors:
-// kRateLimited.
+// What a token may take: requests a minute. (What its flights may hold is api/auth/quota.) Any thread.
+// Errors: kRateLimited.
 #pragma once
 
 #include <chrono>

@@ -28,7 +28,7 @@ Result<IncomingBytes> IncomingBytes::For(Service& service, const std::string& ow
   for (const storage::Token& token : (*known)->tokens) {
     if (token.id != owner) continue;
     incoming.token_name_ = token.name;
-    incoming.most_bytes_ = token.most_bytes;
+    incoming.max_bytes_ = token.max_bytes;
   }
   return incoming;
 }
@@ -43,11 +43,11 @@ IncomingBytes::IncomingBytes(IncomingBytes&& other) noexcept
     : service_(other.service_),
       owner_(std::move(other.owner_)),
       token_name_(std::move(other.token_name_)),
-      most_bytes_(std::exchange(other.most_bytes_, std::nullopt)),
+      max_bytes_(std::exchange(other.max_bytes_, std::nullopt)),
       taken_(std::exchange(other.taken_, 0)) {}
 
 IncomingBytes::~IncomingBytes() {
-  if (!most_bytes_ || taken_ == 0) return;
+  if (!max_bytes_ || taken_ == 0) return;
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
   ledger.accounts_[owner_].on_the_way -= taken_;
@@ -61,11 +61,11 @@ Result<void> IncomingBytes::Ask() const {
 }
 
 Result<void> IncomingBytes::Take(std::int64_t bytes) {
-  if (!most_bytes_) return {};
+  if (!max_bytes_) return {};
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
   ByteLedger::Account& account = ledger.accounts_[owner_];
-  const auto fits = [&] { return account.held && *account.held + account.on_the_way + bytes <= *most_bytes_; };
+  const auto fits = [&] { return account.held && *account.held + account.on_the_way + bytes <= *max_bytes_; };
   if (!fits()) {
     const Result<void> asked = Ask();
     if (!asked) return asked.error();
@@ -77,7 +77,7 @@ Result<void> IncomingBytes::Take(std::int64_t bytes) {
 }
 
 void IncomingBytes::Kept(std::int64_t bytes) {
-  if (!most_bytes_) return;
+  if (!max_bytes_) return;
   const std::int64_t kept = std::min(bytes, taken_);
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
@@ -88,7 +88,7 @@ void IncomingBytes::Kept(std::int64_t bytes) {
 }
 
 void IncomingBytes::Freed(std::int64_t bytes) {
-  if (!most_bytes_) return;
+  if (!max_bytes_) return;
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
   ByteLedger::Account& account = ledger.accounts_[owner_];
@@ -96,13 +96,13 @@ void IncomingBytes::Freed(std::int64_t bytes) {
 }
 
 Result<std::optional<std::int64_t>> IncomingBytes::Room() const {
-  if (!most_bytes_) return std::optional<std::int64_t>();
+  if (!max_bytes_) return std::optional<std::int64_t>();
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
   const Result<void> asked = Ask();
   if (!asked) return asked.error();
   const ByteLedger::Account& account = ledger.accounts_[owner_];
-  return std::optional(std::max<std::int64_t>(0, *most_bytes_ - *account.held - account.on_the_way));
+  return std::optional(std::max<std::int64_t>(0, *max_bytes_ - *account.held - account.on_the_way));
 }
 
 Result<void> IncomingBytes::CheckRoom(std::optional<std::uint64_t> content_length) const {
@@ -114,9 +114,10 @@ Result<void> IncomingBytes::CheckRoom(std::optional<std::uint64_t> content_lengt
 
 Error IncomingBytes::Refusal() const {
   return {ErrorCode::kTooLarge,
-          fmt::format("The flights of the token \"{}\" may hold {}, and this would be more. Delete a flight, or ask "
-                      "the server's operator for room.",
-                      token_name_, Readable(most_bytes_.value_or(0))),
+          fmt::format(
+              "The flights of the token \"{}\" may hold {}, and this would be more. Delete a flight, or ask "
+              "the server's operator for room.",
+              token_name_, Readable(max_bytes_.value_or(0))),
           ""};
 }
 

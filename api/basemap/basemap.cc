@@ -4,9 +4,9 @@
 #include <sys/stat.h>
 
 #include "api/downloads/send_file.h"
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 
 namespace skyquilt::api {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {

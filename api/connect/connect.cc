@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
-#include "api/responses.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 

@@ -7,7 +7,7 @@
 
 #include "api/downloads/send_file.h"
 #include "api/downloads/zip_layout.h"
-#include "api/problem.h"
+#include "api/http/problem.h"
 #include "api/shown_map.h"
 
 namespace skyquilt::api {
@@ -26,9 +26,8 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
   for (int attempt = 1;; ++attempt) {
     const Result<ShownMap> map = FindShownMap(service, id);
     if (!map) return map.error();
-    Result<Response> sent =
-        SendFile(request, map->folder / product.file, product.content_type,
-                 fmt::format("\"{}-r{}-{}\"", id, map->revision, product.file));
+    Result<Response> sent = SendFile(request, map->folder / product.file, product.content_type,
+                                     fmt::format("\"{}-r{}-{}\"", id, map->revision, product.file));
     if (!sent) {
       if (sent.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return sent.error();
@@ -58,9 +57,9 @@ Result<Response> SendAll(Service& service, const Request& request) {
   Result<ZipLayout> planned = PlanZip(entries);
   if (!planned) return planned.error();
   const auto layout = std::make_shared<const ZipLayout>(*std::move(planned));
-  Result<Response> sent = SendParts(
-      request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, map->revision),
-      [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
+  Result<Response> sent =
+      SendParts(request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, map->revision),
+                [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
   if (!sent) return sent.error();
   sent->headers.Add("Content-Disposition", Disposition(map->flight_name, "zip"));
   sent->headers.Add("Cache-Control", "no-cache");
@@ -85,9 +84,12 @@ void AddDownloadRoutes(Router& router, Service& service) {
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
   add("/api/v1/flights/{flight}/layers.json", {"layers.json", "application/json", nullptr});
-  add("/api/v1/flights/{flight}/layer_photo.mbtiles", {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/layer_error.mbtiles", {"layer_error.mbtiles", "application/vnd.sqlite3", "mbtiles"});
-  add("/api/v1/flights/{flight}/layer_height.mbtiles", {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/layer_photo.mbtiles",
+      {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/layer_error.mbtiles",
+      {"layer_error.mbtiles", "application/vnd.sqlite3", "mbtiles"});
+  add("/api/v1/flights/{flight}/layer_height.mbtiles",
+      {"layer_height.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/cameras.json", {"cameras.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/geo.txt", {"geo.txt", "text/plain; charset=utf-8", nullptr});
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/download.zip", [&](const Request& request) {

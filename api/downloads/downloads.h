@@ -1,7 +1,7 @@
 // Downloads of a finished map: MBTiles, GeoTIFF, report, photo footprints.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

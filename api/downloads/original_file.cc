@@ -10,7 +10,7 @@
 
 #include "api/downloads/send_file.h"
 #include "api/flights/flights.h"
-#include "api/responses.h"
+#include "api/http/responses.h"
 
 namespace skyquilt::api {
 namespace {

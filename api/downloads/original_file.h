@@ -2,7 +2,7 @@
 // only for saving, so that nothing uploaded runs as part of the page.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

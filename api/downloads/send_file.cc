@@ -10,9 +10,9 @@
 #include <cstring>
 #include <utility>
 
-#include "api/etag.h"
-#include "api/problem.h"
-#include "api/range.h"
+#include "api/http/etag.h"
+#include "api/http/problem.h"
+#include "api/http/range.h"
 
 namespace skyquilt::api {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "api/http_message.h"
+#include "api/http/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {

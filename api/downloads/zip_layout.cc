@@ -83,9 +83,9 @@ Result<Measured> MeasureFile(const std::filesystem::path& path) {
   if (total != measured.size)
     return Error{ErrorCode::kIo, "A file of the archive changed meanwhile.", path.string()};
   measured.crc = static_cast<std::uint32_t>(crc);
-  constexpr std::size_t kMostKnown = 4096;
+  constexpr std::size_t kMaxKnown = 4096;
   const std::lock_guard lock(mutex);
-  if (known.size() >= kMostKnown) known.clear();
+  if (known.size() >= kMaxKnown) known.clear();
   known[identity] = measured.crc;
   return measured;
 }

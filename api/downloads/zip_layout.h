@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "api/http_message.h"
+#include "api/http/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {

@@ -9,8 +9,8 @@ namespace skyquilt::api {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenLooks{200};
-constexpr std::size_t kMostItems = 4096;
-constexpr int kMostAtOnce = 500;
+constexpr std::size_t kMaxItems = 4096;
+constexpr int kMaxAtOnce = 500;
 
 }  // namespace
 
@@ -28,10 +28,10 @@ Result<EventHub::Seat> EventHub::Join(const std::string& client, const storage::
   const Result<std::int64_t> latest = events_.Latest();
   if (!latest) return latest.error();
   const std::lock_guard lock(mutex_);
-  if (listeners_.size() >= kMostListeners) return Seat{Joined::kFull, 0};
+  if (listeners_.size() >= kMaxListeners) return Seat{Joined::kFull, 0};
   if (!client.empty()) {
     std::size_t& held = of_client_[client];
-    if (most_of_client_ > 0 && held >= most_of_client_) return Seat{Joined::kClientFull, 0};
+    if (max_of_client_ > 0 && held >= max_of_client_) return Seat{Joined::kClientFull, 0};
     ++held;
   }
   if (listeners_.empty()) {
@@ -117,14 +117,14 @@ void EventHub::Run() {
 Result<EventHub::Items> EventHub::ReadNew(std::int64_t tail) {
   Items items;
   for (bool is_full = true; is_full;) {
-    const Result<std::vector<storage::Event>> events = events_.After(tail, {}, kMostAtOnce);
+    const Result<std::vector<storage::Event>> events = events_.After(tail, {}, kMaxAtOnce);
     if (!events) return events.error();
     for (const storage::Event& event : *events) {
-      items.push_back(std::make_shared<const Item>(
-          Item{event.seq, event.flight_id, event.job_id, EventText(event)}));
+      items.push_back(
+          std::make_shared<const Item>(Item{event.seq, event.flight_id, event.job_id, EventText(event)}));
       tail = event.seq;
     }
-    is_full = events->size() == kMostAtOnce;
+    is_full = events->size() == kMaxAtOnce;
   }
   const Result<std::vector<storage::Job>> running = queue_.ListRunning();
   if (!running) return running.error();
@@ -133,8 +133,8 @@ Result<EventHub::Items> EventHub::ReadNew(std::int64_t tail) {
     auto now = std::pair(job.progress, job.message);
     const auto before = told_.find(job.id);
     if (before == told_.end() || before->second != now) {
-      items.push_back(std::make_shared<const Item>(
-          Item{0, job.flight_id, job.id, ProgressText(job, storage::Now())}));
+      items.push_back(
+          std::make_shared<const Item>(Item{0, job.flight_id, job.id, ProgressText(job, storage::Now())}));
     }
     told[job.id] = std::move(now);
   }
@@ -149,7 +149,7 @@ void EventHub::Append(Items items) {
     items_.push_back(item);
   }
   std::erase_if(progress_, [&](const auto& entry) { return !told_.contains(entry.first); });
-  while (items_.size() > kMostItems) {
+  while (items_.size() > kMaxItems) {
     if (items_.front()->seq > 0) seq_before_ = items_.front()->seq;
     items_.pop_front();
     ++first_;

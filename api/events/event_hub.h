@@ -18,14 +18,14 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "storage/event_log.h"
-#include "storage/job_queue.h"
+#include "storage/catalogue/event_log.h"
+#include "storage/jobs/job_queue.h"
 
 namespace skyquilt::api {
 
 class EventHub {
  public:
-  static constexpr std::size_t kMostListeners = 4096;
+  static constexpr std::size_t kMaxListeners = 4096;
   static constexpr std::size_t kUsualMostOfClient = 64;
 
   struct Item {
@@ -36,7 +36,8 @@ class EventHub {
   };
   using Items = std::vector<std::shared_ptr<const Item>>;
 
-  EventHub(const storage::EventLog& events, const storage::JobQueue& queue) : events_(events), queue_(queue) {}
+  EventHub(const storage::EventLog& events, const storage::JobQueue& queue)
+      : events_(events), queue_(queue) {}
   ~EventHub() { Stop(); }
   EventHub(const EventHub&) = delete;
   EventHub& operator=(const EventHub&) = delete;
@@ -45,7 +46,7 @@ class EventHub {
   void Stop();
 
   // Before the first Join. 0: no bound.
-  void SetMostOfClient(std::size_t listeners) { most_of_client_ = listeners; }
+  void SetMostOfClient(std::size_t listeners) { max_of_client_ = listeners; }
 
   enum class Joined { kYes, kFull, kClientFull };
   struct Seat {
@@ -60,8 +61,8 @@ class EventHub {
 
   // All events up to this one have been read.
   std::int64_t tail() const;
-  // Where in memory the events behind `seq` begin, with how far the running jobs are now. Absent: some of them
-  // are in the log only.
+  // Where in memory the events behind `seq` begin, with how far the running jobs are now. Absent: some of
+  // them are in the log only.
   struct Place {
     std::uint64_t next = 0;
     Items progress;
@@ -84,7 +85,7 @@ class EventHub {
 
   const storage::EventLog& events_;
   const storage::JobQueue& queue_;
-  std::size_t most_of_client_ = kUsualMostOfClient;
+  std::size_t max_of_client_ = kUsualMostOfClient;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -95,12 +96,12 @@ class EventHub {
   std::uint64_t next_id_ = 1;
 
   std::deque<std::shared_ptr<const Item>> items_;
-  std::uint64_t first_ = 0;        // place of items_.front()
-  std::int64_t seq_before_ = 0;    // events behind this one are in items_, as far as the tail
+  std::uint64_t first_ = 0;      // place of items_.front()
+  std::int64_t seq_before_ = 0;  // events behind this one are in items_, as far as the tail
   std::int64_t tail_ = 0;
   std::map<std::string, std::shared_ptr<const Item>> progress_;  // of running jobs, by job
-  bool begins_anew_ = false;       // nobody listened for a while
-  std::optional<Error> failure_;   // of the latest look
+  bool begins_anew_ = false;                                     // nobody listened for a while
+  std::optional<Error> failure_;                                 // of the latest look
 
   // The reader's own.
   std::map<std::string, std::pair<double, std::string>> told_;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "api/json_codec.h"
+#include "api/json/json_codec.h"
 
 namespace skyquilt::api {
 

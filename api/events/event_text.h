@@ -1,11 +1,12 @@
-// What followers of events are sent, as the HTML standard's text/event-stream has it (9.2.5). Pure; any thread.
+// What inliers of events are sent, as the HTML standard's text/event-stream has it (9.2.5). Pure; any
+// thread.
 #pragma once
 
 #include <string>
 
-#include "storage/clock.h"
-#include "storage/event_log.h"
-#include "storage/job_queue.h"
+#include "storage/catalogue/event_log.h"
+#include "storage/db/clock.h"
+#include "storage/jobs/job_queue.h"
 
 namespace skyquilt::api {
 

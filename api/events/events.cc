@@ -8,23 +8,24 @@
 
 #include "api/auth/access.h"
 #include "api/events/event_text.h"
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
-#include "storage/ids.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostAtOnce = 200;
+constexpr int kMaxAtOnce = 200;
 constexpr std::chrono::seconds kPing{15};  // proxies close what is silent
 
 // One listener: first what it missed, from the log, then what the hub hands on.
 class EventStream final : public LiveSource {
  public:
-  EventStream(Service& service, const Request& request, std::uint64_t seat, storage::EventFilter filter, std::int64_t after)
+  EventStream(Service& service, const Request& request, std::uint64_t seat, storage::EventFilter filter,
+              std::int64_t after)
       : service_(service), asker_(AskerOf(request)), seat_(seat), filter_(std::move(filter)), after_(after) {}
   ~EventStream() override { service_.event_hub.Leave(seat_); }
 
@@ -72,13 +73,13 @@ class EventStream final : public LiveSource {
   Result<void> CatchUp(std::string& text) {
     // Before the look: what comes meanwhile is not taken for looked through.
     const std::int64_t tail = service_.event_hub.tail();
-    const Result<std::vector<storage::Event>> events = service_.events.After(after_, filter_, kMostAtOnce);
+    const Result<std::vector<storage::Event>> events = service_.events.After(after_, filter_, kMaxAtOnce);
     if (!events) return events.error();
     for (const storage::Event& event : *events) {
       text += EventText(event);
       after_ = event.seq;
     }
-    if (events->size() == kMostAtOnce) return {};
+    if (events->size() == kMaxAtOnce) return {};
     after_ = std::max(after_, tail);
     const auto place = service_.event_hub.Enter(after_);
     if (!place) return {};
@@ -109,7 +110,8 @@ std::optional<std::int64_t> SeqFrom(std::string_view text) {
 }
 
 Response NothingToFollow(const Request& request) {
-  return Problem({ErrorCode::kNotFound, "This token opens one flight, and this is none of its events.", ""}, request);
+  return Problem({ErrorCode::kNotFound, "This token opens one flight, and this is none of its events.", ""},
+                 request);
 }
 
 Response Follow(Service& service, const Request& request) {
@@ -123,7 +125,8 @@ Response Follow(Service& service, const Request& request) {
         request);
   }
   if (!request.only_flight.empty()) {
-    if (filter.flight_id.value_or(request.only_flight) != request.only_flight) return NothingToFollow(request);
+    if (filter.flight_id.value_or(request.only_flight) != request.only_flight)
+      return NothingToFollow(request);
     filter.flight_id = request.only_flight;
     if (filter.job_id) {
       const Result<storage::Job> job = service.queue.Get(*filter.job_id);
@@ -167,8 +170,8 @@ Response Log(Service& service, const Request& request) {
   if (!job) return Problem(job.error(), request);
   storage::EventFilter filter;
   filter.job_id = job->id;
-  constexpr int kMostLines = 1000;
-  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMostLines);
+  constexpr int kMaxLines = 1000;
+  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMaxLines);
   if (!events) return Problem(events.error(), request);
   std::vector<std::string> items;
   for (const storage::Event& event : *events) {

@@ -3,7 +3,7 @@
 // gets what it missed. Between them, progress of running jobs, which is not replayed.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

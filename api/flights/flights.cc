@@ -4,9 +4,9 @@
 
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
-#include "api/problem.h"
-#include "api/responses.h"
-#include "storage/ids.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {

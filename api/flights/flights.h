@@ -1,8 +1,8 @@
 // Flights: make, list, look at, rename, delete. Making one may bring its files along (api/uploads).
 #pragma once
 
-#include "api/json_codec.h"
-#include "api/router.h"
+#include "api/http/router.h"
+#include "api/json/json_codec.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/shown_map.h"
-#include "core/pipeline/locate.h"
+#include "core/pipeline/report/locate.h"
 
 namespace skyquilt::api {
 namespace {
@@ -84,9 +84,10 @@ Response GroundOf(Service& service, const Request& request) {
 }  // namespace
 
 void AddLocateRoutes(Router& router, Service& service) {
-  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/at", [&](const Request& r) { return At(service, r); });
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/at",
+                    [&](const Request& r) { return At(service, r); });
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/photos/{name}/ground",
-             [&](const Request& r) { return GroundOf(service, r); });
+                    [&](const Request& r) { return GroundOf(service, r); });
 }
 
 }  // namespace skyquilt::api

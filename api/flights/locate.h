@@ -1,7 +1,7 @@
 // Photos and points: which photos see a place, and where a photo's pixel lies.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

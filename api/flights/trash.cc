@@ -6,9 +6,9 @@
 
 #include "api/auth/flight_access.h"
 #include "api/flights/flights.h"
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 
 namespace skyquilt::api {
 namespace {
@@ -36,8 +36,7 @@ Response List(Service& service, const Request& request) {
     // What was deleted is seen by whoever may take it back.
     if (MayChange(request, flight.owner)) items.push_back(TrashedJson(service, flight));
   }
-  return Json(200,
-              JsonObject({{"days", std::to_string(service.trash_days)}, {"flights", JsonArray(items)}}));
+  return Json(200, JsonObject({{"days", std::to_string(service.trash_days)}, {"flights", JsonArray(items)}}));
 }
 
 Response Restore(Service& service, const Request& request) {
@@ -102,11 +101,11 @@ void AddTrashRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/api/v1/trash", [&](const Request& r) { return List(service, r); });
   router.Add(Method::kDelete, "/api/v1/trash/{flight}",
              [&](const Request& r) { return RemoveForGood(service, r); });
-  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/restore",
-                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     return CollectBody(
-                         [&service, request](const std::string&) { return Restore(service, request); });
-                   });
+  router.AddUpload(
+      Method::kPost, "/api/v1/flights/{flight}/restore",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        return CollectBody([&service, request](const std::string&) { return Restore(service, request); });
+      });
 }
 
 }  // namespace skyquilt::api

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
@@ -11,8 +11,8 @@ namespace skyquilt::api {
 // /api/v1/trash and /api/v1/flights/{flight}/restore
 void AddTrashRoutes(Router& router, Service& service);
 
-// What a user's wish to delete means here: the flight goes to the trash, or for good where the server keeps none.
-// Errors: kNotFound and the catalogue's.
+// What a user's wish to delete means here: the flight goes to the trash, or for good where the server keeps
+// none. Errors: kNotFound and the catalogue's.
 Result<void> DeleteFlight(Service& service, const std::string& id);
 
 // The flight with all that is on the disk, at once. Errors: as above.

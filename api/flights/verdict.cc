@@ -1,8 +1,8 @@
 #include "api/flights/verdict.h"
 
 #include "api/flights/flights.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
 
 namespace skyquilt::api {
 namespace {

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
+#include "api/http/once.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/jobs/queue_job.h"
-#include "api/json_codec.h"
-#include "api/once.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/json/json_codec.h"
 
 namespace skyquilt::api {
 namespace {
 
-constexpr int kMostListed = 200;
+constexpr int kMaxListed = 200;
 
 Response Queue(Service& service, const Request& request, const std::string& body) {
   const Result<storage::Job> job = QueueJob(service, request, request.Parameter("flight"), body);
@@ -36,7 +36,7 @@ Response List(Service& service, const Request& request) {
     if (flight && *flight != request.only_flight) return Json(200, JsonObject({{"jobs", JsonArray({})}}));
     flight = request.only_flight;
   }
-  const Result<std::vector<storage::Job>> jobs = service.queue.List(flight, kMostListed);
+  const Result<std::vector<storage::Job>> jobs = service.queue.List(flight, kMaxListed);
   if (!jobs) return Problem(jobs.error(), request);
   std::vector<std::string> items;
   for (const storage::Job& job : *jobs) items.push_back(JobJson(job, storage::Now()));

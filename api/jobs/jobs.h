@@ -1,7 +1,7 @@
 // Jobs: queue the stitching of a flight, watch it, cancel it. States are those of OGC API Processes.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

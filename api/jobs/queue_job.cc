@@ -1,8 +1,8 @@
 #include "api/jobs/queue_job.h"
 
 #include "api/auth/flight_access.h"
-#include "api/json_codec.h"
-#include "api/responses.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 
 namespace skyquilt::api {
 

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "api/http_message.h"
+#include "api/http/http_message.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

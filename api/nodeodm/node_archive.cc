@@ -7,10 +7,10 @@
 
 #include "api/downloads/send_file.h"
 #include "api/downloads/zip_layout.h"
-#include "api/etag.h"
-#include "api/json_codec.h"
+#include "api/http/etag.h"
+#include "api/http/problem.h"
+#include "api/json/json_codec.h"
 #include "api/nodeodm/nodeodm.h"
-#include "api/problem.h"
 
 namespace skyquilt::api {
 namespace {
@@ -182,7 +182,7 @@ Response Download(Service& service, const Request& request) {
 
 void AddNodeArchiveRoute(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/task/{uuid}/download/{asset}",
-             [&](const Request& r) { return Download(service, r); });
+                    [&](const Request& r) { return Download(service, r); });
 }
 
 }  // namespace skyquilt::api

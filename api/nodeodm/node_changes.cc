@@ -2,11 +2,11 @@
 
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
-#include "api/json_text.h"
+#include "api/http/responses.h"
+#include "api/http/target.h"
+#include "api/json/json_text.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
-#include "api/responses.h"
-#include "api/target.h"
 
 namespace skyquilt::api {
 namespace {

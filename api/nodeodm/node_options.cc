@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "api/job_options.h"
-#include "api/json_text.h"
+#include "api/json/job_options.h"
+#include "api/json/json_text.h"
 
 namespace skyquilt::api {
 namespace {

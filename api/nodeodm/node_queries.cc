@@ -11,11 +11,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "api/json_codec.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
-#include "api/problem.h"
-#include "api/responses.h"
 
 namespace skyquilt::api {
 namespace {
@@ -140,9 +140,7 @@ std::string LineOf(const storage::Event& event) {
 
 }  // namespace
 
-Response NodeAnswer(std::string json) {
-  return Json(200, std::move(json));
-}
+Response NodeAnswer(std::string json) { return Json(200, std::move(json)); }
 
 Response NodeRefusal(std::string_view message, bool no_retry) {
   Value answer;
@@ -201,10 +199,10 @@ Result<std::vector<std::string>> NodeOutput(Service& service, const std::string&
   if (!job) return job.error();
   std::vector<std::string> lines;
   if (!*job) return lines;
-  constexpr int kMostLines = 1000;
+  constexpr int kMaxLines = 1000;
   storage::EventFilter filter;
   filter.job_id = (*job)->id;
-  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMostLines);
+  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMaxLines);
   if (!events) return events.error();
   for (const storage::Event& event : *events) lines.push_back(LineOf(event));
   return lines;

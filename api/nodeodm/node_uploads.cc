@@ -5,10 +5,10 @@
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
-#include "api/multipart.h"
+#include "api/http/multipart.h"
+#include "api/http/responses.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
-#include "api/responses.h"
 #include "api/uploads/form_receiver.h"
 
 namespace skyquilt::api {

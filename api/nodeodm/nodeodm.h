@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "api/responses.h"
+#include "api/http/responses.h"
 #include "api/tiles/tiles.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/http_message.h"
+#include "api/http/http_message.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

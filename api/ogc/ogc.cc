@@ -1,4 +1,3 @@
-#include "api/auth/flight_access.h"
 #include "api/ogc/ogc.h"
 
 #include <fmt/format.h>
@@ -6,14 +5,15 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "api/json_codec.h"
+#include "api/auth/flight_access.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
-#include "api/responses.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/geo/web_mercator.h"
-#include "storage/ids.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
@@ -234,7 +234,8 @@ Response MatrixSet(const Request& request) {
   set["crs"] = kMercator;
   set["orderedAxes"] = {"E", "N"};
   set["tileMatrices"] = matrices;
-  // The same in the words of the standard's first version, which programs still go by (GDAL 3.6, and QGIS with it).
+  // The same in the words of the standard's first version, which programs still go by (GDAL 3.6, and QGIS
+  // with it).
   set["type"] = "TileMatrixSetType";
   set["identifier"] = id;
   set["supportedCRS"] = kMercator;

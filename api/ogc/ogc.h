@@ -2,7 +2,7 @@
 // matrix sets, and tiles by row and column. OGC 20-057.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

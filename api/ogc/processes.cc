@@ -6,12 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/http/once.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
 #include "api/jobs/queue_job.h"
-#include "api/json_codec.h"
-#include "api/json_text.h"
-#include "api/once.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/json/json_codec.h"
+#include "api/json/json_text.h"
 
 namespace skyquilt::api {
 namespace {
@@ -152,8 +152,8 @@ Response NoSuchJob(const Request& request) {
 }
 
 Response Jobs(Service& service, const Request& request) {
-  constexpr int kMostListed = 200;
-  const Result<std::vector<storage::Job>> jobs = service.queue.List(std::nullopt, kMostListed);
+  constexpr int kMaxListed = 200;
+  const Result<std::vector<storage::Job>> jobs = service.queue.List(std::nullopt, kMaxListed);
   if (!jobs) return Problem(jobs.error(), request);
   Value list = Value::array();
   for (const storage::Job& job : *jobs) list.push_back(StatusInfo(request, job));

@@ -3,7 +3,7 @@
 // https://docs.ogc.org/is/18-062r2/18-062r2.html
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

@@ -1,9 +1,9 @@
 // The contract as a page to read: made from openapi.json, without a script.
 #include <nlohmann/json.hpp>
 
+#include "api/http/responses.h"
 #include "api/ogc/map_view.h"
 #include "api/ops/ops.h"
-#include "api/responses.h"
 
 namespace skyquilt::api {
 

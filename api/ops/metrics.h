@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-#include "storage/job_queue.h"
+#include "storage/jobs/job_queue.h"
 
 namespace skyquilt::api {
 

@@ -4,9 +4,9 @@
 
 #include <string_view>
 
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 
 namespace skyquilt::api {
 
@@ -14,16 +14,17 @@ extern const std::string_view kOpenApi;  // api/openapi.json
 
 namespace {
 
-constexpr std::uint64_t kLeastFreeBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMinFreeBytes = std::uint64_t{64} << 20;
 
 Response Ready(Service& service, const Request& request) {
   const auto refuse = [&](const char* why) { return Problem({ErrorCode::kUnavailable, why, ""}, request); };
   if (service.is_draining) return refuse("The server is shutting down.");
-  if (const Result<void> in_place = service.storage_in_place(); !in_place) return Problem(in_place.error(), request);
+  if (const Result<void> in_place = service.storage_in_place(); !in_place)
+    return Problem(in_place.error(), request);
   if (!service.queue.Count()) return refuse("The catalogue cannot be read.");
   struct statvfs disk {};
   const bool has_disk = statvfs(service.store.dir().root().c_str(), &disk) == 0;
-  if (!has_disk || std::uint64_t{disk.f_bavail} * disk.f_frsize < kLeastFreeBytes) {
+  if (!has_disk || std::uint64_t{disk.f_bavail} * disk.f_frsize < kMinFreeBytes) {
     return refuse("The disk is full.");
   }
   return Json(200, R"({"status":"ready"})");

@@ -5,18 +5,18 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
-#include "api/json_codec.h"
-#include "api/json_text.h"
-#include "api/problem.h"
-#include "api/responses.h"
-#include "storage/ids.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
+#include "api/json/json_text.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
 
-constexpr int kMostDays = 3650;
+constexpr int kMaxDays = 3650;
 constexpr int kUsualDays = 30;
-constexpr std::size_t kMostShares = 100;  // of one flight; each request looks through all tokens
+constexpr std::size_t kMaxShares = 100;  // of one flight; each request looks through all tokens
 
 // Days until the share ends; absent: never.
 Result<std::optional<int>> ParseDays(const std::string& body) {
@@ -30,13 +30,15 @@ Result<std::optional<int>> ParseDays(const std::string& body) {
     if (field != "expires_in_days") {
       return Error{ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field), ""};
     }
-    const bool is_fit = value.is_null() || (value.is_number_integer() && value >= 1 && value <= kMostDays);
+    const bool is_fit = value.is_null() || (value.is_number_integer() && value >= 1 && value <= kMaxDays);
     if (!is_fit) {
-      return Error{ErrorCode::kUnprocessable,
-                   fmt::format("The field \"expires_in_days\" must be a whole number from 1 to {}, or null for a share "
-                               "that never ends.",
-                               kMostDays),
-                   ""};
+      return Error{
+          ErrorCode::kUnprocessable,
+          fmt::format(
+              "The field \"expires_in_days\" must be a whole number from 1 to {}, or null for a share "
+              "that never ends.",
+              kMaxDays),
+          ""};
     }
     days = value.is_null() ? std::nullopt : std::optional(value.get<int>());
   }
@@ -59,7 +61,8 @@ Result<void> RequireFlight(Service& service, const std::string& flight_id) {
 }
 
 // Those that have not ended, newest first.
-std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::string& flight_id, storage::Time now) {
+std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::string& flight_id,
+                                     storage::Time now) {
   std::vector<storage::Token> shares;
   for (auto token = set.tokens.rbegin(); token != set.tokens.rend(); ++token) {
     if (token->flight_id == flight_id && !token->HasEnded(now)) shares.push_back(*token);
@@ -77,15 +80,16 @@ Response List(Service& service, const Request& request) {
   for (const storage::Token& share : SharesOf(*set, flight_id, storage::Now())) {
     items.push_back(JsonObject(Described(share)));
   }
-  return Json(200, JsonObject({{"needs_token", set->asks_for_token ? "true" : "false"}, {"shares", JsonArray(items)}}));
+  return Json(200, JsonObject({{"needs_token", set->asks_for_token ? "true" : "false"},
+                               {"shares", JsonArray(items)}}));
 }
 
 // Shares that have ended make room.
 Result<void> MakeRoom(Service& service, const storage::TokenSet& set, const std::string& flight_id,
                       storage::Time now) {
-  if (SharesOf(set, flight_id, now).size() >= kMostShares) {
+  if (SharesOf(set, flight_id, now).size() >= kMaxShares) {
     return Error{ErrorCode::kConflict,
-                 fmt::format("This flight has {} shares already. Revoke one first.", kMostShares), ""};
+                 fmt::format("This flight has {} shares already. Revoke one first.", kMaxShares), ""};
   }
   for (const storage::Token& token : set.tokens) {
     if (token.flight_id != flight_id || !token.HasEnded(now)) continue;
@@ -106,11 +110,12 @@ Response Add(Service& service, const Request& request, const std::string& body) 
   if (!set) return Problem(set.error(), request);
   if (!set->asks_for_token) {
     // A first token would close the server to everybody else.
-    return Problem({ErrorCode::kConflict,
-                    "This server asks nobody for a token: the address of the flight alone shows it to whoever can reach "
-                    "the server.",
-                    ""},
-                   request);
+    return Problem(
+        {ErrorCode::kConflict,
+         "This server asks nobody for a token: the address of the flight alone shows it to whoever can reach "
+         "the server.",
+         ""},
+        request);
   }
   const storage::Time now = storage::Now();
   const Result<void> has_room = MakeRoom(service, *set, flight_id, now);
@@ -133,23 +138,25 @@ Response Add(Service& service, const Request& request, const std::string& body) 
 }
 
 Response Remove(Service& service, const Request& request) {
-  const Result<void> removed = service.tokens.RevokeShare(request.Parameter("flight"), request.Parameter("share"));
+  const Result<void> removed =
+      service.tokens.RevokeShare(request.Parameter("flight"), request.Parameter("share"));
   return removed ? NoContent() : Problem(removed.error(), request);
 }
 
 }  // namespace
 
 void AddShareRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights/{flight}/shares", [&](const Request& r) { return List(service, r); });
-  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/shares",
-                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     if (!IsJson(request)) {
-                       return Problem({ErrorCode::kUnsupportedFormat, "Send the wish as application/json.", ""},
-                                      request);
-                     }
-                     return CollectBody(
-                         [&service, request](const std::string& body) { return Add(service, request, body); });
-                   });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/shares",
+             [&](const Request& r) { return List(service, r); });
+  router.AddUpload(
+      Method::kPost, "/api/v1/flights/{flight}/shares",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsJson(request)) {
+          return Problem({ErrorCode::kUnsupportedFormat, "Send the wish as application/json.", ""}, request);
+        }
+        return CollectBody(
+            [&service, request](const std::string& body) { return Add(service, request, body); });
+      });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
              [&](const Request& r) { return Remove(service, r); });
 }

@@ -1,8 +1,8 @@
-// Shares: tokens that open one flight for reading, made and revoked by whoever may change the flight. GET and POST
-// /api/v1/flights/{flight}/shares, DELETE .../shares/{share}. The token is told once, when it is made.
+// Shares: tokens that open one flight for reading, made and revoked by whoever may change the flight. GET and
+// POST /api/v1/flights/{flight}/shares, DELETE .../shares/{share}. The token is told once, when it is made.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "api/json_codec.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
-#include "api/responses.h"
 
 namespace skyquilt::api {
 namespace {

@@ -2,7 +2,7 @@
 // https://github.com/radiantearth/stac-spec/blob/v1.0.0/item-spec/item-spec.md
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

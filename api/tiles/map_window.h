@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "api/tiles/transcode_tile.h"
-#include "storage/tileset_cache.h"
+#include "storage/tilesets/tileset_cache.h"
 
 namespace skyquilt::api {
 

@@ -3,10 +3,10 @@
 namespace skyquilt::api {
 namespace {
 
-constexpr std::size_t kMostDigits = 10;  // 2^30 has ten
+constexpr std::size_t kMaxDigits = 10;  // 2^30 has ten
 
 std::optional<std::int64_t> ParseNumber(std::string_view text) {
-  if (text.empty() || text.size() > kMostDigits) return std::nullopt;
+  if (text.empty() || text.size() > kMaxDigits) return std::nullopt;
   std::int64_t number = 0;
   for (const char c : text) {
     if (c < '0' || c > '9') return std::nullopt;
@@ -15,10 +15,10 @@ std::optional<std::int64_t> ParseNumber(std::string_view text) {
   return number;
 }
 
-std::optional<pipeline::TileFormat> ParseExtension(std::string_view extension) {
-  if (extension == "jpg" || extension == "jpeg") return pipeline::TileFormat::kJpeg;
-  if (extension == "png") return pipeline::TileFormat::kPng;
-  if (extension == "webp") return pipeline::TileFormat::kWebp;
+std::optional<pyramid::TileFormat> ParseExtension(std::string_view extension) {
+  if (extension == "jpg" || extension == "jpeg") return pyramid::TileFormat::kJpeg;
+  if (extension == "png") return pyramid::TileFormat::kPng;
+  if (extension == "webp") return pyramid::TileFormat::kWebp;
   return std::nullopt;
 }
 

@@ -5,10 +5,10 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "api/etag.h"
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/etag.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/tiles/tiles.h"
 
 namespace skyquilt::api {

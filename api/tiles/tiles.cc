@@ -10,10 +10,10 @@
 #include <mutex>
 #include <utility>
 
-#include "api/etag.h"
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/etag.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/transcode_tile.h"
@@ -98,7 +98,7 @@ Result<Response> Blank(const Request& request, const TileWish& tile_wish, int si
 
 // Made of the four tiles below it, or enlarged where there are none.
 Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::TileId& tile,
-                                   pipeline::TileFormat format) {
+                                   pyramid::TileFormat format) {
   const geo::Bounds2 bounds = tile.BoundsInMerc();
   MapWindow window;
   window.width_px = window.height_px = 2 * TileSizePx(tileset);
@@ -121,10 +121,10 @@ Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Re
 Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
                             const TileWish& wish) {
   if (2 * TileSizePx(tileset) > kMaxSidePx) {
-    return Error{ErrorCode::kNotFound, "The tiles of this map are so large that there are none of twice the size.",
-                 ""};
+    return Error{ErrorCode::kNotFound,
+                 "The tiles of this map are so large that there are none of twice the size.", ""};
   }
-  const pipeline::TileFormat format = wish.format.value_or(pipeline::TileFormat::kPng);
+  const pyramid::TileFormat format = wish.format.value_or(pyramid::TileFormat::kPng);
   const auto made =
       Made(service, request, {tileset.flight_id, tileset.revision.revision, wish.tile, format, 2},
            [&] { return MakeDoubleTile(tileset, wish.tile, format); });
@@ -144,10 +144,10 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
 }
 
 // What Accept asks for, where the address does not say: an exact image type, or else as stored.
-std::optional<pipeline::TileFormat> FormatByAccept(const Request& request) {
+std::optional<pyramid::TileFormat> FormatByAccept(const Request& request) {
   const std::string_view accept = request.headers.Find("Accept");
   for (const auto format :
-       {pipeline::TileFormat::kPng, pipeline::TileFormat::kJpeg, pipeline::TileFormat::kWebp}) {
+       {pyramid::TileFormat::kPng, pyramid::TileFormat::kJpeg, pyramid::TileFormat::kWebp}) {
     if (EqualsIgnoringCase(accept, ContentTypeOf(format))) return format;
   }
   return std::nullopt;
@@ -155,9 +155,9 @@ std::optional<pipeline::TileFormat> FormatByAccept(const Request& request) {
 
 // A tile as it is stored, or in the format asked for. `reader` gives the bytes that `found` does not have;
 // without a tileset (a preview, which grows) what is made is not kept.
-Result<Response> Stored(Service& service, const Request& request, const TileWish& wish, storage::FoundTile found,
-                        storage::MbtilesReader* reader, const storage::Tileset* tileset,
-                        const char* cache_control) {
+Result<Response> Stored(Service& service, const Request& request, const TileWish& wish,
+                        storage::FoundTile found, storage::MbtilesReader* reader,
+                        const storage::Tileset* tileset, const char* cache_control) {
   Response response;
   response.headers.Add("Cache-Control", cache_control);
   // The format asked for is part of the tag: the same content has other bytes in another format.
@@ -170,7 +170,7 @@ Result<Response> Stored(Service& service, const Request& request, const TileWish
   }
   Result<std::string> bytes = found.bytes ? *std::move(found.bytes) : reader->Load(std::move(found));
   if (!bytes) return bytes.error();
-  const std::optional<pipeline::TileFormat> stored = TileFormatOf(*bytes);
+  const std::optional<pyramid::TileFormat> stored = TileFormatOf(*bytes);
   if (wish.format && stored && *wish.format != *stored) {
     response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
     if (tileset == nullptr) {
@@ -194,11 +194,13 @@ Result<Response> Stored(Service& service, const Request& request, const TileWish
 }
 
 // Codes, not pictures: as they are stored, in no other size or format.
-Result<Response> LayerTile(Service& service, const Request& request, const storage::Tileset& tileset, const TileWish& wish) {
+Result<Response> LayerTile(Service& service, const Request& request, const storage::Tileset& tileset,
+                           const TileWish& wish) {
   const Result<std::shared_ptr<storage::MbtilesReader>> reader = FindLayer(tileset, *wish.layer);
   if (!reader) return reader.error();
-  if (wish.is_double || wish.format.value_or(pipeline::TileFormat::kPng) != pipeline::TileFormat::kPng) {
-    return Error{ErrorCode::kInvalidArgument, "Layers are there as .png of one size: their colours are codes.", ""};
+  if (wish.is_double || wish.format.value_or(pyramid::TileFormat::kPng) != pyramid::TileFormat::kPng) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "Layers are there as .png of one size: their colours are codes.", ""};
   }
   Result<std::optional<storage::FoundTile>> found = (*reader)->Find(wish.tile);
   if (!found) return found.error();
@@ -220,7 +222,8 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
   if (!checked) return checked.error();
   const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(wish.flight_id);
   if (!open) {
-    // Who shows the preview learns of its end a moment after it: until then it has nothing more, which is no mistake.
+    // Who shows the preview learns of its end a moment after it: until then it has nothing more, which is no
+    // mistake.
     if (service.tilesets.Get(wish.flight_id)) return Blank(request, wish, kPreviewTileSizePx, kEnded);
     return open.error();
   }
@@ -303,13 +306,15 @@ Response TileResponse(Result<Response> answer, const Request& request) {
   return response;
 }
 
-Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset, render::MapLayer layer) {
+Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset,
+                                                          render::MapLayer layer) {
   const auto found = tileset.layers.find(layer);
   if (found != tileset.layers.end()) return found->second;
-  return Error{ErrorCode::kNotFound,
-               fmt::format("The map was made without the layer \"{0}\". Start a job with \"layers\": [\"{0}\"].",
-                           render::NameOf(layer)),
-               ""};
+  return Error{
+      ErrorCode::kNotFound,
+      fmt::format("The map was made without the layer \"{0}\". Start a job with \"layers\": [\"{0}\"].",
+                  render::NameOf(layer)),
+      ""};
 }
 
 Result<render::MapLayer> ParseLayer(std::string_view name) {
@@ -324,7 +329,8 @@ void AddTileRoutes(Router& router, Service& service) {
   router.AddQuick(Method::kGet, "/tiles/{flight}/{layer}/{z}/{x}/{y}", [&](const Request& request) {
     const Result<render::MapLayer> layer = ParseLayer(request.Parameter("layer"));
     if (!layer) return TileResponse(layer.error(), request);
-    const Result<TilePath> path = ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
+    const Result<TilePath> path =
+        ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
     if (!path) return TileResponse(path.error(), request);
     TileWish wish;
     wish.flight_id = request.Parameter("flight");

@@ -1,14 +1,14 @@
-// Tiles of the map that a flight shows and of the layers beside it: XYZ images with content-hash ETags, and TileJSON 3.0.0.
-// https://github.com/mapbox/tilejson-spec/tree/master/3.0.0
+// Tiles of the map that a flight shows and of the layers beside it: XYZ images with content-hash ETags, and
+// TileJSON 3.0.0. https://github.com/mapbox/tilejson-spec/tree/master/3.0.0
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 #include "core/geo/tile_id.h"
-#include "core/pipeline/ports.h"
+#include "core/pyramid/tile_sink.h"
 #include "core/render/map_layer.h"
 
 namespace skyquilt::api {
@@ -23,23 +23,24 @@ struct TileWish {
   std::string flight_id;
   std::optional<render::MapLayer> layer;  // beside the map; absent: the map itself
   geo::TileId tile;
-  std::optional<pipeline::TileFormat> format;  // absent: as stored
-  bool is_double = false;                      // twice the side, for dense screens
-  EmptyTile empty = EmptyTile::kBlank;         // where the map has nothing, unless ?empty= says
+  std::optional<pyramid::TileFormat> format;  // absent: as stored
+  bool is_double = false;                     // twice the side, for dense screens
+  EmptyTile empty = EmptyTile::kBlank;        // where the map has nothing, unless ?empty= says
 };
 Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish);
 // With the header that lets pages of other sites show it, and problems as documents.
 Response TileResponse(Result<Response> answer, const Request& request);
 
-// An address without a revision means the map, or the preview while there is no map; one with a revision always means
-// that one, so that nobody gets tiles of both.
+// An address without a revision means the map, or the preview while there is no map; one with a revision
+// always means that one, so that nobody gets tiles of both.
 bool ShowsPreview(Service& service, const Request& request, const std::string& flight_id);
 inline constexpr int kPreviewTileSizePx = 256;
 
 // The side of a tileset's tiles, from its metadata; 256 where it does not say.
 int TileSizePx(const storage::Tileset& tileset);
 // The tileset of a layer. kNotFound: no such layer, or the map was made without it.
-Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset, render::MapLayer layer);
+Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset,
+                                                          render::MapLayer layer);
 Result<render::MapLayer> ParseLayer(std::string_view name);
 
 }  // namespace skyquilt::api

@@ -15,7 +15,7 @@
 namespace skyquilt::api {
 namespace {
 
-using pipeline::TileFormat;
+using pyramid::TileFormat;
 
 constexpr int kJpegQuality = 90;
 constexpr float kWebpQuality = 90.0F;

@@ -1,6 +1,7 @@
 // TranscodeTile: one encoded tile in another format; TileFormatOf: the format of encoded bytes, by their
-// magic; TransparentPng: an empty tile, as small as it gets. JPEG has no transparency: it is laid on white. Pure; any thread.
-// Errors: kCorrupt (bytes that do not decode), kTooLarge (a tile of more than 4096 pixels a side).
+// magic; TransparentPng: an empty tile, as small as it gets. JPEG has no transparency: it is laid on white.
+// Pure; any thread. Errors: kCorrupt (bytes that do not decode), kTooLarge (a tile of more than 4096 pixels a
+// side).
 #pragma once
 
 #include <optional>
@@ -9,13 +10,13 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/pipeline/ports.h"
+#include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::api {
 
-std::optional<pipeline::TileFormat> TileFormatOf(std::string_view bytes);
-const char* ContentTypeOf(pipeline::TileFormat format);
-const char* ExtensionOf(pipeline::TileFormat format);
+std::optional<pyramid::TileFormat> TileFormatOf(std::string_view bytes);
+const char* ContentTypeOf(pyramid::TileFormat format);
+const char* ExtensionOf(pyramid::TileFormat format);
 
 // Straight alpha, rows without padding.
 struct Pixels {
@@ -25,9 +26,9 @@ struct Pixels {
 };
 Result<Pixels> DecodeTile(std::string_view bytes);
 // JPEG is laid on white.
-std::string EncodeTile(Pixels pixels, pipeline::TileFormat to);
+std::string EncodeTile(Pixels pixels, pyramid::TileFormat to);
 
-Result<std::string> TranscodeTile(std::string_view bytes, pipeline::TileFormat to);
+Result<std::string> TranscodeTile(std::string_view bytes, pyramid::TileFormat to);
 std::string TransparentPng(int side_px);
 inline constexpr int kMaxSidePx = 4096;
 // The side of a tile from its header; absent when it does not decode.

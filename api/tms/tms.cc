@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "api/auth/flight_access.h"
+#include "api/http/problem.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/geo/web_mercator.h"
@@ -12,7 +12,7 @@
 namespace skyquilt::api {
 namespace {
 
-constexpr int kMostMaps = 200;
+constexpr int kMaxMaps = 200;
 
 Response Root(const Request& request) {
   return Xml(fmt::format(
@@ -21,7 +21,7 @@ Response Root(const Request& request) {
 }
 
 Response Maps(Service& service, const Request& request) {
-  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMostMaps, std::nullopt);
+  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMaxMaps, std::nullopt);
   if (!page) return Problem(page.error(), request);
   std::string maps;
   for (const storage::Flight& flight : page->flights) {

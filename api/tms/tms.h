@@ -2,7 +2,7 @@
 // https://wiki.osgeo.org/wiki/Tile_Map_Service_Specification
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

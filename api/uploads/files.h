@@ -2,7 +2,7 @@
 // into a flight or to make one and queue its job at once.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

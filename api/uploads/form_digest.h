@@ -1,13 +1,13 @@
-// FormDigest: what a form says, as one SHA-256: fields, file names and bytes in their order, whatever boundary they
-// came with, for a client that sends its form again writes another. Passes the parts on as they come. One thread
-// at a time.
+// FormDigest: what a form says, as one SHA-256: fields, file names and bytes in their order, whatever
+// boundary they came with, for a client that sends its form again writes another. Passes the parts on as they
+// come. One thread at a time.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
-#include "api/digest.h"
-#include "api/multipart.h"
+#include "api/http/digest.h"
+#include "api/http/multipart.h"
 
 namespace skyquilt::api {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "api/json_text.h"
+#include "api/json/json_text.h"
 #include "api/uploads/unpack.h"
 
 namespace skyquilt::api {

@@ -1,6 +1,6 @@
 // FormReceiver: the parts of an upload form, as they come: files go to the photo store and the catalogue,
-// text fields are collected. A file that cannot be taken is noted and skipped; a machine that is full, or a quota
-// (kTooLarge), stops the form. One thread at a time.
+// text fields are collected. A file that cannot be taken is noted and skipped; a machine that is full, or a
+// quota (kTooLarge), stops the form. One thread at a time.
 #pragma once
 
 #include <map>
@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "api/json_codec.h"
-#include "api/multipart.h"
+#include "api/http/multipart.h"
+#include "api/json/json_codec.h"
 #include "api/service.h"
 
 namespace skyquilt::api {
@@ -46,7 +46,7 @@ class FormReceiver final : public PartReceiver {
   FormRules rules_;
   std::optional<storage::Upload> upload_;
   std::optional<IncomingBytes> incoming_;  // for as long as there is an upload_
-  std::string* text_ = nullptr;  // the field that is coming in; none: dropped
+  std::string* text_ = nullptr;            // the field that is coming in; none: dropped
   bool is_file_ = false;
   bool is_skipped_ = false;
   std::string file_name_;

@@ -3,12 +3,12 @@
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
-#include "api/job_options.h"
-#include "api/json_codec.h"
-#include "api/multipart.h"
-#include "api/once.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/multipart.h"
+#include "api/http/once.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/job_options.h"
+#include "api/json/json_codec.h"
 #include "api/uploads/files.h"
 #include "api/uploads/form_digest.h"
 #include "api/uploads/form_receiver.h"
@@ -111,7 +111,8 @@ class NewFlight final : public BodySink {
       const Result<void> set = service_.catalogue.SetFlightOptions(flight_id_, *fields->options);
       if (!set) return set.error();
     }
-    return service_.queue.Add(flight_id_, fields->options.value_or("{}"), storage::Now(), {0, request_.owner});
+    return service_.queue.Add(flight_id_, fields->options.value_or("{}"), storage::Now(),
+                              {0, request_.owner});
   }
 
   Service& service_;
@@ -135,8 +136,9 @@ class FormAgain final : public BodySink {
     const Result<void> whole = parser_.Finish();
     if (!whole) return Problem(whole.error(), request_);
     return OnceBy(service_, request_, digest_.Finish(), [&] {
-      return Problem({ErrorCode::kUnavailable, "The first answer under this key is no longer kept. Send it again.", ""},
-                     request_);
+      return Problem(
+          {ErrorCode::kUnavailable, "The first answer under this key is no longer kept. Send it again.", ""},
+          request_);
     });
   }
 
@@ -151,8 +153,8 @@ Response MakeEmptyFlight(Service& service, const Request& request, const std::st
   const Result<FlightFields> fields = ParseFlightFields(body);
   if (!fields) return Problem(fields.error(), request);
   const storage::Time now = storage::Now();
-  Result<storage::Flight> flight = service.catalogue.AddFlight(fields->name.value_or(DefaultFlightName(now)),
-                                                               fields->options.value_or("{}"), now, request.owner);
+  Result<storage::Flight> flight = service.catalogue.AddFlight(
+      fields->name.value_or(DefaultFlightName(now)), fields->options.value_or("{}"), now, request.owner);
   if (!flight) return Problem(flight.error(), request);
   FlightView view;
   view.flight = *std::move(flight);
@@ -175,7 +177,8 @@ Begun BeginFlight(Service& service, const Request& request) {
   if (!is_again) return Problem(is_again.error(), request);
   if (*is_again) return std::make_unique<FormAgain>(service, request, *boundary);
   const storage::Time now = storage::Now();
-  const Result<storage::Flight> flight = service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
+  const Result<storage::Flight> flight =
+      service.catalogue.AddFlight(DefaultFlightName(now), "{}", now, request.owner);
   if (!flight) return Problem(flight.error(), request);
   return std::make_unique<NewFlight>(service, request, *boundary, flight->id);
 }

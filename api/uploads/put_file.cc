@@ -1,14 +1,14 @@
 #include <memory>
 #include <utility>
 
-#include "api/digest.h"
-#include "api/json_codec.h"
 #include "api/flights/flights.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/digest.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/uploads/files.h"
 #include "api/uploads/unpack.h"
-#include "storage/unpack_archive.h"
+#include "storage/uploads/unpack_archive.h"
 
 namespace skyquilt::api {
 namespace {
@@ -90,7 +90,8 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
                      request);
     }
   }
-  return std::make_unique<PutFile>(service, request, *std::move(upload), *std::move(incoming), std::move(sha256));
+  return std::make_unique<PutFile>(service, request, *std::move(upload), *std::move(incoming),
+                                   std::move(sha256));
 }
 
 Response List(Service& service, const Request& request) {

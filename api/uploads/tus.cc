@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "api/auth/flight_access.h"
-#include "api/json_codec.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
 #include "api/uploads/tus_headers.h"
 #include "api/uploads/unpack.h"
 
@@ -41,7 +41,8 @@ std::string HttpDate(storage::Time time) {
 
 void Describe(const Service& service, const SpooledUpload& upload, Response& response) {
   response.headers.Add("Upload-Offset", std::to_string(upload.offset));
-  if (!upload.is_done) response.headers.Add("Upload-Expires", HttpDate(service.db.ages().OnTheWall(upload.expires)));
+  if (!upload.is_done)
+    response.headers.Add("Upload-Expires", HttpDate(service.db.ages().OnTheWall(upload.expires)));
 }
 
 std::optional<Response> CheckVersion(const Request& request) {
@@ -222,7 +223,8 @@ Begun BeginCreation(Service& service, const Request& request) {
 Result<void> DeclareLength(Service& service, const std::string& id, std::int64_t length) {
   const Result<SpooledUpload> upload = service.spool.Find(id, service.db.ages().Now());
   if (!upload) return upload.error();
-  if (upload->length || length < upload->offset) return service.spool.DeclareLength(id, length, service.db.ages().Now());
+  if (upload->length || length < upload->offset)
+    return service.spool.DeclareLength(id, length, service.db.ages().Now());
   Result<IncomingBytes> incoming = IncomingBytes::Into(service, upload->flight_id);
   if (!incoming) return incoming.error();
   const Result<void> fits = incoming->Take(length - upload->offset);
@@ -253,7 +255,8 @@ Begun BeginPatch(Service& service, const Request& request) {
 
 Response Get(Service& service, const Request& request) {
   if (auto refused = CheckAsker(service, request)) return *std::move(refused);
-  const Result<SpooledUpload> upload = service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
+  const Result<SpooledUpload> upload =
+      service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
   if (!upload) return Refuse(upload.error(), request);
   if (upload->file) {
     const auto unpacked = UnpackStored(service, upload->flight_id, *upload->file);

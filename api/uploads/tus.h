@@ -4,7 +4,7 @@
 // ("flight") and the file ("filename"). https://tus.io/protocols/resumable-upload
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

@@ -10,9 +10,9 @@ bool IsKeyCharacter(char c) { return c > ' ' && c < 0x7f && c != ','; }
 }  // namespace
 
 std::optional<std::int64_t> ParseTusNumber(std::string_view text) {
-  constexpr std::size_t kMostDigits = 16;
+  constexpr std::size_t kMaxDigits = 16;
   constexpr std::int64_t kLargest = std::int64_t{1} << 53;
-  if (text.empty() || text.size() > kMostDigits) return std::nullopt;
+  if (text.empty() || text.size() > kMaxDigits) return std::nullopt;
   std::int64_t number = 0;
   for (const char c : text) {
     if (c < '0' || c > '9') return std::nullopt;

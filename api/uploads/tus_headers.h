@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/digest.h"
+#include "api/http/digest.h"
 
 namespace skyquilt::api {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "storage/unpack_archive.h"
+#include "storage/uploads/unpack_archive.h"
 
 namespace skyquilt::api {
 namespace {
@@ -57,15 +57,16 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
   const Result<std::optional<std::int64_t>> room = incoming->Room();
   if (!room) return room.error();
   // The archive's own bytes are counted still, and go when it is unpacked.
-  const std::int64_t most_bytes = *room ? **room + file.bytes : std::numeric_limits<std::int64_t>::max();
+  const std::int64_t max_bytes = *room ? **room + file.bytes : std::numeric_limits<std::int64_t>::max();
   const Result<std::vector<storage::UnpackedFile>> unpacked =
-      service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name), most_bytes);
+      service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name), max_bytes);
   const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
   if (removed) {
     service.store.Remove(flight_id, removed->stored_name);
     incoming->Freed(removed->bytes);
   }
-  if (!unpacked) return unpacked.error().code == ErrorCode::kTooLarge ? incoming->Refusal() : unpacked.error();
+  if (!unpacked)
+    return unpacked.error().code == ErrorCode::kTooLarge ? incoming->Refusal() : unpacked.error();
   const std::int64_t bytes = SizeOf(*unpacked);
   const Result<void> taken = incoming->Take(bytes);
   if (!taken) {

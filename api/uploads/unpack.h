@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "api/json_codec.h"
+#include "api/json/json_codec.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

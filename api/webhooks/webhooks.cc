@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
-#include "api/json_codec.h"
-#include "api/json_text.h"
-#include "api/problem.h"
-#include "api/responses.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
+#include "api/json/json_text.h"
 
 namespace skyquilt::api {
 namespace {

@@ -2,7 +2,7 @@
 // to others at all (serve --webhooks). GET, POST and DELETE /api/v1/webhooks.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

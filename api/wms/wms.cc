@@ -6,16 +6,16 @@
 #include <charconv>
 #include <cmath>
 
+#include "api/http/problem.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
 #include "api/tiles/map_window.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
 namespace {
 
-constexpr int kMostSidePx = 4096;
-constexpr int kMostPixels = 8 << 20;
+constexpr int kMaxSidePx = 4096;
+constexpr int kMaxPixels = 8 << 20;
 
 bool IsNewer(const Request& request) {
   const std::string version =
@@ -63,8 +63,8 @@ Error Bad(const char* code, std::string message) {
 
 Result<int> Side(const Request& request, const char* name) {
   const std::optional<double> number = Number(Parameter(request, name).value_or(""));
-  if (!number || *number != std::floor(*number) || *number < 1 || *number > kMostSidePx) {
-    return Bad("", fmt::format("{} must be a whole number from 1 to {}.", name, kMostSidePx));
+  if (!number || *number != std::floor(*number) || *number < 1 || *number > kMaxSidePx) {
+    return Bad("", fmt::format("{} must be a whole number from 1 to {}.", name, kMaxSidePx));
   }
   return static_cast<int>(*number);
 }
@@ -99,11 +99,10 @@ std::string Capabilities(const MapView& map, bool is_newer) {
   boxes += fmt::format(
       "<BoundingBox {}=\"EPSG:4326\" minx=\"{:.9f}\" miny=\"{:.9f}\" maxx=\"{:.9f}\" maxy=\"{:.9f}\"/>", crs,
       is_newer ? south : west, is_newer ? west : south, is_newer ? north : east, is_newer ? east : north);
-  const std::string root =
-      is_newer
-          ? R"(<WMS_Capabilities version="1.3.0" xmlns="http://www.opengis.net/wms" )"
-            R"(xmlns:xlink="http://www.w3.org/1999/xlink">)"
-          : R"(<WMT_MS_Capabilities version="1.1.1">)";
+  const std::string root = is_newer
+                               ? R"(<WMS_Capabilities version="1.3.0" xmlns="http://www.opengis.net/wms" )"
+                                 R"(xmlns:xlink="http://www.w3.org/1999/xlink">)"
+                               : R"(<WMT_MS_Capabilities version="1.1.1">)";
   return fmt::format(
       R"({0}
 <Service><Name>{1}</Name><Title>{2}</Title>
@@ -118,7 +117,7 @@ std::string Capabilities(const MapView& map, bool is_newer) {
 {11}
 )",
       root, is_newer ? "WMS" : "OGC:WMS", XmlText(map.name), href,
-      is_newer ? fmt::format("<MaxWidth>{0}</MaxWidth><MaxHeight>{0}</MaxHeight>", kMostSidePx) : "",
+      is_newer ? fmt::format("<MaxWidth>{0}</MaxWidth><MaxHeight>{0}</MaxHeight>", kMaxSidePx) : "",
       is_newer ? "text/xml" : "application/vnd.ogc.wms_xml", http,
       is_newer ? "XML" : "application/vnd.ogc.se_xml", crs, is_newer ? "<CRS>CRS:84</CRS>" : "", boxes,
       is_newer ? "</WMS_Capabilities>" : "</WMT_MS_Capabilities>");
@@ -222,14 +221,14 @@ Result<WmsMap> ParseGetMap(const Request& request) {
   if (!width) return width.error();
   const Result<int> height = Side(request, "HEIGHT");
   if (!height) return height.error();
-  if (*width * *height > kMostPixels) return Bad("", "WIDTH times HEIGHT must not be above 8 million.");
+  if (*width * *height > kMaxPixels) return Bad("", "WIDTH times HEIGHT must not be above 8 million.");
   map.width_px = *width;
   map.height_px = *height;
   const std::string format = Parameter(request, "FORMAT").value_or("");
   if (format == "image/jpeg") {
-    map.format = pipeline::TileFormat::kJpeg;
+    map.format = pyramid::TileFormat::kJpeg;
   } else if (format == "image/webp") {
-    map.format = pipeline::TileFormat::kWebp;
+    map.format = pyramid::TileFormat::kWebp;
   } else if (!format.starts_with("image/png")) {
     return Bad("InvalidFormat", "Formats are image/png, image/jpeg and image/webp.");
   }

@@ -2,9 +2,9 @@
 // coordinates, for ground stations and older GIS programs. OGC 01-068r3 and 06-042.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
-#include "core/pipeline/ports.h"
+#include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::api {
 
@@ -17,7 +17,7 @@ struct WmsMap {
   int width_px = 0;
   int height_px = 0;
   bool is_transparent = false;
-  pipeline::TileFormat format = pipeline::TileFormat::kPng;
+  pyramid::TileFormat format = pyramid::TileFormat::kPng;
 };
 Result<WmsMap> ParseGetMap(const Request& request);
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "api/http/problem.h"
 #include "api/ogc/map_view.h"
-#include "api/problem.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/geo/web_mercator.h"

@@ -1,7 +1,7 @@
 // WMTS 1.0.0 of one map, both bindings complete: KVP at /wmts/{flight}, REST below it. OGC 07-057r7.
 #pragma once
 
-#include "api/router.h"
+#include "api/http/router.h"
 #include "api/service.h"
 
 namespace skyquilt::api {

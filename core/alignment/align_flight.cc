@@ -6,19 +6,19 @@
 #include <cmath>
 #include <utility>
 
-#include "core/alignment/bundle_setup.h"
-#include "core/alignment/correct_poses.h"
-#include "core/alignment/direct_registration.h"
-#include "core/alignment/flight_lines.h"
-#include "core/alignment/link_photos.h"
-#include "core/alignment/link_rounds.h"
-#include "core/alignment/pairs_in_use.h"
-#include "core/alignment/place_photos.h"
-#include "core/alignment/registration/leg_evidence.h"
-#include "core/alignment/registration/lost_photos.h"
-#include "core/alignment/registration/second_leg.h"
-#include "core/alignment/rescue_rounds.h"
-#include "core/alignment/tie_to_control.h"
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/matching/matching_passes.h"
+#include "core/alignment/matching/pairs_in_use.h"
+#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/alignment/reconstruction/lost_photos.h"
+#include "core/alignment/reconstruction/second_leg.h"
+#include "core/alignment/registration/correct_poses.h"
+#include "core/alignment/registration/direct_registration.h"
+#include "core/alignment/registration/flight_lines.h"
+#include "core/alignment/registration/place_photos.h"
+#include "core/alignment/registration/registration_rounds.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
 
@@ -30,22 +30,22 @@ constexpr double kGroundSigmas = 3.0;  // what a sight of a point on the ground 
 
 // From poses adjusted a first time, where they came from records that were degrees off: a motion over level
 // ground fits only part of what two such photos share, so the rest is still to be found.
-const LinkPass kMiddleLook{.least_radius_share = 0.05,
-                           .sigmas = 0.0,
-                           .max_turn_rad = 0.45,
-                           .tolerance_share = 0.015,
-                           .min_matches = 8};
+const MatchingPass kMiddleLook{.min_radius_share = 0.05,
+                               .sigmas = 0.0,
+                               .max_turn_rad = 0.45,
+                               .tolerance_share = 0.015,
+                               .min_matches = 8};
 constexpr double kMuchLeanedShare = 0.02;  // of a photo's width that a turn of the axis moves its middle by
 
 // From the adjusted poses, on the adjusted relief.
-const LinkPass kLastLook{.least_radius_share = 0.012,
-                         .sigmas = 0.0,
-                         .max_turn_rad = 0.35,
-                         .max_distance_ratio = 0.9,
-                         .min_matches = 8,
-                         .fit_motion = false};
+const MatchingPass kLastLook{.min_radius_share = 0.012,
+                             .sigmas = 0.0,
+                             .max_turn_rad = 0.35,
+                             .max_distance_ratio = 0.9,
+                             .min_matches = 8,
+                             .fit_motion = false};
 
-std::vector<Track> TriangulatedTracks(const std::vector<PairLink>& links, const LinkInput& input,
+std::vector<Track> TriangulatedTracks(const std::vector<VerifiedPair>& links, const MatchingInput& input,
                                       const AlignOptions& options) {
   TrackOptions track_options;
   track_options.observations_per_photo = options.observations_per_photo;
@@ -56,7 +56,7 @@ std::vector<Track> TriangulatedTracks(const std::vector<PairLink>& links, const 
 
 // Every match that agrees with the adjusted poses, not only those the adjustment needed: the ground is
 // modelled from these.
-std::vector<Track> GroundTracks(const std::vector<PairLink>& links, const LinkInput& input,
+std::vector<Track> GroundTracks(const std::vector<VerifiedPair>& links, const MatchingInput& input,
                                 const AlignOptions& options) {
   TrackOptions track_options;
   track_options.observations_per_photo = options.max_features;
@@ -104,16 +104,16 @@ double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProb
 }
 
 // Pairs, and the matches in them, from where the photos now lie.
-void LookAgain(const poses::PosedFlight& posed, const BundleProblem& problem, const LinkPass& pass,
-               const AlignOptions& options, Relief& relief, LinkInput& input, Linked& linked) {
+void Rematch(const poses::PosedFlight& posed, const BundleProblem& problem, const MatchingPass& pass,
+             const AlignOptions& options, Relief& relief, MatchingInput& input, MatchedFlight& linked) {
   input.views = ViewsOf(problem);
   relief =
       Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
   const std::size_t count = input.views.size();
-  linked.pairs = OnlyWithinPieces(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
-                                  linked.links, count);
-  linked.links =
-      LinkPhotos(input, LayAll(input, relief, options.threads), linked.pairs, pass, options.threads);
+  linked.pairs = OnlyWithinComponents(SelectPairs(input.views, std::vector<double>(count, 0.0), relief, {}),
+                                      linked.links, count);
+  linked.links = MatchAndVerify(input, ProjectAllToGround(input, relief, options.threads), linked.pairs, pass,
+                                options.threads);
 }
 
 // Photos that are placed already are no matter of doubt, whatever the links suggested.
@@ -165,8 +165,8 @@ std::string ContradictedControl(const std::vector<ControlReport>& control) {
 constexpr double kOtherFocalSigmas = 3.0;
 constexpr double kSigmaFoundFocal = 0.01;
 
-// Of the readable photos, those that may stay lost before the records are doubted as a whole: by links alone, when
-// nothing has been adjusted and hardly anything would be worth it, and after everything was tried.
+// Of the readable photos, those that may stay lost before the records are doubted as a whole: by links alone,
+// when nothing has been adjusted and hardly anything would be worth it, and after everything was tried.
 constexpr double kMaxLostShareByLinks = 0.4;
 constexpr double kMaxLostShare = 0.1;
 constexpr int kMaxLostRounds = 3;
@@ -178,48 +178,51 @@ double ResidualAtWidth(double rms_px, const poses::PosedFlight& posed) {
   return rms_px * kResidualWidthPx / Median(std::move(widths));
 }
 
-std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, const LegEvidence& by_records, double max_lost_share,
-                                      const AlignOptions& options, AlignReport& report, Progress& progress) {
+std::optional<SecondLeg> TrySecondLeg(const FirstLeg& first, const LegEvidence& by_records,
+                                      double max_lost_share, const AlignOptions& options, AlignReport& report,
+                                      Progress& progress) {
   const bool is_asked_for = options.by_images == ByImages::kAlways;
-  report.second_leg.why = is_asked_for ? "placing by what they show was asked for" : WhyDoubted(by_records, max_lost_share);
+  report.second_leg.why =
+      is_asked_for ? "placing by what they show was asked for" : WhyDoubted(by_records, max_lost_share);
   if (report.second_leg.why.empty()) return std::nullopt;
   progress.Report(0.82, "placing photos by what they show");
   // Where residuals are in doubt, as many photos tied are not better by number.
   const bool takes_equal = is_asked_for || by_records.Lost() == 0;
-  return PlaceByImages(first, by_records.tied, takes_equal, options.control, options.threads, report.second_leg,
-                       progress);
+  return PlaceByImages(first, by_records.tied, takes_equal, options.control, options.threads,
+                       report.second_leg, progress);
 }
 
 // What one leg made of the flight, so that another can be held against it.
 struct LegState {
   poses::PosedFlight posed;
-  LinkInput input;
-  Linked linked;
+  MatchingInput input;
+  MatchedFlight linked;
   BundleProblem problem;
   std::vector<CandidatePair> compared;
 };
 
 // As if the records had said so.
-void GoOnFrom(SecondLeg second, const std::vector<const PhotoFeatures*>& features, const std::vector<int>& lines,
-              poses::PosedFlight& posed, LinkInput& input, Linked& linked, BundleProblem& problem) {
+void GoOnFrom(SecondLeg second, const std::vector<const PhotoFeatures*>& features,
+              const std::vector<int>& lines, poses::PosedFlight& posed, MatchingInput& input,
+              MatchedFlight& linked, BundleProblem& problem) {
   posed = std::move(second.posed);
   linked.corrected = std::move(second.corrected);
   linked.links = std::move(second.links);
   linked.pairs.clear();
-  for (const PairLink& link : linked.links) linked.pairs.push_back({link.first, link.second, 0.0});
+  for (const VerifiedPair& link : linked.links) linked.pairs.push_back({link.first, link.second, 0.0});
   problem = MakeBundle(posed, linked.corrected, lines);
   for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
     BundleLens& lens = problem.lenses[c];
     lens.intrinsics = second.lenses[c];
-    // Where the images found another focal length than was recorded, theirs is the one to hold on to: level ground
-    // alone says little of it, and heights that are wrong would bend it.
+    // Where the images found another focal length than was recorded, theirs is the one to hold on to: level
+    // ground alone says little of it, and heights that are wrong would bend it.
     const double off = std::abs(std::log(lens.intrinsics.focal_x_px / lens.recorded.focal_x_px));
     if (off <= kOtherFocalSigmas * lens.sigma_focal_share) continue;
     lens.recorded.focal_x_px = lens.intrinsics.focal_x_px;
     lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
   }
-  input = MakeLinkInput(posed);
+  input = MakeMatchingInput(posed);
   input.features = features;
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (!second.by_images[i]) input.features[i] = nullptr;
@@ -256,7 +259,7 @@ Result<void> AlignOptions::Validate() const {
   return {};
 }
 
-Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipeline::PhotoSource& source,
+Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                   const AlignOptions& options, AlignReport& report, Progress& progress,
                                   FoundFeatures found) {
   if (Result<void> valid = options.Validate(); !valid) return valid.error();
@@ -278,7 +281,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
       ExtractAll(posed, source, options.Features(), std::move(found), options.threads, 0.7, progress);
   if (progress.IsCancelled()) return cancelled;
   report.photo_reports.resize(count);
-  LinkInput input = MakeLinkInput(posed);
+  MatchingInput input = MakeMatchingInput(posed);
   const std::vector<const PhotoFeatures*> readable = photographed.Readable();
   input.features = readable;
   for (std::size_t i = 0; i < count; ++i) {
@@ -292,11 +295,11 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
 
   const std::vector<int> lines = FindLines(places);
   Relief relief(posed.ground_z_in_enu_m);
-  Linked linked;
+  MatchedFlight linked;
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.7, "comparing photos");
-    linked = LinkInRounds(posed, lines, input, options.threads, report, progress);
+    linked = MatchInPasses(posed, lines, input, options.threads, report, progress);
   }
   if (progress.IsCancelled()) return cancelled;
   std::vector<CandidatePair> compared = linked.pairs;
@@ -316,7 +319,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
   std::optional<SecondLeg> second;
   LegEvidence by_records = Weigh(leg_now(0.0));
   // Where hardly any photo fits to the others, nothing is worth adjusting.
-  if (may_go_by_images) second = TrySecondLeg(first_leg, by_records, kMaxLostShareByLinks, options, report, progress);
+  if (may_go_by_images)
+    second = TrySecondLeg(first_leg, by_records, kMaxLostShareByLinks, options, report, progress);
   const bool compares_legs = !second || !second->is_nearly_all;
   if (compares_legs) {
     ScopedTimer timer(report.matching_s);
@@ -339,15 +343,16 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
     if (compares_legs) {
       adjust(first);
       input.views = ViewsOf(problem);
-      relief = Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views),
-                                  posed.ground_z_in_enu_m);
+      relief =
+          Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
       problem.plane = FitPlane(problem);
-      if (RescueInRounds(posed, relief, options.threads, input, linked, problem) > 0) adjust(first);
+      if (RegisterInRounds(posed, relief, options.threads, input, linked, problem) > 0) adjust(first);
       by_records = Weigh(leg_now(summary.rms_px));
       for (int round = 0; round < kMaxLostRounds && may_go_by_images && HasLost(by_records); ++round) {
         input.views = ViewsOf(problem);
         const std::vector<Track> seen = GroundTracks(linked.links, input, options);
-        if (TakeInLost(leg_now(summary.rms_px), seen, options.threads, posed, input, linked, problem, by_images) == 0) {
+        if (TakeInLost(leg_now(summary.rms_px), seen, options.threads, posed, input, linked, problem,
+                       by_images) == 0) {
           break;
         }
         adjust(first);
@@ -388,7 +393,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
     }
     for (std::size_t i = 0; i < count; ++i) report.photo_reports[i].is_by_images = by_images[i] != 0;
     if (!report.second_leg.is_taken && LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
-      LookAgain(posed, problem, kMiddleLook, options, relief, input, linked);
+      Rematch(posed, problem, kMiddleLook, options, relief, input, linked);
       adjust(first);
     }
     TieToControl(posed, options.control, problem, report.control);
@@ -400,7 +405,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.88, "comparing photos once more");
-    LookAgain(posed, problem, kLastLook, options, relief, input, linked);
+    Rematch(posed, problem, kLastLook, options, relief, input, linked);
     report.pairs_tried = static_cast<int>(linked.pairs.size());
     report.pairs_linked = static_cast<int>(linked.links.size());
   }
@@ -417,8 +422,8 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipe
   }
   if (report.second_leg.why.empty()) {
     const LegEvidence held = Weigh(leg_now(summary.rms_px));
-    report.second_leg.outcome =
-        fmt::format("the recorded poses hold: {} of {} photos are tied together from them", held.tied, held.readable);
+    report.second_leg.outcome = fmt::format(
+        "the recorded poses hold: {} of {} photos are tied together from them", held.tied, held.readable);
   }
   const std::vector<PhotoDoubt> doubts = DoubtPhotos(input, compared, linked.links, relief);
   report.corrections = DescribeCorrections(linked.corrected, names, lines);

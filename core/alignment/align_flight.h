@@ -9,18 +9,19 @@
 
 #include <vector>
 
+#include "core/alignment/adjustment/ground_control.h"
 #include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
-#include "core/alignment/extract_all.h"
-#include "core/alignment/ground_control.h"
+#include "core/alignment/features/extract_all.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/pipeline/ports.h"
+#include "core/flight/photos/photo_source.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
 
-// Whether photos may be placed by what they show alone (registration/second_leg.h) instead of from recorded poses.
+// Whether photos may be placed by what they show alone (registration/second_leg.h) instead of from recorded
+// poses.
 enum class ByImages {
   kNever,
   kByEvidence,  // where the records fail their test, and only if the result stands better
@@ -43,7 +44,7 @@ struct AlignOptions {
 };
 
 // `found`: features with options.Features() of photos that were decoded before; the others are decoded here.
-Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const pipeline::PhotoSource& source,
+Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                   const AlignOptions& options, AlignReport& report, Progress& progress,
                                   FoundFeatures found = {});
 

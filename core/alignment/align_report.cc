@@ -46,7 +46,7 @@ std::string_view FaultName(PhotoFault fault) {
 std::string AlignReportJson(const AlignReport& report) {
   Json json = {{"photos", report.photos},
                {"aligned", report.aligned},
-               {"pieces", report.pieces},
+               {"pieces", report.components},
                {"pairs_tried", report.pairs_tried},
                {"pairs_linked", report.pairs_linked},
                {"pairs_rejected", report.pairs_rejected},

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/alignment/adjustment/ground_control.h"
 #include "core/alignment/aligned_flight.h"
-#include "core/alignment/ground_control.h"
 #include "core/camera/intrinsics.h"
 
 namespace skyquilt::alignment {
@@ -78,7 +78,7 @@ struct SecondLegReport {
 struct AlignReport {
   int photos = 0;
   int aligned = 0;
-  int pieces = 0;  // groups of aligned photos without ties between them
+  int components = 0;  // groups of aligned photos without ties between them
   int pairs_tried = 0;
   int pairs_linked = 0;
   int pairs_rejected = 0;   // linked by a few matches, contradicted by the rest

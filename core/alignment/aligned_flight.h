@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/camera/intrinsics.h"
-#include "core/flight/photo.h"
+#include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
 
@@ -19,12 +19,13 @@ struct AlignedPhoto {
   flight::Photo photo;            // as read; its intrinsics are the recorded ones
   camera::Intrinsics intrinsics;  // as refined
   geo::Rigid3 cam_from_enu;
-  // How far the camera moved while it read its rows, from the first to the last; cam_from_enu is of the middle
-  // row. Zero where that is not known.
+  // How far the camera moved while it read its rows, from the first to the last; cam_from_enu is of the
+  // middle row. Zero where that is not known.
   Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();
   Placement placement = Placement::kPoseOnly;
   std::string placement_reason;  // why it is not aligned, or what was corrected
-  double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre, both directions together
+  double error_radius_m =
+      0.0;  // 1-sigma horizontal ground error of the image centre, both directions together
   double height_above_ground_m = 0.0;
 };
 

@@ -10,7 +10,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kMostCells = 1 << 20;
+constexpr int kMaxCells = 1 << 20;
 constexpr int kFewPoints = 50;
 constexpr double kFarthestM = 1e6;  // points beyond, or not numbers, are of no use
 
@@ -30,8 +30,8 @@ Relief Relief::FromPoints(const std::vector<Eigen::Vector3d>& all_points_in_enu,
     bounds.Include(Eigen::Vector2d(point.head<2>()));
   }
   Relief relief(Median(heights));
-  cell_m = std::max({cell_m, std::sqrt(bounds.Width() * bounds.Height() / kMostCells),
-                     3.0 * std::max(bounds.Width(), bounds.Height()) / kMostCells});
+  cell_m = std::max({cell_m, std::sqrt(bounds.Width() * bounds.Height() / kMaxCells),
+                     3.0 * std::max(bounds.Width(), bounds.Height()) / kMaxCells});
   relief.cell_m_ = cell_m;
   relief.south_west_ = bounds.min;
   relief.columns_ = static_cast<int>(bounds.Width() / cell_m) + 2;

@@ -29,8 +29,8 @@ bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& p
   return MeetAlong(view.CenterInEnu(), ray, relief, point_in_enu);
 }
 
-std::vector<GroundKeypoint> LayOnGround(const PhotoFeatures& features, const View& view,
-                                        const Relief& relief) {
+std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
+                                            const Relief& relief) {
   std::vector<GroundKeypoint> laid(features.keypoints.size());
   const Eigen::Vector3d center = view.CenterInEnu();
   const Eigen::Quaterniond enu_from_cam = view.cam_from_enu.rotation.conjugate();

@@ -6,7 +6,7 @@
 #include <complex>
 #include <vector>
 
-#include "core/alignment/features.h"
+#include "core/alignment/features/features.h"
 #include "core/alignment/relief.h"
 #include "core/camera/intrinsics.h"
 #include "core/camera/rolling_shutter.h"
@@ -38,8 +38,8 @@ struct GroundKeypoint {
   bool is_on_ground = false;  // false where the view runs towards the horizon
 };
 
-std::vector<GroundKeypoint> LayOnGround(const PhotoFeatures& features, const View& view,
-                                        const Relief& relief);
+std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
+                                            const Relief& relief);
 
 // Where the ray through a pixel meets the relief (E, N, z); false when it does not come down within reach.
 bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& pixel_in_image,

@@ -8,7 +8,7 @@ namespace skyquilt::internal {
 [[noreturn]] void CheckFailed(const char* condition, const char* file, int line, std::string_view message);
 }
 
-#define SKYQUILT_CHECK(condition, message)                                                 \
-  do {                                                                                     \
+#define SKYQUILT_CHECK(condition, message)                                                        \
+  do {                                                                                            \
     if (!(condition)) ::skyquilt::internal::CheckFailed(#condition, __FILE__, __LINE__, message); \
   } while (false)

@@ -1,7 +1,8 @@
 // ParallelFor: runs body(i) for i in [0, count) on up to `threads` threads (0 = all cores). Items are handed
-// out in order; the first exception stops the hand-out and is rethrown. With one thread it runs in the caller.
-// ParallelOrdered: like it, but `consume(i, result)` is called by one thread at a time in the order of i, and at
-// most `window` results wait: memory stays bounded and the outcome does not depend on the number of threads.
+// out in order; the first exception stops the hand-out and is rethrown. With one thread it runs in the
+// caller. ParallelOrdered: like it, but `consume(i, result)` is called by one thread at a time in the order
+// of i, and at most `window` results wait: memory stays bounded and the outcome does not depend on the number
+// of threads.
 #pragma once
 
 #include <condition_variable>

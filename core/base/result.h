@@ -25,15 +25,24 @@ struct Error {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}          // NOLINT: implicit by design
-  Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}      // NOLINT: implicit by design
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}      // NOLINT: implicit by design
+  Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT: implicit by design
 
   bool ok() const { return state_.index() == 0; }
   explicit operator bool() const { return ok(); }
 
-  const T& value() const& { Require(); return std::get<0>(state_); }
-  T& value() & { Require(); return std::get<0>(state_); }
-  T&& value() && { Require(); return std::get<0>(std::move(state_)); }
+  const T& value() const& {
+    Require();
+    return std::get<0>(state_);
+  }
+  T& value() & {
+    Require();
+    return std::get<0>(state_);
+  }
+  T&& value() && {
+    Require();
+    return std::get<0>(std::move(state_));
+  }
   const T& operator*() const& { return value(); }
   T& operator*() & { return value(); }
   T&& operator*() && { return std::move(*this).value(); }

@@ -1,5 +1,5 @@
-// Footprint: the outline on the ground of what a photo sees, as a polygon in enu (E, N), counter-clockwise as seen
-// from above, clipped where the view would run towards the horizon. Values; any thread.
+// Footprint: the outline on the ground of what a photo sees, as a polygon in enu (E, N), counter-clockwise as
+// seen from above, clipped where the view would run towards the horizon. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@ namespace skyquilt::camera {
 // Rays steeper than this off the vertical are cut: beyond it a pixel covers metres.
 inline constexpr double kMaxViewAngleRad = 1.31;  // 75 degrees
 
-// Points along the border, `points_per_side` a side, so that lens bending shows. Empty when nothing of the photo
-// looks at the ground.
+// Points along the border, `points_per_side` a side, so that lens bending shows. Empty when nothing of the
+// photo looks at the ground.
 std::vector<Eigen::Vector2d> GroundFootprint(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
                                              double plane_z_m, int points_per_side = 8);
 geo::Bounds2 BoundsOf(const std::vector<Eigen::Vector2d>& polygon);

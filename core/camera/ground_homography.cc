@@ -4,7 +4,8 @@
 
 namespace skyquilt::camera {
 
-Eigen::Matrix3d GroundHomography(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu, double plane_z_m) {
+Eigen::Matrix3d GroundHomography(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
+                                 double plane_z_m) {
   Eigen::Matrix3d plane;  // (E, N, 1) to the point relative to the camera centre, in enu
   plane.col(0) = Eigen::Vector3d::UnitX();
   plane.col(1) = Eigen::Vector3d::UnitY();
@@ -14,7 +15,8 @@ Eigen::Matrix3d GroundHomography(const Intrinsics& intrinsics, const geo::Rigid3
 
 std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
                                                const Eigen::Vector2d& pixel_in_image, double plane_z_m) {
-  const Eigen::Vector3d ray = (cam_from_enu.rotation.conjugate() * intrinsics.Unproject(pixel_in_image)).normalized();
+  const Eigen::Vector3d ray =
+      (cam_from_enu.rotation.conjugate() * intrinsics.Unproject(pixel_in_image)).normalized();
   const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
   constexpr double kSinHalfDegree = 0.0087;
   const double drop_m = center.z() - plane_z_m;

@@ -85,9 +85,9 @@ std::optional<Eigen::Vector2d> Intrinsics::Project(const Eigen::Vector3d& point_
   const Eigen::Vector2d normalised = point_in_cam.head<2>() / point_in_cam.z();
   const double s = normalised.squaredNorm();
   // The search for the largest radius is dear, and most rays lie where the slope cannot have fallen to 0 yet.
-  const double least_slope =
+  const double min_slope =
       1.0 + s * (std::min(0.0, 3.0 * k1) + s * (std::min(0.0, 5.0 * k2) + s * std::min(0.0, 7.0 * k3)));
-  if (least_slope <= 0.0 && s > MaxRadiusSquared()) return std::nullopt;
+  if (min_slope <= 0.0 && s > MaxRadiusSquared()) return std::nullopt;
   const Eigen::Vector2d bent = Distort(normalised);
   return Eigen::Vector2d{focal_x_px * bent.x() + center_x_px, focal_y_px * bent.y() + center_y_px};
 }

@@ -1,7 +1,8 @@
 // Intrinsics: a pinhole camera with Brown distortion, OpenCV's order and signs. Frame `cam` (x right, y down,
 // z forward) to `image` (pixels; the centre of the first pixel is (0,0)). Values; any thread.
-// Method: D. C. Brown, Close-Range Camera Calibration (1971). The polynomial folds back on itself far outside the
-// image; Project refuses rays beyond the fold instead of returning a pixel that the lens cannot have made.
+// Method: D. C. Brown, Close-Range Camera Calibration (1971). The polynomial folds back on itself far outside
+// the image; Project refuses rays beyond the fold instead of returning a pixel that the lens cannot have
+// made.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,9 +40,11 @@ struct Intrinsics {
     return pixel_in_image.x() >= -0.5 && pixel_in_image.y() >= -0.5 && pixel_in_image.x() <= width_px - 0.5 &&
            pixel_in_image.y() <= height_px - 0.5;
   }
-  // Largest r^2 (normalised, undistorted) for which the radial polynomial still grows; infinity without distortion.
+  // Largest r^2 (normalised, undistorted) for which the radial polynomial still grows; infinity without
+  // distortion.
   double MaxRadiusSquared() const;
-  // The same camera for an image decoded at another size (both sides scaled by the same factor, up to rounding).
+  // The same camera for an image decoded at another size (both sides scaled by the same factor, up to
+  // rounding).
   Intrinsics Scaled(int new_width_px, int new_height_px) const;
 
   bool operator==(const Intrinsics&) const = default;

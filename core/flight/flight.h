@@ -5,18 +5,18 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/logs/gcp_list.h"
-#include "core/flight/photo.h"
+#include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/photos/photo.h"
 
 namespace skyquilt::flight {
 
 struct Flight {
-  std::vector<Photo> photos;           // readable photos, by time of capture, then by name
-  std::vector<FlightLog> logs;         // readable logs and lists of positions, by name
-  std::vector<GcpList> gcp_lists;      // by name
+  std::vector<Photo> photos;                  // readable photos, by time of capture, then by name
+  std::vector<FlightLog> logs;                // readable logs and lists of positions, by name
+  std::vector<GcpList> gcp_lists;             // by name
   std::vector<std::string> elevation_models;  // names of the files; the first holds
-  std::vector<LeftOutPhoto> left_out;  // by name
-  std::vector<std::string> warnings;   // about the flight as a whole
+  std::vector<LeftOutPhoto> left_out;         // by name
+  std::vector<std::string> warnings;          // about the flight as a whole
 };
 
 }  // namespace skyquilt::flight

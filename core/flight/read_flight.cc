@@ -9,9 +9,9 @@
 #include <tuple>
 
 #include "core/base/parallel_for.h"
-#include "core/flight/duplicates.h"
+#include "core/flight/lists/duplicates.h"
+#include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/sort_files.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -26,7 +26,8 @@ struct Bounds2 {
     return point.x() >= min.x() && point.x() <= max.x() && point.y() >= min.y() && point.y() <= max.y();
   }
   bool Intersects(const Bounds2& other) const {
-    return min.x() <= other.max.x() && other.min.x() <= max.x() && min.y() <= other.max.y() && other.min.y() <= max.y();
+    return min.x() <= other.max.x() && other.min.x() <= max.x() && min.y() <= other.max.y() &&
+           other.min.y() <= max.y();
   }
 };
 

@@ -19,7 +19,7 @@ constexpr int kRounds = 10;
 // point.
 constexpr double kSlopeHold = 0.001;
 constexpr double kMadsOfWidth = 3.0;
-constexpr double kLeastWidthM = 0.01;  // of cells
+constexpr double kMinWidthM = 0.01;  // of cells
 constexpr std::size_t kCellsPerTerm = 6;
 
 int TermsOf(Shape shape) { return shape == Shape::kLevel ? 1 : shape == Shape::kPlane ? 3 : 4; }
@@ -51,7 +51,7 @@ std::vector<Eigen::Vector3d> CellMedians(const std::vector<Eigen::Vector3d>& poi
   return medians;
 }
 
-HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, Shape shape, double least_width_m) {
+HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, Shape shape, double min_width_m) {
   if (points_in_enu.empty()) return {};
   std::vector<double> heights, misses_m;
   Bounds2 bounds;
@@ -71,7 +71,7 @@ HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, Shape sh
       misses_m.push_back(std::abs(point.z() - trend.At(point.head<2>())));
     trend.error_m = Median(misses_m);
     if (round == kRounds || shape == Shape::kLevel) return trend;
-    const double width_m = std::max(least_width_m, kMadsOfWidth * trend.error_m);
+    const double width_m = std::max(min_width_m, kMadsOfWidth * trend.error_m);
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(terms, terms);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(terms);
     normal(1, 1) = normal(2, 2) = kSlopeHold * static_cast<double>(points_in_enu.size());
@@ -92,10 +92,10 @@ HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, Shape sh
 
 HeightTrend FitHeightTrend(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m) {
   const std::vector<Eigen::Vector3d> cells = CellMedians(points_in_enu, cell_m);
-  HeightTrend best = FitShape(cells, Shape::kLevel, kLeastWidthM);
+  HeightTrend best = FitShape(cells, Shape::kLevel, kMinWidthM);
   for (const Shape shape : {Shape::kPlane, Shape::kBowl}) {
     if (cells.size() < kCellsPerTerm * static_cast<std::size_t>(TermsOf(shape))) break;
-    const HeightTrend tried = FitShape(cells, shape, kLeastWidthM);
+    const HeightTrend tried = FitShape(cells, shape, kMinWidthM);
     if (tried.error_m <= MustBe(shape) * best.error_m) best = tried;
   }
   return best;

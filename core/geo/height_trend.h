@@ -35,10 +35,10 @@ struct HeightTrend {
 // west to east, and from south to north between the same meridians.
 std::vector<Eigen::Vector3d> CellMedians(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m);
 
-// That shape through most of the points, however badly it suits them; points within `least_width_m` of it
+// That shape through most of the points, however badly it suits them; points within `min_width_m` of it
 // count in full, others the less the farther off they are.
 HeightTrend FitShape(const std::vector<Eigen::Vector3d>& points_in_enu, HeightTrend::Shape shape,
-                     double least_width_m);
+                     double min_width_m);
 
 HeightTrend FitHeightTrend(const std::vector<Eigen::Vector3d>& points_in_enu, double cell_m);
 

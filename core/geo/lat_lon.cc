@@ -10,7 +10,8 @@ double WrapRad(double rad) {
 }
 
 Result<LatLon> LatLon::Make(double lat_deg, double lon_deg) {
-  if (!std::isfinite(lat_deg) || !std::isfinite(lon_deg) || std::abs(lat_deg) > 90.0 || std::abs(lon_deg) > 180.0) {
+  if (!std::isfinite(lat_deg) || !std::isfinite(lon_deg) || std::abs(lat_deg) > 90.0 ||
+      std::abs(lon_deg) > 180.0) {
     return Error{ErrorCode::kInvalidArgument,
                  "a position needs a latitude in -90..90 and a longitude in -180..180 degrees", ""};
   }
@@ -25,7 +26,8 @@ Eigen::Vector3d EcefFromWgs84(const Wgs84& wgs84) {
   const double prime_vertical_m =
       kWgs84SemiMajorM / std::sqrt(1.0 - kWgs84EccentricitySquared * sin_lat * sin_lat);
   const double h = wgs84.height_ellipsoid_m;
-  return {(prime_vertical_m + h) * cos_lat * std::cos(lon_rad), (prime_vertical_m + h) * cos_lat * std::sin(lon_rad),
+  return {(prime_vertical_m + h) * cos_lat * std::cos(lon_rad),
+          (prime_vertical_m + h) * cos_lat * std::sin(lon_rad),
           (prime_vertical_m * (1.0 - kWgs84EccentricitySquared) + h) * sin_lat};
 }
 

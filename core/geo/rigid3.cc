@@ -5,7 +5,8 @@
 namespace skyquilt::geo {
 
 Rigid3 Rigid3::operator*(const Rigid3& source_from_other) const {
-  return {(rotation * source_from_other.rotation).normalized(), rotation * source_from_other.translation + translation};
+  return {(rotation * source_from_other.rotation).normalized(),
+          rotation * source_from_other.translation + translation};
 }
 
 Rigid3 Rigid3::Inverse() const {

@@ -14,8 +14,9 @@ Result<TileId> TileId::Make(std::int64_t z, std::int64_t x, std::int64_t y) {
   }
   const std::int64_t side = std::int64_t{1} << z;
   if (x < 0 || x >= side || y < 0 || y >= side) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "tile column and row must be 0.." + std::to_string(side - 1) + " at zoom " + std::to_string(z), ""};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "tile column and row must be 0.." + std::to_string(side - 1) + " at zoom " + std::to_string(z), ""};
   }
   return TileId(static_cast<int>(z), static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
 }
@@ -37,8 +38,8 @@ TileId TileId::Parent() const {
 
 std::array<TileId, 4> TileId::Children() const {
   SKYQUILT_CHECK(z_ < kMaxZoom, "no tiles below the last zoom");
-  return {TileId(z_ + 1, 2 * x_, 2 * y_), TileId(z_ + 1, 2 * x_ + 1, 2 * y_), TileId(z_ + 1, 2 * x_, 2 * y_ + 1),
-          TileId(z_ + 1, 2 * x_ + 1, 2 * y_ + 1)};
+  return {TileId(z_ + 1, 2 * x_, 2 * y_), TileId(z_ + 1, 2 * x_ + 1, 2 * y_),
+          TileId(z_ + 1, 2 * x_, 2 * y_ + 1), TileId(z_ + 1, 2 * x_ + 1, 2 * y_ + 1)};
 }
 
 Bounds2 TileId::BoundsInMerc() const {

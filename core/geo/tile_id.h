@@ -1,6 +1,6 @@
-// TileId: one tile of the Web Mercator quadtree. x counts from the west, y from the NORTH (XYZ, as browsers and
-// OGC WebMercatorQuad have it); the TMS row of MBTiles is asked for by name and nowhere else computed.
-// A value that is valid by construction; any thread.
+// TileId: one tile of the Web Mercator quadtree. x counts from the west, y from the NORTH (XYZ, as browsers
+// and OGC WebMercatorQuad have it); the TMS row of MBTiles is asked for by name and nowhere else computed. A
+// value that is valid by construction; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,8 +28,8 @@ class TileId {
   std::uint32_t y() const { return y_; }
   std::uint32_t TmsRow() const { return (1u << z_) - 1u - y_; }
 
-  TileId Parent() const;                    // not of zoom 0
-  std::array<TileId, 4> Children() const;   // north-west, north-east, south-west, south-east
+  TileId Parent() const;                   // not of zoom 0
+  std::array<TileId, 4> Children() const;  // north-west, north-east, south-west, south-east
   Bounds2 BoundsInMerc() const;
 
   auto operator<=>(const TileId&) const = default;

@@ -1,5 +1,5 @@
-// Frame `merc`: EPSG:3857 metres, x east, y north. Spherical formulas on WGS84 degrees as EPSG method 1024 has
-// them. Pure functions; any thread. Latitudes beyond +-85.0511 lie outside the tile square.
+// Frame `merc`: EPSG:3857 metres, x east, y north. Spherical formulas on WGS84 degrees as EPSG method 1024
+// has them. Pure functions; any thread. Latitudes beyond +-85.0511 lie outside the tile square.
 #pragma once
 
 #include <Eigen/Core>

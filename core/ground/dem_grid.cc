@@ -7,7 +7,7 @@
 namespace skyquilt::ground {
 namespace {
 
-constexpr double kMostNodes = 250'000;
+constexpr double kMaxNodes = 250'000;
 
 // From the nodes known, ring by ring, until none is left.
 void FillHoles(std::vector<char>& known, MembraneGrid& grid) {
@@ -39,7 +39,7 @@ void FillHoles(std::vector<char>& known, MembraneGrid& grid) {
 std::optional<MembraneGrid> SampleDem(const ElevationModel& model, const geo::LocalFrame& frame,
                                       const geo::Bounds2& area_in_enu, double cell_m) {
   MembraneGrid grid;
-  grid.cell_m = std::max(cell_m, std::sqrt(area_in_enu.Width() * area_in_enu.Height() / kMostNodes));
+  grid.cell_m = std::max(cell_m, std::sqrt(area_in_enu.Width() * area_in_enu.Height() / kMaxNodes));
   grid.south_west_in_enu = area_in_enu.min;
   grid.columns = std::max(2, static_cast<int>(std::ceil(area_in_enu.Width() / grid.cell_m)) + 1);
   grid.rows = std::max(2, static_cast<int>(std::ceil(area_in_enu.Height() / grid.cell_m)) + 1);

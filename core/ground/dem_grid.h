@@ -6,14 +6,14 @@
 #include <optional>
 
 #include "core/geo/bounds.h"
+#include "core/geo/dem_source.h"
 #include "core/geo/local_frame.h"
 #include "core/ground/membrane_grid.h"
-#include "core/pipeline/ports.h"
 
 namespace skyquilt::ground {
 
 struct ElevationModel {
-  const pipeline::DemSource* source = nullptr;
+  const geo::DemSource* source = nullptr;
   double zero_m = 0.0;  // its height at z = 0 of the flight's frame
 };
 

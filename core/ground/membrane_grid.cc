@@ -8,11 +8,11 @@
 namespace skyquilt::ground {
 namespace {
 
-constexpr int kLeastMarginCells = 12;
-constexpr int kMostCells = 4'000'000;
+constexpr int kMinMarginCells = 12;
+constexpr int kMaxCells = 4'000'000;
 constexpr int kSweeps = 40;
 constexpr double kOverRelaxation = 1.6;
-constexpr double kMostPointsPerCell = 4.0;  // more do not make a cell stiffer: neighbours must agree as well
+constexpr double kMaxPointsPerCell = 4.0;  // more do not make a cell stiffer: neighbours must agree as well
 // Away from points the surface returns to the broad shape within about 20 cells (1 / sqrt of this).
 constexpr double kPullToShape = 0.0025;
 constexpr int kSmallestSide = 8;
@@ -42,7 +42,7 @@ Level Coarser(const Level& fine) {
   }
   for (std::size_t i = 0; i < cells; ++i) {
     if (coarse.weight[i] > 0.0F) coarse.target[i] /= coarse.weight[i];
-    coarse.weight[i] = std::min<float>(coarse.weight[i], kMostPointsPerCell);
+    coarse.weight[i] = std::min<float>(coarse.weight[i], kMaxPointsPerCell);
   }
   return coarse;
 }
@@ -77,9 +77,9 @@ MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, doub
   geo::Bounds2 bounds;
   for (const Eigen::Vector3d& point : points_in_enu) bounds.Include(Eigen::Vector2d(point.head<2>()));
   if (bounds.IsEmpty()) bounds.Include(Eigen::Vector2d(0.0, 0.0));
-  margin_m = std::max(margin_m, kLeastMarginCells * cell_m);
+  margin_m = std::max(margin_m, kMinMarginCells * cell_m);
   const double area = (bounds.Width() + 2.0 * margin_m) * (bounds.Height() + 2.0 * margin_m);
-  cell_m = std::max(cell_m, std::sqrt(area / kMostCells));
+  cell_m = std::max(cell_m, std::sqrt(area / kMaxCells));
   MembraneGrid grid;
   grid.cell_m = cell_m;
   const int margin = static_cast<int>(std::ceil(margin_m / cell_m));
@@ -111,7 +111,7 @@ MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, doub
     std::size_t end = i;
     while (end < by_node.size() && by_node[end].first == by_node[i].first) ++end;
     finest.target[by_node[i].first] = by_node[(i + end) / 2].second;
-    finest.weight[by_node[i].first] = static_cast<float>(std::min<double>(kMostPointsPerCell, end - i));
+    finest.weight[by_node[i].first] = static_cast<float>(std::min<double>(kMaxPointsPerCell, end - i));
     i = end;
   }
   while (std::min(levels.back().columns, levels.back().rows) > kSmallestSide) {

@@ -24,11 +24,11 @@ constexpr double kGridMustBeBetter = 0.75;  // its error as a share of the plane
 // Tried, from following every point to evening out their noise; held-back points choose.
 constexpr double kStiffnesses[] = {0.3, 1.0, 3.0, 10.0, 30.0};
 constexpr double kModelAsGood = 1.05;
-constexpr double kLeastCellM = 1.0;
+constexpr double kMinCellM = 1.0;
 constexpr double kCellGsds = 40.0;
 // Of a photo that looks towards the horizon no more than this, in flying heights.
-constexpr double kMostMarginHeights = 2.0;
-constexpr double kLeastHeightM = 0.5;  // of a camera above the ground
+constexpr double kMaxMarginHeights = 2.0;
+constexpr double kMinHeightM = 0.5;  // of a camera above the ground
 // A point further from the cameras than this came of rays that hardly cross.
 constexpr double kFarthestPointM = 100'000.0;
 // Heights that would shift nothing by a visible part of a pixel.
@@ -42,7 +42,7 @@ struct FlightScale {
 FlightScale ScaleOf(const alignment::AlignedFlight& flight) {
   std::vector<double> heights, gsds;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
-    const double height_m = std::max(kLeastHeightM, photo.height_above_ground_m);
+    const double height_m = std::max(kMinHeightM, photo.height_above_ground_m);
     heights.push_back(height_m);
     gsds.push_back(height_m / photo.intrinsics.MeanFocalPx());
   }
@@ -188,7 +188,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   };
   const std::vector<Eigen::Vector3d> points = DropOutliers(OnEarth(flight.tie_points_in_enu), scale);
   report.points_used = static_cast<int>(points.size());
-  const double cell_m = std::max(kLeastCellM, kCellGsds * scale.gsd_m);
+  const double cell_m = std::max(kMinCellM, kCellGsds * scale.gsd_m);
   std::optional<GroundSurface> model;
   geo::Bounds2 area = SeenArea(flight, flight.ground_z_in_enu_m);
   if (elevation_model && !area.IsEmpty()) {
@@ -216,7 +216,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
   const double mean_z_m = Median(heights);
   const double margin_m =
-      std::min(Overhang(SeenArea(flight, mean_z_m), points), kMostMarginHeights * scale.height_m);
+      std::min(Overhang(SeenArea(flight, mean_z_m), points), kMaxMarginHeights * scale.height_m);
   const GroundSurface shape = BroadShape(points, scale.height_m, margin_m);
 
   std::vector<Eigen::Vector3d> fitted, held_back;

@@ -22,9 +22,10 @@ struct ModelGroundReport {
   std::string reason;  // why, in words
   int points_given = 0;
   int points_used = 0;
-  double plane_error_m = 0.0;         // median height error of points held back, against the plane
-  double grid_error_m = 0.0;          // and against the grid; 0 where none was tried
-  std::optional<double> dem_error_m;  // and against the elevation model, moved up as a whole; nothing without one
+  double plane_error_m = 0.0;  // median height error of points held back, against the plane
+  double grid_error_m = 0.0;   // and against the grid; 0 where none was tried
+  std::optional<double>
+      dem_error_m;  // and against the elevation model, moved up as a whole; nothing without one
   std::optional<double> dem_shift_m;  // how far up it was moved; nothing where it was not taken
   double cell_m = 0.0;
   double lowest_m = 0.0, highest_m = 0.0, mean_m = 0.0;  // in enu

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/align_by_pose.h"
 #include "core/alignment/align_flight.h"
+#include "core/alignment/baselines/align_by_pose.h"
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
@@ -21,9 +21,9 @@ namespace {
 using alignment::AlignedFlight;
 using alignment::AlignedPhoto;
 
-constexpr std::size_t kMostAround = 10;  // finished photos that a new one is compared with
-constexpr double kReachWidths = 1.0;     // of a photo's width on the ground between their middles
-constexpr double kFixedSigma = 1e-4;     // metres and radians: known for good
+constexpr std::size_t kMaxAround = 10;  // finished photos that a new one is compared with
+constexpr double kReachWidths = 1.0;    // of a photo's width on the ground between their middles
+constexpr double kFixedSigma = 1e-4;    // metres and radians: known for good
 
 // Of ground that a photo shows, along its longer side. Posed or aligned.
 template <typename Photo>
@@ -68,7 +68,7 @@ std::set<std::size_t> Around(const FlightFacts& known, const std::vector<poses::
       if (apart < kReachWidths * WidthM(photo)) near.emplace_back(apart, i);
     }
     std::sort(near.begin(), near.end());
-    if (near.size() > kMostAround) near.resize(kMostAround);
+    if (near.size() > kMaxAround) near.resize(kMaxAround);
     for (const auto& [apart, i] : near) around.insert(i);
   }
   return around;
@@ -139,8 +139,8 @@ AlignedFlight AddedAndAround(const AlignedFlight& flight, std::size_t finished) 
 }
 
 Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
-                                                const MosaicOptions& options, const PhotoSource& source,
-                                                Progress& progress) {
+                                                const MosaicOptions& options,
+                                                const flight::PhotoSource& source, Progress& progress) {
   const std::vector<poses::PosedPhoto> added = NewPhotos(known, posed);
   const std::set<std::size_t> around = Around(known, added);
   poses::PosedFlight part;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/pipeline/flight_facts.h"
-#include "core/pipeline/ports.h"
+#include "core/flight/photos/photo_source.h"
+#include "core/pipeline/report/flight_facts.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::pipeline {
@@ -18,8 +18,8 @@ namespace skyquilt::pipeline {
 // `posed`: the whole flight as recorded, finished and new photos. `known` gives the placed ones, which come
 // first in the outcome. What comes back has no thumbnails, inputs or look for the new ones.
 Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
-                                                const MosaicOptions& options, const PhotoSource& source,
-                                                Progress& progress);
+                                                const MosaicOptions& options,
+                                                const flight::PhotoSource& source, Progress& progress);
 
 // The photos that came after the first `finished` ones, and those around them.
 alignment::AlignedFlight AddedAndAround(const alignment::AlignedFlight& flight, std::size_t finished);

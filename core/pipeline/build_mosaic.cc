@@ -9,18 +9,18 @@
 
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/append_photos.h"
-#include "core/pipeline/flight_facts.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/place_flight.h"
+#include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/stage_runner.h"
-#include "core/render/estimate_exposure.h"
-#include "core/render/extend_exposure.h"
-#include "core/render/measure_seams.h"
-#include "core/render/photo_regions.h"
+#include "core/render/blocks/photo_regions.h"
+#include "core/render/blocks/render_block.h"
+#include "core/render/exposure/estimate_exposure.h"
+#include "core/render/exposure/extend_exposure.h"
 #include "core/render/plan_mosaic.h"
-#include "core/render/render_block.h"
 #include "core/render/render_tiles.h"
-#include "core/render/seam_map.h"
+#include "core/render/seams/measure_seams.h"
+#include "core/render/seams/seam_map.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -62,8 +62,8 @@ void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::Aligne
 }  // namespace
 
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                const PhotoSource& photo_source, TileSink& sink, Progress& progress,
-                                const DemSource* dem, MapMemory* memory) {
+                                const flight::PhotoSource& photo_source, pyramid::TileSink& sink,
+                                Progress& progress, const geo::DemSource* dem, pyramid::MapMemory* memory) {
   if (auto valid = options.Validate(); !valid) return valid.error();
   MosaicReport report;
   report.title = options.title;
@@ -112,7 +112,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
   std::optional<render::SeamPatches> patches;
   auto rendered = stages.Run("render", [&]() -> Result<render::RenderReport> {
-    const std::vector<PixelBox> shown = render::ShownRegions(aligned, ground, seams);
+    const std::vector<image::PixelBox> shown = render::ShownRegions(aligned, ground, seams);
     for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
     patches.emplace(around ? *around : aligned, ground, measure);
     if (!around) patches->WatchFor(cache);

@@ -8,14 +8,16 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/flight/photos/photo_source.h"
 #include "core/flight/read_flight.h"
+#include "core/geo/dem_source.h"
 #include "core/ground/ground_surface.h"
-#include "core/pipeline/map_memory.h"
 #include "core/pipeline/mosaic_options.h"
-#include "core/pipeline/mosaic_report.h"
-#include "core/pipeline/ports.h"
+#include "core/pipeline/report/mosaic_report.h"
+#include "core/pyramid/map_memory.h"
+#include "core/pyramid/tile_sink.h"
 #include "core/render/mosaic_plan.h"
-#include "core/render/seam_map.h"
+#include "core/render/seams/seam_map.h"
 
 namespace skyquilt::pipeline {
 
@@ -30,7 +32,8 @@ struct BuiltMosaic {
 // `dem`: heights of the ground where known; may be null. `memory`: what earlier runs left of this map; may be
 // null. With it blocks of which nothing has changed are not rendered again; the map is the same as without.
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                const PhotoSource& photo_source, TileSink& sink, Progress& progress,
-                                const DemSource* dem = nullptr, MapMemory* memory = nullptr);
+                                const flight::PhotoSource& photo_source, pyramid::TileSink& sink,
+                                Progress& progress, const geo::DemSource* dem = nullptr,
+                                pyramid::MapMemory* memory = nullptr);
 
 }  // namespace skyquilt::pipeline

@@ -18,12 +18,12 @@ struct CheckedPhoto {
   std::optional<alignment::PhotoFeatures> features;
 };
 
-Result<CheckedPhoto> Check(const flight::Photo& photo, const PhotoSource& source,
+Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource& source,
                            const std::optional<alignment::FeatureOptions>& features) {
   int denominator = render::ThumbnailDenominator(photo);
   if (features) denominator = std::min(denominator, alignment::DenominatorOf(photo, *features));
   double decode_s = 0.0;
-  const Result<DecodedImage> decoded = [&] {
+  const Result<image::DecodedImage> decoded = [&] {
     ScopedTimer timer(decode_s);
     return source.Decode(photo, denominator);
   }();
@@ -40,7 +40,7 @@ Result<CheckedPhoto> Check(const flight::Photo& photo, const PhotoSource& source
 
 }  // namespace
 
-Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source,
+Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSource& source,
                                   const std::optional<alignment::FeatureOptions>& features, int threads,
                                   Progress& progress) {
   const std::size_t count = flight.photos.size();

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/alignment/extract_all.h"
+#include "core/alignment/features/extract_all.h"
 #include "core/base/progress.h"
 #include "core/flight/flight.h"
-#include "core/pipeline/ports.h"
+#include "core/flight/photos/photo_source.h"
 #include "core/render/thumbnail.h"
 
 namespace skyquilt::pipeline {
@@ -20,7 +20,7 @@ struct CheckedFlight {
   alignment::FoundFeatures features;
 };
 
-Result<CheckedFlight> CheckPhotos(flight::Flight flight, const PhotoSource& source,
+Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSource& source,
                                   const std::optional<alignment::FeatureOptions>& features, int threads,
                                   Progress& progress);
 

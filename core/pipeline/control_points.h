@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/alignment/ground_control.h"
-#include "core/flight/logs/gcp_list.h"
+#include "core/alignment/adjustment/ground_control.h"
+#include "core/flight/logs/texts/gcp_list.h"
 
 namespace skyquilt::pipeline {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/alignment/align_by_pose.h"
+#include "core/alignment/baselines/align_by_pose.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/camera/footprint.h"
@@ -74,13 +74,13 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
       overlaps.push_back(SharedGround(footprints[i], footprints[i + 1]));
   }
   verdict.forward_overlap = MedianIfAny(std::move(overlaps)).value_or(0.0);
-  // Cells of a fiftieth of a photo: the union of the footprints. Larger where there are very many, or where footprints
-  // are so thin that their boxes are nearly empty.
-  constexpr double kMostCells = 2e6;
-  constexpr double kMostLooks = 10e6;
-  const double cell_m =
-      std::max({0.5, std::sqrt(sum_m2 / static_cast<double>(std::max<std::size_t>(1, footprints.size()))) / 50.0,
-                std::sqrt(sum_m2 / kMostCells), std::sqrt(boxes_m2 / kMostLooks)});
+  // Cells of a fiftieth of a photo: the union of the footprints. Larger where there are very many, or where
+  // footprints are so thin that their boxes are nearly empty.
+  constexpr double kMaxCells = 2e6;
+  constexpr double kMaxLooks = 10e6;
+  const double cell_m = std::max(
+      {0.5, std::sqrt(sum_m2 / static_cast<double>(std::max<std::size_t>(1, footprints.size()))) / 50.0,
+       std::sqrt(sum_m2 / kMaxCells), std::sqrt(boxes_m2 / kMaxLooks)});
   std::set<std::pair<long, long>> cells;
   for (const auto& polygon : footprints) {
     if (polygon.empty()) continue;
@@ -110,7 +110,7 @@ void AddAdvice(FlightVerdict& verdict) {
 }  // namespace
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                    Progress& progress, const DemSource* dem) {
+                                    Progress& progress, const geo::DemSource* dem) {
   auto flight = flight::ReadFlight(files, {options.threads}, progress);
   if (!flight) return flight.error();
   FlightVerdict verdict;
@@ -157,8 +157,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   }
   verdict.expected_error_m = Median(std::move(errors_m));
   DescribeCoverage(placed, verdict);
-  const auto plan = render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m),
-                                       PlanWithin(options));
+  const auto plan =
+      render::PlanMosaic(placed, ground::GroundSurface::Plane(placed.ground_z_in_enu_m), PlanWithin(options));
   if (!plan) {
     verdict.warnings.push_back(plan.error().message);
     return verdict;

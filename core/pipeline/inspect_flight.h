@@ -11,8 +11,8 @@
 #include "core/base/result.h"
 #include "core/flight/logs/describe_log.h"
 #include "core/flight/read_flight.h"
+#include "core/geo/dem_source.h"
 #include "core/pipeline/mosaic_options.h"
-#include "core/pipeline/ports.h"
 #include "core/poses/pose_report.h"
 
 namespace skyquilt::pipeline {
@@ -24,10 +24,10 @@ struct FlightVerdict {
   std::map<std::string, int> position_sources;
   std::map<std::string, int> attitude_sources;
   std::vector<flight::LogFacts> logs;
-  std::vector<std::string> gcp_lists;       // "gcp_list.txt: 5 points, 23 sightings"
+  std::vector<std::string> gcp_lists;         // "gcp_list.txt: 5 points, 23 sightings"
   std::vector<std::string> elevation_models;  // names of files
-  poses::PoseReport poses;                  // how the poses were found; empty when none could be
-  std::string first_capture, last_capture;  // ISO 8601, empty when unknown
+  poses::PoseReport poses;                    // how the poses were found; empty when none could be
+  std::string first_capture, last_capture;    // ISO 8601, empty when unknown
   std::string height_rule;
   double lowest_m = 0.0, highest_m = 0.0;  // above ground
   double gsd_m = 0.0;
@@ -45,7 +45,7 @@ struct FlightVerdict {
 };
 
 Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                    Progress& progress, const DemSource* dem = nullptr);
+                                    Progress& progress, const geo::DemSource* dem = nullptr);
 
 std::string VerdictText(const FlightVerdict& verdict);
 std::string VerdictJson(const FlightVerdict& verdict);

@@ -5,7 +5,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/geo/web_mercator.h"
-#include "core/render/seam_grid.h"
+#include "core/render/seams/seam_grid.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 // Measured with tests/bench/memory.py at several budgets.
 constexpr std::int64_t kMib = std::int64_t{1} << 20;
 constexpr std::int64_t kProgramBytes = 130 * kMib;
-constexpr std::int64_t kLeastCacheBytes = 48 * kMib;
+constexpr std::int64_t kMinCacheBytes = 48 * kMib;
 constexpr std::int64_t kThreadBytes = 22 * kMib;  // beside its block
 
 }  // namespace
@@ -22,28 +22,28 @@ render::PlanOptions PlanWithin(const MosaicOptions& options) {
   render::PlanOptions plan;
   plan.gsd_m = options.gsd_m;
   plan.feather_m = options.feather_m;
-  plan.most_block_bytes = options.max_memory_bytes - kProgramBytes - kLeastCacheBytes - kThreadBytes;
-  plan.most_seam_bytes = options.max_memory_bytes / 2;
+  plan.max_block_bytes = options.max_memory_bytes - kProgramBytes - kMinCacheBytes - kThreadBytes;
+  plan.max_seam_bytes = options.max_memory_bytes / 2;
   return plan;
 }
 
 RenderBudget BudgetFor(const MosaicOptions& options, const render::MosaicPlan& plan) {
   const std::int64_t left =
-      options.max_memory_bytes - kProgramBytes - kLeastCacheBytes - render::OverviewBytes(plan);
+      options.max_memory_bytes - kProgramBytes - kMinCacheBytes - render::OverviewBytes(plan);
   const std::int64_t a_thread = kThreadBytes + render::BlockBytes(plan.BlockSizePx());
   RenderBudget budget;
-  budget.threads = static_cast<int>(
-      std::clamp<std::int64_t>(left / a_thread, 1, ThreadCount(options.threads)));
-  budget.cache_bytes =
-      kLeastCacheBytes + std::max<std::int64_t>(0, left - budget.threads * a_thread);
+  budget.threads =
+      static_cast<int>(std::clamp<std::int64_t>(left / a_thread, 1, ThreadCount(options.threads)));
+  budget.cache_bytes = kMinCacheBytes + std::max<std::int64_t>(0, left - budget.threads * a_thread);
   return budget;
 }
 
 std::int64_t MostDecodeBytes(const MosaicOptions& options) {
-  return std::max(kLeastCacheBytes, (options.max_memory_bytes - kProgramBytes) / ThreadCount(options.threads));
+  return std::max(kMinCacheBytes, (options.max_memory_bytes - kProgramBytes) / ThreadCount(options.threads));
 }
 
-std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPlan& plan, const FlightSize& size) {
+std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPlan& plan,
+                           const FlightSize& size) {
   constexpr std::int64_t kStartedBytes = 75 * kMib;
   constexpr std::int64_t kComparedPixels = 1'500'000;  // of a photo, whatever its size
   constexpr std::int64_t kBytesPerComparedPixel = 25;
@@ -57,20 +57,21 @@ std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPla
       std::min<std::int64_t>(budget.threads, blocks) * render::BlockBytes(plan.BlockSizePx()) +
       render::OverviewBytes(plan);
   // The photos around the blocks in work: along the curve about so many are not yet done with.
-  const auto in_work =
-      std::min<std::int64_t>(size.photos, 4 + std::llround(1.5 * std::sqrt(static_cast<double>(size.photos))));
+  const auto in_work = std::min<std::int64_t>(
+      size.photos, 4 + std::llround(1.5 * std::sqrt(static_cast<double>(size.photos))));
   const std::int64_t decoded = std::min(budget.cache_bytes, 3 * in_work * size.photo_pixels);
   double cells = 0.0;
   const double cell_m =
-      render::MakeSeamGrid(plan, std::sqrt(static_cast<double>(size.photo_pixels) * 4.0 / 3.0),
-                           geo::GroundMetresPerMercMetre(
-                               geo::LatLonFromMerc(0.5 * (plan.bounds_in_merc.min + plan.bounds_in_merc.max)).lat_deg))
+      render::MakeSeamGrid(
+          plan, std::sqrt(static_cast<double>(size.photo_pixels) * 4.0 / 3.0),
+          geo::GroundMetresPerMercMetre(
+              geo::LatLonFromMerc(0.5 * (plan.bounds_in_merc.min + plan.bounds_in_merc.max)).lat_deg))
           .CellInMercM();
   for (const geo::Bounds2& seen : plan.seen_in_merc) {
     if (!seen.IsEmpty()) cells += seen.Width() * seen.Height() / (cell_m * cell_m);
   }
-  return kStartedBytes + ThreadCount(options.threads) * checked + rendered + decoded + size.photos * kFeatureBytes +
-         static_cast<std::int64_t>(cells) * render::kSeamCellBytes;
+  return kStartedBytes + ThreadCount(options.threads) * checked + rendered + decoded +
+         size.photos * kFeatureBytes + static_cast<std::int64_t>(cells) * render::kSeamCellBytes;
 }
 
 }  // namespace skyquilt::pipeline

@@ -1,6 +1,6 @@
 // How --max-memory is divided, and what a flight will take of it. Beside the budget a map may take what no
-// option moves: the libraries and what each thread compares photos with (kBesideBudgetBytes), and each photo's
-// features (kBesidePhotoBytes a photo). Pure; any thread.
+// option moves: the libraries and what each thread compares photos with (kBesideBudgetBytes), and each
+// photo's features (kBesidePhotoBytes a photo). Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,9 @@ struct FlightSize {
   std::int64_t photo_pixels = 0;    // of a photo, typical
   std::int64_t largest_pixels = 0;  // of the largest
 };
-// An upper bound of the peak, within a factor of about two; tests/e2e/memory_prediction_test.py holds it
-// against the real one.
-std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPlan& plan, const FlightSize& size);
+// An upper bound of the peak, within a factor of about two; tests/e2e/command_line/memory_prediction_test.py
+// holds it against the real one.
+std::int64_t ForetoldBytes(const MosaicOptions& options, const render::MosaicPlan& plan,
+                           const FlightSize& size);
 
 }  // namespace skyquilt::pipeline

@@ -7,13 +7,16 @@
 namespace skyquilt::pipeline {
 
 Result<void> MosaicOptions::Validate() const {
-  const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message), ""}; };
+  const auto refuse = [](std::string message) {
+    return Error{ErrorCode::kInvalidArgument, std::move(message), ""};
+  };
   if (gsd_m && !(*gsd_m >= 0.001 && *gsd_m <= 100.0)) {
     return refuse(fmt::format("gsd_m is {} but must be 0.001 to 100 metres", *gsd_m));
   }
   if (origin && !(std::abs(origin->lat_deg) <= 85.0 && std::abs(origin->lon_deg) <= 180.0)) {
-    return refuse(fmt::format("origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees",
-                              origin->lat_deg, origin->lon_deg));
+    return refuse(
+        fmt::format("origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees",
+                    origin->lat_deg, origin->lon_deg));
   }
   if (jpeg_quality < 1 || jpeg_quality > 100) {
     return refuse(fmt::format("quality is {} but must be 1 to 100", jpeg_quality));
@@ -24,11 +27,12 @@ Result<void> MosaicOptions::Validate() const {
   if (!(feather_m >= 0.0 && feather_m <= 100.0)) {
     return refuse(fmt::format("feather_m is {} but must be 0 to 100 metres", feather_m));
   }
-  constexpr std::int64_t kLeastMemory = std::int64_t{256} << 20;
-  if (max_memory_bytes < kLeastMemory) {
+  constexpr std::int64_t kMinMemory = std::int64_t{256} << 20;
+  if (max_memory_bytes < kMinMemory) {
     return refuse(fmt::format("max memory is {} bytes but must be at least 256 MiB", max_memory_bytes));
   }
-  if (threads < 0 || threads > 1024) return refuse(fmt::format("threads is {} but must be 0 (all cores) to 1024", threads));
+  if (threads < 0 || threads > 1024)
+    return refuse(fmt::format("threads is {} but must be 0 (all cores) to 1024", threads));
   return {};
 }
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/align_report.h"
-#include "core/alignment/pair_link.h"
-#include "core/alignment/tie_to_control.h"
+#include "core/alignment/matching/verified_pair.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
@@ -24,13 +24,13 @@ using alignment::AlignedPhoto;
 using alignment::GroundSimilarity;
 using Complex = std::complex<double>;
 
-constexpr std::size_t kMostPoints = 4;
+constexpr std::size_t kMaxPoints = 4;
 constexpr double kTurningSpread = 0.2;  // of the flight's extent: points nearer together tell no turn
-constexpr double kMostStretch = 0.05;
-constexpr double kMostTurnRad = 0.05;
+constexpr double kMaxStretch = 0.05;
+constexpr double kMaxTurnRad = 0.05;
 constexpr double kSurveyM = 0.02;
-constexpr double kMostMissGsds = 4.0;  // of points after the move
-constexpr double kNoMoveGsds = 0.02;   // less is not worth another map
+constexpr double kMaxMissGsds = 4.0;  // of points after the move
+constexpr double kNoMoveGsds = 0.02;  // less is not worth another map
 
 struct Tied {
   Complex now, surveyed;
@@ -138,12 +138,12 @@ std::string WithControl(const std::string& known_json, const std::vector<alignme
 std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
                                          const std::vector<flight::GcpList>& lists) {
   const std::vector<alignment::ControlPoint> control = ControlPointsOf(lists);
-  if (control.empty() || control.size() > kMostPoints || known.flight.photos.empty()) return std::nullopt;
+  if (control.empty() || control.size() > kMaxPoints || known.flight.photos.empty()) return std::nullopt;
   std::vector<alignment::View> views;
   std::vector<double> gsds_m;
   for (const AlignedPhoto& photo : known.flight.photos) {
-    views.push_back({photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m,
-                     photo.readout_motion_in_enu_m});
+    views.push_back(
+        {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion_in_enu_m});
     gsds_m.push_back(views.back().GsdM());
   }
   const double gsd_m = Median(std::move(gsds_m));
@@ -152,14 +152,14 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   FlightFacts moved = known;
   GroundSimilarity move;
   if (!tied.empty()) move = FitMove(tied, ExtentM(known));
-  if (std::abs(std::abs(move.turn_and_scale) - 1.0) > kMostStretch ||
-      std::abs(std::arg(move.turn_and_scale)) > kMostTurnRad) {
+  if (std::abs(std::abs(move.turn_and_scale) - 1.0) > kMaxStretch ||
+      std::abs(std::arg(move.turn_and_scale)) > kMaxTurnRad) {
     return std::nullopt;
   }
   double square_m2 = 0.0;
   for (const Tied& one : tied) {
     const Complex miss = move * one.now - one.surveyed;
-    if (std::abs(miss) > kSurveyM + kMostMissGsds * gsd_m) return std::nullopt;
+    if (std::abs(miss) > kSurveyM + kMaxMissGsds * gsd_m) return std::nullopt;
     square_m2 += std::norm(miss);
     alignment::ControlReport& told = reports[one.report];
     told.is_used = true;
@@ -176,8 +176,8 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
       EastNorth(known.flight.photos[known.flight.photos.size() / 2].cam_from_enu.TargetOriginInSource());
   const Complex shift = move * middle - middle;
   moved.alignment_json = WithControl(known.alignment_json, reports, shift);
-  const double most_moved_m = std::abs(shift) + std::abs(move.turn_and_scale - 1.0) * ExtentM(known);
-  if (most_moved_m < kNoMoveGsds * gsd_m) return moved;
+  const double max_moved_m = std::abs(shift) + std::abs(move.turn_and_scale - 1.0) * ExtentM(known);
+  if (max_moved_m < kNoMoveGsds * gsd_m) return moved;
 
   moved.look.reset();
   moved.ground = Moved(known.ground, move);

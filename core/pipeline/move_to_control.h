@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/flight/logs/gcp_list.h"
-#include "core/pipeline/flight_facts.h"
+#include "core/flight/logs/texts/gcp_list.h"
+#include "core/pipeline/report/flight_facts.h"
 
 namespace skyquilt::pipeline {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "core/alignment/align_by_features.h"
-#include "core/alignment/align_by_pose.h"
-#include "core/alignment/align_directly.h"
 #include "core/alignment/align_flight.h"
+#include "core/alignment/baselines/align_by_features.h"
+#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/baselines/align_directly.h"
 #include "core/base/parallel_for.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
@@ -43,7 +43,7 @@ struct Recalled {
   std::vector<NamedDigest> added;  // files that it did not have
 };
 
-std::optional<Recalled> Recall(const MapMemory& memory, const MosaicOptions& options,
+std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOptions& options,
                                const std::vector<NamedDigest>& inputs) {
   if (memory.Recall().empty()) return std::nullopt;
   Result<FlightFacts> facts = ParseFacts(memory.Recall());
@@ -66,8 +66,8 @@ std::optional<Recalled> Recall(const MapMemory& memory, const MosaicOptions& opt
   return recalled;
 }
 
-// A flight that doubles is better aligned as a whole; so is one that was not finished, got other files than photos, or
-// has photos that no record places: the new ones may be like them.
+// A flight that doubles is better aligned as a whole; so is one that was not finished, got other files than
+// photos, or has photos that no record places: the new ones may be like them.
 bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
   if (recalled.facts.is_by_images) return false;
   if (!recalled.facts.look || 2 * recalled.added.size() > recalled.facts.flight.photos.size()) return false;
@@ -99,7 +99,7 @@ void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
 }
 
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
-                                const DemSource* dem, StageRunner& stages, bool keep_unplaced = false) {
+                                const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced = false) {
   return stages.Run("pose", [&] {
     return poses::EstimatePoses(flight, {options.origin, options.landed_at_start, dem, keep_unplaced});
   });
@@ -107,7 +107,7 @@ Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOption
 
 Result<alignment::AlignedFlight> Align(const poses::PosedFlight& posed,
                                        const std::vector<flight::GcpList>& control,
-                                       const MosaicOptions& options, const PhotoSource& source,
+                                       const MosaicOptions& options, const flight::PhotoSource& source,
                                        alignment::FoundFeatures found, alignment::AlignReport& report,
                                        Progress& progress) {
   alignment::AlignOptions align_options;
@@ -164,8 +164,9 @@ bool MayGoByImages(const MosaicOptions& options) {
   return options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages;
 }
 
-Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options, const PhotoSource& source,
-                              const DemSource* dem, StageRunner& stages, Progress& progress) {
+Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
+                              const flight::PhotoSource& source, const geo::DemSource* dem,
+                              StageRunner& stages, Progress& progress) {
   auto checked = stages.Run("check", [&] {
     std::optional<alignment::FeatureOptions> features;
     if (MayGoByImages(options)) features = alignment::AlignOptions().Features();
@@ -197,16 +198,18 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   facts.ground_json = ground::ModelGroundReportJson(ground_report);
   facts.poses_json = poses::PoseReportJson(posed->report);
   facts.height_rule = posed->report.height_rule;
-  facts.is_by_images = std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
-                                   [](const alignment::AlignPhotoReport& photo) { return photo.is_by_images; });
+  facts.is_by_images =
+      std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
+                  [](const alignment::AlignPhotoReport& photo) { return photo.is_by_images; });
   facts.is_placed = posed->is_placed || report.second_leg.is_placed;
   return facts;
 }
 
 // Nothing: better to place the flight as a whole.
 Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::Flight& read,
-                                              const MosaicOptions& options, const PhotoSource& source,
-                                              const DemSource* dem, StageRunner& stages, Progress& progress) {
+                                              const MosaicOptions& options, const flight::PhotoSource& source,
+                                              const geo::DemSource* dem, StageRunner& stages,
+                                              Progress& progress) {
   FlightFacts& known = recalled.facts;
   FillPhotos(read, known.flight);
   std::set<std::string> names;
@@ -260,8 +263,8 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
 }  // namespace
 
 Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const MosaicOptions& options,
-                                 const PhotoSource& source, const DemSource* dem, const MapMemory* memory,
-                                 StageRunner& stages, Progress& progress) {
+                                 const flight::PhotoSource& source, const geo::DemSource* dem,
+                                 const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress) {
   std::vector<NamedDigest> inputs;
   auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
     if (memory != nullptr) inputs = DigestsOf(files, options.threads);

@@ -5,12 +5,13 @@
 
 #include <vector>
 
+#include "core/flight/photos/photo_source.h"
 #include "core/flight/read_flight.h"
-#include "core/pipeline/flight_facts.h"
+#include "core/geo/dem_source.h"
 #include "core/pipeline/mosaic_options.h"
-#include "core/pipeline/map_memory.h"
-#include "core/pipeline/ports.h"
+#include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/stage_runner.h"
+#include "core/pyramid/map_memory.h"
 
 namespace skyquilt::pipeline {
 
@@ -20,7 +21,7 @@ struct PlacedFlight {
 };
 
 Result<PlacedFlight> PlaceFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
-                                 const PhotoSource& source, const DemSource* dem, const MapMemory* memory,
-                                 StageRunner& stages, Progress& progress);
+                                 const flight::PhotoSource& source, const geo::DemSource* dem,
+                                 const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress);
 
 }  // namespace skyquilt::pipeline

@@ -11,7 +11,8 @@
 namespace skyquilt::pipeline {
 
 Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::size_t photo,
-                                  const PhotoSource& source, const PreviewOptions& options, TileSink& sink) {
+                                  const flight::PhotoSource& source, const PreviewOptions& options,
+                                  pyramid::TileSink& sink) {
   SKYQUILT_CHECK(photo < placed.photos.size(), "a preview of a photo that is not in the flight");
   alignment::AlignedFlight one;
   one.frame = placed.frame;

@@ -10,7 +10,8 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/base/result.h"
-#include "core/pipeline/ports.h"
+#include "core/flight/photos/photo_source.h"
+#include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::pipeline {
 
@@ -30,6 +31,7 @@ struct PhotoPreview {
 
 // `placed` is the flight so far (AlignByPoseOnly), `photo` an index into it.
 Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::size_t photo,
-                                  const PhotoSource& source, const PreviewOptions& options, TileSink& sink);
+                                  const flight::PhotoSource& source, const PreviewOptions& options,
+                                  pyramid::TileSink& sink);
 
 }  // namespace skyquilt::pipeline

@@ -3,7 +3,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/scoped_timer.h"
-#include "core/pipeline/mosaic_report.h"
+#include "core/pipeline/report/mosaic_report.h"
 
 namespace skyquilt::pipeline {
 

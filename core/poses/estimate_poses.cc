@@ -9,16 +9,16 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/poses/choose_convention.h"
-#include "core/poses/flight_heights.h"
-#include "core/poses/join_logs.h"
-#include "core/poses/lay_on_dem.h"
+#include "core/poses/conventions/choose_convention.h"
+#include "core/poses/heights/flight_heights.h"
+#include "core/poses/heights/lay_on_dem.h"
+#include "core/poses/heights/takeoff.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/place_by_log.h"
 #include "core/poses/place_by_records.h"
 #include "core/poses/plausible_poses.h"
-#include "core/poses/takeoff.h"
-#include "core/poses/tie_to_log.h"
+#include "core/poses/time/join_logs.h"
+#include "core/poses/time/tie_to_log.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -170,7 +170,8 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
     if (positions.empty() && photo.position) positions.push_back(photo.position->position);
   }
   const geo::LatLon middle = MedianPosition(positions).value_or(options.origin.value_or(geo::LatLon{}));
-  posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, MedianIfAny(std::move(heights)).value_or(0.0)});
+  posed.frame =
+      geo::LocalFrame({middle.lat_deg, middle.lon_deg, MedianIfAny(std::move(heights)).value_or(0.0)});
   posed.is_placed = posed.report.is_placed = false;
   posed.report.method = "none: no photo records where it was taken";
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
@@ -191,8 +192,8 @@ void TakeElevations(const DemLay& lay, DemZero zero, bool knows_takeoff, PosedFl
                   knows_takeoff ? "take-off" : "the first photo, taken for take-off");
 }
 
-// Photos that mostly stand on or below the ground say that the ground was put at the wrong height: take-off on
-// a hill, or heights that count from another zero. Their spacing is then the better measure.
+// Photos that mostly stand on or below the ground say that the ground was put at the wrong height: take-off
+// on a hill, or heights that count from another zero. Their spacing is then the better measure.
 void PutGroundBelow(PosedFlight& posed) {
   constexpr double kOnTheGroundM = 1.0;
   std::vector<double> heights, ups;
@@ -223,8 +224,8 @@ void PutGroundBelow(PosedFlight& posed) {
       height_m, guessed_m));
 }
 
-// What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what such
-// photos show may place them all the same.
+// What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what
+// such photos show may place them all the same.
 void LeaveOutNonsense(bool keep_unplaced, PosedFlight& posed) {
   std::vector<std::string> next;
   for (std::size_t i = 1; i < posed.photos.size(); ++i) next.push_back(posed.photos[i].photo.name);
@@ -352,10 +353,11 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     return posed;
   }
   if (posed.photos.empty()) {
-    return Error{ErrorCode::kUnprocessable,
-                 "no photo can be placed where its records say: " +
-                     InWords({posed.left_out.begin() + static_cast<std::ptrdiff_t>(before), posed.left_out.end()}),
-                 ""};
+    return Error{
+        ErrorCode::kUnprocessable,
+        "no photo can be placed where its records say: " +
+            InWords({posed.left_out.begin() + static_cast<std::ptrdiff_t>(before), posed.left_out.end()}),
+        ""};
   }
   Summarise(posed);
   return posed;

@@ -9,17 +9,17 @@
 
 #include "core/base/result.h"
 #include "core/flight/flight.h"
-#include "core/pipeline/ports.h"
+#include "core/geo/dem_source.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::poses {
 
 struct EstimatePosesOptions {
-  std::optional<geo::LatLon> origin;         // where a flight without positions starts
-  bool landed_at_start = false;              // it came back there (only asked without positions)
-  const pipeline::DemSource* dem = nullptr;  // heights of the ground, where known
-  // Photos without usable position or height are handed on as PosedFlight::unplaced, and a flight of nothing else
-  // is no error: its frame lies at surveyed points, at the given origin or nowhere (is_placed is false).
+  std::optional<geo::LatLon> origin;    // where a flight without positions starts
+  bool landed_at_start = false;         // it came back there (only asked without positions)
+  const geo::DemSource* dem = nullptr;  // heights of the ground, where known
+  // Photos without usable position or height are handed on as PosedFlight::unplaced, and a flight of nothing
+  // else is no error: its frame lies at surveyed points, at the given origin or nowhere (is_placed is false).
   bool keep_unplaced = false;
 };
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/flight/logs/flight_log.h"
-#include "core/flight/photo.h"
-#include "core/poses/time_sync.h"
+#include "core/flight/photos/photo.h"
+#include "core/poses/time/time_sync.h"
 
 namespace skyquilt::poses {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
+#include "core/poses/evidence/recorded_series.h"
 #include "core/poses/place_cameras.h"
-#include "core/poses/recorded_series.h"
 
 namespace skyquilt::poses {
 namespace {

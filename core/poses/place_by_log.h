@@ -8,8 +8,8 @@
 #include "core/base/result.h"
 #include "core/flight/logs/flight_log.h"
 #include "core/geo/local_frame.h"
+#include "core/poses/evidence/smoother_input.h"
 #include "core/poses/posed_flight.h"
-#include "core/poses/smoother_input.h"
 
 namespace skyquilt::poses {
 

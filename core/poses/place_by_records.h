@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "core/flight/photo.h"
+#include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
-#include "core/poses/flight_heights.h"
+#include "core/poses/heights/flight_heights.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::poses {

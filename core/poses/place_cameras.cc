@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/poses/chain_factors.h"
+#include "core/poses/smoother/chain_factors.h"
 #include "core/poses/so3.h"
 
 namespace skyquilt::poses {

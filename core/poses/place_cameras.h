@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geo/rigid3.h"
+#include "core/poses/evidence/smoother_input.h"
 #include "core/poses/posed_flight.h"
-#include "core/poses/smoother_input.h"
 
 namespace skyquilt::poses {
 

@@ -11,12 +11,12 @@
 namespace skyquilt::poses {
 namespace {
 
-constexpr double kLeastHeightM = 0.5;  // above the ground: a drone about to land
+constexpr double kMinHeightM = 0.5;  // above the ground: a drone about to land
 // Further from the middle of the flight its flat ground leaves the Earth by more than the drone is high.
 constexpr double kFarthestM = 50'000.0;
 // Of what a photo in the middle of the flight shows. Looking as far towards the horizon as is ever drawn
 // shows some 60 times the ground of looking down, a climb to five times the height 25 times.
-constexpr double kMostTimesTheGround = 400.0;
+constexpr double kMaxTimesTheGround = 400.0;
 
 bool IsFinite(const CameraStand& stand) {
   const camera::Intrinsics& lens = stand.intrinsics;
@@ -65,7 +65,7 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
           far_m / 1000.0);
     } else if (std::abs(frame.Wgs84FromEnu(center).lat_deg) > kHighestLatDeg) {
       why[i] = "was taken beyond 85 degrees of latitude, where web maps end.";
-    } else if (height_m < kLeastHeightM) {
+    } else if (height_m < kMinHeightM) {
       why[i] = fmt::format(
           "stood {:.1f} m {} the ground by its recorded height and the ground's. Check what its height counts "
           "from; where the ground differs from take-off, add an elevation model (--dem).",
@@ -78,7 +78,7 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
   if (some_m2.empty()) return why;
   const double typical_m2 = Median(std::move(some_m2));
   for (std::size_t i = 0; i < stands.size(); ++i) {
-    if (seen_m2[i] <= kMostTimesTheGround * typical_m2) continue;
+    if (seen_m2[i] <= kMaxTimesTheGround * typical_m2) continue;
     why[i] = fmt::format(
         "would show {:.0f} times as much ground as the others, from {:.0f} m above it. If its height and "
         "angles are right, stitch it as a flight of its own.",

@@ -1,7 +1,7 @@
-// WhyImplausible: which photos no map can be drawn with where their poses put them: poses that are not numbers,
-// cameras on or below the ground, beyond the ends of Web Mercator, or so far away or so high that one photo
-// would decide the extent and the memory of the whole map. Looking up or along the horizon is no fault: such
-// a photo just shows no ground, or little. Frame: enu of the flight. Pure; any thread.
+// WhyImplausible: which photos no map can be drawn with where their poses put them: poses that are not
+// numbers, cameras on or below the ground, beyond the ends of Web Mercator, or so far away or so high that
+// one photo would decide the extent and the memory of the whole map. Looking up or along the horizon is no
+// fault: such a photo just shows no ground, or little. Frame: enu of the flight. Pure; any thread.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/camera/intrinsics.h"
-#include "core/flight/photo.h"
+#include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
 

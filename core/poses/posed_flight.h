@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/photo.h"
+#include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
 #include "core/poses/pose_report.h"
@@ -37,7 +37,8 @@ struct PosedFlight {
   double ground_z_in_enu_m = 0.0;  // the flat ground: take-off height
   std::vector<PosedPhoto> photos;  // in the order of capture
   std::vector<flight::LeftOutPhoto> left_out;
-  // Photos whose records place them nowhere, where that was asked for: what they show may. Listed in left_out too.
+  // Photos whose records place them nowhere, where that was asked for: what they show may. Listed in left_out
+  // too.
   std::vector<flight::Photo> unplaced;
   std::vector<std::string> warnings;
   // The elevation model's height at enu z = 0; nothing without a model that covers the flight.

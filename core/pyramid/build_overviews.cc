@@ -28,7 +28,8 @@ RgbaImage Trimmed(const RgbaImage& image, int& x, int& y) {
   if (trimmed.width_px == 0) return trimmed;
   x += left, y += top;
   for (int row = 0; row < trimmed.height_px; ++row) {
-    std::memcpy(trimmed.Pixel(0, row), image.Pixel(left, top + row), 4 * static_cast<std::size_t>(trimmed.width_px));
+    std::memcpy(trimmed.Pixel(0, row), image.Pixel(left, top + row),
+                4 * static_cast<std::size_t>(trimmed.width_px));
   }
   return trimmed;
 }

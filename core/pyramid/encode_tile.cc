@@ -79,10 +79,9 @@ std::optional<EncodedTile> EncodeTile(const RgbaImage& image, int x, int y, int 
   const Square tile{image, x, y, size_px};
   const Coverage coverage = CoverageOf(tile);
   if (coverage == Coverage::kNone) return std::nullopt;
-  if (options.use_webp) return EncodedTile{pipeline::TileFormat::kWebp, EncodeWebp(tile, options.quality)};
-  if (coverage == Coverage::kFull)
-    return EncodedTile{pipeline::TileFormat::kJpeg, EncodeJpeg(tile, options.quality)};
-  return EncodedTile{pipeline::TileFormat::kPng, EncodePng(image, x, y, size_px)};
+  if (options.use_webp) return EncodedTile{TileFormat::kWebp, EncodeWebp(tile, options.quality)};
+  if (coverage == Coverage::kFull) return EncodedTile{TileFormat::kJpeg, EncodeJpeg(tile, options.quality)};
+  return EncodedTile{TileFormat::kPng, EncodePng(image, x, y, size_px)};
 }
 
 std::optional<EncodedTile> EncodeTile(const RgbaImage& tile, const EncodeOptions& options) {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/pipeline/ports.h"
 #include "core/pyramid/tile_image.h"
+#include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::pyramid {
 
@@ -18,7 +18,7 @@ struct EncodeOptions {
 };
 
 struct EncodedTile {
-  pipeline::TileFormat format = pipeline::TileFormat::kJpeg;
+  TileFormat format = TileFormat::kJpeg;
   std::vector<std::uint8_t> bytes;
 };
 

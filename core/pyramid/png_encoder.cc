@@ -38,7 +38,8 @@ MatchLength LengthOf(int length) {
 }
 
 // Every row after its filter byte: what the mean of the pixels to the left and above did not foretell.
-std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int width_px, int height_px, PngAlpha alpha) {
+std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int width_px, int height_px,
+                                   PngAlpha alpha) {
   const auto row_bytes = static_cast<std::size_t>(width_px) * 4;
   std::vector<std::uint8_t> filtered((row_bytes + 1) * static_cast<std::size_t>(height_px));
   // Four zeros before each row are the pixel to the left of its first.
@@ -65,8 +66,8 @@ std::vector<std::uint8_t> Filtered(const RgbaImage& image, int x, int y, int wid
 // Walks the filtered rows: literal(byte) and as_is(pixel) for what is written as it is, run(n) for n zeros
 // that follow a zero.
 template <typename Literal, typename AsIs, typename Run>
-void Walk(const std::vector<std::uint8_t>& filtered, int width_px, int height_px, const Literal& literal, const AsIs& as_is,
-          const Run& run) {
+void Walk(const std::vector<std::uint8_t>& filtered, int width_px, int height_px, const Literal& literal,
+          const AsIs& as_is, const Run& run) {
   const std::uint8_t* in = filtered.data();
   for (int y = 0; y < height_px; ++y) {
     literal(*in++);
@@ -174,10 +175,10 @@ std::vector<std::uint8_t> EncodePart(const RgbaImage& image, int x, int y, int w
   const HuffmanCode code = HuffmanCode::Of(counts);
 
   std::uint64_t bits = 3 + 5 + 5 + 4 + 19 * 3 + (kSymbols + 1) * 4;
-  constexpr int kMostMatchBits = 5 + 1;  // extra bits of the length, the distance
+  constexpr int kMaxMatchBits = 5 + 1;  // extra bits of the length, the distance
   for (std::size_t symbol = 0; symbol < kSymbols; ++symbol)
     bits += std::uint64_t{counts[symbol]} *
-            (code.words[symbol].length + (symbol > kEndOfBlock ? kMostMatchBits : 0));
+            (code.words[symbol].length + (symbol > kEndOfBlock ? kMaxMatchBits : 0));
   constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr std::size_t kAroundChunk = 12, kHeader = 13, kZlibHeader = 2, kSum = 4;
   std::vector<std::uint8_t> png(

@@ -126,7 +126,7 @@ std::string LayersJson(const std::vector<MapLayer>& layers, const std::vector<st
         entry["shows"] =
             "the height of the ground in metres, counted from the zero that the flight's heights have";
         entry["encoding"] = "terrarium";
-        entry["range_m"] = {heights.least_m, heights.most_m};
+        entry["range_m"] = {heights.min_m, heights.max_m};
         entry["metres"] = "R * 256 + G + B / 256 - 32768";
         break;
     }

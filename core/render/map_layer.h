@@ -40,8 +40,8 @@ Rgb HeightColour(double height_m);
 
 // What the ground's heights lie between.
 struct HeightRange {
-  double least_m = 0.0;
-  double most_m = 0.0;
+  double min_m = 0.0;
+  double max_m = 0.0;
 };
 
 // What the colours of these layers mean, and which tileset holds each: the text of layers.json. Photos as in

@@ -11,25 +11,25 @@ namespace skyquilt::render {
 
 // A square of base tiles rendered in one go: the part of the base zoom below one coarser tile.
 struct RenderBlock {
-  geo::TileId tile;                       // of zoom base_zoom - block_levels
-  std::vector<std::uint32_t> photos;      // indices of the photos that see it, rising
+  geo::TileId tile;                   // of zoom base_zoom - block_levels
+  std::vector<std::uint32_t> photos;  // indices of the photos that see it, rising
 };
 
 // What a photo's view of one cell of the seam grid takes: colours, scores, what evens the light, marks.
 inline constexpr std::int64_t kSeamCellBytes = 16;
 
 struct MosaicPlan {
-  double gsd_m = 0.0;        // ground size of a photo pixel, median at the image centres
+  double gsd_m = 0.0;  // ground size of a photo pixel, median at the image centres
   int base_zoom = 0;
-  int min_zoom = 0;          // where one tile holds the whole mosaic
-  int block_levels = 2;      // a block is 2^block_levels tiles a side
+  int min_zoom = 0;      // where one tile holds the whole mosaic
+  int block_levels = 2;  // a block is 2^block_levels tiles a side
   int tile_size_px = 256;
   geo::Bounds2 bounds_in_merc;
   std::vector<geo::Bounds2> seen_in_merc;  // by photo: what it may see; empty when it sees no ground
-  std::vector<RenderBlock> blocks;  // along the Hilbert curve, so that neighbours share decoded photos
-  double feather_m = 0.0;  // width of the seams' transition; 0 = 16 pixels
-  std::int64_t output_pixels = 0;   // upper bound
-  std::int64_t most_seam_cells = std::int64_t{1} << 26;  // over all photos: at most kSeamCellBytes each
+  std::vector<RenderBlock> blocks;         // along the Hilbert curve, so that neighbours share decoded photos
+  double feather_m = 0.0;                  // width of the seams' transition; 0 = 16 pixels
+  std::int64_t output_pixels = 0;          // upper bound
+  std::int64_t max_seam_cells = std::int64_t{1} << 26;  // over all photos: at most kSeamCellBytes each
 
   int BlockSizePx() const { return tile_size_px << block_levels; }
 };

@@ -21,7 +21,7 @@ using alignment::AlignedPhoto;
 // GDAL (and with it QGIS) refuses MBTiles with a zoom above 22.
 constexpr int kFinestZoom = 22;
 constexpr int kBlockSizePx = 1024;
-constexpr std::int64_t kMostBlocksAPhoto = 20'000;
+constexpr std::int64_t kMaxBlocksAPhoto = 20'000;
 constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
 // Finer pixels than this share of the photos' show nothing more.
 constexpr double kFinestShareOfPhoto = 1.0 / 16.0;
@@ -96,7 +96,8 @@ std::int64_t OverviewBytes(const MosaicPlan& plan) {
   double tiles = 1.0;
   for (int zoom = plan.min_zoom; zoom < plan.base_zoom - plan.block_levels; ++zoom) {
     const double size_m = geo::TileSizeInMercM(zoom);
-    tiles += std::min(1.0, plan.bounds_in_merc.Width() / size_m) * std::min(1.0, plan.bounds_in_merc.Height() / size_m);
+    tiles += std::min(1.0, plan.bounds_in_merc.Width() / size_m) *
+             std::min(1.0, plan.bounds_in_merc.Height() / size_m);
   }
   return static_cast<std::int64_t>(4.0 * tiles * plan.tile_size_px * plan.tile_size_px);
 }
@@ -121,24 +122,25 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   }
   plan.gsd_m = Median(std::move(gsds));
   if (options.gsd_m && *options.gsd_m < kFinestShareOfPhoto * plan.gsd_m) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--gsd asks for pixels of {:.4f} m, but those of the photos show {:.4f} m of the "
-                             "ground: a finer map than {:.4f} m would show nothing more. Choose a coarser --gsd, "
-                             "or leave it out.",
-                             *options.gsd_m, plan.gsd_m, kFinestShareOfPhoto * plan.gsd_m),
-                 ""};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("--gsd asks for pixels of {:.4f} m, but those of the photos show {:.4f} m of the "
+                    "ground: a finer map than {:.4f} m would show nothing more. Choose a coarser --gsd, "
+                    "or leave it out.",
+                    *options.gsd_m, plan.gsd_m, kFinestShareOfPhoto * plan.gsd_m),
+        ""};
   }
   const double lat_deg = flight.frame.origin().lat_deg;
   plan.base_zoom = geo::ZoomForGsd(options.gsd_m.value_or(plan.gsd_m), lat_deg, plan.tile_size_px);
   // Finer than the last zoom that GIS tools open, the tiles grow instead of the zoom: 512 pixels, 1024, ...
   while (plan.base_zoom > kFinestZoom) {
     --plan.base_zoom;
-    if (BlockBytes(2 * plan.tile_size_px) <= options.most_block_bytes) plan.tile_size_px *= 2;
+    if (BlockBytes(2 * plan.tile_size_px) <= options.max_block_bytes) plan.tile_size_px *= 2;
   }
   plan.block_levels = 0;
   while (plan.block_levels < plan.base_zoom && plan.BlockSizePx() < kBlockSizePx) ++plan.block_levels;
   plan.feather_m = options.feather_m;
-  plan.most_seam_cells = options.most_seam_bytes / kSeamCellBytes;
+  plan.max_seam_cells = options.max_seam_bytes / kSeamCellBytes;
 
   const int block_zoom = plan.base_zoom - plan.block_levels;
   // The ground bends and photos lean: a photo is asked about a little more than it may turn out to see.
@@ -157,12 +159,13 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
     const std::uint32_t last_row = row_at(seen[i].min.y() - margin_m);
     const std::int64_t across = last_column - first_column + 1;
     const std::int64_t down = std::int64_t{last_row} - first_row + 1;
-    if (across * down > kMostBlocksAPhoto) {
+    if (across * down > kMaxBlocksAPhoto) {
       return Error{
           ErrorCode::kTooLarge,
-          fmt::format("{} would cover {} x {} blocks of the map at this resolution. Check its height and angles "
-                      "and leave it out if they are wrong; otherwise choose a coarser --gsd.",
-                      flight.photos[i].photo.name, across, down),
+          fmt::format(
+              "{} would cover {} x {} blocks of the map at this resolution. Check its height and angles "
+              "and leave it out if they are wrong; otherwise choose a coarser --gsd.",
+              flight.photos[i].photo.name, across, down),
           ""};
     }
     const std::int64_t side = std::int64_t{1} << block_zoom;

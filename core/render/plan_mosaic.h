@@ -1,7 +1,7 @@
-// PlanMosaic: from aligned photos and the ground to zoom levels, tile blocks and their photos. Cheap (geometry
-// only). Errors: kUnprocessable when no photo sees the ground, kTooLarge when the output would be absurd, and
-// kInvalidArgument where the pixels asked for are far finer than the photos'. Its memory grows with the blocks,
-// of which there are at most a million.
+// PlanMosaic: from aligned photos and the ground to zoom levels, tile blocks and their photos. Cheap
+// (geometry only). Errors: kUnprocessable when no photo sees the ground, kTooLarge when the output would be
+// absurd, and kInvalidArgument where the pixels asked for are far finer than the photos'. Its memory grows
+// with the blocks, of which there are at most a million.
 #pragma once
 
 #include <optional>
@@ -17,8 +17,8 @@ struct PlanOptions {
   std::optional<double> gsd_m;  // of the output; default: that of the photos
   double feather_m = 0.0;       // 0 = 16 pixels
   // What one block may take while it is rendered: tiles do not grow beyond, and the pixels stay coarser.
-  std::int64_t most_block_bytes = std::int64_t{600} << 20;
-  std::int64_t most_seam_bytes = std::int64_t{1} << 30;  // of all photos' views of the seam grid
+  std::int64_t max_block_bytes = std::int64_t{600} << 20;
+  std::int64_t max_seam_bytes = std::int64_t{1} << 30;  // of all photos' views of the seam grid
 };
 
 // What a block of this side takes while one thread renders it, and as half its size until its turn comes.

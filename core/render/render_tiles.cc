@@ -11,8 +11,8 @@
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
 #include "core/pyramid/pack_picture.h"
-#include "core/render/block_digest.h"
-#include "core/render/block_weights.h"
+#include "core/render/blocks/block_digest.h"
+#include "core/render/blocks/block_weights.h"
 
 namespace skyquilt::render {
 namespace {
@@ -114,13 +114,13 @@ std::vector<std::vector<std::uint32_t>> LastShown(const RenderContext& context) 
 
 // Puts the tiles of a block, newly made or an earlier run's, and says what the rest of the map needs of it.
 template <typename Put>
-Result<pipeline::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile,
-                                     const FinishedBlock& block, const RenderMemory* memory, const Put& put) {
+Result<pyramid::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile,
+                                    const FinishedBlock& block, const RenderMemory* memory, const Put& put) {
   if (block.is_kept) return memory->map.Reuse(tile);
   for (const FinishedTile& finished : block.tiles) put(finished.tile, finished.encoded);
-  pipeline::KeptBlock kept{plan.block_levels,     static_cast<std::int64_t>(block.tiles.size()),
-                           block.base_tiles,      block.covered_pixels,
-                           block.covered_in_merc, block.packed_half};
+  pyramid::KeptBlock kept{plan.block_levels,     static_cast<std::int64_t>(block.tiles.size()),
+                          block.base_tiles,      block.covered_pixels,
+                          block.covered_in_merc, block.packed_half};
   if (memory == nullptr) return kept;
   if (const Result<void> remembered = memory->map.Keep(tile, *block.digest, kept); !remembered)
     return remembered.error();
@@ -130,7 +130,7 @@ Result<pipeline::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& 
 }  // namespace
 
 Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptions& options,
-                                 pipeline::TileSink& sink, Progress& progress, const RenderMemory* memory) {
+                                 pyramid::TileSink& sink, Progress& progress, const RenderMemory* memory) {
   RenderReport report;
   std::optional<Error> failure;
   std::atomic<bool> stop{false};
@@ -183,7 +183,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           stop = true;
           return;
         }
-        Result<pipeline::KeptBlock> kept =
+        Result<pyramid::KeptBlock> kept =
             TakeOver(context.plan, context.plan.blocks[i].tile, block, memory, put);
         if (!kept) {
           failure = kept.error();

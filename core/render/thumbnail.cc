@@ -14,13 +14,13 @@ int ThumbnailDenominator(const flight::Photo& photo) {
   return long_side >= 8 * kThumbnailSidePx ? 8 : long_side >= 4 * kThumbnailSidePx ? 4 : 1;
 }
 
-Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo) {
-  const Result<pipeline::DecodedImage> decoded = source.Decode(photo, ThumbnailDenominator(photo));
+Result<Thumbnail> MakeThumbnail(const flight::PhotoSource& source, const flight::Photo& photo) {
+  const Result<image::DecodedImage> decoded = source.Decode(photo, ThumbnailDenominator(photo));
   if (!decoded) return decoded.error();
   return MakeThumbnail(photo, *decoded);
 }
 
-Thumbnail MakeThumbnail(const flight::Photo& photo, const pipeline::DecodedImage& decoded) {
+Thumbnail MakeThumbnail(const flight::Photo& photo, const image::DecodedImage& decoded) {
   const cv::Mat full(decoded.height_px, decoded.width_px, CV_8UC3,
                      const_cast<std::uint8_t*>(decoded.rgb.data()));
   const double scale = std::min(1.0, static_cast<double>(kThumbnailSidePx) / std::max(full.cols, full.rows));

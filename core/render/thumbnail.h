@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/flight/photo.h"
-#include "core/pipeline/ports.h"
+#include "core/flight/photos/photo.h"
+#include "core/flight/photos/photo_source.h"
+#include "core/image/decoded_image.h"
 
 namespace skyquilt::render {
 
@@ -30,9 +31,9 @@ struct DecodedThumbnail {
 // What a photo is shrunk by when it is decoded for its thumbnail.
 int ThumbnailDenominator(const flight::Photo& photo);
 // Of a photo decoded so, or larger.
-Thumbnail MakeThumbnail(const flight::Photo& photo, const pipeline::DecodedImage& decoded);
+Thumbnail MakeThumbnail(const flight::Photo& photo, const image::DecodedImage& decoded);
 // Decodes it too. Errors: those of decoding.
-Result<Thumbnail> MakeThumbnail(const pipeline::PhotoSource& source, const flight::Photo& photo);
+Result<Thumbnail> MakeThumbnail(const flight::PhotoSource& source, const flight::Photo& photo);
 
 DecodedThumbnail Decode(const Thumbnail& thumbnail);
 

@@ -12,14 +12,14 @@
 #include "core/base/parallel_for.h"
 #include "core/camera/footprint.h"
 #include "core/geo/web_mercator.h"
-#include "core/simulate/noise.h"
-#include "core/simulate/random.h"
-#include "core/simulate/truth_json.h"
-#include "core/simulate/world_raster.h"
-#include "core/simulate/write_csv.h"
-#include "core/simulate/write_dataflash.h"
-#include "core/simulate/write_photo.h"
-#include "core/simulate/write_ulog.h"
+#include "core/simulate/sensors/noise.h"
+#include "core/simulate/sensors/random.h"
+#include "core/simulate/world/world_raster.h"
+#include "core/simulate/writers/truth_json.h"
+#include "core/simulate/writers/write_csv.h"
+#include "core/simulate/writers/write_dataflash.h"
+#include "core/simulate/writers/write_photo.h"
+#include "core/simulate/writers/write_ulog.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -42,8 +42,8 @@ Result<void> MakeFolder(const std::filesystem::path& path) {
 }
 
 // The mean of denominator x denominator pixels; what is left at the far sides is averaged among itself.
-pipeline::DecodedImage Shrunk(const pipeline::DecodedImage& image, int denominator) {
-  pipeline::DecodedImage small;
+image::DecodedImage Shrunk(const image::DecodedImage& image, int denominator) {
+  image::DecodedImage small;
   small.width_px = (image.width_px + denominator - 1) / denominator;
   small.height_px = (image.height_px + denominator - 1) / denominator;
   small.rgb.resize(static_cast<std::size_t>(small.width_px) * static_cast<std::size_t>(small.height_px) * 3);
@@ -191,7 +191,7 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
   return flight;
 }
 
-pipeline::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads) {
+image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads) {
   const SimulatedPhoto& photo = flight.photos.at(index);
   RenderPhotoOptions render = photo.render;
   render.threads = threads;
@@ -244,13 +244,12 @@ SimulatedPhotoSource::SimulatedPhotoSource(const SimulatedFlight& flight) : flig
   for (std::size_t i = 0; i < flight.photos.size(); ++i) index_of_name_[flight.photos[i].photo.name] = i;
 }
 
-Result<pipeline::DecodedImage> SimulatedPhotoSource::Decode(const flight::Photo& photo,
-                                                            int denominator) const {
+Result<image::DecodedImage> SimulatedPhotoSource::Decode(const flight::Photo& photo, int denominator) const {
   const auto found = index_of_name_.find(photo.name);
   if (found == index_of_name_.end()) {
     return Error{ErrorCode::kNotFound, "The simulated flight has no photo named " + photo.name + ".", ""};
   }
-  const pipeline::DecodedImage image = RenderSimulatedPhoto(flight_, found->second);
+  const image::DecodedImage image = RenderSimulatedPhoto(flight_, found->second);
   return denominator == 1 ? image : Shrunk(image, denominator);
 }
 

@@ -15,15 +15,16 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/camera/intrinsics.h"
-#include "core/flight/photo.h"
+#include "core/flight/photos/photo.h"
+#include "core/flight/photos/photo_source.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/raster_frame.h"
-#include "core/pipeline/ports.h"
-#include "core/simulate/logged_survey.h"
-#include "core/simulate/recorded_pose.h"
-#include "core/simulate/render_photo.h"
-#include "core/simulate/trajectory.h"
-#include "core/simulate/world.h"
+#include "core/image/decoded_image.h"
+#include "core/simulate/sensors/logged_survey.h"
+#include "core/simulate/sensors/recorded_pose.h"
+#include "core/simulate/sensors/trajectory.h"
+#include "core/simulate/world/render_photo.h"
+#include "core/simulate/world/world.h"
 
 namespace skyquilt::simulate {
 
@@ -77,8 +78,7 @@ struct SimulatedFlight {
 };
 
 Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options);
-pipeline::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index,
-                                            int threads = 1);
+image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads = 1);
 
 // Writes out_dir/photos/*.JPG, out_dir/truth/poses.json, out_dir/truth/world.tif and, if asked for,
 // out_dir/logs/*. Errors: kInvalidArgument, kIo, kCancelled.
@@ -86,10 +86,10 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
                                        Progress& progress);
 
 // Renders when asked, so any number of photos costs no memory. Looks photos up by name. Any thread.
-class SimulatedPhotoSource final : public pipeline::PhotoSource {
+class SimulatedPhotoSource final : public flight::PhotoSource {
  public:
   explicit SimulatedPhotoSource(const SimulatedFlight& flight);  // keeps a reference
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
 
  private:
   const SimulatedFlight& flight_;

@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "server/preview_apart.h"
-#include "server/stitch_apart.h"
+#include "server/jobs/stitch_apart.h"
+#include "server/preview/preview_apart.h"
 
 namespace skyquilt::server {
 namespace {

@@ -1,5 +1,5 @@
 // `skyquilt stitch-confined` and `skyquilt preview-confined`: what a worker starts to read what others made
-// (server/stitch_apart.h, server/preview_apart.h). Not for hands.
+// (server/jobs/stitch_apart.h, server/preview/preview_apart.h). Not for hands.
 #pragma once
 
 namespace CLI {

@@ -6,11 +6,11 @@
 #include <memory>
 #include <string>
 
-#include "storage/check_data.h"
-#include "storage/data_marker.h"
-#include "storage/lost_folder.h"
-#include "storage/open_data_folder.h"
-#include "storage/repair_data.h"
+#include "storage/folder/check_data.h"
+#include "storage/folder/data_marker.h"
+#include "storage/folder/lost_folder.h"
+#include "storage/folder/open_data_folder.h"
+#include "storage/folder/repair_data.h"
 
 namespace skyquilt::server {
 namespace {
@@ -46,7 +46,9 @@ Held Hold(const DataOptions& options) {
   if (!marker) Fail(marker.error());
   if (!*marker && !survey->has_flights && !survey->has_catalogue) {
     Fail({ErrorCode::kNotFound,
-          at.root().string() + " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.", ""});
+          at.root().string() +
+              " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.",
+          ""});
   }
   Result<storage::DataDirLock> lock = storage::DataDirLock::Take(at);
   if (!lock) Fail(lock.error());
@@ -69,10 +71,12 @@ void PrintLines(const char* head, const std::vector<std::string>& lines) {
 void Check(const DataOptions& options) {
   const Held held = Hold(options);
   const auto unusable = [&](const std::string& why) {
-    fmt::print("The catalogue {} {}. {}\n", held.dir.Catalogue().string(), why, storage::RepairAdvice(held.dir));
+    fmt::print("The catalogue {} {}. {}\n", held.dir.Catalogue().string(), why,
+               storage::RepairAdvice(held.dir));
     throw CLI::RuntimeError(kFound);
   };
-  const Result<std::unique_ptr<storage::CatalogueDb>> db = storage::CatalogueDb::OpenExisting(held.dir.Catalogue());
+  const Result<std::unique_ptr<storage::CatalogueDb>> db =
+      storage::CatalogueDb::OpenExisting(held.dir.Catalogue());
   if (!db && db.error().code == ErrorCode::kNotFound) unusable("is missing or empty");
   if (!db && db.error().code == ErrorCode::kCorrupt) unusable("is damaged");
   if (!db) Fail(db.error());
@@ -95,7 +99,8 @@ void Check(const DataOptions& options) {
     return;
   }
   if (!check->unknown.empty() || !check->lost.empty()) {
-    fmt::print("\"skyquilt data repair --data {}\" brings back what belongs to flights.\n", held.dir.root().string());
+    fmt::print("\"skyquilt data repair --data {}\" brings back what belongs to flights.\n",
+               held.dir.root().string());
   }
   throw CLI::RuntimeError(kFound);
 }
@@ -104,8 +109,8 @@ void Repair(const DataOptions& options) {
   const Result<storage::RepairReport> report = storage::RepairData(options.data_dir, storage::Now());
   if (!report) Fail(report.error());
   for (const std::string& line : report->lines) fmt::print("{}\n", line);
-  fmt::print("{} flights, {} files and {} maps were entered into {} catalogue\n", report->flights, report->files, report->maps,
-             report->made_catalogue ? "a new" : "the");
+  fmt::print("{} flights, {} files and {} maps were entered into {} catalogue\n", report->flights,
+             report->files, report->maps, report->made_catalogue ? "a new" : "the");
 }
 
 void Purge(const DataOptions& options) {
@@ -147,9 +152,10 @@ void AddDataCommand(CLI::App& app) {
       "is kept and only added to. Flights, photos and maps on disk and in lost/ come back under their names. Nothing is "
       "removed. Of a catalogue that is lost, tokens, webhooks and jobs are lost with it.")
       ->callback([options] { Repair(*options); });
-  CLI::App* purge = add("purge-lost", "Remove what lies in lost/, for good",
-                        "lost/ holds what the server found in its folder and nothing referred to. Without --yes it is only "
-                        "listed (exit code 2).");
+  CLI::App* purge =
+      add("purge-lost", "Remove what lies in lost/, for good",
+          "lost/ holds what the server found in its folder and nothing referred to. Without --yes it is only "
+          "listed (exit code 2).");
   purge->add_flag("--yes", options->yes, "Remove it");
   purge->callback([options] { Purge(*options); });
 }

@@ -20,21 +20,21 @@
 
 #include "api/build_api.h"
 #include "api/uploads/unpack.h"
-#include "server/address_range.h"
 #include "server/commands/config_file.h"
+#include "server/confinement/run_apart.h"
+#include "server/confinement/sandbox.h"
 #include "server/housekeeper.h"
-#include "server/http_server.h"
+#include "server/http/http_server.h"
+#include "server/intake/unpack_apart.h"
+#include "server/intake/verdict_apart.h"
+#include "server/intake/verdicts.h"
+#include "server/jobs/worker_pool.h"
 #include "server/open_storage.h"
-#include "server/origin_policy.h"
-#include "server/request_log.h"
-#include "server/run_apart.h"
-#include "server/sandbox.h"
-#include "server/static_files.h"
-#include "server/unpack_apart.h"
-#include "server/verdict_apart.h"
-#include "server/verdicts.h"
-#include "server/webhook_sender.h"
-#include "server/worker_pool.h"
+#include "server/routing/address_range.h"
+#include "server/routing/origin_policy.h"
+#include "server/routing/request_log.h"
+#include "server/routing/static_files.h"
+#include "server/webhooks/webhook_sender.h"
 
 namespace skyquilt::server {
 namespace {
@@ -44,7 +44,8 @@ namespace {
 constexpr std::chrono::milliseconds kDrainTime{7'000};
 constexpr std::chrono::milliseconds kWorkerGrace{7'000};
 constexpr std::chrono::milliseconds kStopTime{9'000};
-// Connections that read the catalogue. A read takes microseconds: a thread that finds none idle waits for one.
+// Connections that read the catalogue. A read takes microseconds: a thread that finds none idle waits for
+// one.
 constexpr int kReaders = 8;
 constexpr int kTileReaders = 4;
 constexpr timespec kLookAfterWorkers{0, 500'000'000};
@@ -70,8 +71,8 @@ struct ServeOptions {
   std::vector<std::string> trusted_proxies;
   std::size_t connections_per_address = HttpSettings().connections_of_client;
   std::size_t listeners_per_address = api::EventHub::kUsualMostOfClient;
-  std::size_t requests_per_address = HttpSettings().most_of_client;
-  std::size_t waiting_requests = HttpSettings().most_waiting;
+  std::size_t requests_per_address = HttpSettings().max_of_client;
+  std::size_t waiting_requests = HttpSettings().max_waiting;
   std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
 };
 
@@ -120,14 +121,17 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   settings.threads = std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
   settings.compute_threads = settings.threads;
   settings.connections_of_client = options.connections_per_address;
-  settings.most_of_client = options.requests_per_address;
-  settings.most_waiting = options.waiting_requests;
+  settings.max_of_client = options.requests_per_address;
+  settings.max_waiting = options.waiting_requests;
   for (const std::string& proxy : options.trusted_proxies) {
     const std::optional<AddressRange> range = AddressRange::From(proxy);
     if (!range) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--trusted-proxy {}: give it as an IP address or a network, such as 127.0.0.1 or 10.0.0.0/8.",
-                               proxy), ""};
+      return Error{
+          ErrorCode::kInvalidArgument,
+          fmt::format(
+              "--trusted-proxy {}: give it as an IP address or a network, such as 127.0.0.1 or 10.0.0.0/8.",
+              proxy),
+          ""};
     }
     settings.trusted_proxies.push_back(*range);
   }
@@ -152,8 +156,8 @@ sigset_t BlockSignals() {
   return signals;
 }
 
-// Until told to stop: workers that ended are collected and started again, but not while the data folder is gone: then
-// those that run are told to give their jobs back.
+// Until told to stop: workers that ended are collected and started again, but not while the data folder is
+// gone: then those that run are told to give their jobs back.
 void LookAfter(WorkerPool& workers, const storage::DataDirWatch& watch, const sigset_t& signals) {
   bool was_in_place = true;
   while (true) {
@@ -210,7 +214,8 @@ bool AsksForToken(storage::CatalogueDb& db, bool is_open) {
 
 // Resumable uploads that were complete when an earlier run ended.
 void FinishUploads(api::Service& service) {
-  const Result<std::vector<storage::SpooledUpload>> finished = service.spool.FinishComplete(service.db.ages().Now());
+  const Result<std::vector<storage::SpooledUpload>> finished =
+      service.spool.FinishComplete(service.db.ages().Now());
   if (!finished) Fail(finished.error());
   for (const storage::SpooledUpload& upload : *finished) {
     const auto unpacked = api::UnpackStored(service, upload.flight_id, *upload.file);
@@ -244,13 +249,14 @@ void RunServer(const ServeOptions& options) {
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};
   Verdicts verdicts(VerdictApart);
-  service.inspect = [&verdicts](const std::vector<flight::InputFile>& files, const std::string& mosaic_options) {
+  service.inspect = [&verdicts](const std::vector<flight::InputFile>& files,
+                                const std::string& mosaic_options) {
     return verdicts.Of(files, mosaic_options);
   };
   service.unpack = UnpackApart;
   service.storage_in_place = [&opened] { return opened.watch.Check(); };
-  const Result<void> recovered =
-      Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db), service.spool, service.db.ages().Now());
+  const Result<void> recovered = Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db),
+                                         service.spool, service.db.ages().Now());
   if (!recovered) Fail(recovered.error());
   service.made_tiles.SetBudget(options.tile_cache_mb << 20);
   service.event_hub.SetMostOfClient(options.listeners_per_address);
@@ -280,10 +286,10 @@ void RunServer(const ServeOptions& options) {
   std::optional<WebhookSender> sender;
   if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
   LogEvent("what others made is decoded under " + ConfinementHere());
-  WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue,
-                     {"--job-timeout", std::to_string(options.job_timeout_s), "--job-memory",
-                      std::to_string(options.job_memory_mib), "--photo-timeout",
-                      std::to_string(options.photo_timeout_s)});
+  WorkerPool workers(
+      opened.dir, options.workers, options.previews && options.workers > 0, queue,
+      {"--job-timeout", std::to_string(options.job_timeout_s), "--job-memory",
+       std::to_string(options.job_memory_mib), "--photo-timeout", std::to_string(options.photo_timeout_s)});
   LookAfter(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
@@ -307,13 +313,28 @@ std::string IsHttpUrl(const std::string& text) {
 // A variable that is misspelt would otherwise do nothing, silently.
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data",     "listen",     "workers", "previews", "job-timeout", "job-memory", "photo-timeout",
-                                           "web",      "public-url", "basemap", "basemap-attribution",
-                                           "webhooks", "open",       "trusted-proxy",
-                                           "connections-per-address", "listeners-per-address",
-                                           "requests-per-address",    "waiting-requests",
-                                           "tile-cache-mb",           "trash-days",
-                                           "host",                    "cors-origin"};
+  constexpr std::string_view kOptions[] = {"data",
+                                           "listen",
+                                           "workers",
+                                           "previews",
+                                           "job-timeout",
+                                           "job-memory",
+                                           "photo-timeout",
+                                           "web",
+                                           "public-url",
+                                           "basemap",
+                                           "basemap-attribution",
+                                           "webhooks",
+                                           "open",
+                                           "trusted-proxy",
+                                           "connections-per-address",
+                                           "listeners-per-address",
+                                           "requests-per-address",
+                                           "waiting-requests",
+                                           "tile-cache-mb",
+                                           "trash-days",
+                                           "host",
+                                           "cors-origin"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
     std::string_view name(*variable);
     name = name.substr(0, name.find('='));
@@ -418,26 +439,30 @@ void AddServeCommand(CLI::App& app) {
                    "Whom the page names as the makers of the basemap; plain text")
       ->envname(VariableOf("basemap-attribution"));
   command
-      ->add_flag("--open", options->open,
-                 "Permit an address that other machines can reach, without any token; lets everybody in again where "
-                 "the last token was revoked")
+      ->add_flag(
+          "--open", options->open,
+          "Permit an address that other machines can reach, without any token; lets everybody in again where "
+          "the last token was revoked")
       ->envname(VariableOf("open"));
   AddBounds(*command, *options);
   CLI::Option* hosts =
       command
-          ->add_option("--host", options->hosts,
-                       "A name that the server goes by, besides those of this machine; several, or with commas. Without "
-                       "tokens no other is answered")
+          ->add_option(
+              "--host", options->hosts,
+              "A name that the server goes by, besides those of this machine; several, or with commas. Without "
+              "tokens no other is answered")
           ->delimiter(',')
           ->envname(VariableOf("host"));
   CLI::Option* cors_origins =
       command
-          ->add_option("--cors-origin", options->cors_origins,
-                       "A site whose pages may use the API: https://host; several, or with commas. Without this, any "
-                       "with a token, and none where no token is asked for")
+          ->add_option(
+              "--cors-origin", options->cors_origins,
+              "A site whose pages may use the API: https://host; several, or with commas. Without this, any "
+              "with a token, and none where no token is asked for")
           ->delimiter(',')
           ->check([](const std::string& text) {
-            return IsOriginText(text) ? std::string() : "must be an origin as https://host:port, without a path";
+            return IsOriginText(text) ? std::string()
+                                      : "must be an origin as https://host:port, without a path";
           })
           ->envname(VariableOf("cors-origin"));
   command->add_option("--config", options->config, "File with these options, one \"name = value\" a line");

@@ -11,11 +11,11 @@
 #include <string>
 
 #include "api/auth/access.h"
-#include "api/json_codec.h"
-#include "storage/catalogue.h"
-#include "storage/ids.h"
-#include "storage/open_data_folder.h"
-#include "storage/tokens.h"
+#include "api/json/json_codec.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/catalogue/tokens.h"
+#include "storage/db/ids.h"
+#include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -24,10 +24,10 @@ struct TokenOptions {
   std::string data_dir;
   std::string name;
   std::string scope = "read";
-  std::string flight;   // the one that it opens; empty: every flight
-  std::string expires;  // "30d"; empty: by `days`
-  int days = 0;         // 0: for ever
-  double most_gb = 0.0;         // 0: no limit
+  std::string flight;           // the one that it opens; empty: every flight
+  std::string expires;          // "30d"; empty: by `days`
+  int days = 0;                 // 0: for ever
+  double max_gb = 0.0;          // 0: no limit
   int requests_per_minute = 0;  // 0: no limit
 };
 
@@ -69,7 +69,8 @@ void RequireFlight(storage::CatalogueDb& db, const std::string& id) {
   const Result<bool> known = storage::Catalogue(db).HasFlight(id);
   if (!known) Fail(known.error());
   if (!*known) {
-    Fail({ErrorCode::kNotFound, fmt::format("There is no flight {}. Its id stands in its address on the page.", id), ""});
+    Fail({ErrorCode::kNotFound,
+          fmt::format("There is no flight {}. Its id stands in its address on the page.", id), ""});
   }
 }
 
@@ -91,7 +92,7 @@ void Add(const TokenOptions& options) {
   token.flight_id = options.flight;
   if (options.days > 0) token.expires = token.created + std::chrono::hours(24) * options.days;
   if (!options.expires.empty()) token.expires = token.created + *ParseDuration(options.expires);
-  if (options.most_gb > 0.0) token.most_bytes = static_cast<std::int64_t>(options.most_gb * 1e9);
+  if (options.max_gb > 0.0) token.max_bytes = static_cast<std::int64_t>(options.max_gb * 1e9);
   if (options.requests_per_minute > 0) token.requests_per_minute = options.requests_per_minute;
   const Result<void> added = storage::Tokens(*db).Add(token);
   if (!added) Fail(added.error());
@@ -104,12 +105,13 @@ void List(const TokenOptions& options) {
   const Result<storage::TokenSet> set = storage::Tokens(*db).Read();
   if (!set) Fail(set.error());
   for (const storage::Token& token : set->tokens) {
-    fmt::print("{:<20} {:<7} made {} {}{}{}{}\n", token.name, storage::ScopeName(token.scope),
-               api::FormatTime(token.created),
-               token.expires ? "ends " + api::FormatTime(*token.expires) : std::string("never ends"),
-               token.most_bytes ? fmt::format(", {:g} GB", static_cast<double>(*token.most_bytes) / 1e9) : "",
-               token.requests_per_minute ? fmt::format(", {} requests a minute", *token.requests_per_minute) : "",
-               token.flight_id.empty() ? "" : ", only flight " + token.flight_id);
+    fmt::print(
+        "{:<20} {:<7} made {} {}{}{}{}\n", token.name, storage::ScopeName(token.scope),
+        api::FormatTime(token.created),
+        token.expires ? "ends " + api::FormatTime(*token.expires) : std::string("never ends"),
+        token.max_bytes ? fmt::format(", {:g} GB", static_cast<double>(*token.max_bytes) / 1e9) : "",
+        token.requests_per_minute ? fmt::format(", {} requests a minute", *token.requests_per_minute) : "",
+        token.flight_id.empty() ? "" : ", only flight " + token.flight_id);
   }
 }
 
@@ -137,16 +139,18 @@ void AddTokenCommand(CLI::App& app) {
   add->add_option("--scope", options->scope, "What it may do; each includes those before")
       ->check(CLI::IsMember({"read", "upload", "admin"}))
       ->capture_default_str();
-  add->add_option("--flight", options->flight, "Id of the one flight that it opens, for reading (default: every flight)");
+  add->add_option("--flight", options->flight,
+                  "Id of the one flight that it opens, for reading (default: every flight)");
   add->add_option("--expires", options->expires, "How long it is good for: 12h, 30d, 8w (default: for ever)")
       ->check([](const std::string& text) {
-        return ParseDuration(text) ? std::string() : "must be a number with s, m, h, d or w behind it, as 30d";
+        return ParseDuration(text) ? std::string()
+                                   : "must be a number with s, m, h, d or w behind it, as 30d";
       });
   add->add_option("--days", options->days, "Days until it ends (0: never)")
       ->check(CLI::Range(0, 36500))
       ->capture_default_str()
       ->excludes("--expires");
-  add->add_option("--most-gb", options->most_gb, "Gigabytes of files that its flights may hold (0: no limit)")
+  add->add_option("--most-gb", options->max_gb, "Gigabytes of files that its flights may hold (0: no limit)")
       ->check(CLI::Range(0.0, 1e6));
   add->add_option("--per-minute", options->requests_per_minute, "Requests a minute (0: no limit)")
       ->check(CLI::Range(0, 1'000'000));

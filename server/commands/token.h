@@ -1,4 +1,5 @@
-// `skyquilt token`: who may use a server: add, list, revoke. Works on the data folder, also while a server runs.
+// `skyquilt token`: who may use a server: add, list, revoke. Works on the data folder, also while a server
+// runs.
 #pragma once
 
 namespace CLI {

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "server/process_limits.h"
-#include "server/unpack_apart.h"
+#include "server/confinement/process_limits.h"
+#include "server/intake/unpack_apart.h"
 
 namespace skyquilt::server {
 namespace {
@@ -20,7 +20,7 @@ struct UnpackOptions {
   std::string staging;
   std::string flight;
   int parent = 0;
-  std::int64_t most_bytes = std::numeric_limits<std::int64_t>::max();
+  std::int64_t max_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
 }  // namespace
@@ -34,10 +34,10 @@ void AddUnpackCommand(CLI::App& app) {
   command->add_option("--staging", options->staging, "Folder to unpack into")->required();
   command->add_option("--flight", options->flight, "Whose files they will be")->required();
   command->add_option("--parent", options->parent, "Stop when this process is gone")->required();
-  command->add_option("--most-bytes", options->most_bytes, "Bytes that there is room for");
+  command->add_option("--most-bytes", options->max_bytes, "Bytes that there is room for");
   command->callback([options] {
     if (!FollowParent(options->parent, SIGKILL)) return;
-    UnpackHere(options->staging, options->flight, options->archive, options->most_bytes);
+    UnpackHere(options->staging, options->flight, options->archive, options->max_bytes);
     _exit(0);  // what libraries do at the end of a process may be a call that it has no right to any more
   });
 }

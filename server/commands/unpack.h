@@ -1,4 +1,5 @@
-// `skyquilt unpack`: what `serve` starts for an uploaded archive (server/unpack_apart.h). Not for hands.
+// `skyquilt unpack`: what `serve` starts for an uploaded archive (server/intake/unpack_apart.h). Not for
+// hands.
 #pragma once
 
 namespace CLI {

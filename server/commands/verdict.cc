@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "server/process_limits.h"
-#include "server/verdict_apart.h"
+#include "server/confinement/process_limits.h"
+#include "server/intake/verdict_apart.h"
 
 namespace skyquilt::server {
 namespace {

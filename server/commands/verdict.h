@@ -1,4 +1,5 @@
-// `skyquilt verdict`: what `serve` starts for the verdict on a flight's files (server/verdict_apart.h). Not for hands.
+// `skyquilt verdict`: what `serve` starts for the verdict on a flight's files
+// (server/intake/verdict_apart.h). Not for hands.
 #pragma once
 
 namespace CLI {

@@ -10,11 +10,11 @@
 #include <string>
 #include <thread>
 
-#include "server/preview_apart.h"
-#include "server/process_limits.h"
-#include "server/request_log.h"
-#include "server/run_job.h"
-#include "storage/open_data_folder.h"
+#include "server/confinement/process_limits.h"
+#include "server/jobs/run_job.h"
+#include "server/preview/preview_apart.h"
+#include "server/routing/request_log.h"
+#include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
 namespace {

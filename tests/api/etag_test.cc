@@ -1,4 +1,4 @@
-#include "api/etag.h"
+#include "api/http/etag.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Whose flight it is: every route that changes something, asked by the owner of another flight; and tokens that open
-// one flight alone.
+// Whose flight it is: every route that changes something, asked by the owner of another flight; and tokens
+// that open one flight alone.
 #include "api/auth/flight_access.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "api/digest.h"
+#include "api/http/digest.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {
@@ -101,7 +101,8 @@ Ask Sends(Method method, std::function<std::string(World&)> target, std::functio
 
 Ask Sends(Method method, std::function<std::string(World&)> target, const std::string& body = "",
           std::initializer_list<std::pair<const char*, std::string>> more = {}) {
-  return Sends(method, std::move(target), [body](World&) { return body; }, more);
+  return Sends(
+      method, std::move(target), [body](World&) { return body; }, more);
 }
 
 std::string FormType() { return "multipart/form-data; boundary=b"; }
@@ -120,19 +121,22 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
   asks[{M::kPatch, "/api/v1/flights/{flight}"}] = Sends(M::kPatch, at_flight(""), R"({"name":"mine"})");
   asks[{M::kPost, "/api/v1/flights/{flight}/files"}] =
       Sends(M::kPost, at_flight("/files"), kForm, {{"Content-Type", FormType()}});
-  asks[{M::kPut, "/api/v1/flights/{flight}/files/{name}"}] = Sends(M::kPut, at_flight("/files/a.jpg"), "other");
+  asks[{M::kPut, "/api/v1/flights/{flight}/files/{name}"}] =
+      Sends(M::kPut, at_flight("/files/a.jpg"), "other");
   asks[{M::kDelete, "/api/v1/flights/{flight}/files/{name}"}] = Sends(M::kDelete, at_flight("/files/a.jpg"));
   asks[{M::kPost, "/api/v1/flights/{flight}/jobs"}] = Sends(M::kPost, at_flight("/jobs"), "{}");
   asks[{M::kGet, "/api/v1/flights/{flight}/shares"}] = Sends(M::kGet, at_flight("/shares"));
   asks[{M::kPost, "/api/v1/flights/{flight}/shares"}] = Sends(M::kPost, at_flight("/shares"), "{}");
-  asks[{M::kDelete, "/api/v1/flights/{flight}/shares/{share}"}] = Sends(M::kDelete, at_flight("/shares/shared"));
+  asks[{M::kDelete, "/api/v1/flights/{flight}/shares/{share}"}] =
+      Sends(M::kDelete, at_flight("/shares/shared"));
   asks[{M::kPost, "/api/v1/flights/{flight}/restore"}] =
       Sends(M::kPost, [](World& w) { return "/api/v1/flights/" + w.trashed_flight + "/restore"; });
   asks[{M::kDelete, "/api/v1/trash/{flight}"}] =
       Sends(M::kDelete, [](World& w) { return "/api/v1/trash/" + w.trashed_flight; });
   asks[{M::kPost, "/api/v1/jobs/{job}/retry"}] =
       Sends(M::kPost, [](World& w) { return "/api/v1/jobs/" + w.ended_job + "/retry"; });
-  asks[{M::kDelete, "/api/v1/jobs/{job}"}] = Sends(M::kDelete, [](World& w) { return "/api/v1/jobs/" + w.job; });
+  asks[{M::kDelete, "/api/v1/jobs/{job}"}] =
+      Sends(M::kDelete, [](World& w) { return "/api/v1/jobs/" + w.job; });
   asks[{M::kPost, "/api/v1/uploads"}] = [](World& w, const Headers& who) {
     const std::string metadata =
         "flight " + EncodeBase64(w.free_flight) + ",filename " + EncodeBase64(std::string("c.jpg"));
@@ -142,17 +146,20 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
   };
   asks[{M::kPatch, "/api/v1/uploads/{upload}"}] =
       Sends(M::kPatch, at_upload, "01234",
-            {{"Tus-Resumable", "1.0.0"}, {"Upload-Offset", "0"}, {"Content-Type", "application/offset+octet-stream"}});
-  asks[{M::kPost, "/api/v1/uploads/{upload}"}] =
-      Sends(M::kPost, at_upload, "01234",
             {{"Tus-Resumable", "1.0.0"},
-             {"X-HTTP-Method-Override", "PATCH"},
              {"Upload-Offset", "0"},
              {"Content-Type", "application/offset+octet-stream"}});
-  asks[{M::kDelete, "/api/v1/uploads/{upload}"}] = Sends(M::kDelete, at_upload, "", {{"Tus-Resumable", "1.0.0"}});
-  asks[{M::kPost, "/task/new/upload/{uuid}"}] =
-      Sends(M::kPost, at(std::string("/task/new/upload/") + kOpenUuid), kForm, {{"Content-Type", FormType()}});
-  asks[{M::kPost, "/task/new/commit/{uuid}"}] = Sends(M::kPost, at(std::string("/task/new/commit/") + kOpenUuid));
+  asks[{M::kPost, "/api/v1/uploads/{upload}"}] = Sends(M::kPost, at_upload, "01234",
+                                                       {{"Tus-Resumable", "1.0.0"},
+                                                        {"X-HTTP-Method-Override", "PATCH"},
+                                                        {"Upload-Offset", "0"},
+                                                        {"Content-Type", "application/offset+octet-stream"}});
+  asks[{M::kDelete, "/api/v1/uploads/{upload}"}] =
+      Sends(M::kDelete, at_upload, "", {{"Tus-Resumable", "1.0.0"}});
+  asks[{M::kPost, "/task/new/upload/{uuid}"}] = Sends(
+      M::kPost, at(std::string("/task/new/upload/") + kOpenUuid), kForm, {{"Content-Type", FormType()}});
+  asks[{M::kPost, "/task/new/commit/{uuid}"}] =
+      Sends(M::kPost, at(std::string("/task/new/commit/") + kOpenUuid));
   asks[{M::kPost, "/task/remove"}] = Sends(M::kPost, at("/task/remove"), task);
   asks[{M::kPost, "/task/restart"}] = Sends(M::kPost, at("/task/restart"), task);
   asks[{M::kPost, "/task/cancel"}] = Sends(M::kPost, at("/task/cancel"), std::string("uuid=") + kBusyUuid);
@@ -202,7 +209,8 @@ TEST(FlightAccess, NoRouteChangesWhatIsAnothers) {
     if (scope != Scope::kUpload || kMakes.contains({method, pattern})) continue;
     const std::string what = std::string(MethodName(method)) + " " + pattern;
     const auto ask = asks.find({method, pattern});
-    ASSERT_NE(ask, asks.end()) << what << " changes something: say here what it must not do to another's flight";
+    ASSERT_NE(ask, asks.end()) << what
+                               << " changes something: say here what it must not do to another's flight";
     World world;
     const std::string before = StateOf(world);
     const Response refused = ask->second(world, world.other);
@@ -250,11 +258,23 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
     const auto target = [&, &path = pattern](const World& w, const std::string& flight) {
       std::string text = path;
       const std::pair<std::string, std::string> values[] = {
-          {"{flight}", flight}, {"{tileset}", path.find("{flight}") == std::string::npos ? flight + ".json" : "photo.json"},
-          {"{job}", flight == w.ended_flight ? w.ended_job : w.job}, {"{uuid}", kUuid}, {"{upload}", w.upload},
-          {"{name}", "a.jpg"}, {"{z}", "1"}, {"{x}", "0"}, {"{y}", "0.png"}, {"{row}", "0"}, {"{column}", "0"},
-          {"{matrix}", "1"}, {"{set}", "WebMercatorQuad"}, {"{layer}", "map"}, {"{style}", "default"},
-          {"{asset}", "all.zip"}, {"{process}", "stitch"}};
+          {"{flight}", flight},
+          {"{tileset}", path.find("{flight}") == std::string::npos ? flight + ".json" : "photo.json"},
+          {"{job}", flight == w.ended_flight ? w.ended_job : w.job},
+          {"{uuid}", kUuid},
+          {"{upload}", w.upload},
+          {"{name}", "a.jpg"},
+          {"{z}", "1"},
+          {"{x}", "0"},
+          {"{y}", "0.png"},
+          {"{row}", "0"},
+          {"{column}", "0"},
+          {"{matrix}", "1"},
+          {"{set}", "WebMercatorQuad"},
+          {"{layer}", "map"},
+          {"{style}", "default"},
+          {"{asset}", "all.zip"},
+          {"{process}", "stitch"}};
       for (const auto& [name, value] : values) {
         for (std::size_t found = text.find(name); found != std::string::npos; found = text.find(name)) {
           text.replace(found, name.size(), value);
@@ -275,8 +295,8 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
       // Without a flight in the address it tells nothing of others.
       Response told = world.sample.Get(one, share);
       const std::string body = BodyOf(told);
-      for (const std::string& foreign : {world.flight, world.free_flight, world.task_flight, world.trashed_flight, world.job,
-                                         std::string(kUuid)}) {
+      for (const std::string& foreign : {world.flight, world.free_flight, world.task_flight,
+                                         world.trashed_flight, world.job, std::string(kUuid)}) {
         EXPECT_EQ(body.find(foreign), std::string::npos) << one << " " << body;
       }
     }

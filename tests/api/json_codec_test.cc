@@ -1,10 +1,10 @@
-#include "api/json_codec.h"
+#include "api/json/json_codec.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "api/job_options.h"
+#include "api/json/job_options.h"
 
 namespace skyquilt::api {
 namespace {

@@ -1,10 +1,10 @@
-#include "api/multipart.h"
+#include "api/http/multipart.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "api/part_header.h"
+#include "api/http/part_header.h"
 
 namespace skyquilt::api {
 namespace {

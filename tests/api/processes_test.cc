@@ -51,7 +51,8 @@ TEST(Processes, DescribesItselfAndRefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(process["outputs"].contains("cog"));
   EXPECT_EQ(sample.Get("/ogc/processes/paint").status, 404);
   for (const char* bad : {"", "[]", "{}", R"({"inputs":{"flight":7}})"}) {
-    EXPECT_EQ(sample.Send(Method::kPost, "/ogc/processes/stitch/execution", bad, JsonType()).status, 400) << bad;
+    EXPECT_EQ(sample.Send(Method::kPost, "/ogc/processes/stitch/execution", bad, JsonType()).status, 400)
+        << bad;
   }
   const std::string unknown = R"({"inputs":{"flight":")" + sample.NewFlight() + R"(","colour":1}})";
   EXPECT_EQ(sample.Send(Method::kPost, "/ogc/processes/stitch/execution", unknown, JsonType()).status, 422);

@@ -1,9 +1,10 @@
-// Quotas at every door, with and without a length; and keys of requests that belong to one token and one body.
+// Quotas at every door, with and without a length; and keys of requests that belong to one token and one
+// body.
 #include "api/auth/quota.h"
 
 #include <gtest/gtest.h>
 
-#include "api/digest.h"
+#include "api/http/digest.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {
@@ -26,10 +27,12 @@ struct Fixture {
   std::string At(const std::string& name) { return "/api/v1/flights/" + flight + "/files/" + name; }
   std::int64_t Held() { return *sample.catalogue.BytesOf("small"); }
   // As a chunked body comes: without a length.
-  int SendWithoutLength(Method method, const std::string& target, const std::string& body, const Headers& headers) {
+  int SendWithoutLength(Method method, const std::string& target, const std::string& body,
+                        const Headers& headers) {
     return sample.Send(method, target, body, headers, false).status;
   }
-  std::string FormOf(const std::string& bytes, const std::string& boundary = "b", const std::string& name = "a.jpg") {
+  std::string FormOf(const std::string& bytes, const std::string& boundary = "b",
+                     const std::string& name = "a.jpg") {
     return "--" + boundary + "\r\nContent-Disposition: form-data; name=\"images\"; filename=\"" + name +
            "\"\r\n\r\n" + bytes + "\r\n--" + boundary + "--\r\n";
   }
@@ -60,9 +63,11 @@ TEST(Quota, HoldsForForms) {
   const Headers form = f.With(f.small, {{"Content-Type", "multipart/form-data; boundary=b"}});
   const std::string files = "/api/v1/flights/" + f.flight + "/files";
   EXPECT_EQ(f.sample.Send(Method::kPost, files, f.FormOf(std::string(2000, 'x')), form).status, kRefused);
-  EXPECT_EQ(f.sample.Send(Method::kPost, "/api/v1/flights", f.FormOf(std::string(2000, 'x')), form).status, kRefused);
+  EXPECT_EQ(f.sample.Send(Method::kPost, "/api/v1/flights", f.FormOf(std::string(2000, 'x')), form).status,
+            kRefused);
   EXPECT_EQ(f.sample.Send(Method::kPost, files, f.FormOf(std::string(900, 'x')), form).status, 201);
-  EXPECT_EQ(f.sample.Send(Method::kPost, "/api/v1/flights", f.FormOf(std::string(200, 'x')), form).status, kRefused);
+  EXPECT_EQ(f.sample.Send(Method::kPost, "/api/v1/flights", f.FormOf(std::string(200, 'x')), form).status,
+            kRefused);
   EXPECT_EQ(f.Held(), 900);
   // The node's clients hear of it at the end.
   const Response whole = f.sample.Send(Method::kPost, "/task/new", f.FormOf(std::string(200, 'x')), form);
@@ -77,10 +82,12 @@ TEST(Quota, HoldsForResumableUploads) {
   const std::string metadata =
       "flight " + EncodeBase64(f.flight) + ",filename " + EncodeBase64(std::string("a.jpg"));
   const auto create = [&](const char* name, const char* value) {
-    return f.sample.Send(Method::kPost, "/api/v1/uploads", "",
-                         f.With(f.small, {{"Tus-Resumable", "1.0.0"}, {"Upload-Metadata", metadata}, {name, value}}));
+    return f.sample.Send(
+        Method::kPost, "/api/v1/uploads", "",
+        f.With(f.small, {{"Tus-Resumable", "1.0.0"}, {"Upload-Metadata", metadata}, {name, value}}));
   };
-  const auto patch = [&](const std::string& at, const char* offset, std::size_t bytes, const char* length = "") {
+  const auto patch = [&](const std::string& at, const char* offset, std::size_t bytes,
+                         const char* length = "") {
     Headers headers = f.With(f.small, {{"Tus-Resumable", "1.0.0"},
                                        {"Upload-Offset", offset},
                                        {"Content-Type", "application/offset+octet-stream"}});
@@ -122,8 +129,9 @@ TEST(Quota, CountsWhatSeveralBringAtOnce) {
 TEST(Quota, HoldsForWhatIsInArchives) {
   Fixture f;
   std::int64_t room = 0;
-  f.sample.service().unpack = [&](const auto& store, const auto& flight, const auto&, std::int64_t most_bytes) {
-    room = most_bytes;
+  f.sample.service().unpack = [&](const auto& store, const auto& flight, const auto&,
+                                  std::int64_t max_bytes) {
+    room = max_bytes;
     auto upload = *store.Begin(flight, 0);
     const std::vector<std::uint8_t> bytes(static_cast<std::size_t>(1200), 1);
     EXPECT_TRUE(upload.Write(bytes));
@@ -153,7 +161,8 @@ TEST(IdempotencyKeys, BelongToTheTokenThatSentThem) {
 
 TEST(IdempotencyKeys, AreOfOneFormWhateverItsBoundary) {
   Fixture f;
-  const auto send = [&](const std::string& bytes, const std::string& boundary, const std::string& name = "a.jpg") {
+  const auto send = [&](const std::string& bytes, const std::string& boundary,
+                        const std::string& name = "a.jpg") {
     return f.sample.Send(Method::kPost, "/api/v1/flights", f.FormOf(bytes, boundary, name),
                          f.With(f.admin, {{"Idempotency-Key", "key"},
                                           {"Content-Type", "multipart/form-data; boundary=" + boundary}}));
@@ -165,8 +174,9 @@ TEST(IdempotencyKeys, AreOfOneFormWhateverItsBoundary) {
   EXPECT_EQ(again.body, first.body);
   EXPECT_EQ(send("two", "b").status, 422);
   EXPECT_EQ(send("one", "b", "b.jpg").status, 422);
-  const Response json = f.sample.Send(Method::kPost, "/api/v1/flights", "{}",
-                                      f.With(f.admin, {{"Idempotency-Key", "key"}, {"Content-Type", "application/json"}}));
+  const Response json =
+      f.sample.Send(Method::kPost, "/api/v1/flights", "{}",
+                    f.With(f.admin, {{"Idempotency-Key", "key"}, {"Content-Type", "application/json"}}));
   EXPECT_EQ(json.status, 422);
   EXPECT_EQ(f.sample.catalogue.FlightIds()->size(), 2u);  // that of the fixture, and the first form's
 }

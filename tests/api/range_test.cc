@@ -1,4 +1,4 @@
-#include "api/range.h"
+#include "api/http/range.h"
 
 #include <gtest/gtest.h>
 

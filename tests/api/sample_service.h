@@ -10,7 +10,7 @@
 
 #include "api/auth/access.h"
 #include "api/build_api.h"
-#include "api/target.h"
+#include "api/http/target.h"
 #include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
 
@@ -29,8 +29,8 @@ class SampleService {
         router_(BuildApi(service_)) {}
 
   // One request with its whole body, as a session would make it.
-  Response Send(Method method, const std::string& target, const std::string& body = "",
-                Headers headers = {}, bool says_length = true) {
+  Response Send(Method method, const std::string& target, const std::string& body = "", Headers headers = {},
+                bool says_length = true) {
     const auto parsed = ParseTarget(target);
     EXPECT_TRUE(parsed) << target;
     auto match = router_.Find(method, parsed->segments);
@@ -57,11 +57,11 @@ class SampleService {
   }
 
   // A new token, as the header that shows it. Its id is its name.
-  Headers MakeToken(const std::string& name, storage::Scope scope, std::optional<std::int64_t> most_bytes = {},
+  Headers MakeToken(const std::string& name, storage::Scope scope, std::optional<std::int64_t> max_bytes = {},
                     const std::string& flight_id = "") {
     const std::string text = NewTokenText();
     storage::Token token{name, name, HashToken(text), scope, storage::Now()};
-    token.most_bytes = most_bytes;
+    token.max_bytes = max_bytes;
     token.flight_id = flight_id;
     EXPECT_TRUE(service_.tokens.Add(token));
     Headers headers;

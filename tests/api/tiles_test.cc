@@ -10,7 +10,7 @@ namespace skyquilt::api {
 namespace {
 
 using nlohmann::json;
-using pipeline::TileFormat;
+using pyramid::TileFormat;
 
 class TilesTest : public testing::Test {
  protected:

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "server/job_limits.h"
-#include "server/job_messages.h"
-#include "server/message_pipe.h"
-#include "server/preview_messages.h"
+#include "server/confinement/message_pipe.h"
+#include "server/jobs/job_limits.h"
+#include "server/jobs/job_messages.h"
+#include "server/preview/preview_messages.h"
 
 namespace skyquilt::server {
 namespace {
@@ -191,7 +191,8 @@ TEST(JobLimits, GrowWithWhatWasUploaded) {
   EXPECT_EQ(one.memory_bytes, options.max_memory_bytes + (std::int64_t{4} << 30) + (2 << 20));
   const JobLimits many = LimitsOfJob(2000, std::int64_t{20} << 30, options, {});
   EXPECT_GT(many.wall, std::chrono::hours(30));
-  EXPECT_EQ(LimitsOfJob(1, 0, options, {.machine_memory_bytes = std::int64_t{4} << 30}).memory_bytes, std::int64_t{3} << 30);
+  EXPECT_EQ(LimitsOfJob(1, 0, options, {.machine_memory_bytes = std::int64_t{4} << 30}).memory_bytes,
+            std::int64_t{3} << 30);
   EXPECT_GT(MemoryOfThisMachine(), 256 << 20);
   const JobLimits given = LimitsOfJob(2000, 0, options, {std::chrono::seconds(7), 1 << 20});
   EXPECT_EQ(given.wall, std::chrono::seconds(7));

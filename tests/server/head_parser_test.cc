@@ -1,5 +1,5 @@
 // However the bytes of a head were cut on their way, it means the same.
-#include "server/head_parser.h"
+#include "server/http/head_parser.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <future>
 #include <thread>
 
-#include "api/responses.h"
-#include "server/http_server.h"
-#include "server/session_set.h"
+#include "api/http/responses.h"
+#include "server/http/http_server.h"
+#include "server/http/session_set.h"
 #include "tests/server/raw_client.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -34,7 +34,8 @@ class LoadedServerTest : public testing::Test {
       opened_.wait();
       return api::Text(200, "done", "text/plain");
     };
-    router_.AddQuick(Method::kGet, "/healthz", [](const api::Request&) { return api::Text(200, "ok", "text/plain"); });
+    router_.AddQuick(Method::kGet, "/healthz",
+                     [](const api::Request&) { return api::Text(200, "ok", "text/plain"); });
     router_.Add(Method::kGet, "/api/v1/read", hang);
     router_.AddCompute(Method::kGet, "/api/v1/compute", hang);
     router_.Add(Method::kDelete, "/api/v1/write", hang);
@@ -93,11 +94,12 @@ TEST_F(LoadedServerTest, AnswersWhatIsQuickWhileAllElseHangs) {
   WaitForHanging(3);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(quick->Ask(Get("/healthz")).body, "ok");
   Open();
-  for (const auto& client : {read.get(), compute.get(), write.get()}) EXPECT_EQ(client->Receive().body, "done");
+  for (const auto& client : {read.get(), compute.get(), write.get()})
+    EXPECT_EQ(client->Receive().body, "done");
 }
 
 TEST_F(LoadedServerTest, RefusesWhatItHasNoRoomForAndSaysWhenToComeAgain) {
-  settings_.most_waiting = 2;
+  settings_.max_waiting = 2;
   Start();
   std::vector<std::unique_ptr<RawClient>> taken;
   for (int i = 0; i < 3; ++i) {
@@ -127,7 +129,7 @@ TEST_F(LoadedServerTest, RefusesWhatItHasNoRoomForAndSaysWhenToComeAgain) {
 }
 
 TEST_F(LoadedServerTest, GivesAnAddressNoMoreThanItsShare) {
-  settings_.most_of_client = 1;
+  settings_.max_of_client = 1;
   settings_.trusted_proxies = {*AddressRange::From("127.0.0.1")};
   Start();
   const auto first = Client(), second = Client(), other = Client(), own = Client();

@@ -1,12 +1,12 @@
 // The server over real sockets, spoken to in raw bytes.
-#include "server/http_server.h"
+#include "server/http/http_server.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
-#include <vector>
 #include <thread>
 #include <tuple>
+#include <vector>
 
 #include "api/auth/access.h"
 #include "api/build_api.h"
@@ -192,7 +192,8 @@ TEST_F(HttpServerTest, AnswersToTheNamesThatItsOperatorGaveIt) {
   EXPECT_EQ(status("other.example:8443"), 200);
   EXPECT_EQ(status("other.example"), 421);
   EXPECT_EQ(status("maps.example.org.evil.example"), 421);
-  EXPECT_NE(Ask("GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n").body.find("--host"), std::string::npos);
+  EXPECT_NE(Ask("GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n").body.find("--host"),
+            std::string::npos);
 }
 
 TEST_F(HttpServerTest, ListeningAtAllAddressesAnswersToThoseOfTheMachineAlone) {
@@ -212,8 +213,9 @@ TEST_F(HttpServerTest, LetsNoPageOfElsewhereReadWithoutTokens) {
   const std::string flight = catalogue_.AddFlight("f", "{}", storage::Now())->id;
   storage::PublishSmallTileset(dir_, *db_, flight, {{1, 0, 1, "tile"}});
   const std::string evil = " HTTP/1.1\r\n" + kHost + "Origin: https://evil.example\r\n";
-  const std::vector<std::string> paths = {"/api/v1/flights", "/tiles/" + flight + "/1/0/0", "/ogc/collections",
-                                          "/stac/" + flight, "/wms/" + flight,            "/info"};
+  const std::vector<std::string> paths = {"/api/v1/flights",  "/tiles/" + flight + "/1/0/0",
+                                          "/ogc/collections", "/stac/" + flight,
+                                          "/wms/" + flight,   "/info"};
   for (const std::string& path : paths) {
     EXPECT_EQ(Ask("GET " + path + evil + "\r\n").head.find("Access-Control"), std::string::npos) << path;
     const RawAnswer preflight = Ask("OPTIONS " + path + evil + "Access-Control-Request-Method: GET\r\n\r\n");
@@ -225,7 +227,9 @@ TEST_F(HttpServerTest, LetsPagesOfNamedSitesRead) {
   settings_.cors_origins = {"https://maps.example.org"};
   Start();
   const auto head = [&](const std::string& method, const std::string& path, const std::string& origin) {
-    return Ask(method + " " + path + " HTTP/1.1\r\n" + kHost + "Content-Length: 0\r\nOrigin: " + origin + "\r\n\r\n").head;
+    return Ask(method + " " + path + " HTTP/1.1\r\n" + kHost + "Content-Length: 0\r\nOrigin: " + origin +
+               "\r\n\r\n")
+        .head;
   };
   const std::string named = "Access-Control-Allow-Origin: https://maps.example.org\r\n";
   EXPECT_NE(head("GET", "/api/v1/flights", "https://maps.example.org").find(named), std::string::npos);
@@ -235,21 +239,26 @@ TEST_F(HttpServerTest, LetsPagesOfNamedSitesRead) {
   EXPECT_NE(refused.find(" 403 "), std::string::npos);
   EXPECT_EQ(refused.find("Access-Control"), std::string::npos);
   EXPECT_NE(refused.find("Vary: Origin"), std::string::npos);
-  EXPECT_EQ(head("GET", "/api/v1/flights", "http://maps.example.org").find("Access-Control"), std::string::npos);
+  EXPECT_EQ(head("GET", "/api/v1/flights", "http://maps.example.org").find("Access-Control"),
+            std::string::npos);
 }
 
 TEST_F(HttpServerTest, LetsAnyPageWithATokenReadWhateverTheAnswer) {
   Start();
   const std::string text = api::NewTokenText();
-  ASSERT_TRUE(service_.tokens.Add({"one", "one", api::HashToken(text), storage::Scope::kAdmin, storage::Now()}));
+  ASSERT_TRUE(
+      service_.tokens.Add({"one", "one", api::HashToken(text), storage::Scope::kAdmin, storage::Now()}));
   const std::string shown = "Authorization: Bearer " + text + "\r\n";
   const auto ask = [&](const std::string& method, const std::string& path, const std::string& more) {
-    return Ask(method + " " + path + " HTTP/1.1\r\n" + kHost + "Origin: https://other.example\r\n" + more + "\r\n");
+    return Ask(method + " " + path + " HTTP/1.1\r\n" + kHost + "Origin: https://other.example\r\n" + more +
+               "\r\n");
   };
   const std::string any = "Access-Control-Allow-Origin: *\r\n";
-  const std::tuple<int, std::string, std::string> cases[] = {
-      {401, "/api/v1/flights", ""}, {200, "/api/v1/flights", shown}, {404, "/api/v1/flights/none", shown},
-      {404, "/nowhere", ""},        {200, "/healthz", ""}};
+  const std::tuple<int, std::string, std::string> cases[] = {{401, "/api/v1/flights", ""},
+                                                             {200, "/api/v1/flights", shown},
+                                                             {404, "/api/v1/flights/none", shown},
+                                                             {404, "/nowhere", ""},
+                                                             {200, "/healthz", ""}};
   for (const auto& [status, path, more] : cases) {
     const RawAnswer answer = ask("GET", path, more);
     EXPECT_EQ(answer.status, status) << path;
@@ -260,9 +269,11 @@ TEST_F(HttpServerTest, LetsAnyPageWithATokenReadWhateverTheAnswer) {
   const RawAnswer preflight = ask("OPTIONS", "/api/v1/flights", "Access-Control-Request-Method: POST\r\n");
   EXPECT_EQ(preflight.status, 204);
   EXPECT_NE(preflight.head.find(any), std::string::npos);
-  EXPECT_NE(preflight.head.find("Access-Control-Allow-Methods: GET, HEAD, POST, OPTIONS\r\n"), std::string::npos);
-  EXPECT_NE(ask("OPTIONS", "/api/v1/uploads", "").head.find("Access-Control-Allow-Methods: POST, OPTIONS\r\n"),
+  EXPECT_NE(preflight.head.find("Access-Control-Allow-Methods: GET, HEAD, POST, OPTIONS\r\n"),
             std::string::npos);
+  EXPECT_NE(
+      ask("OPTIONS", "/api/v1/uploads", "").head.find("Access-Control-Allow-Methods: POST, OPTIONS\r\n"),
+      std::string::npos);
   // A page whose name is no more than ours by DNS has no token either.
   EXPECT_EQ(Ask("GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n").status, 200);
 }

@@ -1,4 +1,4 @@
-#include "server/job_progress.h"
+#include "server/jobs/job_progress.h"
 
 #include <gtest/gtest.h>
 

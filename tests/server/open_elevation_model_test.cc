@@ -1,6 +1,6 @@
 // Which elevation model a flight is given, and that a bad one among its files costs a warning and not the
 // map.
-#include "server/open_elevation_model.h"
+#include "server/jobs/open_elevation_model.h"
 
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
@@ -59,8 +59,8 @@ TEST(OpenElevationModel, RefusesBlocksThatAreTooLargeToBeRead) {
   system.importFromEPSG(4326);
   const char* const options[] = {"COMPRESS=DEFLATE", "SPARSE_OK=TRUE", "BLOCKYSIZE=8192", nullptr};
   {
-    const std::unique_ptr<GDALDataset> file(
-        GetGDALDriverManager()->GetDriverByName("GTiff")->Create(path.c_str(), 8192, 8192, 1, GDT_Float32, options));
+    const std::unique_ptr<GDALDataset> file(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+        path.c_str(), 8192, 8192, 1, GDT_Float32, options));
     double corner[6] = {8.45, 1e-5, 0.0, 47.45, 0.0, -1e-5};
     file->SetGeoTransform(corner);
     file->SetSpatialRef(&system);

@@ -1,4 +1,4 @@
-#include "server/request_pool.h"
+#include "server/http/request_pool.h"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ void WaitForIdle(const RequestPool& pool) {
 }
 
 TEST(RequestPool, RefusesWhatItHasNoRoomFor) {
-  RequestPool pool({.name = "t", .threads = 1, .most_waiting = 2});
+  RequestPool pool({.name = "t", .threads = 1, .max_waiting = 2});
   Gate gate;
   ASSERT_EQ(pool.Submit("", gate.Work()), Answer::kTaken);
   gate.WaitUntilHeld();
@@ -55,7 +55,7 @@ TEST(RequestPool, RefusesWhatItHasNoRoomFor) {
 }
 
 TEST(RequestPool, GivesAClientNoMoreThanItsShare) {
-  RequestPool pool({.name = "t", .threads = 1, .most_waiting = 10, .most_of_client = 2});
+  RequestPool pool({.name = "t", .threads = 1, .max_waiting = 10, .max_of_client = 2});
   Gate gate;
   ASSERT_EQ(pool.Submit("a", gate.Work()), Answer::kTaken);
   gate.WaitUntilHeld();
@@ -63,14 +63,15 @@ TEST(RequestPool, GivesAClientNoMoreThanItsShare) {
   EXPECT_EQ(pool.Submit("a", nothing), Answer::kTaken);
   EXPECT_EQ(pool.Submit("a", nothing), Answer::kClientFull);  // one runs, one waits
   EXPECT_EQ(pool.Submit("b", nothing), Answer::kTaken);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(pool.Submit("", nothing), Answer::kTaken);  // this machine has no share
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(pool.Submit("", nothing), Answer::kTaken);  // this machine has no share
   gate.Open();
   WaitForIdle(pool);
   EXPECT_EQ(pool.Submit("a", nothing), Answer::kTaken);
 }
 
 TEST(RequestPool, LetsClientsTakeTurns) {
-  RequestPool pool({.name = "t", .threads = 1, .most_waiting = 10});
+  RequestPool pool({.name = "t", .threads = 1, .max_waiting = 10});
   Gate gate;
   ASSERT_EQ(pool.Submit("a", gate.Work()), Answer::kTaken);
   gate.WaitUntilHeld();
@@ -85,7 +86,7 @@ TEST(RequestPool, LetsClientsTakeTurns) {
 }
 
 TEST(RequestPool, TellsThoseWhoWaitedTooLong) {
-  RequestPool pool({.name = "t", .threads = 1, .most_waiting = 10, .max_wait = milliseconds(20)});
+  RequestPool pool({.name = "t", .threads = 1, .max_waiting = 10, .max_wait = milliseconds(20)});
   Gate gate;
   ASSERT_EQ(pool.Submit("", gate.Work()), Answer::kTaken);
   gate.WaitUntilHeld();
@@ -98,7 +99,7 @@ TEST(RequestPool, TellsThoseWhoWaitedTooLong) {
 
 TEST(RequestPool, StopsWithinItsTimeWhateverRuns) {
   Gate gate;
-  RequestPool pool({.name = "t", .threads = 2, .most_waiting = 10});
+  RequestPool pool({.name = "t", .threads = 2, .max_waiting = 10});
   ASSERT_EQ(pool.Submit("", gate.Work()), Answer::kTaken);
   gate.WaitUntilHeld();
   EXPECT_FALSE(pool.Stop(RequestPool::Clock::now() + milliseconds(30)));
@@ -112,7 +113,7 @@ TEST(RequestPool, StopsWithinItsTimeWhateverRuns) {
 TEST(RequestPool, DropsWhatWaitsWhenItStops) {
   auto held = std::make_shared<int>(0);
   Gate gate;
-  RequestPool pool({.name = "t", .threads = 1, .most_waiting = 10});
+  RequestPool pool({.name = "t", .threads = 1, .max_waiting = 10});
   pool.Submit("", gate.Work());
   gate.WaitUntilHeld();
   pool.Submit("a", [held](bool) { ++*held; });
@@ -126,14 +127,16 @@ TEST(RequestPool, DropsWhatWaitsWhenItStops) {
 }
 
 TEST(RequestPool, DoesAllThatManyThreadsGiveIt) {
-  RequestPool pool({.name = "t", .threads = 4, .most_waiting = 100'000, .most_of_client = 50'000});
+  RequestPool pool({.name = "t", .threads = 4, .max_waiting = 100'000, .max_of_client = 50'000});
   std::atomic<int> done = 0;
   std::vector<std::thread> givers;
   for (int giver = 0; giver < 4; ++giver) {
     givers.emplace_back([&, name = std::to_string(giver)] {
       for (int i = 0; i < 2000; ++i) {
-        if (i % 3 == 0) pool.Continue([&] { ++done; });
-        else EXPECT_EQ(pool.Submit(name, [&](bool) { ++done; }), Answer::kTaken);
+        if (i % 3 == 0)
+          pool.Continue([&] { ++done; });
+        else
+          EXPECT_EQ(pool.Submit(name, [&](bool) { ++done; }), Answer::kTaken);
       }
     });
   }

@@ -1,4 +1,4 @@
-#include "server/sandbox.h"
+#include "server/confinement/sandbox.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -20,7 +20,7 @@
 #include <functional>
 #include <thread>
 
-#include "server/system_calls.h"
+#include "server/confinement/system_calls.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {

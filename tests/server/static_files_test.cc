@@ -1,4 +1,4 @@
-#include "server/static_files.h"
+#include "server/routing/static_files.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/verdicts.h"
+#include "server/intake/verdicts.h"
 
 #include <gtest/gtest.h>
 

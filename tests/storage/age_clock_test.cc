@@ -1,8 +1,8 @@
-#include "storage/age_clock.h"
+#include "storage/db/age_clock.h"
 
 #include <gtest/gtest.h>
 
-#include "storage/catalogue_db.h"
+#include "storage/db/catalogue_db.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -33,8 +33,9 @@ TEST_F(AgeClockTest, StartsWithTheMachinesClockAndIsTheSameForAll) {
 
 TEST_F(AgeClockTest, GoesOnWhereItStoodWhenTheMachineStartsAgain) {
   const Time stood = Now() - days(30);
-  ASSERT_TRUE(Open()->Lock()->Exec("UPDATE age_clock SET boot_id='an earlier start', since_boot_us=7, age_us=" +
-                                   std::to_string(ToUs(stood))));
+  ASSERT_TRUE(
+      Open()->Lock()->Exec("UPDATE age_clock SET boot_id='an earlier start', since_boot_us=7, age_us=" +
+                           std::to_string(ToUs(stood))));
   // However far the machine's clock has gone meanwhile, or was set.
   ExpectNear(Open()->ages().Now(), stood);
   const auto db = Open();

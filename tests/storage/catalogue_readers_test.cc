@@ -5,10 +5,10 @@
 #include <thread>
 #include <vector>
 
-#include "storage/catalogue.h"
-#include "storage/event_log.h"
-#include "storage/job_queue.h"
-#include "storage/tokens.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/catalogue/event_log.h"
+#include "storage/catalogue/tokens.h"
+#include "storage/jobs/job_queue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

@@ -1,12 +1,12 @@
-#include "storage/catalogue.h"
+#include "storage/catalogue/catalogue.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "storage/ids.h"
-#include "storage/job_queue.h"
-#include "storage/migrations.h"
+#include "storage/db/ids.h"
+#include "storage/db/migrations.h"
+#include "storage/jobs/job_queue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

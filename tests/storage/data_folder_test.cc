@@ -5,11 +5,11 @@
 
 #include <fstream>
 
-#include "storage/data_dir_watch.h"
-#include "storage/data_marker.h"
-#include "storage/ids.h"
-#include "storage/open_data_folder.h"
-#include "storage/photo_store.h"
+#include "storage/db/ids.h"
+#include "storage/folder/data_dir_watch.h"
+#include "storage/folder/data_marker.h"
+#include "storage/folder/open_data_folder.h"
+#include "storage/uploads/photo_store.h"
 #include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
 
@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 std::map<std::string, std::uintmax_t> Contents(const fs::path& folder) {
   std::map<std::string, std::uintmax_t> contents;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) contents[entry.path().lexically_relative(folder).string()] = entry.file_size();
+    if (entry.is_regular_file())
+      contents[entry.path().lexically_relative(folder).string()] = entry.file_size();
   }
   return contents;
 }
@@ -74,12 +75,13 @@ TEST(OpenDataFolder, TakesAnEmptyFolderAndTheRootOfAFileSystem) {
 }
 
 TEST(OpenDataFolder, RefusesFoldersOfOthersAndLeavesThemAsTheyAre) {
-  for (const char* name : {"flights/2024/DJI_0001.JPG", "work/thesis.odt", "incoming/mail", "uploads/x", "holiday.jpg",
-                           "catalogue.db"}) {
+  for (const char* name : {"flights/2024/DJI_0001.JPG", "work/thesis.odt", "incoming/mail", "uploads/x",
+                           "holiday.jpg", "catalogue.db"}) {
     ScratchDir scratch;
     const fs::path file = scratch.path() / name;
     fs::create_directories(file.parent_path());
-    std::ofstream(file) << "mine, and not a database at all; long enough to look like a file that holds something";
+    std::ofstream(file)
+        << "mine, and not a database at all; long enough to look like a file that holds something";
     const auto before = Contents(scratch.path());
     ExpectRefusal(scratch.path(), "is not a data folder of Skyquilt");
     EXPECT_EQ(Contents(scratch.path()), before) << name;
@@ -91,13 +93,15 @@ TEST(OpenDataFolder, RefusesFoldersOfOthersAndLeavesThemAsTheyAre) {
 TEST(OpenDataFolder, RefusesWhatIsNoFolder) {
   ScratchDir scratch;
   std::ofstream(scratch.path() / "file") << "x";
-  EXPECT_NE(OpenDataFolder(scratch.path() / "file").error().message.find("is not a folder"), std::string::npos);
+  EXPECT_NE(OpenDataFolder(scratch.path() / "file").error().message.find("is not a folder"),
+            std::string::npos);
   fs::create_symlink(scratch.path() / "nowhere", scratch.path() / "link");
   EXPECT_NE(OpenDataFolder(scratch.path() / "link").error().message.find("is a link"), std::string::npos);
   if (geteuid() == 0) return;  // who may write everywhere
   fs::create_directory(scratch.path() / "closed");
   fs::permissions(scratch.path() / "closed", fs::perms::owner_read | fs::perms::owner_exec);
-  EXPECT_NE(OpenDataFolder(scratch.path() / "closed").error().message.find("cannot be used"), std::string::npos);
+  EXPECT_NE(OpenDataFolder(scratch.path() / "closed").error().message.find("cannot be used"),
+            std::string::npos);
 }
 
 TEST(OpenDataFolder, FollowsALinkToAFolder) {
@@ -178,8 +182,8 @@ TEST(OpenDataFolder, GoesOnAfterCrashesThatLeaveThingsOnDisk) {
   const std::string flight = Fill(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   const FlightRecords records(dir);
-  // Killed between a file's record and its commit; after files of an archive were placed; before a flight's commit;
-  // between a flight's deletion and the removal of its files.
+  // Killed between a file's record and its commit; after files of an archive were placed; before a flight's
+  // commit; between a flight's deletion and the removal of its files.
   const std::string stored = NewId(), empty = NewId(), deleted = NewId();
   std::ofstream(dir.Files(flight) / stored) << "photo";
   ASSERT_TRUE(records.AddFile(flight, stored, {"z.jpg", 5, Now(), false}));
@@ -241,8 +245,8 @@ TEST(DataDirWatch, SeesAFolderThatGoesIsReplacedAndComesBack) {
   EXPECT_EQ(watch->Check().error().code, ErrorCode::kUnavailable);
 }
 
-// A second connection of this process, and one of another that comes and goes: none may take the first one's locks with
-// it, or the other would take itself for the last and remove the log.
+// A second connection of this process, and one of another that comes and goes: none may take the first one's
+// locks with it, or the other would take itself for the last and remove the log.
 TEST(OpenDataFolder, KeepsItsLocksWhateverElseIsOpened) {
   ScratchDir scratch;
   int begin[2];

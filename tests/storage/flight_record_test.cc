@@ -1,11 +1,11 @@
-#include "storage/flight_record.h"
+#include "storage/catalogue/flight_record.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <random>
 
-#include "storage/ids.h"
+#include "storage/db/ids.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -71,8 +71,12 @@ TEST(FlightRecord, TakesAnyBytes) {
   EXPECT_FALSE(ParseFlightRecord("").is_whole);
   EXPECT_FALSE(ParseFlightRecord("\n\n").is_whole);
   EXPECT_FALSE(ParseFlightRecord("null\n[]\n{}\n").is_whole);
-  EXPECT_FALSE(ParseFlightRecord(R"({"flight":{"name":7,"created_us":"x"}})" "\n").is_whole);
-  EXPECT_FALSE(ParseFlightRecord(R"({"file":{"stored":"a","name":"b","bytes":1,"created_us":2}})" "\n").is_whole);
+  EXPECT_FALSE(ParseFlightRecord(R"({"flight":{"name":7,"created_us":"x"}})"
+                                 "\n")
+                   .is_whole);
+  EXPECT_FALSE(ParseFlightRecord(R"({"file":{"stored":"a","name":"b","bytes":1,"created_us":2}})"
+                                 "\n")
+                   .is_whole);
   EXPECT_FALSE(ParseFlightRecord(std::string(100'000, '[')).is_whole);
   const std::string good = "{\"flight\":{\"name\":\"f\"}}\n{\"removed\":\"x\"}\n{\"deleting\":1}\n";
   ASSERT_TRUE(ParseFlightRecord(good).is_whole);

@@ -1,5 +1,5 @@
 // Elevation models written here through GDAL, as surveys and agencies give them away.
-#include "storage/geotiff_dem.h"
+#include "storage/rasters/geotiff_dem.h"
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "core/flight/elevation_model_file.h"
+#include "core/flight/lists/elevation_model_file.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

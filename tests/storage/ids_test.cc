@@ -1,4 +1,4 @@
-#include "storage/ids.h"
+#include "storage/db/ids.h"
 
 #include <gtest/gtest.h>
 

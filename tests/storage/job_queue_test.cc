@@ -1,4 +1,4 @@
-#include "storage/job_queue.h"
+#include "storage/jobs/job_queue.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "storage/made_tiles.h"
+#include "storage/tilesets/made_tiles.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace skyquilt::storage {
 namespace {
 
 MadeTileKey Key(std::int64_t x, std::int64_t revision = 1) {
-  return {"flight", revision, *geo::TileId::Make(10, x, 7), pipeline::TileFormat::kPng, 2};
+  return {"flight", revision, *geo::TileId::Make(10, x, 7), pyramid::TileFormat::kPng, 2};
 }
 
 Result<std::string> Letters(std::size_t count) { return std::string(count, 'x'); }
@@ -31,7 +31,7 @@ TEST(MadeTiles, AreMadeOnce) {
   other.scale = 1;
   EXPECT_EQ(tiles.Find(other), nullptr);
   other = Key(1);
-  other.format = pipeline::TileFormat::kWebp;
+  other.format = pyramid::TileFormat::kWebp;
   EXPECT_EQ(tiles.Find(other), nullptr);
 }
 
@@ -74,8 +74,9 @@ TEST(MadeTiles, StayWithinTheirBudget) {
 
 TEST(MadeTiles, AreTriedAgainWhereMakingThemFailed) {
   MadeTiles tiles;
-  const auto failed =
-      tiles.Get(Key(1), []() -> Result<std::string> { return Error{ErrorCode::kCorrupt, "damaged", ""}; });
+  const auto failed = tiles.Get(Key(1), []() -> Result<std::string> {
+    return Error{ErrorCode::kCorrupt, "damaged", ""};
+  });
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().code, ErrorCode::kCorrupt);
   EXPECT_THROW(static_cast<void>(tiles.Get(

@@ -1,12 +1,12 @@
-#include "storage/mbtiles_reader.h"
+#include "storage/tilesets/mbtiles_reader.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "storage/ids.h"
-#include "storage/sqlite_db.h"
-#include "storage/tileset_cache.h"
+#include "storage/db/ids.h"
+#include "storage/db/sqlite_db.h"
+#include "storage/tilesets/tileset_cache.h"
 #include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
 

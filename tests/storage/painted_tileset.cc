@@ -6,7 +6,7 @@
 #include "core/geo/hilbert.h"
 #include "core/pyramid/build_overviews.h"
 #include "core/pyramid/encode_tile.h"
-#include "storage/mbtiles_writer.h"
+#include "storage/tilesets/mbtiles_writer.h"
 
 namespace skyquilt::test {
 namespace {

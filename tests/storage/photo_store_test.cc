@@ -1,12 +1,12 @@
-#include "storage/photo_store.h"
+#include "storage/uploads/photo_store.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "storage/ids.h"
-#include "storage/job_queue.h"
-#include "storage/sweep.h"
+#include "storage/db/ids.h"
+#include "storage/folder/sweep.h"
+#include "storage/jobs/job_queue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -134,7 +134,8 @@ TEST(Sweep, RemovesOnlyItsOwnTemporariesAndMovesAllElseThatIsUnknown) {
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), path.filename().string()) << path;
     EXPECT_FALSE(std::filesystem::exists(path));
   }
-  EXPECT_TRUE(std::filesystem::exists(lost / dir.Revision(flight, 99).lexically_relative(dir.root()) / "mosaic.mbtiles"));
+  EXPECT_TRUE(std::filesystem::exists(lost / dir.Revision(flight, 99).lexically_relative(dir.root()) /
+                                      "mosaic.mbtiles"));
   const auto again = Sweep(dir, catalogue, queue, Previews(*db), Now());
   EXPECT_EQ(again->removed, 0);
   EXPECT_TRUE(again->moved.empty());

@@ -1,11 +1,11 @@
-#include "storage/previews.h"
+#include "storage/catalogue/previews.h"
 
 #include <gtest/gtest.h>
 
-#include "storage/event_log.h"
-#include "storage/ids.h"
-#include "storage/job_queue.h"
-#include "storage/preview_tiles.h"
+#include "storage/catalogue/event_log.h"
+#include "storage/db/ids.h"
+#include "storage/jobs/job_queue.h"
+#include "storage/tilesets/preview_tiles.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

@@ -1,16 +1,16 @@
-#include "storage/repair_data.h"
+#include "storage/folder/repair_data.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <functional>
 
-#include "storage/check_data.h"
-#include "storage/ids.h"
-#include "storage/lost_folder.h"
-#include "storage/open_data_folder.h"
-#include "storage/photo_store.h"
-#include "storage/sweep.h"
+#include "storage/db/ids.h"
+#include "storage/folder/check_data.h"
+#include "storage/folder/lost_folder.h"
+#include "storage/folder/open_data_folder.h"
+#include "storage/folder/sweep.h"
+#include "storage/uploads/photo_store.h"
 #include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
 
@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string Store(const OpenedDataFolder& opened, Catalogue& catalogue, const std::string& flight, const std::string& name) {
+std::string Store(const OpenedDataFolder& opened, Catalogue& catalogue, const std::string& flight,
+                  const std::string& name) {
   auto upload = PhotoStore(opened.dir).Begin(flight, 0);
   const std::string bytes = "\xff\xd8\xff of " + name;
   EXPECT_TRUE(upload->Write({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
@@ -42,7 +43,8 @@ Sample Fill(const fs::path& root) {
   Store(*opened, catalogue, sample.mapped, "a.jpg");
   Store(*opened, catalogue, sample.mapped, "b.jpg");
   Store(*opened, catalogue, sample.mapped, "gone.jpg");
-  EXPECT_TRUE(catalogue.RemoveFile(sample.mapped, "gone.jpg"));  // and the bytes stay, as a crash would leave them
+  EXPECT_TRUE(
+      catalogue.RemoveFile(sample.mapped, "gone.jpg"));  // and the bytes stay, as a crash would leave them
   PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "old"}});
   PublishSmallTileset(opened->dir, *opened->db, sample.mapped, {{0, 0, 0, "new"}});
   sample.plain = catalogue.AddFlight("plain", "{}", Now())->id;
@@ -69,7 +71,8 @@ void ExpectAllBack(const fs::path& root, const Sample& sample) {
   EXPECT_EQ(files[0].name, "a.jpg");
   EXPECT_EQ(files[1].name, "b.jpg");
   for (const StoredFile& file : files) {
-    EXPECT_EQ(fs::file_size(opened->dir.Files(sample.mapped) / file.stored_name), static_cast<std::uintmax_t>(file.bytes));
+    EXPECT_EQ(fs::file_size(opened->dir.Files(sample.mapped) / file.stored_name),
+              static_cast<std::uintmax_t>(file.bytes));
   }
   EXPECT_EQ(catalogue.GetFlight(sample.plain)->name, "renamed");
   EXPECT_EQ(catalogue.ListFiles(sample.plain)->at(0).name, "c.jpg");
@@ -127,7 +130,8 @@ TEST(RepairData, BringsBackWhatWentToLost) {
     LostFolder lost(dir, Now());
     lost.Take(dir.Flight(sample.plain), "is here for a test");
     lost.Take(dir.Revision(sample.mapped, 2), "is here for a test");
-    for (const auto& entry : fs::directory_iterator(dir.Files(sample.mapped))) lost.Take(entry.path(), "is here for a test");
+    for (const auto& entry : fs::directory_iterator(dir.Files(sample.mapped)))
+      lost.Take(entry.path(), "is here for a test");
   }
   fs::remove(dir.Catalogue());
   const auto repaired = RepairData(scratch.path(), Now());
@@ -164,7 +168,8 @@ TEST(CheckData, ListsWhatIsMissingAndWhatIsUnknown) {
   const Sample sample = Fill(scratch.path());
   auto opened = OpenDataFolder(scratch.path());
   ASSERT_TRUE(opened);
-  ASSERT_TRUE(Sweep(opened->dir, Catalogue(*opened->db), JobQueue(*opened->db), Previews(*opened->db), Now()));
+  ASSERT_TRUE(
+      Sweep(opened->dir, Catalogue(*opened->db), JobQueue(*opened->db), Previews(*opened->db), Now()));
   ASSERT_TRUE(PurgeLost(opened->dir));
   EXPECT_TRUE(CheckData(opened->dir, *opened->db)->IsWell());
   fs::remove_all(opened->dir.Files(sample.plain));

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "core/base/check.h"
-#include "storage/job_queue.h"
+#include "storage/jobs/job_queue.h"
 
 namespace skyquilt::storage {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/catalogue_db.h"
-#include "storage/data_dir.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/folder/data_dir.h"
 
 namespace skyquilt::storage {
 

@@ -1,4 +1,4 @@
-#include "storage/sqlite_db.h"
+#include "storage/db/sqlite_db.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,12 +1,12 @@
-#include "storage/trash.h"
+#include "storage/catalogue/trash.h"
 
 #include <gtest/gtest.h>
 
-#include "storage/event_log.h"
-#include "storage/job_queue.h"
-#include "storage/node_tasks.h"
-#include "storage/previews.h"
-#include "storage/upload_spool.h"
+#include "storage/catalogue/event_log.h"
+#include "storage/catalogue/node_tasks.h"
+#include "storage/catalogue/previews.h"
+#include "storage/jobs/job_queue.h"
+#include "storage/uploads/upload_spool.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {

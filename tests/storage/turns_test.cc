@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/job_queue.h"
-#include "storage/stage_costs.h"
+#include "storage/catalogue/stage_costs.h"
+#include "storage/jobs/job_queue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -17,7 +17,8 @@ using std::chrono::seconds;
 
 class TurnsTest : public testing::Test {
  protected:
-  TurnsTest() : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_), now_(Now()) {}
+  TurnsTest()
+      : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")), catalogue_(*db_), queue_(*db_), now_(Now()) {}
 
   std::string Ask(const std::string& owner, int priority = 0) {
     const std::string flight = catalogue_.AddFlight("field", "{}", now_, owner)->id;
@@ -96,14 +97,16 @@ TEST_F(TurnsTest, WhatJobsTookSaysWhatTheNextWillTake) {
   for (int i = 0; i < 9; ++i) {
     // 1.0 to 1.8 s a photo, three quarters of it to align.
     const double total_s = 50.0 * (1.0 + 0.1 * i);
-    ASSERT_TRUE(costs.Add({"job" + std::to_string(i), 50, {{"align", 0.75 * total_s}, {"render", 0.25 * total_s}}}));
+    ASSERT_TRUE(
+        costs.Add({"job" + std::to_string(i), 50, {{"align", 0.75 * total_s}, {"render", 0.25 * total_s}}}));
   }
   const auto expectation = ExpectationFrom(*costs.Latest(20), 100);
   ASSERT_TRUE(expectation);
   EXPECT_NEAR(expectation->total_s, 140.0, 1e-6);
   EXPECT_LT(expectation->low_s, 110.0);
   EXPECT_GT(expectation->high_s, 165.0);
-  for (const auto& [stage, share] : expectation->shares) EXPECT_NEAR(share, stage == "align" ? 0.75 : 0.25, 1e-9);
+  for (const auto& [stage, share] : expectation->shares)
+    EXPECT_NEAR(share, stage == "align" ? 0.75 : 0.25, 1e-9);
   EXPECT_EQ(costs.Latest(3)->size(), 3u);
 }
 
@@ -145,13 +148,15 @@ TEST_F(TurnsTest, AreThoseThatLookingAtEveryJobFinds) {
     // A flight goes whose job nobody has begun: others take the time of their owner's last turn with them.
     if (pick(20) == 0) {
       const auto db = db_->Lock();
-      ASSERT_TRUE(db->Exec("DELETE FROM flight WHERE id=(SELECT flight_id FROM job WHERE state='accepted' AND"
-                           " attempt_started_us IS NULL ORDER BY id DESC LIMIT 1)"));
+      ASSERT_TRUE(
+          db->Exec("DELETE FROM flight WHERE id=(SELECT flight_id FROM job WHERE state='accepted' AND"
+                   " attempt_started_us IS NULL ORDER BY id DESC LIMIT 1)"));
     }
     if (pick(12) == 0) {
       const auto waiting = *queue_.UnfinishedJobs();
       if (!waiting.empty()) {
-        static_cast<void>(queue_.Cancel(waiting[static_cast<std::size_t>(pick(static_cast<int>(waiting.size())))], now_));
+        static_cast<void>(
+            queue_.Cancel(waiting[static_cast<std::size_t>(pick(static_cast<int>(waiting.size())))], now_));
       }
     }
   }

@@ -1,10 +1,10 @@
-#include "storage/unpack_archive.h"
+#include "storage/uploads/unpack_archive.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "storage/ids.h"
+#include "storage/db/ids.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -12,11 +12,13 @@ namespace {
 
 using namespace std::string_literals;
 
-// A zip of a.jpg, which holds "abc", compressed by LZMA (method 14) with a dictionary of a size of one's choice.
+// A zip of a.jpg, which holds "abc", compressed by LZMA (method 14) with a dictionary of a size of one's
+// choice.
 std::string LzmaZip(std::string_view dictionary_bytes) {
   const std::string file =
       "PK\x03\x04\x3f\0\x02\0\x0e\0\0\0\x21\x58\xc2\x41\x24\x35\x16\0\0\0\x03\0\0\0\x05\0\0\0a.jpg"
-      "\x09\x04\x05\0\x5d"s + std::string(dictionary_bytes) + "\0\x30\x98\x88\xa4\x4a\x8e\x9f\xff\xf6\x63\x80\0"s;
+      "\x09\x04\x05\0\x5d"s +
+      std::string(dictionary_bytes) + "\0\x30\x98\x88\xa4\x4a\x8e\x9f\xff\xf6\x63\x80\0"s;
   const std::string directory =
       "PK\x01\x02\x3f\x03\x3f\0\x02\0\x0e\0\0\0\x21\x58\xc2\x41\x24\x35\x16\0\0\0\x03\0\0\0\x05\0\0\0\0\0\0\0\0\0\0\0"
       "\x80\x01\0\0\0\0a.jpg"s;
@@ -54,7 +56,8 @@ TEST_F(UnpackArchiveTest, TakesFilesAsTheyAre) {
   EXPECT_EQ(files->front().file.bytes, 3);
 }
 
-// Such an entry takes what memory it asks for before a byte of it is out: here 8 MiB, and more than three gigabytes.
+// Such an entry takes what memory it asks for before a byte of it is out: here 8 MiB, and more than three
+// gigabytes.
 TEST_F(UnpackArchiveTest, RefusesZipsThatAskForMemory) {
   for (const std::string& dictionary : {"\0\0\x80\0"s, "\0\0\0\xc1"s}) {
     const auto files = Unpack(LzmaZip(dictionary));

@@ -1,4 +1,4 @@
-#include "storage/zip_directory.h"
+#include "storage/uploads/zip_directory.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,8 @@ void Put(std::string& bytes, std::uint64_t value, int size) {
 }
 
 // A directory of `entries` behind `before` bytes of files, and an end that says what it is told to say.
-std::string Zip(int entries, std::size_t before, std::uint64_t says_at, std::uint64_t says_bytes, bool is_64 = false) {
+std::string Zip(int entries, std::size_t before, std::uint64_t says_at, std::uint64_t says_bytes,
+                bool is_64 = false) {
   std::string bytes(before, 'x');
   for (int i = 0; i < entries; ++i) bytes += std::string("PK\1\2", 4) + std::string(42, '\0') + "a";
   const std::uint64_t end64_at = bytes.size();

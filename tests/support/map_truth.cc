@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/geo/raster_frame.h"
-#include "core/simulate/world_raster.h"
+#include "core/simulate/world/world_raster.h"
 
 namespace skyquilt::test {
 namespace {
@@ -24,15 +24,17 @@ cv::Mat1f Smoothed(const cv::Mat& rgb, int code) {
 
 MapError MeasureMapError(const MemorySink& map, const simulate::World& world, const geo::LocalFrame& frame) {
   constexpr int kPatch = 64;
-  constexpr double kLeastTexture = 1.0;  // mean squared gradient
+  constexpr double kMinTexture = 1.0;  // mean squared gradient
   const int finest = map.tiles.rbegin()->first.z();
   MapError error;
   double sum = 0.0;
   for (const auto& [tile, stored] : map.tiles) {
-    if (tile.z() != finest || stored.format != pipeline::TileFormat::kJpeg) continue;
+    if (tile.z() != finest || stored.format != pyramid::TileFormat::kJpeg) continue;
     const cv::Mat bgr = cv::imdecode(stored.bytes, cv::IMREAD_COLOR);
-    const pipeline::DecodedImage truth = simulate::RenderWorld(world, frame, geo::RasterFrame::OfTile(tile, bgr.cols));
-    const cv::Mat truth_rgb(truth.height_px, truth.width_px, CV_8UC3, const_cast<std::uint8_t*>(truth.rgb.data()));
+    const image::DecodedImage truth =
+        simulate::RenderWorld(world, frame, geo::RasterFrame::OfTile(tile, bgr.cols));
+    const cv::Mat truth_rgb(truth.height_px, truth.width_px, CV_8UC3,
+                            const_cast<std::uint8_t*>(truth.rgb.data()));
     const cv::Mat1f a = Smoothed(bgr, cv::COLOR_BGR2GRAY);
     const cv::Mat1f b = Smoothed(truth_rgb, cv::COLOR_RGB2GRAY);
     for (int y = 0; y + kPatch <= a.rows; y += kPatch) {
@@ -48,7 +50,7 @@ MapError MeasureMapError(const MemorySink& map, const simulate::World& world, co
           }
         }
         const double pixels = (kPatch - 6.0) * (kPatch - 6.0);
-        if (std::min(normal(0, 0), normal(1, 1)) / pixels < kLeastTexture) continue;
+        if (std::min(normal(0, 0), normal(1, 1)) / pixels < kMinTexture) continue;
         const cv::Vec3d solved = normal.solve(right, cv::DECOMP_SVD);
         const double shift = std::hypot(solved[0], solved[1]);
         ++error.patches;

@@ -1,8 +1,9 @@
-// Compares a finished map with the simulated world it shows: how far each patch of the map is shifted, in pixels.
+// Compares a finished map with the simulated world it shows: how far each patch of the map is shifted, in
+// pixels.
 #pragma once
 
 #include "core/geo/local_frame.h"
-#include "core/simulate/world.h"
+#include "core/simulate/world/world.h"
 #include "tests/support/memory_sink.h"
 
 namespace skyquilt::test {

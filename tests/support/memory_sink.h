@@ -4,19 +4,20 @@
 #include <map>
 #include <vector>
 
-#include "core/pipeline/ports.h"
+#include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::test {
 
 struct StoredTile {
-  pipeline::TileFormat format;
+  pyramid::TileFormat format;
   std::vector<std::uint8_t> bytes;
   bool operator==(const StoredTile&) const = default;
 };
 
-class MemorySink final : public pipeline::TileSink {
+class MemorySink final : public pyramid::TileSink {
  public:
-  Result<void> Put(const geo::TileId& tile, pipeline::TileFormat format, std::span<const std::uint8_t> bytes) override {
+  Result<void> Put(const geo::TileId& tile, pyramid::TileFormat format,
+                   std::span<const std::uint8_t> bytes) override {
     tiles[tile] = {format, {bytes.begin(), bytes.end()}};
     order.push_back(tile);
     return {};

@@ -8,8 +8,8 @@
 #include "core/base/parallel_for.h"
 #include "core/camera/ground_homography.h"
 #include "core/geo/web_mercator.h"
-#include "core/render/estimate_exposure.h"
-#include "core/simulate/parcels.h"
+#include "core/render/exposure/estimate_exposure.h"
+#include "core/simulate/world/parcels.h"
 #include "tests/support/memory_sink.h"
 
 namespace skyquilt::test {
@@ -18,7 +18,7 @@ namespace {
 constexpr int kSubPixels = 4;  // cars are painted with bits of a pixel
 
 void PaintCar(const simulate::SimulatedFlight& flight, std::size_t index, const Car& car,
-              pipeline::DecodedImage& image) {
+              image::DecodedImage& image) {
   const simulate::SimulatedPhoto& photo = flight.photos[index];
   std::vector<cv::Point> outline;
   for (const auto& [along, across] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
@@ -109,7 +109,7 @@ Eigen::Vector2d Car::PlaceAt(double t_s, const Eigen::Vector2d& in_car_m) const 
 }
 
 KeptPhotos::KeptPhotos(const simulate::SimulatedFlight& flight, const std::vector<Car>& cars) {
-  std::vector<pipeline::DecodedImage> made(flight.photos.size());
+  std::vector<image::DecodedImage> made(flight.photos.size());
   ParallelFor(made.size(), 0, [&](std::size_t i) {
     made[i] = simulate::RenderSimulatedPhoto(flight, i);
     for (const Car& car : cars) PaintCar(flight, i, car, made[i]);
@@ -117,13 +117,13 @@ KeptPhotos::KeptPhotos(const simulate::SimulatedFlight& flight, const std::vecto
   for (std::size_t i = 0; i < made.size(); ++i) images_[flight.photos[i].photo.name] = std::move(made[i]);
 }
 
-Result<pipeline::DecodedImage> KeptPhotos::Decode(const flight::Photo& photo, int denominator) const {
-  const pipeline::DecodedImage& whole = images_.at(photo.name);
+Result<image::DecodedImage> KeptPhotos::Decode(const flight::Photo& photo, int denominator) const {
+  const image::DecodedImage& whole = images_.at(photo.name);
   if (denominator == 1) return whole;
   const cv::Mat in(whole.height_px, whole.width_px, CV_8UC3, const_cast<std::uint8_t*>(whole.rgb.data()));
-  pipeline::DecodedImage small{(whole.width_px + denominator - 1) / denominator,
-                               (whole.height_px + denominator - 1) / denominator,
-                               {}};
+  image::DecodedImage small{(whole.width_px + denominator - 1) / denominator,
+                            (whole.height_px + denominator - 1) / denominator,
+                            {}};
   small.rgb.resize(static_cast<std::size_t>(small.width_px) * small.height_px * 3);
   cv::Mat out(small.height_px, small.width_px, CV_8UC3, small.rgb.data());
   cv::resize(in, out, out.size(), 0, 0, cv::INTER_AREA);

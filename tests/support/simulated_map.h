@@ -7,11 +7,11 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/ground/ground_surface.h"
-#include "core/render/exposure.h"
+#include "core/render/exposure/exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
-#include "core/render/seam_map.h"
+#include "core/render/seams/seam_map.h"
 #include "core/render/thumbnail.h"
 #include "core/simulate/simulate_flight.h"
 
@@ -29,13 +29,13 @@ struct Car {
 inline constexpr double kCarLengthM = 4.5, kCarWidthM = 1.8;
 
 // The photos, rendered once and kept, with the cars painted in.
-class KeptPhotos final : public pipeline::PhotoSource {
+class KeptPhotos final : public flight::PhotoSource {
  public:
   KeptPhotos(const simulate::SimulatedFlight& flight, const std::vector<Car>& cars);
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
 
  private:
-  std::map<std::string, pipeline::DecodedImage> images_;
+  std::map<std::string, image::DecodedImage> images_;
 };
 
 struct SimulatedMap {
@@ -63,7 +63,8 @@ struct ObjectCount {
   int objects = 0;
   int twice = 0;
   int in_part = 0;
-  double worst_share = 0.0;  // of the most broken object: its parts shown twice, or those of the smaller piece
+  double worst_share =
+      0.0;  // of the most broken object: its parts shown twice, or those of the smaller piece
   Eigen::Vector2d worst_in_enu = Eigen::Vector2d::Zero();  // where the map shows some of it
   double BrokenShare() const { return objects == 0 ? 0.0 : static_cast<double>(twice + in_part) / objects; }
 };

@@ -4,14 +4,14 @@ import assert from 'node:assert/strict';
 import { File } from 'node:buffer';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
-import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/coordinates.js';
-import { tilesIn } from '../../web/src/tile_addresses.js';
-import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/geodesy.js';
-import { clipName, formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/format.js';
-import { parseRoute, routeHash } from '../../web/src/router.js';
-import { looksLikePhoto, selectFiles } from '../../web/src/drop_files.js';
-import { coverageGrid, histogram } from '../../web/src/report_pictures.js';
-import { UploadQueue } from '../../web/src/upload_queue.js';
+import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/map/coordinates.js';
+import { tilesIn } from '../../web/src/map/tile_addresses.js';
+import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
+import { clipName, formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/shared/format.js';
+import { parseRoute, routeHash } from '../../web/src/shared/router.js';
+import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
+import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
+import { UploadQueue } from '../../web/src/upload/upload_queue.js';
 import { web_root } from './support/mock_server.js';
 
 /** Repeatable numbers in 0..1. */

@@ -6,10 +6,10 @@ import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/connect_files.js';
-import { glanceAtPhoto, kHeadBytes } from '../../web/src/exif_reader.js';
-import { verdictWords } from '../../web/src/verdict_view.js';
-import { verdictOf } from '../../web/src/verdict.js';
+import { gdalXml, josmAddress, qgisXml, xmlText } from '../../web/src/flight/connect_files.js';
+import { glanceAtPhoto, kHeadBytes } from '../../web/src/upload/exif_reader.js';
+import { verdictWords } from '../../web/src/upload/verdict_view.js';
+import { verdictOf } from '../../web/src/upload/verdict.js';
 import { boundsOf } from './support/mock_flight.js';
 import { startMockServer } from './support/mock_server.js';
 

@@ -1,26 +1,26 @@
 // Wires the page together: the address decides what is open, the list is kept fresh, files start uploads.
-/** @import { Flight } from './types.js' */
-/** @import { Route } from './router.js' */
-/** @import { Selection } from './drop_files.js' */
-import { takeSharedToken } from './access.js';
-import { announce, showError } from './announce.js';
-import { createFlight, getFlight, getTrash, listFiles, listFlights, renameFlight } from './api.js';
-import { deleteWithUndo, removeForGood, restore } from './deletions.js';
-import { askName, askWhereTo } from './dialogs.js';
-import { byId, put } from './dom.js';
-import { dropZone } from './drop_zone.js';
-import { flightList } from './flight_list.js';
-import { FlightView } from './flight_view.js';
-import { clipName } from './format.js';
-import { icon } from './icons.js';
-import { go, watchRoute } from './router.js';
-import { showShareDialog } from './share_dialog.js';
-import { bottomSheet } from './sheet.js';
-import { Stage } from './stage.js';
-import { strings } from './strings.js';
-import { trashList } from './trash_list.js';
-import { isUploading, startUpload, uploadOf } from './uploads.js';
-import { welcomeView } from './welcome.js';
+/** @import { Flight } from './shared/types.js' */
+/** @import { Route } from './shared/router.js' */
+/** @import { Selection } from './upload/drop_files.js' */
+import { takeSharedToken } from './shared/access.js';
+import { announce, showError } from './shared/announce.js';
+import { createFlight, getFlight, getTrash, listFiles, listFlights, renameFlight } from './shared/api.js';
+import { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
+import { askName, askWhereTo } from './shared/dialogs.js';
+import { byId, put } from './shared/dom.js';
+import { dropZone } from './upload/drop_zone.js';
+import { flightList } from './flight/flight_list.js';
+import { FlightView } from './flight/flight_view.js';
+import { clipName } from './shared/format.js';
+import { icon } from './shared/icons.js';
+import { go, watchRoute } from './shared/router.js';
+import { showShareDialog } from './flight/share_dialog.js';
+import { bottomSheet } from './shared/sheet.js';
+import { Stage } from './map/stage.js';
+import { strings } from './shared/strings.js';
+import { trashList } from './flight/trash_list.js';
+import { isUploading, startUpload, uploadOf } from './upload/uploads.js';
+import { welcomeView } from './upload/welcome.js';
 
 takeSharedToken();
 // A share link that is opened where the page is already: everything is asked for anew, with its token.

@@ -13,8 +13,8 @@ namespace {
 // While reading, the segment is kept in the time itself; microseconds survive this in a double.
 constexpr double kSegmentStepS = 1e9;
 constexpr double kLatestS = 4e8;  // no log lasts 12 years; keeps segments apart
-constexpr int kMostSegments = 64;
-constexpr std::size_t kMostEvents = 200'000;
+constexpr int kMaxSegments = 64;
+constexpr std::size_t kMaxEvents = 200'000;
 
 bool IsFinite(const Eigen::Vector3d& v) { return v.allFinite(); }
 bool IsFinite(const ImuSample& s) {
@@ -165,7 +165,7 @@ void LogBuilder::PushTimed(CappedSeries<T>& series, const T& sample, int which) 
       --samples_of_segment_.back();
       clock.last_s = clock.before_last_s;
       ++stray_stamps_;
-    } else if (segment_ + 1 < kMostSegments) {
+    } else if (segment_ + 1 < kMaxSegments) {
       ++segment_;
       samples_of_segment_.push_back(0);
       for (Clock& each : clocks_) each = Clock{};
@@ -217,7 +217,7 @@ void LogBuilder::Add(CameraEvent event) {
     ++not_finite_;
     return;
   }
-  if (log_.events.size() >= kMostEvents) {
+  if (log_.events.size() >= kMaxEvents) {
     ++events_dropped_;
     return;
   }
@@ -289,7 +289,7 @@ FlightLog LogBuilder::Finish() && {
   if (bad_positions_ > 0) Warn(fmt::format("{} positions without a fix were dropped", bad_positions_));
   if (stray_stamps_ > 0) Warn(fmt::format("{} samples with a stray time stamp were dropped", stray_stamps_));
   if (events_dropped_ > 0) {
-    Warn(fmt::format("more than {} camera events; the last {} were dropped", kMostEvents, events_dropped_));
+    Warn(fmt::format("more than {} camera events; the last {} were dropped", kMaxEvents, events_dropped_));
   }
   if (baro_starts_at_zero_ && !log_.baro.empty()) {
     std::vector<double> first;

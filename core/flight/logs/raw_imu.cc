@@ -3,13 +3,13 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::size_t kMostWaiting = 4096;
+constexpr std::size_t kMaxWaiting = 4096;
 constexpr double kLongestGapS = 0.05;  // accelerometer samples further apart are not joined
 
 }  // namespace
 
 void RawImuPairing::AddGyro(double t_s, const Eigen::Vector3d& angular_rate_radps) {
-  if (gyro_.size() == kMostWaiting) gyro_.pop_front();
+  if (gyro_.size() == kMaxWaiting) gyro_.pop_front();
   gyro_.push_back({t_s, angular_rate_radps});
 }
 

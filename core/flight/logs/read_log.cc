@@ -4,22 +4,22 @@
 
 #include <array>
 
-#include "core/flight/logs/canonical_csv.h"
-#include "core/flight/logs/dataflash.h"
-#include "core/flight/logs/dji_mrk.h"
-#include "core/flight/logs/dji_srt.h"
-#include "core/flight/logs/gcp_list.h"
-#include "core/flight/logs/geo_txt.h"
-#include "core/flight/logs/gpx.h"
+#include "core/flight/logs/autopilots/dataflash.h"
+#include "core/flight/logs/autopilots/mavlink_tlog.h"
+#include "core/flight/logs/autopilots/ulog.h"
+#include "core/flight/logs/csv/canonical_csv.h"
+#include "core/flight/logs/csv/tolerant_csv.h"
 #include "core/flight/logs/mapped_file.h"
-#include "core/flight/logs/mavlink_tlog.h"
-#include "core/flight/logs/nmea.h"
-#include "core/flight/logs/pix4d_csv.h"
-#include "core/flight/logs/rtklib_pos.h"
-#include "core/flight/logs/sensefly_geoinfo.h"
 #include "core/flight/logs/text_fields.h"
-#include "core/flight/logs/tolerant_csv.h"
-#include "core/flight/logs/ulog.h"
+#include "core/flight/logs/texts/dji_mrk.h"
+#include "core/flight/logs/texts/dji_srt.h"
+#include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/logs/texts/geo_txt.h"
+#include "core/flight/logs/texts/gpx.h"
+#include "core/flight/logs/texts/nmea.h"
+#include "core/flight/logs/texts/pix4d_csv.h"
+#include "core/flight/logs/texts/rtklib_pos.h"
+#include "core/flight/logs/texts/sensefly_geoinfo.h"
 
 namespace skyquilt::flight {
 namespace {

@@ -8,7 +8,7 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 20;
-constexpr std::size_t kMostFields = 1024;
+constexpr std::size_t kMaxFields = 1024;
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
@@ -92,7 +92,7 @@ void SplitFields(std::string_view line, char separator, std::vector<std::string_
   fields.clear();
   std::size_t start = 0;
   bool quoted = false;
-  for (std::size_t i = 0; i <= line.size() && fields.size() < kMostFields; ++i) {
+  for (std::size_t i = 0; i <= line.size() && fields.size() < kMaxFields; ++i) {
     if (i < line.size() && line[i] == '"') quoted = !quoted;
     if (i == line.size() || (line[i] == separator && !quoted)) {
       fields.push_back(Unquote(line.substr(start, i - start)));
@@ -104,7 +104,7 @@ void SplitFields(std::string_view line, char separator, std::vector<std::string_
 void SplitBlanks(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
   std::size_t at = 0;
-  while (at < line.size() && fields.size() < kMostFields) {
+  while (at < line.size() && fields.size() < kMaxFields) {
     while (at < line.size() && IsBlank(line[at])) ++at;
     const std::size_t start = at;
     while (at < line.size() && !IsBlank(line[at])) ++at;

@@ -17,13 +17,13 @@
 #include "core/alignment/align_flight.h"
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
-#include "core/simulate/noise.h"
+#include "core/simulate/sensors/noise.h"
 #include "core/simulate/simulate_flight.h"
-#include "core/simulate/write_photo.h"
+#include "core/simulate/writers/write_photo.h"
 #include "tests/bench/alignment/thread_cpu.h"
 
 namespace {
@@ -34,8 +34,8 @@ constexpr int kEnlarged = 2;
 constexpr int kNoiseCounts = 7;  // each way: files of a quarter of a byte a pixel, much as cameras write
 
 // Bilinear, with noise of its own in every pixel.
-pipeline::DecodedImage Enlarged(const pipeline::DecodedImage& small, std::uint32_t seed) {
-  pipeline::DecodedImage large{kEnlarged * small.width_px, kEnlarged * small.height_px, {}};
+image::DecodedImage Enlarged(const image::DecodedImage& small, std::uint32_t seed) {
+  image::DecodedImage large{kEnlarged * small.width_px, kEnlarged * small.height_px, {}};
   large.rgb.resize(static_cast<std::size_t>(large.width_px) * large.height_px * 3);
   for (int y = 0; y < large.height_px; ++y) {
     const double from_y = std::clamp((y + 0.5) / kEnlarged - 0.5, 0.0, small.height_px - 1.0);
@@ -83,7 +83,7 @@ Result<void> WriteFlight(const std::filesystem::path& folder, int photos, int th
     simulate::RenderPhotoOptions render = photo.render;
     render.noise_counts = 0.0;
     render.threads = 1;
-    const pipeline::DecodedImage image =
+    const image::DecodedImage image =
         Enlarged(simulate::RenderPhoto(flight->world, small, photo.pose.cam_from_enu, render),
                  photo.render.noise_seed);
     written[i] =
@@ -96,11 +96,11 @@ Result<void> WriteFlight(const std::filesystem::path& folder, int photos, int th
 }
 
 // Counts what decoding costs.
-class TimedSource final : public pipeline::PhotoSource {
+class TimedSource final : public flight::PhotoSource {
  public:
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     const double before = ThreadCpuSeconds();
-    Result<pipeline::DecodedImage> image = files_.Decode(photo, denominator);
+    Result<image::DecodedImage> image = files_.Decode(photo, denominator);
     const std::lock_guard lock(mutex_);
     cpu_s_ += ThreadCpuSeconds() - before;
     return image;

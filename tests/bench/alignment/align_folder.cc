@@ -4,13 +4,13 @@
 
 #include <cstdlib>
 
-#include "core/alignment/align_by_pose.h"
 #include "core/alignment/align_flight.h"
-#include "core/flight/photo_decoder.h"
+#include "core/alignment/baselines/align_by_pose.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
-#include "core/render/measure_seams.h"
+#include "core/render/seams/measure_seams.h"
 
 namespace {
 

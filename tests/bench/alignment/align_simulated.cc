@@ -82,14 +82,14 @@ Result<Run> Align(const simulate::SimulatedFlight& truth, const Lies& lies, bool
 // The photos nobody lies about must lie as well as if nobody lied.
 void JudgeTheRest(const SimulatedCase& one, const Lies& lies, const Setup& setup, int seed,
                   const simulate::SimulatedFlight& truth, Judgement& judged) {
-  constexpr double kMostWorseGsds = 0.5;
+  constexpr double kMaxWorseGsds = 0.5;
   const Result<simulate::SimulatedFlight> honest =
       simulate::PlanSimulatedFlight(Options(one, seed, setup.photos, setup.width_px));
   if (!honest) return judged.faults.push_back(honest.error().message);
   const Result<Run> run = Align(*honest, {}, false, setup);
   if (!run) return judged.faults.push_back(run.error().message);
   const GroundError error = MeasureGroundError(*honest, run->aligned, run->surface, lies.All());
-  if (judged.error.relative_ce90_m > error.relative_ce90_m + kMostWorseGsds * truth.GsdM()) {
+  if (judged.error.relative_ce90_m > error.relative_ce90_m + kMaxWorseGsds * truth.GsdM()) {
     judged.faults.push_back(fmt::format("the rest is worse than without lies ({:.2f} GSD)",
                                         error.relative_ce90_m / truth.GsdM()));
   }
@@ -152,7 +152,7 @@ bool RunCase(const SimulatedCase& one, int seed, const Setup& setup) {
       "{:<12} {:>4} {:>4} {:>5.3f} {:>3}/{:<3} {:>3} {:>7.2f} {:>8.2f} {:>6.2f} {:>8.2f} {:>6.2f} {:>6} "
       "{:>5}/{:<5} "
       "{:>7.1f} {:>6.2f} {:>6.3f} {:>6}  {}\n",
-      one.name, one.demands.show, seed, gsd, run->report.aligned, run->report.photos, run->report.pieces,
+      one.name, one.demands.show, seed, gsd, run->report.aligned, run->report.photos, run->report.components,
       judged.error.relative_ce90_m / gsd, judged.pose_error.relative_ce90_m / gsd,
       judged.error.absolute_ce90_m, judged.pose_error.absolute_ce90_m, judged.gnss.ce90_m,
       judged.worst_ratio > 0.0 ? fmt::format("{:.2f}", judged.worst_ratio) : "-", judged.false_pairs,

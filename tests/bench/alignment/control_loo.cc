@@ -1,15 +1,15 @@
-// How well surveyed points are met that were not told: each left out in turn, the flight aligned by the others, and its
-// marks compared with the survey. alignment_control_loo DIR-OR-FILES...
+// How well surveyed points are met that were not told: each left out in turn, the flight aligned by the
+// others, and its marks compared with the survey. alignment_control_loo DIR-OR-FILES...
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/align_flight.h"
-#include "core/alignment/tie_to_control.h"
 #include "core/base/median.h"
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/control_points.h"
 #include "core/poses/estimate_poses.h"
@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
     std::vector<char> is_tied;
     for (const alignment::AlignedPhoto& photo : aligned->photos) {
       names.push_back(photo.photo.name);
-      views.push_back({photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion_in_enu_m});
+      views.push_back(
+          {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion_in_enu_m});
       is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
     }
     alignment::ControlReport told;
@@ -57,12 +58,14 @@ int main(int argc, char** argv) {
       fmt::print("{}: {} marks, {}\n", control[left].name, told.sightings, told.reason);
       continue;
     }
-    const Eigen::Vector3d surveyed = aligned->frame.EnuFromWgs84(
-        {control[left].position.lat_deg, control[left].position.lon_deg, aligned->frame.origin().height_ellipsoid_m});
+    const Eigen::Vector3d surveyed =
+        aligned->frame.EnuFromWgs84({control[left].position.lat_deg, control[left].position.lon_deg,
+                                     aligned->frame.origin().height_ellipsoid_m});
     const Eigen::Vector2d miss = (track->point_in_enu - surveyed).head<2>();
     misses.push_back(miss.norm());
-    fmt::print("{}: {} marks, {:.3f} m ({:+.3f} {:+.3f}); {} of {} aligned, {:.2f} px\n", control[left].name, told.sightings,
-               miss.norm(), miss.x(), miss.y(), report.aligned, report.photos, report.residual_rms_px);
+    fmt::print("{}: {} marks, {:.3f} m ({:+.3f} {:+.3f}); {} of {} aligned, {:.2f} px\n", control[left].name,
+               told.sightings, miss.norm(), miss.x(), miss.y(), report.aligned, report.photos,
+               report.residual_rms_px);
   }
   if (misses.empty()) return 1;
   fmt::print("leave-one-out: median {:.3f} m, largest {:.3f} m of {} points\n", Median(misses),

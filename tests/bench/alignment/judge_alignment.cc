@@ -6,14 +6,14 @@
 #include <map>
 #include <optional>
 
-#include "core/alignment/align_by_pose.h"
+#include "core/alignment/baselines/align_by_pose.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {
 namespace {
 
 constexpr double kFalsePairShare = 0.01;  // of a photo's width that a pair's matches may miss by
-constexpr double kMostWorse = 1.1;
+constexpr double kMaxWorse = 1.1;
 
 using TruePhotos = std::map<std::string, const simulate::SimulatedPhoto*>;
 
@@ -106,7 +106,7 @@ Judgement JudgeAlignment(const AlignedCase& flown, const Demands& demands) {
     if (judged.error.absolute_ce90_m > demands.absolute_gsds * gsd) {
       miss(fmt::format("absolute error above {} GSD", demands.absolute_gsds));
     }
-  } else if (judged.error.absolute_ce90_m > kMostWorse * judged.gnss.ce90_m) {
+  } else if (judged.error.absolute_ce90_m > kMaxWorse * judged.gnss.ce90_m) {
     miss("absolute error above that of the records");
   }
   if (aligned.photos.size() + flown.lies->elsewhere.size() < truth.photos.size())
@@ -119,7 +119,7 @@ Judgement JudgeAlignment(const AlignedCase& flown, const Demands& demands) {
     for (std::size_t i = 0; i < now.size(); ++i) {
       judged.worst_ratio = std::max(judged.worst_ratio, now[i] / recorded_m.at(aligned.photos[i].photo.name));
     }
-    if (judged.worst_ratio > kMostWorse) miss("a photo lies worse than its record");
+    if (judged.worst_ratio > kMaxWorse) miss("a photo lies worse than its record");
   }
   JudgePairs(flown, by_name, judged);
   if (demands.has_no_false_pairs && judged.false_pairs > 0) miss("false links survive");

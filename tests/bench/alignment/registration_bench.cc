@@ -8,11 +8,11 @@
 #include <string_view>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/registration/register_photos.h"
-#include "core/alignment/registration/similarity.h"
+#include "core/alignment/reconstruction/register_photos.h"
+#include "core/alignment/reconstruction/similarity.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/local_frame.h"
 
@@ -58,7 +58,8 @@ int main(int argc, char** argv) {
   std::map<std::string, int> lens_of_key;
   std::optional<geo::LocalFrame> frame;
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    const auto [lens, is_new] = lens_of_key.emplace(photos[i].camera_key, static_cast<int>(input.lenses.size()));
+    const auto [lens, is_new] =
+        lens_of_key.emplace(photos[i].camera_key, static_cast<int>(input.lenses.size()));
     if (is_new) {
       alignment::BundleLens added;
       added.recorded = added.intrinsics = photos[i].intrinsics;
@@ -86,31 +87,34 @@ int main(int argc, char** argv) {
   }
   const alignment::Registration found = alignment::RegisterPhotos(blind, {}, threads, progress);
   const alignment::RegistrationReport& report = found.report;
-  fmt::print("registration: cpu {:.2f} s; candidates {:.2f} s, matching {:.2f} s, rotations {:.2f} s, growing {:.2f} s\n",
-             CpuSeconds() - cpu, report.candidates_s, report.matching_s, report.rotations_s, report.growing_s);
-  fmt::print("pairs: {} compared, {} verified, {} refused; {} flat, {} relief, {} without parallax; {} tracks\n",
-             report.pairs_compared, report.pairs_verified, report.pairs_refused, report.pairs_flat,
-             report.pairs_relief, report.pairs_without_parallax, found.tracks.size());
+  fmt::print(
+      "registration: cpu {:.2f} s; candidates {:.2f} s, matching {:.2f} s, rotations {:.2f} s, growing {:.2f} s\n",
+      CpuSeconds() - cpu, report.candidates_s, report.matching_s, report.rotations_s, report.growing_s);
+  fmt::print(
+      "pairs: {} compared, {} verified, {} refused; {} flat, {} relief, {} without parallax; {} tracks\n",
+      report.pairs_compared, report.pairs_verified, report.pairs_refused, report.pairs_flat,
+      report.pairs_relief, report.pairs_without_parallax, found.tracks.size());
   std::vector<int> links(photos.size(), 0);
-  for (const alignment::PairLink& link : found.links) ++links[link.first], ++links[link.second];
+  for (const alignment::VerifiedPair& link : found.links) ++links[link.first], ++links[link.second];
   for (std::size_t b = 0; b < found.block_sizes.size(); ++b) {
     std::vector<alignment::PlacePair> pairs;
     for (std::size_t i = 0; i < photos.size(); ++i) {
       if (found.photos[i].block != static_cast<int>(b) || !input.photos[i].position_in_enu) continue;
-      pairs.push_back({found.photos[i].cam_from_world.TargetOriginInSource(), *input.photos[i].position_in_enu,
-                       Eigen::Vector3d(2.0, 2.0, 5.0)});
+      pairs.push_back({found.photos[i].cam_from_world.TargetOriginInSource(),
+                       *input.photos[i].position_in_enu, Eigen::Vector3d(2.0, 2.0, 5.0)});
     }
     fmt::print("block {}: {} photos", b, found.block_sizes[b]);
     if (const auto fitted = alignment::FitRobustly(pairs, {})) {
-      fmt::print("; {} of {} positions hold, {:.2f} m off in the median, {:.1f} m up", fitted->held, pairs.size(),
-                 fitted->median_miss, fitted->target_from_source.scale * alignment::kMedianDepth);
+      fmt::print("; {} of {} positions hold, {:.2f} m off in the median, {:.1f} m up", fitted->held,
+                 pairs.size(), fitted->median_miss,
+                 fitted->target_from_source.scale * alignment::kMedianDepth);
     }
     fmt::print("\n");
   }
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (found.photos[i].block == 0) continue;
-    fmt::print("  not in block 0: {} (block {}, {} links, {} features)\n", photos[i].name, found.photos[i].block,
-               found.photos[i].links, features[i].keypoints.size());
+    fmt::print("  not in block 0: {} (block {}, {} links, {} features)\n", photos[i].name,
+               found.photos[i].block, found.photos[i].links, features[i].keypoints.size());
   }
   for (const alignment::BundleLens& lens : found.lenses) {
     fmt::print("lens: focal {:.1f} -> {:.1f} px, k1 {:.4f} k2 {:.4f}\n", lens.recorded.focal_x_px,

@@ -120,21 +120,21 @@ RenderedSource::RenderedSource(const simulate::SimulatedFlight& flight, const Li
   std::filesystem::create_directories(folder_);
 }
 
-Result<pipeline::DecodedImage> RenderedSource::Render(const flight::Photo& photo, int denominator) const {
+Result<image::DecodedImage> RenderedSource::Render(const flight::Photo& photo, int denominator) const {
   if (!lies_.elsewhere.contains(photo.name)) return source_.Decode(photo, denominator);
   return simulate::SimulatedPhotoSource(elsewhere_).Decode(photo, denominator);
 }
 
-Result<pipeline::DecodedImage> RenderedSource::Decode(const flight::Photo& photo, int denominator) const {
+Result<image::DecodedImage> RenderedSource::Decode(const flight::Photo& photo, int denominator) const {
   const double before = ThreadCpuSeconds();
   const char* spoilt = lies_.elsewhere.contains(photo.name) ? ".elsewhere"
                        : lies_.blurred.contains(photo.name) ? ".blurred"
                                                             : "";
   const std::string path =
       folder_.empty() ? "" : fmt::format("{}/{}{}.{}.rgb", folder_, photo.name, spoilt, denominator);
-  Result<pipeline::DecodedImage> image = Error{ErrorCode::kNotFound, "not rendered yet", ""};
+  Result<image::DecodedImage> image = Error{ErrorCode::kNotFound, "not rendered yet", ""};
   if (std::ifstream file(path, std::ios::binary); !path.empty() && file) {
-    pipeline::DecodedImage kept;
+    image::DecodedImage kept;
     file.read(reinterpret_cast<char*>(&kept.width_px), sizeof kept.width_px);
     file.read(reinterpret_cast<char*>(&kept.height_px), sizeof kept.height_px);
     kept.rgb.resize(static_cast<std::size_t>(kept.width_px) * kept.height_px * 3);

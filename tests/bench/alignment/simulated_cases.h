@@ -43,14 +43,14 @@ Lies TellLies(simulate::SimulatedFlight& flight);
 
 // Renders each photo once into `folder` (none: every time), so that repeated runs measure alignment and not
 // rendering. Keeps account of its own cost.
-class RenderedSource final : public pipeline::PhotoSource {
+class RenderedSource final : public flight::PhotoSource {
  public:
   RenderedSource(const simulate::SimulatedFlight& flight, const Lies& lies, std::string folder);
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override;
   double cpu_s() const { return cpu_s_; }
 
  private:
-  Result<pipeline::DecodedImage> Render(const flight::Photo& photo, int denominator) const;
+  Result<image::DecodedImage> Render(const flight::Photo& photo, int denominator) const;
 
   simulate::SimulatedPhotoSource source_;
   simulate::SimulatedFlight elsewhere_;

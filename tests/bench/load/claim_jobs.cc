@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/job_queue.h"
+#include "storage/jobs/job_queue.h"
 
 int main(int count, char** arguments) {
   using namespace skyquilt::storage;

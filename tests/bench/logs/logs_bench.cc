@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/flight/logs/dataflash.h"
-#include "core/flight/logs/mavlink_tlog.h"
+#include "core/flight/logs/autopilots/dataflash.h"
+#include "core/flight/logs/autopilots/mavlink_tlog.h"
+#include "core/flight/logs/autopilots/ulog.h"
 #include "core/flight/logs/read_log.h"
-#include "core/flight/logs/ulog.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {

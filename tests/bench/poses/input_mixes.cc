@@ -95,8 +95,9 @@ poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const R
   if (mix == InputMix::kGnssCourse) {
     in.options.assume_level = true;
     in.options.yaw_from_course = true;
-    in.options.attitude_bias_sigma_rad = Eigen::Vector3d(0.19, 0.19, 0.105);  // 11, 11, 6 deg: the lean of cruise
-    in.options.attitude_bias_time_s = 5.0;                                    // tilt follows every manoeuvre
+    in.options.attitude_bias_sigma_rad =
+        Eigen::Vector3d(0.19, 0.19, 0.105);  // 11, 11, 6 deg: the lean of cruise
+    in.options.attitude_bias_time_s = 5.0;   // tilt follows every manoeuvre
   }
   return in;
 }

@@ -9,7 +9,7 @@
 
 #include "core/camera/ground_homography.h"
 #include "core/geo/lat_lon.h"
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::bench {
 namespace {

@@ -2,7 +2,7 @@
 // covariances tell the truth about it. Metres, degrees, pixels.
 #pragma once
 
-#include "core/poses/smoother.h"
+#include "core/poses/smoother/smoother.h"
 #include "tests/bench/poses/analytic_flight.h"
 
 namespace skyquilt::bench {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/flight/logs/read_log.h"
-#include "core/poses/reckon.h"
-#include "core/poses/recorded_series.h"
-#include "core/poses/smoother_input.h"
+#include "core/poses/evidence/recorded_series.h"
+#include "core/poses/evidence/smoother_input.h"
+#include "core/poses/reckoning/reckon.h"
 
 namespace skyquilt::bench {
 namespace {
@@ -73,8 +73,8 @@ void PrintLog(const std::filesystem::path& path) {
   const double references[] = {8.0, 57.0, 210.0};
   int row = 0;
   for (const poses::ReckonedDrift& drift : reckoning->drifts) {
-    fmt::print("  dead reckoning {:>2.0f} s: {:>7.1f} m RMS of {} windows (reference about {:.0f} m)\n", drift.length_s,
-               drift.trapezoid_rms_m, drift.windows, references[row++]);
+    fmt::print("  dead reckoning {:>2.0f} s: {:>7.1f} m RMS of {} windows (reference about {:.0f} m)\n",
+               drift.length_s, drift.trapezoid_rms_m, drift.windows, references[row++]);
   }
   poses::FlightSources sources;
   sources.log = &*log;

@@ -1,12 +1,12 @@
 // What the sensors of an AnalyticFlight record, with honest errors: correlated GNSS and attitude errors,
 // biased and noisy inertial samples that are means over their interval, drifting barometer. Units as in
-// core/poses/smoother.h.
+// core/poses/smoother/smoother.h.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "core/poses/smoother.h"
+#include "core/poses/smoother/smoother.h"
 #include "tests/bench/poses/analytic_flight.h"
 
 namespace skyquilt::bench {

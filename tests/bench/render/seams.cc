@@ -12,8 +12,8 @@
 
 #include "core/base/scoped_timer.h"
 #include "core/geo/web_mercator.h"
-#include "core/render/render_block.h"
-#include "core/simulate/world_raster.h"
+#include "core/render/blocks/render_block.h"
+#include "core/simulate/world/world_raster.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
 
@@ -31,7 +31,7 @@ std::vector<Picture> Compare(const test::SimulatedMap& map, const render::SeamMa
                              const test::MemorySink& tiles) {
   std::vector<Picture> pictures;
   for (const auto& [tile, stored] : tiles.tiles) {
-    if (tile.z() != map.plan.base_zoom || stored.format != pipeline::TileFormat::kJpeg) continue;
+    if (tile.z() != map.plan.base_zoom || stored.format != pyramid::TileFormat::kJpeg) continue;
     Picture picture;
     cv::Mat decoded = cv::imdecode(stored.bytes, cv::IMREAD_COLOR);
     cv::cvtColor(decoded, decoded, cv::COLOR_BGR2RGB);
@@ -180,8 +180,8 @@ double Sharpness(const test::SimulatedMap& map, const render::SeamMap& seams) {
 }
 
 // What the moved seams must reach: grey levels, shares.
-constexpr double kMostStepMedian = 1.0, kMostStepP95 = 3.0, kMostColourError = 0.03, kLeastSharpness = 0.9,
-                 kMostBroken = 0.05;
+constexpr double kMaxStepMedian = 1.0, kMaxStepP95 = 3.0, kMaxColourError = 0.03, kMinSharpness = 0.9,
+                 kMaxBroken = 0.05;
 
 // The map around a place, two hundred pixels a side.
 void WritePicture(const test::SimulatedMap& map, const render::SeamMap& seams, const Eigen::Vector2d& in_enu,
@@ -273,8 +273,8 @@ int main(int argc, char** argv) {
         std::fflush(stdout);
         if (!is_new) continue;
         if (is_drawn) {
-          is_good &= light.step_median <= kMostStepMedian && light.step_p95 <= kMostStepP95 &&
-                     light.colour_error <= kMostColourError && sharpness >= kLeastSharpness;
+          is_good &= light.step_median <= kMaxStepMedian && light.step_p95 <= kMaxStepP95 &&
+                     light.colour_error <= kMaxColourError && sharpness >= kMinSharpness;
         }
         add(cars, all_cars);
         if (scene.has_boxes) add(roofs, all_roofs);
@@ -286,7 +286,7 @@ int main(int argc, char** argv) {
       }
     }
   }
-  is_good &= all_cars.BrokenShare() <= kMostBroken && all_roofs.BrokenShare() <= kMostBroken;
+  is_good &= all_cars.BrokenShare() <= kMaxBroken && all_roofs.BrokenShare() <= kMaxBroken;
   fmt::print("cars twice or in part {:.1f} %, roofs {:.1f} %: {}\n", 100.0 * all_cars.BrokenShare(),
              100.0 * all_roofs.BrokenShare(), is_good ? "within the bars" : "BEYOND THE BARS");
   return is_good ? 0 : 1;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/alignment/align_by_pose.h"
-#include "core/alignment/readout_motion.h"
+#include "core/alignment/adjustment/readout_motion.h"
+#include "core/alignment/baselines/align_by_pose.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 
@@ -90,7 +90,7 @@ TEST(AlignFlight, BringsPhotosToWithinTwoPixelsOfEachOtherOnFlatGround) {
   const poses::PosedFlight posed = PosesOf(truth);
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 8);
-  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_EQ(outcome.report.components, 1);
   EXPECT_LT(outcome.error.relative_ce90_m, 2.0 * truth.GsdM());
   const GroundError by_pose = MeasureGroundError(truth, AlignByPoseOnly(posed),
                                                  ground::GroundSurface::Plane(posed.ground_z_in_enu_m));
@@ -177,7 +177,7 @@ bool HasFault(const AlignReport& report, const std::string& name, PhotoFault fau
 }
 
 // One photo shows another world.
-class AstraySource final : public pipeline::PhotoSource {
+class AstraySource final : public flight::PhotoSource {
  public:
   AstraySource(const simulate::SimulatedFlight& truth, std::string astray)
       : source_(truth), other_(truth), astray_(std::move(astray)) {
@@ -185,7 +185,7 @@ class AstraySource final : public pipeline::PhotoSource {
     world.seed += 1000;
     other_.world = simulate::World(world);
   }
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     if (photo.name != astray_) return source_.Decode(photo, denominator);
     return simulate::SimulatedPhotoSource(other_).Decode(photo, denominator);
   }
@@ -220,13 +220,13 @@ TEST(AlignFlight, TellsABlurredPhotoFromOneOfAnotherPlaceAndAccusesNoOther) {
 }
 
 // Hands one photo the picture of nothing and another a damaged file.
-class SpoiltSource final : public pipeline::PhotoSource {
+class SpoiltSource final : public flight::PhotoSource {
  public:
   explicit SpoiltSource(const simulate::SimulatedFlight& truth) : truth_(truth), source_(truth) {}
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     if (photo.name == truth_.photos[3].photo.name)
       return Error{ErrorCode::kCorrupt, "the file is cut off", ""};
-    Result<pipeline::DecodedImage> image = source_.Decode(photo, denominator);
+    Result<image::DecodedImage> image = source_.Decode(photo, denominator);
     if (image && photo.name == truth_.photos[6].photo.name) {
       std::fill(image->rgb.begin(), image->rgb.end(), std::uint8_t{90});
     }

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "core/alignment/align_by_features.h"
-#include "core/alignment/align_by_pose.h"
-#include "core/alignment/align_directly.h"
+#include "core/alignment/baselines/align_by_features.h"
+#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/baselines/align_directly.h"
 #include "tests/core/alignment/simulated_case.h"
 
 namespace skyquilt::alignment {
@@ -42,7 +42,7 @@ TEST(AlignByFeatures, ChainsAFlightOverFlatGroundTighterThanItsPosesAre) {
       AlignByFeatures(posed, simulate::SimulatedPhotoSource(*truth), OnThreads(2), report, progress);
   ASSERT_TRUE(flight.ok());
   EXPECT_EQ(flight->photos.size(), 8U);
-  EXPECT_EQ(report.pieces, 1);
+  EXPECT_EQ(report.components, 1);
   EXPECT_LT(ErrorOf(*truth, *flight).relative_ce90_m, 5.0 * truth->GsdM());
   EXPECT_GT(ErrorOf(*truth, AlignByPoseOnly(posed)).relative_ce90_m, 10.0 * truth->GsdM());
 }
@@ -69,12 +69,12 @@ TEST(AlignByFeatures, LooksAtNoRecordedAngle) {
 }
 
 // Replaces one photo's picture by that of another world.
-class OneElsewhere final : public pipeline::PhotoSource {
+class OneElsewhere final : public flight::PhotoSource {
  public:
   OneElsewhere(const simulate::SimulatedFlight& here, const simulate::SimulatedFlight& elsewhere,
                std::string name)
       : here_(here), elsewhere_(elsewhere), name_(std::move(name)) {}
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     return photo.name == name_ ? elsewhere_.Decode(photo, denominator) : here_.Decode(photo, denominator);
   }
 

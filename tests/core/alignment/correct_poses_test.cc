@@ -1,4 +1,4 @@
-#include "core/alignment/correct_poses.h"
+#include "core/alignment/registration/correct_poses.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/alignment/doubt_photos.h"
+#include "core/alignment/registration/doubt_photos.h"
 
 #include <gtest/gtest.h>
 
@@ -59,9 +59,9 @@ PictureDetail EvenDetail(float fine) {
 // Photos that overlap fully; the last may be unlinked or a copy.
 struct Overlapping {
   std::vector<PhotoFeatures> features;
-  LinkInput input;
+  MatchingInput input;
   std::vector<CandidatePair> pairs;
-  std::vector<PairLink> links;
+  std::vector<VerifiedPair> links;
 
   explicit Overlapping(int count) : features(count) {
     for (int i = 0; i < count; ++i) {
@@ -81,7 +81,7 @@ struct Overlapping {
     }
   }
   void Link(int i, int j) {
-    PairLink link{i, j, {}, {}, 0.1};
+    VerifiedPair link{i, j, {}, {}, 0.1};
     for (int k = 0; k < 300; ++k) link.matches.push_back({k, k});
     links.push_back(link);
   }

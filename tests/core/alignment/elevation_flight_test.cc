@@ -2,7 +2,7 @@
 // ground.
 #include <gtest/gtest.h>
 
-#include "core/alignment/align_by_pose.h"
+#include "core/alignment/baselines/align_by_pose.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "tests/core/alignment/simulated_case.h"
@@ -11,7 +11,7 @@ namespace skyquilt::alignment {
 namespace {
 
 // The simulated hills, counted from a zero of the model's own.
-class HillsOfWorld final : public pipeline::DemSource {
+class HillsOfWorld final : public geo::DemSource {
  public:
   explicit HillsOfWorld(const simulate::SimulatedFlight& truth) : truth_(truth) {}
   std::optional<double> GroundHeightM(const geo::LatLon& position) const override {
@@ -39,7 +39,7 @@ struct Placed {
 };
 
 template <typename Align>
-Placed Place(const simulate::SimulatedFlight& truth, const pipeline::DemSource* dem, const Align& align) {
+Placed Place(const simulate::SimulatedFlight& truth, const geo::DemSource* dem, const Align& align) {
   flight::Flight flight;
   for (const simulate::SimulatedPhoto& photo : truth.photos) flight.photos.push_back(photo.photo);
   poses::EstimatePosesOptions options;

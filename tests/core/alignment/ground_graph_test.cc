@@ -1,6 +1,6 @@
 // The ground graph against a known truth: photos of one plane, laid on it with errors that the links must
 // show.
-#include "core/alignment/ground_graph.h"
+#include "core/alignment/registration/ground_graph.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Block {
   std::vector<GroundPrior> priors;
   std::vector<std::vector<GroundKeypoint>> laid;
   std::vector<GroundView> views;
-  std::vector<PairLink> links;
+  std::vector<VerifiedPair> links;
 };
 
 Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& recorded_turn_rad) {
@@ -43,7 +43,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
   for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, &block.laid[i]});
   for (int i = 0; i < 12; ++i) {
     for (int j = i + 1; j < 12; ++j) {
-      PairLink link{i, j, {}, {}, 0.0};
+      VerifiedPair link{i, j, {}, {}, 0.0};
       std::vector<std::pair<Complex, Complex>> places;
       for (std::size_t a = 0; a < seen[i].size(); ++a) {
         const auto same = std::find(seen[j].begin(), seen[j].end(), seen[i][a]);

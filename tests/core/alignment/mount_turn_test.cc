@@ -1,4 +1,4 @@
-#include "core/alignment/mount_turn.h"
+#include "core/alignment/registration/mount_turn.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using Complex = std::complex<double>;
 // two.
 struct Line {
   std::vector<GroundPrior> priors;
-  std::vector<PairLink> links;
+  std::vector<VerifiedPair> links;
 
   explicit Line(double turn, int photos = 8) {
     for (int i = 0; i < photos; ++i) priors.push_back({Complex(4.0 * i, 12.0 * i), 1.5, 0.05});
@@ -26,7 +26,7 @@ struct Line {
       for (int j = i + 1; j < std::min(photos, i + 3); ++j) {
         const Complex m = priors[i].middle;
         const Complex n = priors[j].middle;
-        PairLink link;
+        VerifiedPair link;
         link.first = i;
         link.second = j;
         link.second_from_first = {1.0, n - m + back * (m - n)};

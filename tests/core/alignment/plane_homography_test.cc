@@ -1,4 +1,4 @@
-#include "core/alignment/plane_homography.h"
+#include "core/alignment/baselines/plane_homography.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -50,8 +50,8 @@ TEST(FitHomography, SaysNothingOfPairsOnOneLine) {
 TEST(RobustHomography, FindsTheRightPairsAmongAsManyWrongOnes) {
   const auto fit = RobustHomography(PairsOf(SomeHomography(), 60, 60), 2.0);
   ASSERT_TRUE(fit);
-  EXPECT_GE(fit->followers.size(), 60U);
-  EXPECT_LE(fit->followers.size(), 62U);
+  EXPECT_GE(fit->inliers.size(), 60U);
+  EXPECT_LE(fit->inliers.size(), 62U);
   EXPECT_LT((fit->to_from - SomeHomography()).norm() / SomeHomography().norm(), 1e-3);
 }
 

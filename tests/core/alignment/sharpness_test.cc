@@ -1,12 +1,12 @@
 // Simulated photos of which it is known whether they are blurred.
-#include "core/alignment/sharpness.h"
+#include "core/alignment/features/sharpness.h"
 
 #include <gtest/gtest.h>
 
 #include <tuple>
 
-#include "core/simulate/render_photo.h"
-#include "core/simulate/trajectory.h"
+#include "core/simulate/sensors/trajectory.h"
+#include "core/simulate/world/render_photo.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -32,8 +32,8 @@ Picture Take(simulate::TextureLevel texture, double east_m, double yaw_rad, cons
   options.motion_in_enu_m = motion_m;
   options.noise_counts = 0.25;  // what shrinking leaves of it
   options.noise_seed = static_cast<std::uint32_t>(1000.0 * (east_m + yaw_rad));
-  const pipeline::DecodedImage image = simulate::RenderPhoto(simulate::World(world), picture.view.intrinsics,
-                                                             picture.view.cam_from_enu, options);
+  const image::DecodedImage image = simulate::RenderPhoto(simulate::World(world), picture.view.intrinsics,
+                                                          picture.view.cam_from_enu, options);
   std::vector<std::uint8_t> grey;
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) grey.push_back(image.rgb[i + 1]);
   picture.detail = MeasureDetail(image.width_px, image.height_px, grey.data());

@@ -8,7 +8,7 @@
 #include "core/base/check.h"
 #include "core/base/percentile.h"
 #include "core/poses/estimate_poses.h"
-#include "core/simulate/random.h"
+#include "core/simulate/sensors/random.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -135,7 +135,7 @@ GnssError MeasureGnssError(const simulate::SimulatedFlight& truth, const std::se
 std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth) {
   constexpr double kOtherZeroM = -47.3;
   constexpr double kMarkSigmaPx = 0.5;
-  constexpr std::size_t kMostSightings = 6;
+  constexpr std::size_t kMaxSightings = 6;
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = Eigen::Vector2d::Constant(-1e9);
   for (const simulate::SimulatedPhoto& photo : truth.photos) {
     const Eigen::Vector2d at = photo.pose.cam_from_enu.TargetOriginInSource().head<2>();
@@ -155,7 +155,7 @@ std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth) 
     surveyed.position = {place.lat_deg, place.lon_deg};
     surveyed.height_m = place.height_ellipsoid_m + kOtherZeroM;
     for (const simulate::SimulatedPhoto& photo : truth.photos) {
-      if (surveyed.sightings.size() >= kMostSightings) break;
+      if (surveyed.sightings.size() >= kMaxSightings) break;
       const auto pixel = truth.options.intrinsics.Project(photo.pose.cam_from_enu * point);
       if (!pixel || !truth.options.intrinsics.IsInImage(*pixel)) continue;
       const Eigen::Vector2d marked = *pixel + kMarkSigmaPx * Eigen::Vector2d(random.Gauss(), random.Gauss());

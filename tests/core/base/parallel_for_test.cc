@@ -18,9 +18,11 @@ TEST(ParallelFor, VisitsEveryItemOnce) {
 }
 
 TEST(ParallelFor, RethrowsTheFirstFailureAndStops) {
-  EXPECT_THROW(ParallelFor(100, 3, [](std::size_t i) {
-    if (i == 10) throw std::runtime_error("ten");
-  }), std::runtime_error);
+  EXPECT_THROW(ParallelFor(100, 3,
+                           [](std::size_t i) {
+                             if (i == 10) throw std::runtime_error("ten");
+                           }),
+               std::runtime_error);
 }
 
 TEST(ParallelOrdered, ConsumesInOrderWithABoundedWindow) {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/camera/footprint.h"
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::camera {
 namespace {
@@ -15,7 +15,8 @@ constexpr double kPi = 3.14159265358979323846;
 
 geo::Rigid3 Pose(double yaw_deg, double pitch_deg, double roll_deg, const Eigen::Vector3d& center) {
   flight::RecordedAttitude attitude;
-  attitude.yaw_rad = yaw_deg * kPi / 180, attitude.pitch_rad = pitch_deg * kPi / 180, attitude.roll_rad = roll_deg * kPi / 180;
+  attitude.yaw_rad = yaw_deg * kPi / 180, attitude.pitch_rad = pitch_deg * kPi / 180,
+  attitude.roll_rad = roll_deg * kPi / 180;
   return geo::Rigid3::FromRotationAndTargetOrigin(poses::CamFromEnu(attitude), center);
 }
 
@@ -25,8 +26,9 @@ TEST(GroundHomography, IsTheRayThroughThePlaneForEveryPose) {
   const Intrinsics lens = Intrinsics::Centered(1600, 1200, 1150.0);
   for (int i = 0; i < 300; ++i) {
     const double plane_z_m = 10.0 * unit(random);
-    const geo::Rigid3 pose = Pose(180.0 * unit(random), -90.0 + 20.0 * unit(random), 15.0 * unit(random),
-                                  {500.0 * unit(random), 500.0 * unit(random), plane_z_m + 70.0 + 50.0 * unit(random)});
+    const geo::Rigid3 pose =
+        Pose(180.0 * unit(random), -90.0 + 20.0 * unit(random), 15.0 * unit(random),
+             {500.0 * unit(random), 500.0 * unit(random), plane_z_m + 70.0 + 50.0 * unit(random)});
     const Eigen::Matrix3d g = GroundHomography(lens, pose, plane_z_m);
     const Eigen::Vector2d pixel{800.0 + 799.0 * unit(random), 600.0 + 599.0 * unit(random)};
     const auto ground = GroundFromPixel(lens, pose, pixel, plane_z_m);
@@ -48,10 +50,12 @@ TEST(GroundHomography, ComposesToTheTextbooksImageToImageForm) {
   const geo::Rigid3 j_from_k = j_from_enu * k_from_enu.Inverse();
   const Eigen::Vector3d down_in_k = k_from_enu.rotation * -Eigen::Vector3d::UnitZ();
   const double height_m = 40.0;
-  Eigen::Matrix3d textbook = lens_j.K() *
-                             (j_from_k.rotation.toRotationMatrix() + j_from_k.translation * down_in_k.transpose() / height_m) *
-                             lens_k.K().inverse();
-  Eigen::Matrix3d ours = GroundHomography(lens_j, j_from_enu, 0.0) * GroundHomography(lens_k, k_from_enu, 0.0).inverse();
+  Eigen::Matrix3d textbook =
+      lens_j.K() *
+      (j_from_k.rotation.toRotationMatrix() + j_from_k.translation * down_in_k.transpose() / height_m) *
+      lens_k.K().inverse();
+  Eigen::Matrix3d ours =
+      GroundHomography(lens_j, j_from_enu, 0.0) * GroundHomography(lens_k, k_from_enu, 0.0).inverse();
   textbook /= textbook(2, 2);
   ours /= ours(2, 2);
   EXPECT_LT((textbook - ours).cwiseAbs().maxCoeff() / ours.cwiseAbs().maxCoeff(), 1e-10);

@@ -1,5 +1,5 @@
 // Every maker's convention for angles and speeds, and the traps among them.
-#include "core/flight/attitude_tags.h"
+#include "core/flight/metadata/attitude_tags.h"
 
 #include <gtest/gtest.h>
 

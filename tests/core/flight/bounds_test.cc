@@ -8,11 +8,11 @@
 #include <string>
 #include <tuple>
 
-#include "core/flight/duplicates.h"
-#include "core/flight/elevation_model_file.h"
-#include "core/flight/image_header.h"
-#include "core/flight/jpeg_segments.h"
-#include "core/flight/xmp.h"
+#include "core/flight/lists/duplicates.h"
+#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/metadata/xmp.h"
+#include "core/flight/photos/image_header.h"
+#include "core/flight/photos/jpeg_segments.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -100,13 +100,14 @@ TEST(XmpTags, TakesOnlySoManyAttributesOfAnElement) {
   // Nothing in a comment or in CDATA hides them from being counted.
   for (const char* hiding : {"<!-- ' -->", "<!-- \" -->", "<![CDATA[ ' ]]>", "<?x ' ?>"}) {
     XmpTags hidden;
-    EXPECT_FALSE(hidden.AddPacket(XmpPacket(kDjiNamespace, std::string(hiding) + "<e " + Attributes(500) + "/>")))
+    EXPECT_FALSE(
+        hidden.AddPacket(XmpPacket(kDjiNamespace, std::string(hiding) + "<e " + Attributes(500) + "/>")))
         << hiding;
   }
   // And they may stand in a value.
   XmpTags quoted;
-  EXPECT_TRUE(quoted.AddPacket(
-      XmpPacket(kDjiNamespace + ("drone-dji:Note=\"" + std::string(1000, '=') + "\" drone-dji:Model='<b c=\"1\">'"))));
+  EXPECT_TRUE(quoted.AddPacket(XmpPacket(
+      kDjiNamespace + ("drone-dji:Note=\"" + std::string(1000, '=') + "\" drone-dji:Model='<b c=\"1\">'"))));
   EXPECT_EQ(quoted.Text("drone-dji:Note"), std::string(1000, '='));
 }
 
@@ -127,7 +128,8 @@ TEST(XmpTags, LongNamesOfStructuresAreNotCopiedForEachField) {
   for (int i = 0; i < 1000; ++i) fields += "<f" + std::to_string(i) + ">1</f" + std::to_string(i) + ">";
   const std::string name(1000, 'n');
   XmpTags tags;
-  EXPECT_TRUE(tags.AddPacket(XmpPacket(kDjiNamespace, "<" + name + ">" + fields + "</" + name + "><g>2</g>")));
+  EXPECT_TRUE(
+      tags.AddPacket(XmpPacket(kDjiNamespace, "<" + name + ">" + fields + "</" + name + "><g>2</g>")));
   EXPECT_EQ(tags.Text("g"), "2");
   EXPECT_LE(tags.values().size(), 2U);
 }
@@ -195,8 +197,8 @@ TEST(TiffDirectories, ChainsAreCountedOnlySoFar) {
     }
     return tiff;
   };
-  for (const auto& [length, closes, count] : {std::tuple{3U, false, 3}, {64U, false, 64}, {65U, false, 65},
-                                              {60'000U, false, 65}, {2U, true, 65}}) {
+  for (const auto& [length, closes, count] :
+       {std::tuple{3U, false, 3}, {64U, false, 64}, {65U, false, 65}, {60'000U, false, 65}, {2U, true, 65}}) {
     const Bytes tiff = chain(length, closes);
     CountingBytes source(tiff);
     const Result<int> counted = CountTiffDirectories(source, 64);
@@ -207,7 +209,8 @@ TEST(TiffDirectories, ChainsAreCountedOnlySoFar) {
   const auto path = std::filesystem::temp_directory_path() / ("chain_" + std::to_string(::getpid()) + ".tif");
   for (const std::uint32_t length : {10U, 1000U}) {
     const Bytes tiff = chain(length, false);
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(tiff.data()), static_cast<long>(tiff.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(tiff.data()), static_cast<long>(tiff.size()));
     EXPECT_EQ(CheckTiffDirectories(path).ok(), length < 64);
   }
   std::filesystem::remove(path);

@@ -1,5 +1,5 @@
 // The focal length from each of its sources, and images that are not the camera's full size.
-#include "core/flight/choose_intrinsics.h"
+#include "core/flight/photos/choose_intrinsics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Decoding: sizes, colours, kinds of picture, and damage.
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "core/flight/read_photo.h"
+#include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -43,7 +43,7 @@ Bytes Jpeg(const Bytes& pixels, int width_px, int height_px, int pixel_format, i
   return jpeg;
 }
 
-void ExpectRamp(const pipeline::DecodedImage& image, int width_px, int height_px, int denominator) {
+void ExpectRamp(const image::DecodedImage& image, int width_px, int height_px, int denominator) {
   ASSERT_EQ(image.width_px, (width_px + denominator - 1) / denominator);
   ASSERT_EQ(image.height_px, (height_px + denominator - 1) / denominator);
   ASSERT_EQ(image.rgb.size(), static_cast<std::size_t>(image.width_px) * image.height_px * 3);
@@ -113,16 +113,16 @@ void ExpectPartsOf(const Bytes& file, int width_px, int height_px) {
     ASSERT_TRUE(whole.ok()) << whole.error().message;
     const auto below = [&](int end) { return static_cast<int>(random() % static_cast<unsigned>(end)); };
     for (int trial = 0; trial < 40; ++trial) {
-      pipeline::PixelBox box{below(whole->width_px), below(whole->height_px), 0, 0};
+      image::PixelBox box{below(whole->width_px), below(whole->height_px), 0, 0};
       box.right = box.left + 1 + below(whole->width_px - box.left);
       box.bottom = box.top + 1 + below(whole->height_px - box.top);
       SCOPED_TRACE(::testing::Message() << "1/" << denominator << ": " << box.left << " " << box.top << " "
                                         << box.right << " " << box.bottom);
       const auto part = DecodePhotoPart(file, width_px, height_px, denominator, box);
       ASSERT_TRUE(part.ok()) << part.error().message;
-      const pipeline::DecodedImage& image = part->image;
-      ASSERT_TRUE((pipeline::PixelBox{part->left_px, part->top_px, part->left_px + image.width_px,
-                                      part->top_px + image.height_px}
+      const image::DecodedImage& image = part->image;
+      ASSERT_TRUE((image::PixelBox{part->left_px, part->top_px, part->left_px + image.width_px,
+                                   part->top_px + image.height_px}
                        .Contains(box)));
       ASSERT_EQ(image.rgb.size(), static_cast<std::size_t>(image.width_px) * image.height_px * 3);
       for (int y = box.top; y < box.bottom; ++y) {
@@ -174,7 +174,8 @@ TEST(DecodePhotoPart, AveragesAPngRowByRow) {
         for (int c = 0; c < 3; ++c) {
           int sum = 0;
           for (int k = 0; k < d * d; ++k) {
-            const int from_x = std::min(x * d + k % d, width - 1), from_y = std::min(y * d + k / d, height - 1);
+            const int from_x = std::min(x * d + k % d, width - 1),
+                      from_y = std::min(y * d + k / d, height - 1);
             sum += rgb[static_cast<std::size_t>(3 * (from_y * width + from_x) + c)];
           }
           ASSERT_EQ(image->Row(y)[3 * x + c], (sum + d * d / 2) / (d * d)) << d << ": " << x << " " << y;
@@ -185,7 +186,8 @@ TEST(DecodePhotoPart, AveragesAPngRowByRow) {
 }
 
 TEST(DecodePhotoBytes, ReadsEveryKindOfPng) {
-  const cv::Mat grey(30, 40, CV_8U, cv::Scalar(90)), deep(30, 40, CV_16UC3, cv::Scalar(10 << 8, 20 << 8, 30 << 8)),
+  const cv::Mat grey(30, 40, CV_8U, cv::Scalar(90)),
+      deep(30, 40, CV_16UC3, cv::Scalar(10 << 8, 20 << 8, 30 << 8)),
       clear(30, 40, CV_8UC4, cv::Scalar(10, 20, 30, 77));
   Bytes file;
   ASSERT_TRUE(cv::imencode(".png", grey, file));
@@ -199,7 +201,9 @@ TEST(DecodePhotoBytes, ReadsEveryKindOfPng) {
     EXPECT_EQ(image->rgb[2], 10);
   }
   for (std::size_t length = 0; length + 12 < file.size(); length += 7)
-    EXPECT_FALSE(DecodePhotoBytes(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length)), 40, 30, 1).ok());
+    EXPECT_FALSE(
+        DecodePhotoBytes(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length)), 40, 30, 1)
+            .ok());
 }
 
 TEST(DecodePhotoPart, RefusesWhatTakesMoreThanItMay) {
@@ -218,8 +222,8 @@ TEST(DecodePhotoPart, RefusesWhatTakesMoreThanItMay) {
 TEST(DecodePhotoPart, ReadsNothingBelow) {
   const Bytes jpeg = Jpeg(Noise(320, 240), 320, 240, TJPF_RGB, TJSAMP_420);
   const Bytes cut(jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() / 2));
-  EXPECT_TRUE(DecodePhotoPart(cut, 320, 240, 1, pipeline::PixelBox{0, 0, 320, 60}).ok());
-  const auto below = DecodePhotoPart(cut, 320, 240, 1, pipeline::PixelBox{0, 180, 320, 240});
+  EXPECT_TRUE(DecodePhotoPart(cut, 320, 240, 1, image::PixelBox{0, 0, 320, 60}).ok());
+  const auto below = DecodePhotoPart(cut, 320, 240, 1, image::PixelBox{0, 180, 320, 240});
   ASSERT_FALSE(below.ok());
   EXPECT_EQ(below.error().code, ErrorCode::kCorrupt);
 }

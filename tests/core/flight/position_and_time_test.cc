@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "core/flight/read_photo.h"
+#include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {

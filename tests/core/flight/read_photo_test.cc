@@ -1,13 +1,13 @@
 // Containers and damage: where metadata hides, what is refused and with which words, and that no bytes bring
 // it down.
-#include "core/flight/read_photo.h"
+#include "core/flight/photos/read_photo.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "core/flight/xmp.h"
+#include "core/flight/metadata/xmp.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/lat_lon.h"
 

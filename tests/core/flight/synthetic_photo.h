@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/flight/exif_table.h"
+#include "core/flight/metadata/exif_table.h"
 
 namespace skyquilt::flight {
 

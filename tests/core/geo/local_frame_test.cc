@@ -26,8 +26,8 @@ class ProjTopocentric {
   }
   ~ProjTopocentric() { proj_destroy(transform_); }
   Eigen::Vector3d operator()(const Wgs84& point) const {
-    const PJ_COORD out = proj_trans(
-        transform_, PJ_FWD, proj_coord(point.lon_deg, point.lat_deg, point.height_ellipsoid_m, 0.0));
+    const PJ_COORD out = proj_trans(transform_, PJ_FWD,
+                                    proj_coord(point.lon_deg, point.lat_deg, point.height_ellipsoid_m, 0.0));
     return {out.xyz.x, out.xyz.y, out.xyz.z};
   }
 

@@ -22,7 +22,8 @@ TEST(Rigid3, ComposesAndInvertsLikeTheMotionsItStandsFor) {
     EXPECT_LT(((a_from_b * b_from_c) * point - a_from_b * (b_from_c * point)).norm(), 1e-9);
     EXPECT_LT((a_from_b.Inverse() * (a_from_b * point) - point).norm(), 1e-9);
     EXPECT_LT((a_from_b * a_from_b.TargetOriginInSource()).norm(), 1e-9);
-    const Rigid3 again = Rigid3::FromRotationAndTargetOrigin(a_from_b.rotation, a_from_b.TargetOriginInSource());
+    const Rigid3 again =
+        Rigid3::FromRotationAndTargetOrigin(a_from_b.rotation, a_from_b.TargetOriginInSource());
     EXPECT_LT((again * point - a_from_b * point).norm(), 1e-9);
   }
 }

@@ -141,7 +141,7 @@ TEST(ModelGround, IsTheRecordedGroundWhereTooFewPointsAreKnown) {
 }
 
 // Hills, `zero_m` above the flight's z = 0, known from 47.4, 8.5 outwards in enu of that place.
-class HillyModel final : public pipeline::DemSource {
+class HillyModel final : public geo::DemSource {
  public:
   HillyModel(double zero_m, double wrong_by) : zero_m_(zero_m), wrong_by_(wrong_by) {}
   static double At(double east, double north) {

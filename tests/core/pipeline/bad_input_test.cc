@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/simulate/simulate_flight.h"
@@ -32,7 +32,9 @@ class BadInput : public testing::Test {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  void Write(const std::string& name, const std::string& bytes) { std::ofstream(photos_ / name, std::ios::binary) << bytes; }
+  void Write(const std::string& name, const std::string& bytes) {
+    std::ofstream(photos_ / name, std::ios::binary) << bytes;
+  }
 
   Result<BuiltMosaic> Build() {
     SilentProgress progress;
@@ -75,7 +77,8 @@ TEST_F(BadInput, ATruncatedJpegIsLeftOut) {
 
 TEST_F(BadInput, AJpegDamagedInTheMiddleNeverFailsTheFlight) {
   std::string bytes = Read(photos_ / "SIM_0001.JPG");
-  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i) bytes[i] = '\xff';
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 4000 && i < bytes.size() - 2; ++i)
+    bytes[i] = '\xff';
   Write("damaged.jpg", bytes);
   const auto built = Build();
   ASSERT_TRUE(built.ok()) << built.error().message;
@@ -96,7 +99,8 @@ TEST_F(BadInput, APhotoWithoutGpsIsLeftOut) {
 }
 
 TEST_F(BadInput, OnePhotoMakesAMap) {
-  for (const char* name : {"SIM_0002.JPG", "SIM_0003.JPG", "SIM_0004.JPG"}) std::filesystem::remove(photos_ / name);
+  for (const char* name : {"SIM_0002.JPG", "SIM_0003.JPG", "SIM_0004.JPG"})
+    std::filesystem::remove(photos_ / name);
   const auto built = Build();
   ASSERT_TRUE(built.ok()) << built.error().message;
   EXPECT_EQ(built->report.photos_pose_only, 1);

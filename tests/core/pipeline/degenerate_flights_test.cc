@@ -1,15 +1,15 @@
-// Flights that no survey is like, through the whole pipeline: each ends with a map or with a refusal that says
-// of which photos and why, and never with the end of the program.
+// Flights that no survey is like, through the whole pipeline: each ends with a map or with a refusal that
+// says of which photos and why, and never with the end of the program.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "core/camera/ground_homography.h"
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/build_mosaic.h"
-#include "core/simulate/write_photo.h"
+#include "core/simulate/writers/write_photo.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/temporary_folder.h"
 
@@ -82,7 +82,8 @@ class DegenerateFlights : public testing::Test {
     recorded.captured_at = flight::UtcTime(std::chrono::seconds(1717236000 + 2 * count_));
     if (count_ == 0) origin_ = shot.at;
     const std::string name = "P" + std::to_string(100 + count_++) + ".JPG";
-    ASSERT_TRUE(simulate::WriteBytes(folder_ / name, simulate::EncodePhoto(Picture(shot, origin_), recorded)).ok());
+    ASSERT_TRUE(
+        simulate::WriteBytes(folder_ / name, simulate::EncodePhoto(Picture(shot, origin_), recorded)).ok());
   }
   void AddLine(int photos, double step_m, Shot shot = {}) {
     const geo::LatLon start = shot.at;
@@ -111,7 +112,8 @@ class DegenerateFlights : public testing::Test {
   }
 
   void ExpectMap(int left_out = 0) {
-    for (const AlignMethod method : {AlignMethod::kAuto, AlignMethod::kImu, AlignMethod::kFeatures, AlignMethod::kDirect}) {
+    for (const AlignMethod method :
+         {AlignMethod::kAuto, AlignMethod::kImu, AlignMethod::kFeatures, AlignMethod::kDirect}) {
       const auto built = Build(method);
       if (!built && method != AlignMethod::kAuto && method != AlignMethod::kImu) {  // they need features
         EXPECT_GT(built.error().message.size(), 30U);

@@ -2,7 +2,7 @@
 // pixel.
 #include <gtest/gtest.h>
 
-#include "core/flight/photo_decoder.h"
+#include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/simulate/simulate_flight.h"

@@ -1,4 +1,4 @@
-#include "core/pipeline/flight_facts.h"
+#include "core/pipeline/report/flight_facts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Photos and points against simulated truth: no tolerance but that of arithmetic.
-#include "core/pipeline/locate.h"
+#include "core/pipeline/report/locate.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,8 @@ alignment::AlignedPhoto PhotoAt(const std::string& name, double east_m, double n
 alignment::AlignedFlight Flight() {
   alignment::AlignedFlight flight;
   flight.frame = geo::LocalFrame({.lat_deg = 47.3, .lon_deg = 8.5, .height_ellipsoid_m = 450.0});
-  for (int i = 0; i < 5; ++i) flight.photos.push_back(PhotoAt("p" + std::to_string(i), 30.0 * i, 10.0 * i, 0.1 * i));
+  for (int i = 0; i < 5; ++i)
+    flight.photos.push_back(PhotoAt("p" + std::to_string(i), 30.0 * i, 10.0 * i, 0.1 * i));
   return flight;
 }
 
@@ -83,7 +84,8 @@ TEST_P(LocateTest, TheTruePointIsWhereThePhotoShowsIt) {
   const alignment::AlignedFlight flight = Flight();
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     // Straight below the camera, and somewhat aside.
-    for (const Eigen::Vector2d& aside : {Eigen::Vector2d(0, 0), Eigen::Vector2d(14, -9), Eigen::Vector2d(-20, 11)}) {
+    for (const Eigen::Vector2d& aside :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(14, -9), Eigen::Vector2d(-20, 11)}) {
       const Eigen::Vector2d at = photo.cam_from_enu.TargetOriginInSource().head<2>() + aside;
       const Eigen::Vector3d truth(at.x(), at.y(), ground.HeightAt(at));
       const auto pixel = photo.intrinsics.Project(photo.cam_from_enu * truth);

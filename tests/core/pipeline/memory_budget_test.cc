@@ -4,7 +4,7 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/ground/ground_surface.h"
-#include "core/render/seam_grid.h"
+#include "core/render/seams/seam_grid.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -20,7 +20,8 @@ alignment::AlignedFlight FlightAt(const std::vector<double>& heights_m) {
     photo.photo.name = "P" + std::to_string(flight.photos.size());
     photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
     photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
-        Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {10.0 * static_cast<double>(flight.photos.size()), 0.0, height_m});
+        Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0),
+        {10.0 * static_cast<double>(flight.photos.size()), 0.0, height_m});
     photo.height_above_ground_m = height_m;
     flight.photos.push_back(photo);
   }

@@ -1,11 +1,11 @@
-#include "core/pipeline/odm_exports.h"
+#include "core/pipeline/report/odm_exports.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "core/flight/logs/geo_txt.h"
-#include "core/poses/attitude_convention.h"
+#include "core/flight/logs/texts/geo_txt.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {
 namespace {

@@ -15,7 +15,8 @@ TEST(PreviewPhoto, LiesWhereTheMapWillLie) {
   options.trajectory.photos = 2;
   const test::SimulatedMap map = test::MakeSimulatedMap(options);
   test::MemorySink tiles;
-  const auto preview = PreviewPhoto(map.flight, 1, *map.photos, {.longer_side_px = 600, .gsd_m = {}, .jpeg_quality = 85}, tiles);
+  const auto preview = PreviewPhoto(map.flight, 1, *map.photos,
+                                    {.longer_side_px = 600, .gsd_m = {}, .jpeg_quality = 85}, tiles);
   ASSERT_TRUE(preview.ok()) << preview.error().message;
   EXPECT_EQ(static_cast<std::int64_t>(tiles.tiles.size()), preview->tiles);
   EXPECT_LT(preview->tiles, 60);

@@ -1,11 +1,11 @@
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "core/geo/lat_lon.h"
-#include "core/poses/course.h"
+#include "core/poses/evidence/course.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -22,7 +22,9 @@ flight::RecordedAttitude Angles(AttitudeKind kind, double yaw_deg, double pitch_
   return attitude;
 }
 
-Eigen::Vector3d AxisInEnu(const Eigen::Quaterniond& cam_from_enu) { return cam_from_enu.conjugate() * Eigen::Vector3d::UnitZ(); }
+Eigen::Vector3d AxisInEnu(const Eigen::Quaterniond& cam_from_enu) {
+  return cam_from_enu.conjugate() * Eigen::Vector3d::UnitZ();
+}
 Eigen::Vector3d ImageTopInEnu(const Eigen::Quaterniond& cam_from_enu) {
   return cam_from_enu.conjugate() * -Eigen::Vector3d::UnitY();
 }
@@ -59,7 +61,8 @@ TEST(AnglesOf, GivesBackWhatWentInAwayFromTheSingularity) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < 200; ++i) {
     const double yaw = 179.0 * unit(random);
-    const CameraAngles oblique = AnglesOf(CamFromEnu(Angles(AttitudeKind::kGimbal, yaw, -20 + 15 * unit(random), 8 * unit(random))));
+    const CameraAngles oblique =
+        AnglesOf(CamFromEnu(Angles(AttitudeKind::kGimbal, yaw, -20 + 15 * unit(random), 8 * unit(random))));
     EXPECT_NEAR(geo::WrapRad(oblique.yaw_rad - DegToRad(yaw)), 0.0, 1e-9);
     const double pitch = -90 + 30 * unit(random);
     const CameraAngles nadir = AnglesOf(CamFromEnu(Angles(AttitudeKind::kGimbal, yaw, pitch, 0)));
@@ -75,7 +78,8 @@ TEST(CoursesFromPositions, TakesTheStraightRunAtALinesEnd) {
   for (int i = 4; i >= 0; --i) lawnmower.emplace_back(15.0, 10.0 * i);
   const auto courses = CoursesFromPositions(lawnmower);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(*courses[static_cast<std::size_t>(i)], 0.0, 1e-9) << i;
-  for (int i = 5; i < 10; ++i) EXPECT_NEAR(std::abs(*courses[static_cast<std::size_t>(i)]), geo::kPi, 1e-9) << i;
+  for (int i = 5; i < 10; ++i)
+    EXPECT_NEAR(std::abs(*courses[static_cast<std::size_t>(i)]), geo::kPi, 1e-9) << i;
 }
 
 TEST(CoursesFromPositions, SaysNothingWhereNothingMoved) {

@@ -1,4 +1,4 @@
-#include "core/poses/block_skyline.h"
+#include "core/poses/smoother/block_skyline.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/poses/chain_factors.h"
+#include "core/poses/smoother/chain_factors.h"
 
 #include <gtest/gtest.h>
 

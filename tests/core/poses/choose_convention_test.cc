@@ -1,4 +1,4 @@
-#include "core/poses/choose_convention.h"
+#include "core/poses/conventions/choose_convention.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/geo/lat_lon.h"
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -1,11 +1,11 @@
-#include "core/poses/course_evidence.h"
+#include "core/poses/evidence/course_evidence.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/geo/lat_lon.h"
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/geo/geoid.h"
-#include "core/poses/attitude_convention.h"
-#include "core/poses/join_logs.h"
+#include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/photo_rows.h"
+#include "core/poses/time/join_logs.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -245,7 +245,7 @@ TEST(EstimatePoses, SaysWhatToDoWhereNothingPlacesThePhotos) {
   EXPECT_THAT(posed.error().message, HasSubstr("flight log"));
 }
 
-class Slope final : public pipeline::DemSource {
+class Slope final : public geo::DemSource {
  public:
   // 100 m above the sea at the field, rising by 5 % to the north.
   std::optional<double> GroundHeightM(const geo::LatLon& at) const override {

@@ -9,8 +9,8 @@
 
 #include "core/camera/ground_homography.h"
 #include "core/geo/lat_lon.h"
-#include "core/poses/attitude_convention.h"
-#include "core/poses/strapdown.h"
+#include "core/poses/conventions/attitude_convention.h"
+#include "core/poses/reckoning/strapdown.h"
 
 namespace skyquilt::poses {
 namespace {

@@ -32,8 +32,10 @@ std::vector<std::optional<std::string>> WhyBesideFive(const std::vector<CameraSt
 std::string Why(const CameraStand& stand) { return WhyBesideFive({stand})[0].value_or(""); }
 
 TEST(WhyImplausible, NamesWhatIsWrong) {
-  EXPECT_THAT(Why(LookingDown(0.0, 0.0, std::numeric_limits<double>::quiet_NaN())), HasSubstr("not a number"));
-  EXPECT_THAT(Why(LookingDown(std::numeric_limits<double>::infinity(), 0.0, 50.0)), HasSubstr("not a number"));
+  EXPECT_THAT(Why(LookingDown(0.0, 0.0, std::numeric_limits<double>::quiet_NaN())),
+              HasSubstr("not a number"));
+  EXPECT_THAT(Why(LookingDown(std::numeric_limits<double>::infinity(), 0.0, 50.0)),
+              HasSubstr("not a number"));
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, -47.0)), HasSubstr("47.0 m below the ground"));
   EXPECT_THAT(Why(LookingDown(0.0, 0.0, 0.1)), HasSubstr("0.1 m above the ground"));
   EXPECT_THAT(Why(LookingDown(1e6, 0.0, 50.0)), HasSubstr("km away"));
@@ -46,11 +48,13 @@ TEST(WhyImplausible, LeavesHonestFlightsAlone) {
   EXPECT_EQ(Why(LookingDown(0.0, 0.0, 5.0)), "");
   EXPECT_EQ(Why(LookingDown(0.0, 0.0, 500.0)), "");
   CameraStand up = LookingDown(0.0, 0.0, 50.0);
-  up.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), {0.0, 0.0, 50.0});
+  up.cam_from_enu =
+      geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond::Identity(), {0.0, 0.0, 50.0});
   EXPECT_EQ(Why(up), "");
   CameraStand aslant = LookingDown(0.0, 0.0, 50.0);
   aslant.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
-      Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitX())) * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0),
+      Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitX())) *
+          Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0),
       {0.0, 0.0, 50.0});
   EXPECT_EQ(Why(aslant), "");
 }

@@ -1,4 +1,4 @@
-#include "core/poses/reckon.h"
+#include "core/poses/reckoning/reckon.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,8 @@ namespace {
 constexpr double kSpeedMps = 6.0;
 constexpr double kTurnRadps = 0.05;
 
-// Level flight northwards at constant speed while the body turns about its vertical, 80 s at 50 Hz, 20 m high.
+// Level flight northwards at constant speed while the body turns about its vertical, 80 s at 50 Hz, 20 m
+// high.
 flight::FlightLog SteadyFlight() {
   flight::FlightLog log;
   log.file_name = "steady.bin";
@@ -56,8 +57,8 @@ TEST(Reckon, FindsTheDisplacementAndTheTurnBetweenCaptures) {
 TEST(Reckon, DriftsByTheAccelerometersBias) {
   flight::FlightLog log = SteadyFlight();
   constexpr double kBiasMps2 = 0.1;
-  // The body turns, so that a bias in its frame would not grow with the square of time: it is laid along the vertical of
-  // the turn and tilted into the level by turning the flight off.
+  // The body turns, so that a bias in its frame would not grow with the square of time: it is laid along the
+  // vertical of the turn and tilted into the level by turning the flight off.
   for (flight::ImuSample& sample : log.imu) {
     sample.angular_rate_radps.setZero();
     sample.specific_force_mps2.x() += kBiasMps2;
@@ -72,7 +73,8 @@ TEST(Reckon, DriftsByTheAccelerometersBias) {
 
 TEST(Reckon, PassesOverIntervalsWithoutSamples) {
   flight::FlightLog log = SteadyFlight();
-  std::erase_if(log.imu, [](const flight::ImuSample& sample) { return sample.t_s > 11.0 && sample.t_s < 13.0; });
+  std::erase_if(log.imu,
+                [](const flight::ImuSample& sample) { return sample.t_s > 11.0 && sample.t_s < 13.0; });
   const auto reckoning = ReckonBetween(log, {{10.0, "a"}, {14.0, "b"}, {19.0, "c"}, {500.0, "d"}});
   ASSERT_TRUE(reckoning.ok());
   EXPECT_EQ(reckoning->intervals.size(), 1u);

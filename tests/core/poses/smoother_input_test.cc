@@ -1,12 +1,12 @@
-#include "core/poses/smoother_input.h"
+#include "core/poses/evidence/smoother_input.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/poses/attitude_convention.h"
+#include "core/poses/conventions/attitude_convention.h"
+#include "core/poses/evidence/recorded_series.h"
 #include "core/poses/place_cameras.h"
-#include "core/poses/recorded_series.h"
 #include "tests/bench/poses/recorded_sensors.h"
 
 namespace skyquilt::poses {

@@ -1,4 +1,4 @@
-#include "core/poses/smoother.h"
+#include "core/poses/smoother/smoother.h"
 
 #include <gtest/gtest.h>
 

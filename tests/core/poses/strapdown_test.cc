@@ -1,10 +1,10 @@
-#include "core/poses/strapdown.h"
+#include "core/poses/reckoning/strapdown.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/poses/preintegration.h"
+#include "core/poses/smoother/preintegration.h"
 #include "core/poses/so3.h"
 
 namespace skyquilt::poses {

@@ -1,4 +1,4 @@
-#include "core/poses/time_sync.h"
+#include "core/poses/time/time_sync.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 
 #include "core/geo/local_frame.h"
-#include "core/poses/clock_search.h"
-#include "core/poses/event_alignment.h"
+#include "core/poses/time/clock_search.h"
+#include "core/poses/time/event_alignment.h"
 
 namespace skyquilt::poses {
 namespace {

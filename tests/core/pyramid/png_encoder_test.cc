@@ -103,12 +103,12 @@ TEST(HuffmanCode, KeepsToFifteenBits) {
 
 TEST(EncodeTile, IsJpegOnlyWhereEveryPixelIsCovered) {
   EXPECT_FALSE(EncodeTile(Painted(64, Paint::kNothing, 1), {}));
-  EXPECT_EQ(EncodeTile(Painted(64, Paint::kSmooth, 1), {})->format, pipeline::TileFormat::kJpeg);
-  EXPECT_EQ(EncodeTile(Painted(64, Paint::kPatches, 1), {})->format, pipeline::TileFormat::kPng);
+  EXPECT_EQ(EncodeTile(Painted(64, Paint::kSmooth, 1), {})->format, TileFormat::kJpeg);
+  EXPECT_EQ(EncodeTile(Painted(64, Paint::kPatches, 1), {})->format, TileFormat::kPng);
   RgbaImage hole = Painted(64, Paint::kSmooth, 1);
   std::fill_n(hole.Pixel(63, 63), 4, std::uint8_t{0});
-  EXPECT_EQ(EncodeTile(hole, {})->format, pipeline::TileFormat::kPng);
-  EXPECT_EQ(EncodeTile(hole, 0, 0, 32, {})->format, pipeline::TileFormat::kJpeg);
+  EXPECT_EQ(EncodeTile(hole, {})->format, TileFormat::kPng);
+  EXPECT_EQ(EncodeTile(hole, 0, 0, 32, {})->format, TileFormat::kJpeg);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/render/cubic_sampler.h"
+#include "core/render/blocks/cubic_sampler.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 namespace skyquilt::render {
 namespace {
 
-pipeline::DecodedImage Noise(int width_px, int height_px) {
-  pipeline::DecodedImage image;
+image::DecodedImage Noise(int width_px, int height_px) {
+  image::DecodedImage image;
   image.width_px = width_px, image.height_px = height_px;
   std::mt19937 random(11);
   for (int i = 0; i < 3 * width_px * height_px; ++i) image.rgb.push_back(static_cast<std::uint8_t>(random()));
@@ -28,7 +28,7 @@ double Keys(double distance) {
 }
 
 // By the definition, at the 64th of a pixel that is nearest.
-double Expected(const pipeline::DecodedImage& image, double x, double y, int channel) {
+double Expected(const image::DecodedImage& image, double x, double y, int channel) {
   x = std::floor(64.0 * x + 0.5) / 64.0, y = std::floor(64.0 * y + 0.5) / 64.0;
   double sum = 0.0;
   for (int row = static_cast<int>(std::floor(y)) - 1; row <= std::floor(y) + 2; ++row) {
@@ -42,7 +42,7 @@ double Expected(const pipeline::DecodedImage& image, double x, double y, int cha
 }
 
 TEST(CubicSampler, IsKeysInterpolationInTheMiddleAndAtTheEdges) {
-  const pipeline::DecodedImage image = Noise(40, 30);
+  const image::DecodedImage image = Noise(40, 30);
   const CubicSampler sampler(image);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> x_px(0.0F, 39.0F), y_px(0.0F, 29.0F), step_px(-0.8F, 0.8F);
@@ -64,7 +64,7 @@ TEST(CubicSampler, IsKeysInterpolationInTheMiddleAndAtTheEdges) {
 }
 
 TEST(CubicSampler, APixelIsTheSameInARunOfAnyLength) {
-  const pipeline::DecodedImage image = Noise(60, 60);
+  const image::DecodedImage image = Noise(60, 60);
   const CubicSampler sampler(image);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> place_px(-5.0F, 64.0F), step_px(-1.2F, 1.2F);
@@ -84,7 +84,7 @@ TEST(CubicSampler, APixelIsTheSameInARunOfAnyLength) {
 }
 
 TEST(CubicSampler, FarOutsideAndNotANumberReadTheEdge) {
-  pipeline::DecodedImage image = Noise(20, 20);
+  image::DecodedImage image = Noise(20, 20);
   const CubicSampler sampler(image);
   for (const float far : {-1e30F, -500.0F, 500.0F, 1e30F, std::numeric_limits<float>::quiet_NaN()}) {
     std::array<SampledPixel, 16> pixels{};

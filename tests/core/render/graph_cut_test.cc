@@ -1,4 +1,4 @@
-#include "core/render/graph_cut.h"
+#include "core/render/seams/graph_cut.h"
 
 #include <gtest/gtest.h>
 
@@ -57,11 +57,11 @@ std::uint32_t Solved(const Graph& graph) {
   return on_sink_side;
 }
 
-Graph RandomGraph(std::mt19937& random, std::int32_t most_weight) {
+Graph RandomGraph(std::mt19937& random, std::int32_t max_weight) {
   const auto up_to = [&](std::int64_t most) {
     return static_cast<std::int32_t>(std::uniform_int_distribution<std::int64_t>(0, most)(random));
   };
-  const auto weight = [&] { return up_to(3) == 0 ? 0 : up_to(most_weight); };
+  const auto weight = [&] { return up_to(3) == 0 ? 0 : up_to(max_weight); };
   Graph graph;
   const std::int32_t nodes = up_to(10);
   for (std::int32_t i = 0; i < nodes; ++i) {
@@ -81,10 +81,10 @@ Graph RandomGraph(std::mt19937& random, std::int32_t most_weight) {
 TEST(GraphCut, FindsTheSmallestOfTheCheapestCuts) {
   std::mt19937 random(7);
   // Small weights make many cuts equally cheap.
-  for (const std::int32_t most_weight : {1, 3, 20, 1000, GraphCut::kMostWeight}) {
+  for (const std::int32_t max_weight : {1, 3, 20, 1000, GraphCut::kMaxWeight}) {
     for (int round = 0; round < 1500; ++round) {
-      const Graph graph = RandomGraph(random, most_weight);
-      ASSERT_EQ(Solved(graph), SmallestCheapest(graph)) << "round " << round << ", weights to " << most_weight;
+      const Graph graph = RandomGraph(random, max_weight);
+      ASSERT_EQ(Solved(graph), SmallestCheapest(graph)) << "round " << round << ", weights to " << max_weight;
     }
   }
 }

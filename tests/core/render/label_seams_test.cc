@@ -1,4 +1,4 @@
-#include "core/render/label_seams.h"
+#include "core/render/seams/label_seams.h"
 
 #include <gtest/gtest.h>
 

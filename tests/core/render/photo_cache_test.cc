@@ -1,5 +1,5 @@
 // What of the photos is decoded, how often, and that a map of parts is the map of the whole photos.
-#include "core/render/photo_cache.h"
+#include "core/render/blocks/photo_cache.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/render/photo_regions.h"
+#include "core/render/blocks/photo_regions.h"
 #include "core/render/render_tiles.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
@@ -16,14 +16,14 @@
 namespace skyquilt::render {
 namespace {
 
-using pipeline::DecodedImage;
-using pipeline::DecodedPart;
-using pipeline::PixelBox;
+using image::DecodedImage;
+using image::DecodedPart;
+using image::PixelBox;
 
 // Gives exactly what is asked for, so that one pixel too few would show, and keeps count.
-class ExactParts final : public pipeline::PhotoSource {
+class ExactParts final : public flight::PhotoSource {
  public:
-  explicit ExactParts(const pipeline::PhotoSource& whole) : whole_(whole) {}
+  explicit ExactParts(const flight::PhotoSource& whole) : whole_(whole) {}
 
   Result<DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     return whole_.Decode(photo, denominator);
@@ -47,11 +47,11 @@ class ExactParts final : public pipeline::PhotoSource {
   mutable std::atomic<std::int64_t> pixels{0};
 
  private:
-  const pipeline::PhotoSource& whole_;
+  const flight::PhotoSource& whole_;
 };
 
 // Every pixel says where it is.
-class Places final : public pipeline::PhotoSource {
+class Places final : public flight::PhotoSource {
  public:
   Result<DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
     if (photo.name == "damaged") return Error{ErrorCode::kCorrupt, "damaged", ""};

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/geo/hilbert.h"
-#include "core/render/block_geometry.h"
+#include "core/render/blocks/block_geometry.h"
 #include "tests/support/map_truth.h"
 #include "tests/support/memory_sink.h"
 #include "tests/support/simulated_map.h"
@@ -92,7 +92,7 @@ TEST(RenderTiles, OverviewsHaveNoFringe) {
   double darkest = 255.0;
   int fringe_pixels = 0;
   for (const auto& [tile, stored] : tiles.tiles) {
-    if (tile.z() == map.plan.base_zoom || stored.format != pipeline::TileFormat::kPng) continue;
+    if (tile.z() == map.plan.base_zoom || stored.format != pyramid::TileFormat::kPng) continue;
     const cv::Mat image = cv::imdecode(stored.bytes, cv::IMREAD_UNCHANGED);
     for (int y = 1; y + 1 < image.rows; ++y) {
       for (int x = 1; x + 1 < image.cols; ++x) {
@@ -118,10 +118,10 @@ TEST(RenderTiles, OverviewsHaveNoFringe) {
 // A photo of rings that grow finer outwards, rendered at a quarter of its resolution: what cannot be shown
 // must turn to grey, not to other rings.
 TEST(RenderTiles, DoesNotAlias) {
-  class ZonePlate final : public pipeline::PhotoSource {
+  class ZonePlate final : public flight::PhotoSource {
    public:
-    Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
-      pipeline::DecodedImage image{photo.intrinsics.width_px, photo.intrinsics.height_px, {}};
+    Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+      image::DecodedImage image{photo.intrinsics.width_px, photo.intrinsics.height_px, {}};
       image.rgb.resize(static_cast<std::size_t>(image.width_px) * image.height_px * 3);
       cv::Mat whole(image.height_px, image.width_px, CV_8UC3, image.rgb.data());
       for (int y = 0; y < whole.rows; ++y) {
@@ -134,9 +134,9 @@ TEST(RenderTiles, DoesNotAlias) {
         }
       }
       if (denominator == 1) return image;
-      pipeline::DecodedImage small{(image.width_px + denominator - 1) / denominator,
-                                   (image.height_px + denominator - 1) / denominator,
-                                   {}};
+      image::DecodedImage small{(image.width_px + denominator - 1) / denominator,
+                                (image.height_px + denominator - 1) / denominator,
+                                {}};
       small.rgb.resize(static_cast<std::size_t>(small.width_px) * small.height_px * 3);
       cv::Mat out(small.height_px, small.width_px, CV_8UC3, small.rgb.data());
       cv::resize(whole, out, out.size(), 0, 0, cv::INTER_AREA);

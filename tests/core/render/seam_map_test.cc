@@ -1,4 +1,4 @@
-#include "core/render/seam_map.h"
+#include "core/render/seams/seam_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/simulate/render_photo.h"
+#include "core/simulate/world/render_photo.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "core/camera/ground_homography.h"
 #include "core/geo/lat_lon.h"
-#include "core/simulate/trajectory.h"
+#include "core/simulate/sensors/trajectory.h"
 
 namespace skyquilt::simulate {
 namespace {
@@ -24,8 +24,7 @@ camera::Intrinsics BentLens() {
 }
 
 // The middle of the white disc that lies about `near`, weighted by brightness.
-Eigen::Vector2d DiscCenter(const pipeline::DecodedImage& image, const Eigen::Vector2d& near,
-                           double radius_px) {
+Eigen::Vector2d DiscCenter(const image::DecodedImage& image, const Eigen::Vector2d& near, double radius_px) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double weights = 0.0;
   for (int y = static_cast<int>(near.y() - radius_px); y <= near.y() + radius_px + 1.0; ++y) {
@@ -94,7 +93,7 @@ TEST(RenderPhoto, GivesTheSameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(one.rgb, RenderPhoto(world, lens, pose, options).rgb);
 }
 
-double MeanGreen(const pipeline::DecodedImage& image, int x0, int y0, int side) {
+double MeanGreen(const image::DecodedImage& image, int x0, int y0, int side) {
   double sum = 0.0;
   for (int y = y0; y < y0 + side; ++y) {
     for (int x = x0; x < x0 + side; ++x) sum += image.Row(y)[3 * x + 1];
@@ -125,7 +124,7 @@ TEST(RenderPhoto, MotionBlurSmearsAlongTheFlight) {
                                                              Eigen::Vector3d(0.0, 0.0, 20.0));
   RenderPhotoOptions options;
   options.noise_counts = 0.0;
-  const auto contrast = [](const pipeline::DecodedImage& image, int dx, int dy) {
+  const auto contrast = [](const image::DecodedImage& image, int dx, int dy) {
     double sum = 0.0;
     for (int y = 0; y < 239; ++y) {
       for (int x = 0; x < 319; ++x) {

@@ -1,4 +1,4 @@
-#include "core/simulate/sensors.h"
+#include "core/simulate/sensors/sensors.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "core/geo/lat_lon.h"
 #include "core/geo/rigid3.h"
-#include "core/simulate/logged_survey.h"
+#include "core/simulate/sensors/logged_survey.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/camera/ground_homography.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/web_mercator.h"
-#include "core/simulate/world_raster.h"
+#include "core/simulate/world/world_raster.h"
 
 namespace skyquilt::simulate {
 namespace {

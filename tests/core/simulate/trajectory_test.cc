@@ -1,4 +1,4 @@
-#include "core/simulate/trajectory.h"
+#include "core/simulate/sensors/trajectory.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/camera/footprint.h"
 #include "core/camera/ground_homography.h"
 #include "core/geo/lat_lon.h"
-#include "core/simulate/random.h"
+#include "core/simulate/sensors/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -1,10 +1,10 @@
-#include "core/simulate/world.h"
+#include "core/simulate/world/world.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/simulate/random.h"
+#include "core/simulate/sensors/random.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "core/base/check.h"
-#include "core/flight/logs/canonical_csv.h"
-#include "core/flight/logs/dataflash.h"
-#include "core/flight/logs/ulog.h"
-#include "core/simulate/logged_survey.h"
-#include "core/simulate/write_csv.h"
-#include "core/simulate/write_dataflash.h"
-#include "core/simulate/write_ulog.h"
+#include "core/flight/logs/autopilots/dataflash.h"
+#include "core/flight/logs/autopilots/ulog.h"
+#include "core/flight/logs/csv/canonical_csv.h"
+#include "core/simulate/sensors/logged_survey.h"
+#include "core/simulate/writers/write_csv.h"
+#include "core/simulate/writers/write_dataflash.h"
+#include "core/simulate/writers/write_ulog.h"
 
 namespace skyquilt::simulate {
 namespace {

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "core/base/check.h"
-#include "storage/ids.h"
-#include "storage/unpack_archive.h"
+#include "storage/db/ids.h"
+#include "storage/uploads/unpack_archive.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt;
@@ -18,7 +18,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const storage::PhotoStore store(*storage::DataDir::Open(folder));
   static const std::string flight = storage::NewId();
   const std::filesystem::path path = folder / "archive";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   storage::ArchiveLimits limits;
   limits.entries = 50;
   limits.file_bytes = 1 << 20;
@@ -35,7 +36,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   SKYQUILT_CHECK(total <= limits.total_bytes, "more bytes than the limit");
   const auto left = folder / "flights" / flight / "files";
-  SKYQUILT_CHECK(!std::filesystem::exists(left) || std::filesystem::is_empty(left), "a refused archive left files");
+  SKYQUILT_CHECK(!std::filesystem::exists(left) || std::filesystem::is_empty(left),
+                 "a refused archive left files");
   SKYQUILT_CHECK(std::filesystem::is_empty(folder / "incoming"), "unfinished files are left");
   return 0;
 }

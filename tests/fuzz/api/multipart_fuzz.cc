@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "api/multipart.h"
+#include "api/http/multipart.h"
 #include "core/base/check.h"
 
 namespace {

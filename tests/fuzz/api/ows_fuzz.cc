@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "api/target.h"
+#include "api/http/target.h"
 #include "api/tiles/tile_path.h"
 #include "api/wms/wms.h"
 #include "core/base/check.h"
@@ -22,7 +22,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                    "a window that is none");
   }
   if (request.query.size() >= 3) {
-    const auto path = ParseTilePath(request.query[0].second, request.query[1].second, request.query[2].second);
+    const auto path =
+        ParseTilePath(request.query[0].second, request.query[1].second, request.query[2].second);
     if (path) SKYQUILT_CHECK(path->tile.z() <= 30, "a zoom beyond the last");
   }
   return 0;

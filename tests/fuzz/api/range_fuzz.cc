@@ -4,8 +4,8 @@
 #include <cstring>
 #include <string_view>
 
-#include "api/etag.h"
-#include "api/range.h"
+#include "api/http/etag.h"
+#include "api/http/range.h"
 #include "core/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

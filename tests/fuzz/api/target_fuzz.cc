@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "api/target.h"
+#include "api/http/target.h"
 #include "api/tiles/tile_path.h"
 #include "core/base/check.h"
 

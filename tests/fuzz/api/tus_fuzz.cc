@@ -17,10 +17,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const auto& [key, value] : *metadata) {
       again += (again.empty() ? "" : ",") + key + (value.empty() ? "" : " " + EncodeBase64(value));
     }
-    SKYQUILT_CHECK(again.size() > 8192 || ParseTusMetadata(again) == metadata, "metadata that change when sent back");
+    SKYQUILT_CHECK(again.size() > 8192 || ParseTusMetadata(again) == metadata,
+                   "metadata that change when sent back");
   }
   if (const auto checksum = ParseTusChecksum(text)) {
-    SKYQUILT_CHECK(checksum->digest.size() == 20 || checksum->digest.size() == 32, "a digest of no algorithm's size");
+    SKYQUILT_CHECK(checksum->digest.size() == 20 || checksum->digest.size() == 32,
+                   "a digest of no algorithm's size");
   }
   if (const auto bytes = DecodeBase64(text)) {
     SKYQUILT_CHECK(EncodeBase64(*bytes) == text, "two texts for the same bytes");

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <map>
 
-#include "core/alignment/align_by_features.h"
-#include "core/alignment/align_directly.h"
 #include "core/alignment/align_flight.h"
+#include "core/alignment/baselines/align_by_features.h"
+#include "core/alignment/baselines/align_directly.h"
 #include "core/base/check.h"
 #include "core/poses/plausible_poses.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
@@ -14,7 +14,7 @@ namespace {
 
 using namespace skyquilt;
 
-class Pictures final : public pipeline::PhotoSource {
+class Pictures final : public flight::PhotoSource {
  public:
   Pictures(fuzz::Bytes& bytes, const alignment::AlignedFlight& flight) {
     for (const alignment::AlignedPhoto& photo : flight.photos) {
@@ -22,9 +22,9 @@ class Pictures final : public pipeline::PhotoSource {
           fuzz::PictureFrom(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px);
     }
   }
-  Result<pipeline::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
-    const pipeline::DecodedImage& whole = pictures_.at(photo.name);
-    pipeline::DecodedImage image;
+  Result<image::DecodedImage> Decode(const flight::Photo& photo, int denominator) const override {
+    const image::DecodedImage& whole = pictures_.at(photo.name);
+    image::DecodedImage image;
     image.width_px = (whole.width_px + denominator - 1) / denominator;
     image.height_px = (whole.height_px + denominator - 1) / denominator;
     for (int y = 0; y < image.height_px; ++y) {
@@ -37,7 +37,7 @@ class Pictures final : public pipeline::PhotoSource {
   }
 
  private:
-  std::map<std::string, pipeline::DecodedImage> pictures_;
+  std::map<std::string, image::DecodedImage> pictures_;
 };
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 #include "core/base/check.h"
 #include "core/poses/plausible_poses.h"
-#include "core/render/estimate_exposure.h"
-#include "core/render/extend_exposure.h"
+#include "core/render/exposure/estimate_exposure.h"
+#include "core/render/exposure/extend_exposure.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -27,8 +27,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (flight.photos.size() > 1) {
     const std::vector<render::PhotoTone> known(model.photos.begin(), model.photos.end() - 1);
-    SKYQUILT_CHECK(render::ExtendExposure(flight, ground, thumbnails, known).photos.size() == flight.photos.size(),
-                   "a photo without a tone");
+    SKYQUILT_CHECK(
+        render::ExtendExposure(flight, ground, thumbnails, known).photos.size() == flight.photos.size(),
+        "a photo without a tone");
   }
   return 0;
 }

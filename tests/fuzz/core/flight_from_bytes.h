@@ -1,5 +1,5 @@
-// Flights out of a fuzzer's bytes: mostly ordinary numbers, now and then zero, huge, infinite or none, so that
-// what has no neighbours, no extent or no scale is met often. Small, for speed.
+// Flights out of a fuzzer's bytes: mostly ordinary numbers, now and then zero, huge, infinite or none, so
+// that what has no neighbours, no extent or no scale is met often. Small, for speed.
 #pragma once
 
 #include <cmath>
@@ -76,8 +76,8 @@ inline alignment::AlignedFlight FlightFrom(Bytes& bytes) {
   return flight;
 }
 
-inline pipeline::DecodedImage PictureFrom(Bytes& bytes, int width_px, int height_px) {
-  pipeline::DecodedImage image;
+inline image::DecodedImage PictureFrom(Bytes& bytes, int width_px, int height_px) {
+  image::DecodedImage image;
   image.width_px = width_px;
   image.height_px = height_px;
   image.rgb.resize(3 * static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));

@@ -1,10 +1,10 @@
-// Whatever the bytes are, whether they are an elevation model is answered, and a chain of directories is not followed
-// further than asked for.
+// Whatever the bytes are, whether they are an elevation model is answered, and a chain of directories is not
+// followed further than asked for.
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/flight/elevation_model_file.h"
-#include "core/flight/exif_table.h"
+#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/metadata/exif_table.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt::flight;

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "core/base/check.h"
-#include "core/flight/exif.h"
+#include "core/flight/metadata/exif.h"
 
 namespace {
 

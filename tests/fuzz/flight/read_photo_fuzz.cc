@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/flight/read_photo.h"
+#include "core/flight/photos/read_photo.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const auto photo = skyquilt::flight::ReadPhotoFromBytes("fuzzed.jpg", {bytes, size});

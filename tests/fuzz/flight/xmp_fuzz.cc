@@ -4,10 +4,10 @@
 #include <string_view>
 
 #include "core/base/check.h"
-#include "core/flight/attitude_tags.h"
-#include "core/flight/choose_intrinsics.h"
-#include "core/flight/position_tags.h"
-#include "core/flight/xmp.h"
+#include "core/flight/metadata/attitude_tags.h"
+#include "core/flight/metadata/position_tags.h"
+#include "core/flight/metadata/xmp.h"
+#include "core/flight/photos/choose_intrinsics.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace skyquilt::flight;

@@ -1,5 +1,5 @@
-// One fuzz target a parser: SKYQUILT_FUZZ_HEADER and SKYQUILT_FUZZ_PARSER name it. Whatever the bytes are, the parser
-// must answer, and a log it gives must keep the promises of flight_log.h.
+// One fuzz target a parser: SKYQUILT_FUZZ_HEADER and SKYQUILT_FUZZ_PARSER name it. Whatever the bytes are,
+// the parser must answer, and a log it gives must keep the promises of flight_log.h.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "core/base/check.h"
-#include "server/job_messages.h"
-#include "server/preview_messages.h"
+#include "server/jobs/job_messages.h"
+#include "server/preview/preview_messages.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace skyquilt::server;

@@ -1,12 +1,13 @@
-// What a repair reads of a data folder that anything may have happened to: records of flights, and the marker.
+// What a repair reads of a data folder that anything may have happened to: records of flights, and the
+// marker.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
 
 #include "core/base/check.h"
-#include "storage/data_marker.h"
-#include "storage/flight_record.h"
-#include "storage/ids.h"
+#include "storage/catalogue/flight_record.h"
+#include "storage/db/ids.h"
+#include "storage/folder/data_marker.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(bytes), size);

@@ -1,10 +1,10 @@
-#include "core/alignment/registration/absolute_pose.h"
+#include "core/alignment/reconstruction/absolute_pose.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -17,7 +17,8 @@ std::vector<Sight> SightsOf(const camera::Intrinsics& lens, int count, double wr
   Sampler sampler(3);
   std::vector<Sight> sights;
   while (static_cast<int>(sights.size()) < count) {
-    const Eigen::Vector3d point(80.0 * Uniform(sampler) - 40.0, 80.0 * Uniform(sampler) - 40.0, 2.0 * Uniform(sampler));
+    const Eigen::Vector3d point(80.0 * Uniform(sampler) - 40.0, 80.0 * Uniform(sampler) - 40.0,
+                                2.0 * Uniform(sampler));
     const auto pixel = lens.Project(kTruth * point);
     if (!pixel || !lens.IsInImage(*pixel)) continue;
     Sight sight{*pixel, point, 1.0};
@@ -54,7 +55,7 @@ TEST(AbsolutePose, TwoThirdsWrongSightsDoNotMoveIt) {
   ASSERT_TRUE(found);
   EXPECT_LT(found->cam_from_world.rotation.angularDistance(kTruth.rotation), 1e-4);
   EXPECT_LT((found->cam_from_world.translation - kTruth.translation).norm(), 0.01);
-  EXPECT_GT(found->followers.size(), 40U);
+  EXPECT_GT(found->inliers.size(), 40U);
 }
 
 TEST(AbsolutePose, NoPoseIsFoundWhereSightsAreChance) {

@@ -1,4 +1,4 @@
-#include "core/alignment/registration/appearance.h"
+#include "core/alignment/view_graph/appearance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/alignment/registration/epipolar.h"
+#include "core/alignment/view_graph/epipolar.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
@@ -71,8 +71,8 @@ TEST(Epipolar, AHomographyOfAPlaneGivesThePoseAmongFew) {
   EXPECT_LE(poses.size(), 2U);
   double nearest = 10.0;
   for (const RelativePose& pose : poses) {
-    nearest = std::min(nearest, pose.rotation.angularDistance(truth.rotation) +
-                                    (pose.direction - truth.direction).norm());
+    nearest = std::min(
+        nearest, pose.rotation.angularDistance(truth.rotation) + (pose.direction - truth.direction).norm());
   }
   EXPECT_LT(nearest, 1e-5);
 }

@@ -1,11 +1,11 @@
-#include "core/alignment/registration/georeference.h"
+#include "core/alignment/reconstruction/georeference.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -55,8 +55,9 @@ Case MakeCase() {
   for (int k = 0; k < 500; ++k) {
     Track track;
     track.observations.push_back({k % kPhotos, Eigen::Vector2d::Zero(), 1.0});
-    track.point_in_enu = world_from_enu * Eigen::Vector3d(140.0 * Uniform(sampler) - 15.0,
-                                                          120.0 * Uniform(sampler) - 20.0, Uniform(sampler) - 0.5);
+    track.point_in_enu =
+        world_from_enu * Eigen::Vector3d(140.0 * Uniform(sampler) - 15.0, 120.0 * Uniform(sampler) - 20.0,
+                                         Uniform(sampler) - 0.5);
     made.registration.tracks.push_back(track);
   }
   made.records.trusts_heights = true;

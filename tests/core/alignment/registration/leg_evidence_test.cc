@@ -1,5 +1,5 @@
 // Which leg places a flight, and why.
-#include "core/alignment/registration/leg_evidence.h"
+#include "core/alignment/reconstruction/leg_evidence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,8 @@ TEST(WhyDoubted, GoodRecordsHold) {
 }
 
 TEST(WhyDoubted, SaysWhatFailed) {
-  EXPECT_EQ(WhyDoubted(Evidence(75, 46), 0.1), "by their recorded poses 29 of 75 photos do not fit to the others");
+  EXPECT_EQ(WhyDoubted(Evidence(75, 46), 0.1),
+            "by their recorded poses 29 of 75 photos do not fit to the others");
   LegEvidence nowhere = Evidence(41, 0);
   nowhere.unplaced = 41;
   EXPECT_EQ(WhyDoubted(nowhere, 0.4), "41 of 41 photos have no usable position or height");
@@ -96,7 +97,7 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   rich.keypoints.resize(500);
   std::vector<const PhotoFeatures*> features(kCount, &rich);
   std::vector<char> is_unplaced(kCount, 0);
-  std::vector<PairLink> links{{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
+  std::vector<VerifiedPair> links{{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}};
   for (std::size_t i = 0; i < kCount; ++i) {
     const Eigen::Vector3d center(10.0 * static_cast<double>(i), 0.0, 50.0);
     problem.photos.emplace_back().cam_from_enu =

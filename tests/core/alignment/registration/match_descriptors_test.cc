@@ -1,8 +1,8 @@
-#include "core/alignment/registration/match_descriptors.h"
+#include "core/alignment/view_graph/match_descriptors.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -1,8 +1,8 @@
-#include "core/alignment/registration/register_photos.h"
+#include "core/alignment/reconstruction/register_photos.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/registration/similarity.h"
+#include "core/alignment/reconstruction/similarity.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {
@@ -43,11 +43,11 @@ Registration Register(const RegistrationInput& input, int threads = 2) {
   return RegisterPhotos(input, {}, threads, progress);
 }
 
-void ExpectAllRight(const SyntheticOptions& options, double most_off_m, double focal_factor = 1.0) {
+void ExpectAllRight(const SyntheticOptions& options, double max_off_m, double focal_factor = 1.0) {
   const SyntheticScene scene = MakeScene(options);
   const Judged judged = Judge(scene, Register(InputOf(scene, focal_factor)));
   EXPECT_EQ(judged.in_first_block, options.columns * options.rows);
-  EXPECT_LT(judged.worst_center_m, most_off_m);
+  EXPECT_LT(judged.worst_center_m, max_off_m);
   EXPECT_LT(judged.worst_turn_rad, 0.03);
 }
 
@@ -78,7 +78,8 @@ TEST(RegisterPhotos, AFocalLengthThatIsTenPercentOffIsCorrected) {
   const SyntheticScene scene = MakeScene(options);
   const Registration found = Register(InputOf(scene, 1.1));
   EXPECT_EQ(Judge(scene, found).in_first_block, options.columns * options.rows);
-  EXPECT_NEAR(found.lenses[0].intrinsics.MeanFocalPx(), scene.lens.MeanFocalPx(), 0.015 * scene.lens.MeanFocalPx());
+  EXPECT_NEAR(found.lenses[0].intrinsics.MeanFocalPx(), scene.lens.MeanFocalPx(),
+              0.015 * scene.lens.MeanFocalPx());
 }
 
 TEST(RegisterPhotos, TwoPlacesAreTwoBlocks) {
@@ -105,7 +106,8 @@ TEST(RegisterPhotos, TheSameForAnyNumberOfThreads) {
   ASSERT_EQ(one.photos.size(), three.photos.size());
   for (std::size_t i = 0; i < one.photos.size(); ++i) {
     EXPECT_EQ(one.photos[i].cam_from_world.translation, three.photos[i].cam_from_world.translation);
-    EXPECT_EQ(one.photos[i].cam_from_world.rotation.coeffs(), three.photos[i].cam_from_world.rotation.coeffs());
+    EXPECT_EQ(one.photos[i].cam_from_world.rotation.coeffs(),
+              three.photos[i].cam_from_world.rotation.coeffs());
   }
 }
 

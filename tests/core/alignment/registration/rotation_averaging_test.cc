@@ -1,8 +1,8 @@
-#include "core/alignment/registration/rotation_averaging.h"
+#include "core/alignment/reconstruction/rotation_averaging.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::alignment {
@@ -11,7 +11,8 @@ namespace {
 double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
 
 Eigen::Vector3d Random(Sampler& sampler, double most) {
-  return most * Eigen::Vector3d(2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0);
+  return most * Eigen::Vector3d(2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0,
+                                2.0 * Uniform(sampler) - 1.0);
 }
 
 TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
@@ -25,8 +26,8 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
     for (int step = 1; step <= 6; ++step) {
       const int j = (i + step) % kPhotos;
       RelativeRotation pair{std::min(i, j), std::max(i, j), {}, 1.0};
-      pair.second_from_first = geo::RotationFromVector(Random(sampler, 0.01)) * truth[pair.second] *
-                               truth[pair.first].conjugate();
+      pair.second_from_first =
+          geo::RotationFromVector(Random(sampler, 0.01)) * truth[pair.second] * truth[pair.first].conjugate();
       const bool wrong = Uniform(sampler) < 0.2;
       if (wrong) pair.second_from_first = geo::RotationFromVector(Random(sampler, 2.0));
       pairs.push_back(pair);
@@ -38,7 +39,7 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
   const Eigen::Quaterniond gauge = averaged.cam_from_world[0].conjugate() * truth[0];
   for (int i = 0; i < kPhotos; ++i) {
     EXPECT_LT((averaged.cam_from_world[i] * gauge).angularDistance(truth[i]), 0.02) << i;
-    EXPECT_EQ(averaged.piece[i], 0);
+    EXPECT_EQ(averaged.component[i], 0);
   }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     if (is_wrong[p]) continue;
@@ -52,13 +53,13 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
   EXPECT_GE(found, 0.9 * wrong);
 }
 
-TEST(RotationAveraging, PhotosWithoutPairsBelongToNoPiece) {
-  const AveragedRotations averaged = AverageRotations(5, {{0, 1, Eigen::Quaterniond::Identity(), 1.0},
-                                                          {3, 4, Eigen::Quaterniond::Identity(), 1.0}});
-  EXPECT_EQ(averaged.piece[0], averaged.piece[1]);
-  EXPECT_EQ(averaged.piece[3], averaged.piece[4]);
-  EXPECT_NE(averaged.piece[0], averaged.piece[3]);
-  EXPECT_LT(averaged.piece[2], 0);
+TEST(RotationAveraging, PhotosWithoutPairsBelongToNoComponent) {
+  const AveragedRotations averaged = AverageRotations(
+      5, {{0, 1, Eigen::Quaterniond::Identity(), 1.0}, {3, 4, Eigen::Quaterniond::Identity(), 1.0}});
+  EXPECT_EQ(averaged.component[0], averaged.component[1]);
+  EXPECT_EQ(averaged.component[3], averaged.component[4]);
+  EXPECT_NE(averaged.component[0], averaged.component[3]);
+  EXPECT_LT(averaged.component[2], 0);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // Simulated flights whose records are spoilt: what the photos show must do instead.
-#include "core/alignment/registration/second_leg.h"
+#include "core/alignment/reconstruction/second_leg.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "core/alignment/align_flight.h"
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 #include "core/ground/model_ground.h"
 #include "tests/core/alignment/simulated_case.h"
 
@@ -43,7 +43,8 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
   if (!aligned) return outcome;
   outcome.flight = *std::move(aligned);
   ground::ModelGroundReport ground_report;
-  outcome.error = MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
+  outcome.error =
+      MeasureGroundError(truth, outcome.flight, ground::ModelGround(outcome.flight, ground_report));
   return outcome;
 }
 
@@ -69,8 +70,8 @@ void ForgetAngles(poses::PosedFlight& posed) {
     const double yaw = 0.01 * sampler.Below(628);
     Eigen::Matrix3d down;
     down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
-    const Eigen::Quaterniond turned = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())) *
-                                      Eigen::Quaterniond(down);
+    const Eigen::Quaterniond turned =
+        Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())) * Eigen::Quaterniond(down);
     photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(turned.normalized(),
                                                                   photo.cam_from_enu.TargetOriginInSource());
     photo.covariance.topLeftCorner<3, 3>() = Eigen::Vector3d(0.01, 0.01, 9.0).asDiagonal();
@@ -99,7 +100,7 @@ TEST(SecondLeg, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
   const simulate::SimulatedFlight truth = MakeTruth();
   const Outcome outcome = Align(truth, Unplaced(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
   EXPECT_TRUE(outcome.report.second_leg.is_taken);
   EXPECT_FALSE(outcome.report.second_leg.is_placed);
@@ -122,7 +123,7 @@ TEST(SecondLeg, HeightsOfAnotherScaleAreFoundFromThePictures) {
   ScaleHeights(0.4, posed);
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_EQ(outcome.report.components, 1);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
@@ -133,7 +134,7 @@ TEST(SecondLeg, AnglesThatAreNotRecordedAreFoundFromThePictures) {
   ScaleHeights(0.5, posed);
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_EQ(outcome.report.components, 1);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 
@@ -175,7 +176,7 @@ TEST(SecondLeg, AFewLostPhotosAreRegisteredAgainstTheOthers) {
   const simulate::SimulatedFlight truth = MakeTruth();
   const Outcome outcome = Align(truth, WithoutRecords(PosesOf(truth), {5, 6, 9}));
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_EQ(outcome.report.components, 1);
   EXPECT_TRUE(outcome.flight.left_out.empty());
   // The others stay where their records and the photos have them.
   EXPECT_EQ(outcome.report.second_leg.why, "");
@@ -192,11 +193,11 @@ TEST(SecondLeg, APhotoRecordedFarAwayComesBack) {
   geo::Rigid3& pose = posed.photos[6].cam_from_enu;
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ())) * pose.rotation;
-  pose = geo::Rigid3::FromRotationAndTargetOrigin(turned.normalized(),
-                                                  pose.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
+  pose = geo::Rigid3::FromRotationAndTargetOrigin(
+      turned.normalized(), pose.TargetOriginInSource() + Eigen::Vector3d(900.0, 400.0, 0.0));
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 16);
-  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_EQ(outcome.report.components, 1);
   EXPECT_FALSE(outcome.report.second_leg.is_taken);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
@@ -207,8 +208,9 @@ TEST(SecondLeg, IsLeftOutWhereItMayNot) {
   SilentProgress progress;
   AlignOptions options;
   options.by_images = ByImages::kNever;
-  const Result<AlignedFlight> aligned = AlignFlight(WithoutRecords(PosesOf(truth), {5, 6, 9}),
-                                                    simulate::SimulatedPhotoSource(truth), options, report, progress);
+  const Result<AlignedFlight> aligned =
+      AlignFlight(WithoutRecords(PosesOf(truth), {5, 6, 9}), simulate::SimulatedPhotoSource(truth), options,
+                  report, progress);
   ASSERT_TRUE(aligned.ok());
   EXPECT_EQ(aligned->left_out.size(), 3U);
   EXPECT_FALSE(IsAnyByImages(report));
@@ -227,7 +229,8 @@ TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {
   EXPECT_EQ(outcome.report.photos, 16);
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_TRUE(outcome.flight.left_out.empty());
-  for (std::size_t i = 0; i < 16; ++i) EXPECT_EQ(outcome.flight.photos[i].photo.name, whole.photos[i].photo.name);
+  for (std::size_t i = 0; i < 16; ++i)
+    EXPECT_EQ(outcome.flight.photos[i].photo.name, whole.photos[i].photo.name);
   EXPECT_LT(outcome.error.relative_ce90_m, 1.5 * truth.GsdM());
 }
 

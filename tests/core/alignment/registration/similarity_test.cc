@@ -1,11 +1,11 @@
-#include "core/alignment/registration/similarity.h"
+#include "core/alignment/reconstruction/similarity.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -29,9 +29,11 @@ std::vector<PlacePair> Places(int count, bool on_line, double wrong_share, doubl
     const Eigen::Vector3d target(on_line ? 15.0 * k : 15.0 * (k % 8), on_line ? 0.0 : 12.0 * (k / 8), 60.0);
     PlacePair pair;
     pair.in_source = truth.rotation.conjugate() * (target - truth.shift) / truth.scale;
-    pair.in_target = target + Eigen::Vector3d(Uniform(sampler) - 0.5, Uniform(sampler) - 0.5, Uniform(sampler) - 0.5);
+    pair.in_target =
+        target + Eigen::Vector3d(Uniform(sampler) - 0.5, Uniform(sampler) - 0.5, Uniform(sampler) - 0.5);
     if (Uniform(sampler) < wrong_share) {
-      pair.in_target += wrong_m * Eigen::Vector3d(2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0, 0.0);
+      pair.in_target +=
+          wrong_m * Eigen::Vector3d(2.0 * Uniform(sampler) - 1.0, 2.0 * Uniform(sampler) - 1.0, 0.0);
     }
     pair.sigma = {1.0, 1.0, 2.0};
     pairs.push_back(pair);
@@ -41,7 +43,8 @@ std::vector<PlacePair> Places(int count, bool on_line, double wrong_share, doubl
 
 TEST(Similarity, ThreePlacesThatAreRightGiveItExactly) {
   std::vector<PlacePair> pairs;
-  for (const Eigen::Vector3d& source : {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 0, 1), Eigen::Vector3d(0, 5, 2)}) {
+  for (const Eigen::Vector3d& source :
+       {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 0, 1), Eigen::Vector3d(0, 5, 2)}) {
     pairs.push_back({source, Truth() * source, Eigen::Vector3d::Ones()});
   }
   const auto found = FitSimilarity3(pairs);
@@ -54,7 +57,8 @@ TEST(Similarity, ThreePlacesThatAreRightGiveItExactly) {
 TEST(Similarity, AThirdOfThePlacesMayBeFiftyMetresOff) {
   const std::vector<PlacePair> pairs = Places(40, false, 0.3, 50.0);
   const UpDirection up{Truth().rotation.conjugate() * Eigen::Vector3d::UnitZ(), 0.05};
-  for (const std::optional<UpDirection>& given : {std::optional<UpDirection>(), std::optional<UpDirection>(up)}) {
+  for (const std::optional<UpDirection>& given :
+       {std::optional<UpDirection>(), std::optional<UpDirection>(up)}) {
     const auto found = FitRobustly(pairs, given);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->target_from_source.scale, 2.5, 0.03);

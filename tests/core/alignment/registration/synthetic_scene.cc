@@ -4,17 +4,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/alignment/registration/sampler.h"
+#include "core/alignment/view_graph/sampler.h"
 
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kMostKeypoints = 900;
+constexpr int kMaxKeypoints = 900;
 
 double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
 
 double Normal(Sampler& sampler) {
-  return std::sqrt(-2.0 * std::log(1.0 - Uniform(sampler))) * std::cos(2.0 * std::numbers::pi * Uniform(sampler));
+  return std::sqrt(-2.0 * std::log(1.0 - Uniform(sampler))) *
+         std::cos(2.0 * std::numbers::pi * Uniform(sampler));
 }
 
 struct GroundPoint {
@@ -44,7 +45,8 @@ Descriptor Disturbed(const Descriptor& descriptor, Sampler& sampler) {
   return disturbed;
 }
 
-geo::Rigid3 LookDown(const Eigen::Vector3d& center, double yaw_rad, double tilt_rad, double tilt_towards_rad) {
+geo::Rigid3 LookDown(const Eigen::Vector3d& center, double yaw_rad, double tilt_rad,
+                     double tilt_towards_rad) {
   // Image top towards the heading, x to its right, z down.
   const Eigen::Vector3d forward(std::sin(yaw_rad), std::cos(yaw_rad), 0.0);
   const Eigen::Vector3d right(std::cos(yaw_rad), -std::sin(yaw_rad), 0.0);
@@ -54,7 +56,8 @@ geo::Rigid3 LookDown(const Eigen::Vector3d& center, double yaw_rad, double tilt_
   cam_from_enu.row(2) = -Eigen::RowVector3d::UnitZ();
   const Eigen::Vector3d axis(std::cos(tilt_towards_rad), std::sin(tilt_towards_rad), 0.0);
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(tilt_rad, axis));
-  return geo::Rigid3::FromRotationAndTargetOrigin((tilt * Eigen::Quaterniond(cam_from_enu)).normalized(), center);
+  return geo::Rigid3::FromRotationAndTargetOrigin((tilt * Eigen::Quaterniond(cam_from_enu)).normalized(),
+                                                  center);
 }
 
 }  // namespace
@@ -69,10 +72,11 @@ SyntheticScene MakeScene(const SyntheticOptions& options) {
     const int row = p / options.columns;
     const int step = p % options.columns;
     const bool is_back = row % 2 == 1;
-    const double share = options.climb_from_share +
-                         (1.0 - options.climb_from_share) * p / std::max(1.0, static_cast<double>(photos - 1));
+    const double share = options.climb_from_share + (1.0 - options.climb_from_share) * p /
+                                                        std::max(1.0, static_cast<double>(photos - 1));
     const double east = (is_back ? options.columns - 1 - step : step) * options.step_m * share;
-    const Eigen::Vector3d center(east + 0.5 * Normal(sampler), row * options.step_m * share + 0.5 * Normal(sampler),
+    const Eigen::Vector3d center(east + 0.5 * Normal(sampler),
+                                 row * options.step_m * share + 0.5 * Normal(sampler),
                                  options.height_m * share + 0.5 * Normal(sampler));
     double yaw = (is_back ? -0.5 : 0.5) * std::numbers::pi + 0.05 * Normal(sampler);
     if (options.any_yaw) yaw = 2.0 * std::numbers::pi * Uniform(sampler);
@@ -103,13 +107,14 @@ SyntheticScene MakeScene(const SyntheticOptions& options) {
       const Eigen::Vector3d tip =
           point.at + 0.1 * Eigen::Vector3d(std::cos(point.direction_rad), std::sin(point.direction_rad), 0.0);
       const auto beside = scene.lens.Project(pose * tip);
-      if (!beside || static_cast<int>(features.keypoints.size()) >= kMostKeypoints) continue;
+      if (!beside || static_cast<int>(features.keypoints.size()) >= kMaxKeypoints) continue;
       const Eigen::Vector2d way = *beside - *seen;
       Keypoint keypoint;
       keypoint.x_px = static_cast<float>(seen->x() + options.noise_px * Normal(sampler));
       keypoint.y_px = static_cast<float>(seen->y() + options.noise_px * Normal(sampler));
       keypoint.angle_rad = static_cast<float>(std::atan2(way.y(), way.x()) + 0.05 * Normal(sampler));
-      keypoint.scale_px = static_cast<float>(way.norm() / 0.1 * point.size_m * (1.0 + 0.05 * Normal(sampler)));
+      keypoint.scale_px =
+          static_cast<float>(way.norm() / 0.1 * point.size_m * (1.0 + 0.05 * Normal(sampler)));
       features.keypoints.push_back(keypoint);
       features.descriptors.push_back(Disturbed(point.descriptor, sampler));
     }

@@ -1,11 +1,12 @@
-// Photos of a made-up ground as features alone, with known poses: what registration is tested on without pixels.
+// Photos of a made-up ground as features alone, with known poses: what registration is tested on without
+// pixels.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "core/alignment/features.h"
-#include "core/alignment/registration/registration.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/reconstruction/registration.h"
 #include "core/camera/intrinsics.h"
 #include "core/geo/rigid3.h"
 
@@ -16,12 +17,12 @@ struct SyntheticOptions {
   double step_m = 12.0;
   double height_m = 50.0;
   double relief_m = 2.0;
-  double tilt_rad = 0.05;     // each camera's lean, in a random direction
-  bool any_yaw = false;       // else along the line, turned round on the next
+  double tilt_rad = 0.05;         // each camera's lean, in a random direction
+  bool any_yaw = false;           // else along the line, turned round on the next
   double climb_from_share = 1.0;  // the first photo's height; grows to all of it along the flight
   double noise_px = 0.7;
   double points_per_m2 = 0.35;
-  double lost_share = 0.3;    // of points a photo does not find
+  double lost_share = 0.3;  // of points a photo does not find
   std::uint64_t seed = 1;
 };
 

@@ -1,8 +1,8 @@
-#include "core/alignment/registration/two_view.h"
+#include "core/alignment/view_graph/two_view.h"
 
 #include <gtest/gtest.h>
 
-#include "core/alignment/registration/match_descriptors.h"
+#include "core/alignment/view_graph/match_descriptors.h"
 #include "tests/core/alignment/registration/synthetic_scene.h"
 
 namespace skyquilt::alignment {
@@ -16,7 +16,8 @@ std::optional<TwoView> View(const SyntheticScene& scene, int i, int j) {
 }
 
 double TurnMiss(const SyntheticScene& scene, int i, int j, const TwoView& view) {
-  const Eigen::Quaterniond truth = scene.cam_from_enu[j].rotation * scene.cam_from_enu[i].rotation.conjugate();
+  const Eigen::Quaterniond truth =
+      scene.cam_from_enu[j].rotation * scene.cam_from_enu[i].rotation.conjugate();
   double least = 10.0;
   for (const RelativePose& pose : view.poses) least = std::min(least, pose.rotation.angularDistance(truth));
   return least;
@@ -53,7 +54,8 @@ TEST(TwoView, OfTwoGroundsTheOneUnderTheCamerasComesFirst) {
     const SyntheticScene scene = MakeScene(options);
     const auto view = View(scene, 0, 1);
     ASSERT_TRUE(view) << step_m;
-    const Eigen::Quaterniond truth = scene.cam_from_enu[1].rotation * scene.cam_from_enu[0].rotation.conjugate();
+    const Eigen::Quaterniond truth =
+        scene.cam_from_enu[1].rotation * scene.cam_from_enu[0].rotation.conjugate();
     EXPECT_LT(view->poses.front().rotation.angularDistance(truth), 0.02) << step_m;
     EXPECT_NEAR(view->angle_rad, step_m / options.height_m, 0.3 * step_m / options.height_m);
   }

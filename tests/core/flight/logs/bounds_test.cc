@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/flight/logs/gcp_list.h"
-#include "core/flight/logs/geo_txt.h"
-#include "core/flight/logs/gpx.h"
-#include "core/flight/logs/mavlink_tlog.h"
-#include "core/flight/logs/ulog.h"
-#include "core/flight/logs/ulog_types.h"
+#include "core/flight/logs/autopilots/mavlink_tlog.h"
+#include "core/flight/logs/autopilots/ulog.h"
+#include "core/flight/logs/autopilots/ulog_types.h"
+#include "core/flight/logs/texts/gcp_list.h"
+#include "core/flight/logs/texts/geo_txt.h"
+#include "core/flight/logs/texts/gpx.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {
@@ -15,18 +15,20 @@ namespace {
 
 using testing::AsText;
 using testing::Bytes;
-using testing::TlogWriter;
-using testing::UlogWriter;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using testing::TlogWriter;
+using testing::UlogWriter;
 
-// Types of `wide` members of the type before, `deep` deep: wide to the power of deep members if each is walked again.
+// Types of `wide` members of the type before, `deep` deep: wide to the power of deep members if each is
+// walked again.
 UlogTypes Nested(int deep, int wide) {
   UlogTypes types;
   EXPECT_TRUE(types.Define("t0:uint8_t[0] a;"));
   for (int level = 1; level <= deep; ++level) {
     std::string definition = "t" + std::to_string(level) + ":";
-    for (int i = 0; i < wide; ++i) definition += "t" + std::to_string(level - 1) + " m" + std::to_string(i) + ";";
+    for (int i = 0; i < wide; ++i)
+      definition += "t" + std::to_string(level - 1) + " m" + std::to_string(i) + ";";
     EXPECT_TRUE(types.Define(definition + "uint64_t timestamp;"));
   }
   return types;
@@ -126,8 +128,9 @@ TEST(ParseGeoTxt, TakesOnlySoManyRows) {
 
 TEST(ParseGpx, AttributesAreReadOnceAndTagsAreShort) {
   const auto parse = [](const std::string& tag) {
-    return ParseGpx("a.gpx", BytesOf("<gpx><trk><trkseg><trkpt " + tag +
-                                     "><ele>5</ele><time>2024-05-01T10:00:00Z</time></trkpt></trkseg></trk></gpx>"),
+    return ParseGpx("a.gpx",
+                    BytesOf("<gpx><trk><trkseg><trkpt " + tag +
+                            "><ele>5</ele><time>2024-05-01T10:00:00Z</time></trkpt></trkseg></trk></gpx>"),
                     {});
   };
   for (const char* tag : {"lat=\"47.4\" lon=\"8.5\"", "lon = '8.5'\n lat\t=\n\"47.4\"",

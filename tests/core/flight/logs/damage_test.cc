@@ -5,10 +5,10 @@
 #include <fstream>
 #include <random>
 
-#include "core/flight/logs/gcp_list.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/logs/texts/gcp_list.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {

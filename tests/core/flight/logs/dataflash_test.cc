@@ -1,4 +1,4 @@
-#include "core/flight/logs/dataflash.h"
+#include "core/flight/logs/autopilots/dataflash.h"
 
 #include <gtest/gtest.h>
 

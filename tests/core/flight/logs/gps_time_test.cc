@@ -54,7 +54,8 @@ TEST(ParseWrittenTime, RefusesWhatIsNoDate) {
 }
 
 TEST(ParseWrittenTime, RefusesZonesThatAreNone) {
-  for (const char* zone : {"+", "+16", "+15:01", "+1501", "+02:75", "+0275", "-951022222:00", "+999999999", "+00:999999999"}) {
+  for (const char* zone :
+       {"+", "+16", "+15:01", "+1501", "+02:75", "+0275", "-951022222:00", "+999999999", "+00:999999999"}) {
     EXPECT_FALSE(ParseWrittenTime(std::string("2022-05-01T15:01:58") + zone).has_value()) << zone;
   }
 }

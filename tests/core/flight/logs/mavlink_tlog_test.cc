@@ -1,4 +1,4 @@
-#include "core/flight/logs/mavlink_tlog.h"
+#include "core/flight/logs/autopilots/mavlink_tlog.h"
 
 #include <gtest/gtest.h>
 

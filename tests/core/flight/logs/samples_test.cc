@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <map>
 
-#include "core/flight/logs/gcp_list.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/logs/texts/gcp_list.h"
 #include "tests/core/flight/logs/log_writers.h"
 
 namespace skyquilt::flight {

@@ -1,4 +1,4 @@
-#include "core/flight/logs/ulog.h"
+#include "core/flight/logs/autopilots/ulog.h"
 
 #include <gtest/gtest.h>
 

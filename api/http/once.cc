@@ -1,0 +1,80 @@
+#include "api/http/once.h"
+
+#include <mutex>
+#include <string>
+
+#include "api/http/digest.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::size_t kLongestKey = 255;
+
+std::string RouteOf(const Request& request) {
+  return std::string(MethodName(request.method)) + " " + request.path;
+}
+
+std::string FingerprintOf(std::string_view body) {
+  Digest digest(DigestAlgorithm::kSha256);
+  digest.Add({reinterpret_cast<const std::uint8_t*>(body.data()), body.size()});
+  return digest.Finish();
+}
+
+Response Replay(const storage::IdempotentAnswer& answer) {
+  Response response = Json(answer.status, answer.body);
+  if (!answer.location.empty()) response.headers.Add("Location", answer.location);
+  response.headers.Add("Idempotency-Replayed", "true");
+  return response;
+}
+
+Result<storage::IdempotencyKey> KeyOf(const Request& request) {
+  std::string key(request.headers.Find("Idempotency-Key"));
+  if (key.empty() || key.size() > kLongestKey) {
+    return Error{ErrorCode::kInvalidArgument, "Idempotency-Key must be 1 to 255 characters.", ""};
+  }
+  return storage::IdempotencyKey{request.owner, std::move(key), RouteOf(request)};
+}
+
+}  // namespace
+
+Response OnceBy(Service& service, const Request& request, const std::string& fingerprint,
+                const std::function<Response()>& carry_out) {
+  if (!request.headers.Has("Idempotency-Key")) return carry_out();
+  const Result<storage::IdempotencyKey> key = KeyOf(request);
+  if (!key) return Problem(key.error(), request);
+  const std::lock_guard lock(service.once_mutex);
+  const auto known = service.idempotent_answers.Find(*key, service.db.ages().Now());
+  if (!known) return Problem(known.error(), request);
+  if (*known && (*known)->fingerprint != fingerprint) {
+    return Problem(
+        {ErrorCode::kUnprocessable,
+         "This Idempotency-Key was used for another request. Send this one under a key of its own.", ""},
+        request);
+  }
+  if (*known) return Replay(**known);
+  Response response = carry_out();
+  // What the machine could not do may be tried again.
+  if (response.status >= 500) return response;
+  const Result<void> kept = service.idempotent_answers.Keep(
+      *key, {fingerprint, response.status, std::string(response.headers.Find("Location")), response.body},
+      service.db.ages().Now());
+  return kept ? std::move(response) : Problem(kept.error(), request);
+}
+
+Response Once(Service& service, const Request& request, std::string_view body,
+              const std::function<Response()>& carry_out) {
+  return OnceBy(service, request, FingerprintOf(body), carry_out);
+}
+
+Result<bool> HasKeptAnswer(Service& service, const Request& request) {
+  if (!request.headers.Has("Idempotency-Key")) return false;
+  const Result<storage::IdempotencyKey> key = KeyOf(request);
+  if (!key) return key.error();
+  const auto known = service.idempotent_answers.Find(*key, service.db.ages().Now());
+  if (!known) return known.error();
+  return known->has_value();
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,27 @@
+// Once: a request under an Idempotency-Key is carried out once; sent again it gets the first answer again,
+// marked with "Idempotency-Replayed: true". Without the header it is simply carried out. Another body under
+// the same key is a mistake (422); another token's key is another key. Any thread; requests with keys go one
+// after the other.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/http/http_message.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+Response Once(Service& service, const Request& request, std::string_view body,
+              const std::function<Response()>& carry_out);
+
+// The same for a body that is too large to be kept: by a digest of what it says (api/uploads/form_digest).
+Response OnceBy(Service& service, const Request& request, const std::string& fingerprint,
+                const std::function<Response()>& carry_out);
+// Before the body is read: true where it need only be compared. Errors: kInvalidArgument (no good key), and
+// the catalogue's.
+Result<bool> HasKeptAnswer(Service& service, const Request& request);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,66 @@
+#include "api/http/responses.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "api/json/json_text.h"
+#include "storage/db/ids.h"
+
+namespace skyquilt::api {
+namespace {
+
+class Collector final : public BodySink {
+ public:
+  explicit Collector(std::function<Response(std::string)> answer) : answer_(std::move(answer)) {}
+  Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (body_.size() + bytes.size() > kMaxJsonBytes) {
+      return Error{ErrorCode::kTooLarge, "The body is longer than 64 KiB.", ""};
+    }
+    body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return {};
+  }
+  Response Finish() override { return answer_(std::move(body_)); }
+
+ private:
+  std::function<Response(std::string)> answer_;
+  std::string body_;
+};
+
+}  // namespace
+
+Response Text(int status, std::string body, std::string content_type) {
+  Response response;
+  response.status = status;
+  response.headers.Add("Content-Type", std::move(content_type));
+  response.body = std::move(body);
+  return response;
+}
+
+Response Json(int status, std::string body) {
+  Response response = Text(status, std::move(body), "application/json");
+  response.headers.Add("Cache-Control", "no-store");
+  return response;
+}
+
+Response NoContent() {
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer) {
+  return std::make_unique<Collector>(std::move(answer));
+}
+
+Result<void> CheckId(const std::string& id, const char* what) {
+  if (!storage::IsId(id)) return Error{ErrorCode::kNotFound, fmt::format("There is no such {}.", what), ""};
+  return {};
+}
+
+bool IsJson(const Request& request) {
+  const std::string_view type = request.headers.Find("Content-Type");
+  return type.empty() || EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json");
+}
+
+}  // namespace skyquilt::api

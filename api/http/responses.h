@@ -1,0 +1,25 @@
+// The few shapes of answers that handlers share. Pure; any thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "api/http/http_message.h"
+#include "core/base/result.h"
+
+namespace skyquilt::api {
+
+Response Json(int status, std::string body);
+Response NoContent();
+Response Text(int status, std::string body, std::string content_type);
+
+// Collects a body of at most 64 KiB and hands it to `answer`.
+std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer);
+
+// kNotFound for what cannot be an id of ours, before it comes near the disk.
+Result<void> CheckId(const std::string& id, const char* what);
+// True for application/json, and for a request without a body type.
+bool IsJson(const Request& request);
+
+}  // namespace skyquilt::api

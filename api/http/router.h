@@ -1,0 +1,69 @@
+// Router: from a method and a path to the handler that answers. Patterns are segments, "{name}" stands for
+// any one segment; a literal segment wins over a parameter. Built once at the start, then only read: any
+// thread.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/http/http_message.h"
+
+namespace skyquilt::api {
+
+using Handler = std::function<Response(const Request&)>;
+// Begins an upload: either takes the body, or refuses it with a Response before it is read.
+using UploadHandler = std::function<std::variant<std::unique_ptr<BodySink>, Response>(const Request&)>;
+
+struct Route {
+  std::string pattern;  // for metrics and the test that walks the contract
+  Handler handler;      // exactly one of the two is set
+  UploadHandler upload;
+  Work work = Work::kRead;  // where it begins; an answer may ask for more (Response::wants)
+};
+
+class Router {
+ public:
+  Router();
+  ~Router();
+  Router(Router&&) noexcept;
+  Router& operator=(Router&&) noexcept;
+
+  // GET where reading is fine, everything else where writing is.
+  void Add(Method method, std::string_view pattern, Handler handler);
+  // Makes pictures, plans or verdicts.
+  void AddCompute(Method method, std::string_view pattern, Handler handler);
+  // Answers from memory, with at most a page or two read from a file that is open: runs where sockets are
+  // served, and everybody there waits for it.
+  void AddQuick(Method method, std::string_view pattern, Handler handler);
+  void AddUpload(Method method, std::string_view pattern, UploadHandler handler);
+  // Asked before the handler of every route that is there now; a Response of its is the answer.
+  using Guard = std::function<std::optional<Response>(const Request&, std::string_view pattern)>;
+  void PutBefore(const Guard& guard);
+  // Answers GET of paths that no pattern has (the web page).
+  void SetFallback(Handler handler);
+
+  struct Match {
+    const Route* route = nullptr;  // none: no such path (both empty), or the path lacks this method
+    std::vector<std::pair<std::string, std::string>> parameters;
+    std::string allow;  // the path's methods for the Allow header, e.g. "GET, HEAD, OPTIONS"
+  };
+  Match Find(Method method, const std::vector<std::string>& segments) const;
+  // What the path allows at all; empty when there is no such path.
+  std::string Allowed(const std::vector<std::string>& segments) const;
+  std::vector<std::pair<Method, std::string>> Routes() const;
+
+ private:
+  struct Node;
+  Route& Insert(Method method, std::string_view pattern);
+  const Node* Walk(const std::vector<std::string>& segments, std::vector<std::string>* values) const;
+  std::unique_ptr<Node> root_;
+  std::optional<Route> fallback_;
+};
+
+}  // namespace skyquilt::api

@@ -1,0 +1,108 @@
+#include "api/http/target.h"
+
+#include <fmt/format.h>
+
+#include "storage/uploads/photo_store.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::size_t kMaxSegments = 32;
+constexpr std::size_t kMaxQueryItems = 64;
+
+Error Refuse(const char* why) {
+  return {ErrorCode::kInvalidArgument, fmt::format("Bad request target: {}.", why), ""};
+}
+
+int HexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+bool IsUnreservedOrSub(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         std::string_view("-._~!$&'()*+,;=:@").find(c) != std::string_view::npos;
+}
+
+Result<std::string> Decode(std::string_view text, std::string_view also_allowed, bool plus_is_space) {
+  std::string decoded;
+  decoded.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '%') {
+      const int high = i + 2 < text.size() ? HexDigit(text[i + 1]) : -1;
+      const int low = i + 2 < text.size() ? HexDigit(text[i + 2]) : -1;
+      if (high < 0 || low < 0) return Refuse("% must be followed by two hexadecimal digits");
+      decoded.push_back(static_cast<char>(high * 16 + low));
+      i += 2;
+    } else if (c == '+' && plus_is_space) {
+      decoded.push_back(' ');
+    } else if (IsUnreservedOrSub(c) || also_allowed.find(c) != std::string_view::npos) {
+      decoded.push_back(c);
+    } else {
+      return Refuse("it has a character that must be percent-encoded");
+    }
+  }
+  for (const char c : decoded) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return Refuse("it has a control character");
+  }
+  if (!storage::IsValidUtf8(decoded)) return Refuse("it is not UTF-8");
+  return decoded;
+}
+
+Result<std::vector<std::string>> ParsePath(std::string_view path) {
+  std::vector<std::string> segments;
+  while (path.size() > 1) {
+    path.remove_prefix(1);
+    const std::size_t end = std::min(path.find('/'), path.size());
+    Result<std::string> segment = Decode(path.substr(0, end), "", false);
+    if (!segment) return segment.error();
+    if (segment->empty()) return Refuse("a path segment is empty");
+    if (*segment == "." || *segment == "..") return Refuse("a path segment means a folder");
+    if (segment->find_first_of("/\\") != std::string::npos) return Refuse("a path segment has a slash in it");
+    if (segments.size() == kMaxSegments) return Refuse("the path has too many segments");
+    segments.push_back(*std::move(segment));
+    path.remove_prefix(end);
+  }
+  if (path == "/" && !segments.empty()) return Refuse("a path segment is empty");
+  return segments;
+}
+
+}  // namespace
+
+Result<Target> ParseTarget(std::string_view target) {
+  if (target.empty() || target.front() != '/') return Refuse("it must begin with a slash");
+  if (target.size() > kMaxTargetBytes) return Refuse("it is too long");
+  const std::size_t question = target.find('?');
+  Result<std::vector<std::string>> segments = ParsePath(target.substr(0, question));
+  if (!segments) return segments.error();
+  Target parsed;
+  parsed.segments = *std::move(segments);
+  if (question == std::string_view::npos) return parsed;
+  Result<std::vector<std::pair<std::string, std::string>>> query = ParseQuery(target.substr(question + 1));
+  if (!query) return query.error();
+  parsed.query = *std::move(query);
+  return parsed;
+}
+
+Result<std::vector<std::pair<std::string, std::string>>> ParseQuery(std::string_view rest) {
+  std::vector<std::pair<std::string, std::string>> query;
+  while (!rest.empty()) {
+    const std::string_view item = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(item.size() + 1, rest.size()));
+    if (item.empty()) continue;
+    if (query.size() == kMaxQueryItems) return Refuse("the query has too many items");
+    const std::size_t equals = item.find('=');
+    Result<std::string> name = Decode(item.substr(0, equals), "/?", true);
+    if (!name) return name.error();
+    Result<std::string> value =
+        Decode(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1), "/?", true);
+    if (!value) return value.error();
+    query.emplace_back(*std::move(name), *std::move(value));
+  }
+  return query;
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,143 @@
+#include "api/json/job_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "api/json/json_text.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+Error Refuse(std::string_view field, std::string_view rule) {
+  return {ErrorCode::kUnprocessable, fmt::format("The option \"{}\" {}.", field, rule), ""};
+}
+
+Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_number()) return Refuse("gsd_m", "must be a number of metres");
+  const auto gsd_m = value.get<double>();
+  if (!(gsd_m >= 0.001 && gsd_m <= 100.0)) return Refuse("gsd_m", "must lie between 0.001 and 100 metres");
+  options->gsd_m = gsd_m;
+  return {};
+}
+
+Result<void> SetReadout(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_number()) return Refuse("readout_ms", "must be a number of milliseconds");
+  const auto readout_ms = value.get<double>();
+  if (!(readout_ms >= 0.0 && readout_ms <= 500.0))
+    return Refuse("readout_ms", "must lie between 0 and 500 milliseconds");
+  options->readout_s = 1e-3 * readout_ms;
+  return {};
+}
+
+Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
+  if (value == "auto") {
+    options->encoding = pipeline::TileEncoding::kJpegPng;
+  } else if (value == "webp") {
+    options->encoding = pipeline::TileEncoding::kWebp;
+  } else {
+    return Refuse("format", "must be \"auto\" or \"webp\"");
+  }
+  return {};
+}
+
+Result<void> SetQuality(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_number_integer()) return Refuse("quality", "must be a whole number");
+  const auto quality = value.get<std::int64_t>();
+  if (quality < 1 || quality > 100) return Refuse("quality", "must lie between 1 and 100");
+  options->jpeg_quality = static_cast<int>(quality);
+  return {};
+}
+
+Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
+  constexpr std::pair<const char*, pipeline::AlignMethod> kMethods[] = {
+      {"auto", pipeline::AlignMethod::kAuto},
+      {"images", pipeline::AlignMethod::kImages},
+      {"imu", pipeline::AlignMethod::kImu},
+      {"features", pipeline::AlignMethod::kFeatures},
+      {"direct", pipeline::AlignMethod::kDirect}};
+  for (const auto& [name, method] : kMethods) {
+    if (value == name) {
+      options->method = method;
+      return {};
+    }
+  }
+  return Refuse("method", "must be \"auto\", \"imu\", \"features\" or \"direct\"");
+}
+
+Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number()) {
+    return Refuse("origin", "must be [latitude, longitude] in degrees");
+  }
+  const geo::LatLon origin{value[0].get<double>(), value[1].get<double>()};
+  if (!(std::abs(origin.lat_deg) <= 85.0 && std::abs(origin.lon_deg) <= 180.0)) {
+    return Refuse("origin", "must be a latitude up to 85 and a longitude up to 180 degrees");
+  }
+  options->origin = origin;
+  return {};
+}
+
+Result<void> SetLandedAtStart(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_boolean()) return Refuse("landed_at_start", "must be true or false");
+  options->landed_at_start = value.get<bool>();
+  return {};
+}
+
+Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
+  constexpr const char* kRule = "must be a list of \"photo\", \"error\" and \"height\", each at most once";
+  if (!value.is_array()) return Refuse("layers", kRule);
+  for (const json& name : value) {
+    const auto layer = name.is_string() ? render::MapLayerNamed(name.get<std::string>()) : std::nullopt;
+    if (!layer || std::count(options->layers.begin(), options->layers.end(), *layer) > 0)
+      return Refuse("layers", kRule);
+    options->layers.push_back(*layer);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
+  const Result<void> fit = CheckJsonText(text);
+  if (!fit) return fit.error();
+  const json parsed = json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON.", ""};
+  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};
+  pipeline::MosaicOptions options;
+  for (const auto& [field, value] : parsed.items()) {
+    Result<void> set;
+    if (field == "gsd_m") {
+      set = SetGsd(value, &options);
+    } else if (field == "readout_ms") {
+      set = SetReadout(value, &options);
+    } else if (field == "format") {
+      set = SetFormat(value, &options);
+    } else if (field == "quality") {
+      set = SetQuality(value, &options);
+    } else if (field == "method") {
+      set = SetMethod(value, &options);
+    } else if (field == "origin") {
+      set = SetOrigin(value, &options);
+    } else if (field == "landed_at_start") {
+      set = SetLandedAtStart(value, &options);
+    } else if (field == "layers") {
+      set = SetLayers(value, &options);
+    } else {
+      set = Refuse(
+          field,
+          "is not known; known are gsd_m, readout_ms, format, quality, method, origin, landed_at_start and layers");
+    }
+    if (!set) return set.error();
+  }
+  return options;
+}
+
+}  // namespace skyquilt::api

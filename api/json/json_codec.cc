@@ -1,0 +1,251 @@
+#include "api/json/json_codec.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "api/json/job_options.h"
+#include "api/json/json_text.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::ordered_json;
+
+// Names come from outside: what is not UTF-8 must not stop an answer.
+std::string Dump(const ordered_json& value) {
+  return value.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+ordered_json TimeOrNull(const std::optional<storage::Time>& time) {
+  return time ? ordered_json(FormatTime(*time)) : ordered_json(nullptr);
+}
+
+struct Eta {
+  double left_s = 0.0;
+  double low_s = 0.0;
+  double high_s = 0.0;
+};
+
+// What jobs before took and what the pace of this attempt says, the more of the latter the further it is.
+// Nothing where there is neither.
+std::optional<Eta> EtaOf(const storage::Job& job, storage::Time now) {
+  constexpr double kMinProgress = 0.03;
+  constexpr double kPaceLow = 0.8, kPaceHigh = 1.25;   // of a pace that others confirm
+  constexpr double kAloneLow = 0.5, kAloneHigh = 2.0;  // of one that nothing confirms
+  if (job.state != storage::JobState::kRunning || !job.attempt_started) return std::nullopt;
+  const double done = std::clamp(job.progress, 0.0, 1.0);
+  const bool has_pace = done >= kMinProgress;
+  if (!has_pace && !job.expected) return std::nullopt;
+  const double elapsed_s = std::max(0.0, std::chrono::duration<double>(now - *job.attempt_started).count());
+  const double pace_s = has_pace ? elapsed_s / done : 0.0;
+  if (!job.expected) {
+    const double left_s = pace_s * (1.0 - done);
+    return Eta{left_s, left_s * kAloneLow, left_s * kAloneHigh};
+  }
+  const double trust = has_pace ? done : 0.0;  // in the pace
+  const auto left = [&](double expected_s, double of_pace) {
+    return (1.0 - done) * ((1.0 - trust) * expected_s + trust * of_pace * pace_s);
+  };
+  return Eta{left(job.expected->total_s, 1.0), left(job.expected->low_s, kPaceLow),
+             left(job.expected->high_s, kPaceHigh)};
+}
+
+ordered_json ErrorOf(const storage::Job& job) {
+  // A job that waits for another attempt keeps the last error for the log; it has not failed.
+  if (job.state != storage::JobState::kFailed || !job.error) return nullptr;
+  return {{"code", job.error->code}, {"message", job.error->message}};
+}
+
+ordered_json JobValue(const storage::Job& job, storage::Time now) {
+  ordered_json value;
+  value["id"] = job.id;
+  value["flight_id"] = job.flight_id;
+  value["state"] = storage::JobStateName(job.state);
+  value["stage"] = job.stage;
+  value["progress"] = job.progress;
+  value["message"] = job.message;
+  const std::optional<Eta> eta = EtaOf(job, now);
+  value["eta_s"] = eta ? ordered_json(eta->left_s) : ordered_json(nullptr);
+  value["eta_low_s"] = eta ? ordered_json(eta->low_s) : ordered_json(nullptr);
+  value["eta_high_s"] = eta ? ordered_json(eta->high_s) : ordered_json(nullptr);
+  value["priority"] = job.priority;
+  value["attempts"] = job.attempts;
+  value["created_at"] = FormatTime(job.created);
+  value["started_at"] = TimeOrNull(job.started);
+  value["finished_at"] = TimeOrNull(job.finished);
+  value["error"] = ErrorOf(job);
+  return value;
+}
+
+const char* FlightState(const FlightView& view) {
+  using storage::JobState;
+  if (view.job && view.job->state == JobState::kAccepted) return "queued";
+  if (view.job && view.job->state == JobState::kRunning) return "processing";
+  if (view.revision) return "ready";  // an older map stays up when a later job fails; `error` says so
+  if (view.job && view.job->state == JobState::kFailed) return "failed";
+  return view.flight.file_count > 0 ? "uploaded" : "empty";
+}
+
+Result<ordered_json> ParseObject(std::string_view body) {
+  if (body.find_first_not_of(" \t\r\n") == std::string_view::npos) return ordered_json::object();
+  const Result<void> fit = CheckJsonText(body);
+  if (!fit) return fit.error();
+  ordered_json parsed = ordered_json::parse(body, nullptr, false);
+  if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON.", ""};
+  if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The body must be a JSON object.", ""};
+  return parsed;
+}
+
+Error UnknownField(const std::string& field) {
+  return {ErrorCode::kUnprocessable, fmt::format("The field \"{}\" is not known.", field), ""};
+}
+
+Result<std::string> CheckedName(const ordered_json& value) {
+  if (!value.is_string()) return Error{ErrorCode::kUnprocessable, "The field \"name\" must be a text.", ""};
+  const auto name = value.get<std::string>();
+  if (name.empty() || name.size() > 200) {
+    return Error{ErrorCode::kUnprocessable, "The field \"name\" must be 1 to 200 bytes long.", ""};
+  }
+  return name;
+}
+
+Result<std::string> CheckedOptions(const ordered_json& value) {
+  std::string text = Dump(value);
+  const Result<pipeline::MosaicOptions> options = ParseJobOptions(text);
+  if (!options) return options.error();
+  return text;
+}
+
+Result<int> CheckedPriority(const ordered_json& value) {
+  constexpr int kMost = storage::kMaxPriority;
+  if (!value.is_number_integer() || value < -kMost || value > kMost) {
+    return Error{ErrorCode::kUnprocessable,
+                 fmt::format("The field \"priority\" must be a whole number from {} to {}.", -kMost, kMost),
+                 ""};
+  }
+  return value.get<int>();
+}
+
+}  // namespace
+
+std::string FormatTime(storage::Time time) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time - seconds).count();
+  const std::time_t whole = std::chrono::system_clock::to_time_t(seconds);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(whole), ms);
+}
+
+std::string JobJson(const storage::Job& job, storage::Time now) { return Dump(JobValue(job, now)); }
+
+std::string FlightJson(const FlightView& view, storage::Time now) {
+  ordered_json value;
+  value["id"] = view.flight.id;
+  value["name"] = view.flight.name;
+  value["state"] = FlightState(view);
+  value["created_at"] = FormatTime(view.flight.created);
+  value["file_count"] = view.flight.file_count;
+  value["bytes"] = view.flight.bytes;
+  value["options"] = ordered_json::parse(view.flight.options, nullptr, false);
+  const auto& revision = view.revision;
+  value["revision"] = revision ? ordered_json(revision->revision) : ordered_json(nullptr);
+  value["job"] = view.job ? JobValue(*view.job, now) : ordered_json(nullptr);
+  value["bounds"] = revision ? ordered_json(revision->bounds) : ordered_json(nullptr);
+  value["min_zoom"] = revision ? ordered_json(revision->min_zoom) : ordered_json(nullptr);
+  value["max_zoom"] = revision ? ordered_json(revision->max_zoom) : ordered_json(nullptr);
+  value["photos"] = nullptr;
+  if (revision) {
+    value["photos"] = {{"total", revision->photos_total},
+                       {"aligned", revision->photos_aligned},
+                       {"pose_only", revision->photos_pose_only},
+                       {"left_out", revision->photos_left_out}};
+  }
+  value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
+  value["tilejson"] =
+      revision ? ordered_json(fmt::format("/tiles/{}.json", view.flight.id)) : ordered_json(nullptr);
+  value["preview"] = nullptr;
+  if (view.preview) {
+    value["preview"] = {{"edition", view.preview->edition},
+                        {"photos", view.preview->photos},
+                        {"bounds", view.preview->bounds},
+                        {"tilejson", fmt::format("/tiles/{}.json?rev={}", view.flight.id, kPreviewRevision)}};
+  }
+  value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);
+  value["may_change"] = view.may_change;
+  return Dump(value);
+}
+
+std::string FileJson(const storage::StoredFile& file) {
+  return Dump({{"name", file.name}, {"bytes", file.bytes}});
+}
+
+std::string FileOutcomesJson(const std::vector<FileOutcome>& files) {
+  ordered_json list = ordered_json::array();
+  for (const FileOutcome& file : files) {
+    if (file.error) {
+      list.push_back(
+          {{"name", file.name}, {"error", file.error->message}, {"code", ErrorCodeName(file.error->code)}});
+    } else {
+      list.push_back({{"name", file.name}, {"bytes", file.bytes}});
+    }
+    if (!file.note.empty()) list.back()["note"] = file.note;
+  }
+  return Dump(list);
+}
+
+std::string JsonString(std::string_view text) { return Dump(ordered_json(std::string(text))); }
+
+std::string JsonObject(const std::vector<std::pair<std::string_view, std::string>>& members) {
+  std::string text = "{";
+  for (const auto& [name, value] : members) {
+    if (text.size() > 1) text += ',';
+    text += JsonString(name) + ":" + value;
+  }
+  return text + "}";
+}
+
+std::string JsonArray(const std::vector<std::string>& items) {
+  std::string text = "[";
+  for (const std::string& item : items) {
+    if (text.size() > 1) text += ',';
+    text += item;
+  }
+  return text + "]";
+}
+
+Result<FlightFields> ParseFlightFields(std::string_view body) {
+  const Result<ordered_json> parsed = ParseObject(body);
+  if (!parsed) return parsed.error();
+  FlightFields fields;
+  for (const auto& [field, value] : parsed->items()) {
+    if (field != "name" && field != "options") return UnknownField(field);
+    const Result<std::string> checked = field == "name" ? CheckedName(value) : CheckedOptions(value);
+    if (!checked) return checked.error();
+    (field == "name" ? fields.name : fields.options) = *checked;
+  }
+  return fields;
+}
+
+Result<JobRequest> ParseJobRequest(std::string_view body) {
+  const Result<ordered_json> parsed = ParseObject(body);
+  if (!parsed) return parsed.error();
+  JobRequest request;
+  for (const auto& [field, value] : parsed->items()) {
+    if (field == "options") {
+      const Result<std::string> checked = CheckedOptions(value);
+      if (!checked) return checked.error();
+      request.options = *checked;
+    } else if (field == "priority") {
+      const Result<int> priority = CheckedPriority(value);
+      if (!priority) return priority.error();
+      request.priority = *priority;
+    } else {
+      return UnknownField(field);
+    }
+  }
+  return request;
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,65 @@
+// Flights, files and jobs as the JSON of the API, and the JSON that clients send as checked values. Text in,
+// text out: the JSON library stays in the .cc files. Pure; any thread. Errors: kInvalidArgument (not JSON,
+// nested too deep), kUnprocessable (a field that is unknown or of a wrong kind).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/catalogue/previews.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::api {
+
+// What stands in an address for a revision where the preview is meant, and nothing but it.
+inline constexpr std::string_view kPreviewRevision = "preview";
+
+// Everything the API says of one flight.
+struct FlightView {
+  storage::Flight flight;
+  std::optional<storage::Job> job;            // the latest
+  std::optional<storage::Revision> revision;  // what is shown
+  std::optional<storage::Preview> preview;    // until then
+  bool may_change = true;                     // may who asks (api/auth/flight_access)?
+};
+
+// One file of an upload: stored under `name`, or refused with `error`; `note` says when the name was changed.
+struct FileOutcome {
+  std::string name;
+  std::int64_t bytes = 0;
+  std::string note;
+  std::optional<Error> error;
+};
+
+std::string FlightJson(const FlightView& view, storage::Time now);
+std::string JobJson(const storage::Job& job, storage::Time now);
+std::string FileJson(const storage::StoredFile& file);
+std::string FileOutcomesJson(const std::vector<FileOutcome>& files);
+
+// {"a":<raw>,"b":<raw>}: values are JSON already.
+std::string JsonObject(const std::vector<std::pair<std::string_view, std::string>>& members);
+std::string JsonArray(const std::vector<std::string>& items);
+std::string JsonString(std::string_view text);
+
+// "2026-11-21T04:55:03.123Z"
+std::string FormatTime(storage::Time time);
+
+struct FlightFields {
+  std::optional<std::string> name;
+  std::optional<std::string> options;  // checked, as compact JSON text
+};
+// The bodies of POST and PATCH /flights. An empty body counts as {}.
+Result<FlightFields> ParseFlightFields(std::string_view body);
+// The body of POST /flights/{id}/jobs: {"options":{...},"priority":0}.
+struct JobRequest {
+  std::optional<std::string> options;  // checked, as compact JSON text; absent: the flight's
+  int priority = 0;
+};
+Result<JobRequest> ParseJobRequest(std::string_view body);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,27 @@
+#include "api/json/json_text.h"
+
+namespace skyquilt::api {
+
+Result<void> CheckJsonText(std::string_view text) {
+  if (text.size() > kMaxJsonBytes)
+    return Error{ErrorCode::kTooLarge, "The JSON body is longer than 64 KiB.", ""};
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxJsonDepth)
+        return Error{ErrorCode::kInvalidArgument, "The JSON body is nested too deep.", ""};
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return {};
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,95 @@
+// AdjustBundle: the poses, lenses and points that explain all observations best, held by what was recorded.
+// Ceres (Levenberg-Marquardt, Schur complement); robust loss on observations and on recorded poses;
+// observations too far off are dropped between rounds. Gauge: the recorded positions hold it, so the block
+// stays at their mean. One thread by design: sums in a fixed order give the same bytes on every machine. Not
+// for concurrent use of one problem.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/adjustment/tracks.h"
+#include "core/alignment/view.h"
+
+namespace skyquilt::alignment {
+
+struct BundlePhoto {
+  geo::Rigid3 cam_from_enu;        // in: start; out: adjusted
+  geo::Rigid3 prior_cam_from_enu;  // as recorded, or as corrected where the images proved the record wrong
+  Eigen::Vector3d sigma_position_m = Eigen::Vector3d::Ones();
+  Eigen::Vector3d sigma_attitude_rad = Eigen::Vector3d::Constant(0.05);  // apart from the line's common error
+  int lens = 0;
+  int line = 0;
+  double height_above_ground_m = 50.0;
+  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // as AlignedPhoto has it
+  bool is_fixed = false;   // stays where it is; others are placed against it
+  bool has_record = true;  // false: the prior is no more than where it was found before
+};
+
+struct BundleLens {
+  camera::Intrinsics recorded;    // the prior
+  camera::Intrinsics intrinsics;  // in: start; out: adjusted
+  double sigma_focal_share = 0.01;
+  double sigma_center_px = 10.0;
+  double sigma_k1 = 0.05;
+  double sigma_k2 = 0.05;
+  double sigma_p = 0.001;
+  bool is_fixed = false;
+  double found_sigma_focal_px = 0.0;  // out: what the images left of the prior
+};
+
+// A surveyed point and the photos in which it was marked.
+struct BundleControl {
+  Track track;
+  Eigen::Vector3d surveyed_in_enu = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Constant(0.02);
+  bool has_height = true;
+  std::size_t report = 0;  // the caller's number
+};
+
+// What all points together say of the ground, z = height_m + slope_east * E + slope_north * N: photos that
+// hang on little may not fold it. Weak: a photo's points weigh as much as one height measured to sigma_m.
+struct BundlePlane {
+  double height_m = 0.0, slope_east = 0.0, slope_north = 0.0;
+  double sigma_m = 5.0;
+};
+
+struct BundleProblem {
+  std::vector<BundlePhoto> photos;
+  std::vector<BundleLens> lenses;
+  int lines = 1;
+  double sigma_line_bias_rad = 0.05;
+  std::vector<Track> tracks;
+  std::vector<Track> soft_tracks;  // from direct registration: two views, held near the ground
+  std::vector<BundleControl> control;
+  // What all recorded positions err by alike; found by control, zero without it.
+  Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();
+  double ground_z_in_enu_m = 0.0;
+  std::optional<BundlePlane> plane;
+};
+
+struct BundleOptions {
+  // At a picture 4000 pixels wide; a round each. 0: what stands out from the others' own spread.
+  std::vector<double> cuts_px{20.0, 6.0, 0.0, 0.0};
+  int max_iterations = 25;
+  bool adjust_lens = true;
+  bool estimate_lens_sigma = false;
+};
+
+struct BundleSummary {
+  double rms_px = 0.0;
+  int observations = 0;
+  int dropped = 0;
+  int iterations = 0;
+  std::vector<Eigen::Vector3d> line_bias_rad;
+  std::string solver;
+};
+
+BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options);
+
+// The views under which a problem's photos now look.
+std::vector<View> ViewsOf(const BundleProblem& problem);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,35 @@
+// What the recorded poses and lenses mean to the search and to the adjustment: sigmas, priors, starting
+// points. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/matching/match_and_verify.h"
+#include "core/alignment/registration/correct_poses.h"
+#include "core/alignment/registration/ground_graph.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// Without features, which the caller adds.
+MatchingInput MakeMatchingInput(const poses::PosedFlight& posed);
+std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input);
+double MedianWidthM(const std::vector<View>& views);
+// Pairs of photos that links hold together already, and every linked pair however little it overlaps. Others
+// lie too uncertainly to each other for a narrow look: what is alike there is alike by chance.
+std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
+                                                const std::vector<VerifiedPair>& links, std::size_t photos);
+
+BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
+                         const std::vector<int>& lines);
+BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose& corrected, int lens,
+                            int line);
+// After a first adjustment the records show how good they are relative to each other: sigmas shrink to that.
+void ReweighPriors(BundleProblem& problem);
+
+// The plane through most of a problem's points; none where they are too few.
+std::optional<BundlePlane> FitPlane(const BundleProblem& problem);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,116 @@
+#include "core/alignment/adjustment/reprojection_cost.h"
+
+#include <ceres/sized_cost_function.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/alignment/adjustment/residuals.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kMinDepthM = 1e-3;
+
+Eigen::Matrix3d Cross(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d cross;
+  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return cross;
+}
+
+// Exp(turn), and how it changes: Exp(turn + d) = Exp(change * d) * Exp(turn) for small d (the left Jacobian
+// of the rotations).
+struct Turn {
+  Eigen::Matrix3d rotation, change;
+
+  explicit Turn(const Eigen::Vector3d& turn) {
+    const double angle2 = turn.squaredNorm(), angle = std::sqrt(angle2);
+    // sin(a) / a, (1 - cos(a)) / a^2, (a - sin(a)) / a^3, by their series where the quotients lose digits.
+    const bool is_small = angle < 1e-3;
+    const double first = is_small ? 1.0 - angle2 / 6.0 : std::sin(angle) / angle;
+    const double half_sine = std::sin(0.5 * angle);
+    const double second = is_small ? 0.5 - angle2 / 24.0 : 2.0 * half_sine * half_sine / angle2;
+    const double third = is_small ? 1.0 / 6.0 - angle2 / 120.0 : (angle - std::sin(angle)) / (angle2 * angle);
+    const Eigen::Matrix3d cross = Cross(turn), cross2 = cross * cross;
+    rotation = Eigen::Matrix3d::Identity() + first * cross + second * cross2;
+    change = Eigen::Matrix3d::Identity() + second * cross + third * cross2;
+  }
+};
+
+class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, kLensSize> {
+ public:
+  ReprojectionCost(const geo::Rigid3& start, const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                   double sigma_px)
+      : start_rotation_(start.rotation.toRotationMatrix()),
+        start_center_in_enu_(start.TargetOriginInSource()),
+        focal_in_sigmas_(lens.focal_x_px / sigma_px, lens.focal_y_px / sigma_px),
+        center_less_pixel_px_(lens.center_x_px - pixel.x(), lens.center_y_px - pixel.y()),
+        k3_(lens.k3),
+        sigma_px_(sigma_px) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+    const double* pose = parameters[0];
+    const double* lens = parameters[2];
+    const Turn turn(Eigen::Vector3d(pose[0], pose[1], pose[2]));
+    const Eigen::Vector3d center_in_enu = start_center_in_enu_ + Eigen::Vector3d(pose[3], pose[4], pose[5]);
+    const Eigen::Matrix3d cam_from_enu = turn.rotation * start_rotation_;
+    const Eigen::Vector3d in_cam =
+        cam_from_enu * (Eigen::Map<const Eigen::Vector3d>(parameters[1]) - center_in_enu);
+    if (in_cam.z() < kMinDepthM) return false;
+    const double x = in_cam.x() / in_cam.z(), y = in_cam.y() / in_cam.z();
+    const double k1 = lens[3], k2 = lens[4], p1 = lens[5], p2 = lens[6];
+    const double r2 = x * x + y * y;
+    const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3_));
+    const Eigen::Vector2d bent(x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                               y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y);
+    const Eigen::Vector2d focal = std::exp(lens[0]) * focal_in_sigmas_;
+    const Eigen::Vector2d shift(lens[1], lens[2]);
+    Eigen::Map<Eigen::Vector2d>{residuals} =
+        focal.cwiseProduct(bent) + (center_less_pixel_px_ + shift) / sigma_px_;
+    if (jacobians == nullptr) return true;
+
+    const double steeper = k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3_);  // of `radial` by r2
+    const double both = 2.0 * (x * y * steeper + p1 * x + p2 * y);
+    Eigen::Matrix2d bent_by_flat;
+    bent_by_flat << radial + 2.0 * x * x * steeper + 2.0 * p1 * y + 6.0 * p2 * x, both, both,
+        radial + 2.0 * y * y * steeper + 6.0 * p1 * y + 2.0 * p2 * x;
+    Eigen::Matrix<double, 2, 3> flat_by_cam;
+    flat_by_cam << 1.0, 0.0, -x, 0.0, 1.0, -y;
+    const Eigen::Matrix<double, 2, 3> by_cam = focal.asDiagonal() * bent_by_flat * flat_by_cam / in_cam.z();
+    const Eigen::Matrix<double, 2, 3> by_point = by_cam * cam_from_enu;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>> by_pose(jacobians[0]);
+      by_pose.leftCols<3>() = -by_cam * Cross(in_cam) * turn.change;
+      by_pose.rightCols<3>() = -by_point;
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = by_point;
+    }
+    if (jacobians[2] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kLensSize, Eigen::RowMajor>> by_lens(jacobians[2]);
+      by_lens.col(0) = focal.cwiseProduct(bent);
+      by_lens.block<2, 2>(0, 1) = Eigen::Matrix2d::Identity() / sigma_px_;
+      by_lens.col(3) = r2 * focal.cwiseProduct(Eigen::Vector2d(x, y));
+      by_lens.col(4) = r2 * by_lens.col(3);
+      by_lens.col(5) = focal.cwiseProduct(Eigen::Vector2d(2.0 * x * y, r2 + 2.0 * y * y));
+      by_lens.col(6) = focal.cwiseProduct(Eigen::Vector2d(r2 + 2.0 * x * x, 2.0 * x * y));
+    }
+    return true;
+  }
+
+ private:
+  const Eigen::Matrix3d start_rotation_;  // cam_from_enu
+  const Eigen::Vector3d start_center_in_enu_;
+  const Eigen::Vector2d focal_in_sigmas_, center_less_pixel_px_;
+  const double k3_, sigma_px_;
+};
+
+}  // namespace
+
+ceres::CostFunction* MakeReprojectionCost(const geo::Rigid3& start_cam_from_enu,
+                                          const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                                          double sigma_px) {
+  return new ReprojectionCost(start_cam_from_enu, lens, pixel, sigma_px);
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,142 @@
+#include "core/alignment/adjustment/tie_to_control.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "core/base/median.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kSightingSigmaPx = 1.0;
+constexpr std::size_t kEnoughToVote = 4;
+constexpr double kFarOffM = 2.0;
+constexpr double kFarOffMads = 8.0;
+
+// Lists name photos in another case, with or without their ending.
+std::string Key(const std::string& name) {
+  std::string key = name.substr(0, name.find_last_of('.'));
+  std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
+  return key;
+}
+
+}  // namespace
+
+MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
+                           const std::vector<char>& is_tied)
+    : views_(views), is_tied_(is_tied) {
+  for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
+}
+
+std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlReport& told) const {
+  told.name = point.name;
+  Track track;
+  for (const ControlSighting& sighting : point.sightings) {
+    const auto photo = number_of_.find(Key(sighting.photo_name));
+    if (photo == number_of_.end() || !views_[photo->second].intrinsics.IsInImage(sighting.pixel_in_image))
+      continue;
+    ++told.sightings;
+    if (is_tied_[photo->second]) {
+      track.observations.push_back({photo->second, sighting.pixel_in_image, kSightingSigmaPx});
+    }
+  }
+  if (track.observations.size() < 2) {
+    told.reason = "is marked in fewer than two photos that are tied to others";
+    return std::nullopt;
+  }
+  if (!Triangulate(views_, track)) {
+    told.reason = "its marks do not meet in one point on the ground";
+    return std::nullopt;
+  }
+  return track;
+}
+
+void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
+                  BundleProblem& problem, std::vector<ControlReport>& reports) {
+  problem.control.clear();
+  reports.clear();
+  std::vector<char> is_tied(problem.photos.size(), 0);
+  for (const Track& track : problem.tracks) {
+    for (const Observation& seen : track.observations) is_tied[seen.photo] = 1;
+  }
+  std::vector<std::string> names;
+  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  const std::vector<View> views = ViewsOf(problem);
+  const MarkedPhotos photos(names, views, is_tied);
+
+  for (const ControlPoint& point : control) {
+    std::optional<Track> track = photos.TrackOf(point, reports.emplace_back());
+    if (!track) continue;
+    BundleControl tied;
+    tied.track = *std::move(track);
+    tied.has_height = point.height_m.has_value();
+    tied.surveyed_in_enu = posed.frame.EnuFromWgs84(
+        {point.position.lat_deg, point.position.lon_deg,
+         posed.frame.origin().height_ellipsoid_m + point.height_m.value_or(tied.track.point_in_enu.z())});
+    tied.sigma_m = {point.sigma_horizontal_m, point.sigma_horizontal_m, point.sigma_vertical_m};
+    tied.report = reports.size() - 1;
+    problem.control.push_back(std::move(tied));
+  }
+  if (problem.control.empty()) return;
+
+  // The block goes where most points want it; heights of the survey come to the block's zero.
+  Eigen::Vector3d shift;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> apart;
+    for (const BundleControl& tied : problem.control) {
+      if (axis == 2 && !tied.has_height) continue;
+      apart.push_back(tied.surveyed_in_enu[axis] - tied.track.point_in_enu[axis]);
+    }
+    shift[axis] = apart.empty() ? 0.0 : Median(apart);
+  }
+  for (BundleControl& tied : problem.control) tied.surveyed_in_enu.z() -= shift.z();
+  shift.z() = 0.0;
+  if (problem.control.size() >= kEnoughToVote) {
+    std::vector<double> misses;
+    for (const BundleControl& tied : problem.control) {
+      misses.push_back((tied.surveyed_in_enu - tied.track.point_in_enu - shift).head<2>().norm());
+    }
+    const double limit_m = kFarOffM + kFarOffMads * Median(misses);
+    std::size_t k = 0;
+    std::erase_if(problem.control, [&](const BundleControl& tied) {
+      const double miss_m = misses[k++];
+      if (miss_m <= limit_m) return false;
+      reports[tied.report].reason = fmt::format(
+          "lies {:.1f} m from where the other points put it: check its coordinates and its marks", miss_m);
+      return true;
+    });
+  }
+  for (const BundleControl& tied : problem.control) reports[tied.report].is_used = true;
+  problem.position_bias_m = shift;
+  for (BundlePhoto& photo : problem.photos) {
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        photo.cam_from_enu.rotation, photo.cam_from_enu.TargetOriginInSource() + shift);
+  }
+  for (auto* tracks : {&problem.tracks, &problem.soft_tracks}) {
+    for (Track& track : *tracks) track.point_in_enu += shift;
+  }
+  for (BundleControl& tied : problem.control) tied.track.point_in_enu += shift;
+}
+
+void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports) {
+  const std::vector<View> views = ViewsOf(problem);
+  for (const BundleControl& tied : problem.control) {
+    ControlReport& told = reports[tied.report];
+    Track seen = tied.track;  // where the photos alone say the point is
+    if (!Triangulate(views, seen)) continue;
+    const Eigen::Vector3d miss = seen.point_in_enu - tied.surveyed_in_enu;
+    told.miss_east_m = miss.x();
+    told.miss_north_m = miss.y();
+    told.miss_up_m = tied.has_height ? miss.z() : 0.0;
+    double square = 0.0;
+    for (const Observation& one : tied.track.observations) {
+      square += std::pow(ReprojectionErrorPx(views[one.photo], one, tied.surveyed_in_enu), 2);
+    }
+    told.residual_px = std::sqrt(square / static_cast<double>(tied.track.observations.size()));
+  }
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,31 @@
+#include "core/alignment/baselines/align_by_pose.h"
+
+#include "core/alignment/adjustment/readout_motion.h"
+
+namespace skyquilt::alignment {
+
+AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
+  AlignedFlight aligned;
+  aligned.frame = posed.frame;
+  aligned.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  aligned.left_out = posed.left_out;
+  aligned.warnings = posed.warnings;
+  aligned.photos.reserve(posed.photos.size());
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    aligned.photos.push_back({.photo = photo.photo,
+                              .intrinsics = photo.photo.intrinsics,
+                              .cam_from_enu = photo.cam_from_enu,
+                              .readout_motion_in_enu_m = ReadoutMotion(photo, 0),
+                              .placement = Placement::kPoseOnly,
+                              .placement_reason = "placed by its recorded pose; images were not compared",
+                              .error_radius_m = photo.error_radius_m,
+                              .height_above_ground_m = photo.height_above_ground_m});
+  }
+  return aligned;
+}
+
+const char* PlacementName(Placement placement) {
+  return placement == Placement::kAligned ? "aligned" : "pose_only";
+}
+
+}  // namespace skyquilt::alignment

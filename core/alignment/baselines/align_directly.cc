@@ -1,0 +1,101 @@
+#include "core/alignment/baselines/align_directly.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/baselines/align_by_pose.h"
+#include "core/alignment/features/extract_all.h"
+#include "core/alignment/registration/direct_registration.h"
+#include "core/alignment/registration/flight_lines.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr int kLooks = 2;
+
+}  // namespace
+
+Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const flight::PhotoSource& source,
+                                    const AlignOptions& options, AlignReport& report, Progress& progress) {
+  if (Result<void> valid = options.Validate(); !valid) return valid.error();
+  report = {};
+  ScopedTimer total_timer(report.total_s);
+  FeatureOptions thumbnails_only;
+  thumbnails_only.detector_pixels = options.detector_pixels;
+  thumbnails_only.max_features = 0;
+  const Photographed photographed =
+      ExtractAll(posed, source, thumbnails_only, {}, options.threads, 0.8, progress);
+  const std::size_t count = posed.photos.size();
+  MatchingInput input = MakeMatchingInput(posed);
+  input.features = photographed.Readable();
+  std::vector<Eigen::Vector2d> places;
+  std::vector<CorrectedPose> as_recorded;
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+    CorrectedPose& uncorrected = as_recorded.emplace_back();
+    uncorrected.start_cam_from_enu = uncorrected.prior_cam_from_enu = photo.cam_from_enu;
+  }
+  const Relief flat(posed.ground_z_in_enu_m);
+  BundleProblem problem = MakeBundle(posed, as_recorded, FindLines(places));
+  BundleOptions once;
+  once.cuts_px = {0.0};
+  once.adjust_lens = false;  // one shift a pair says nothing of it
+  for (int look = 0; look < kLooks && !progress.IsCancelled(); ++look) {
+    progress.Report(0.8 + 0.1 * look, "comparing photos");
+    const std::vector<CandidatePair> pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    report.pairs_tried = static_cast<int>(pairs.size());
+    {
+      ScopedTimer timer(report.matching_s);
+      problem.soft_tracks = DirectTracks(input, pairs, {}, flat, options.threads);
+    }
+    ScopedTimer timer(report.adjustment_s);
+    const BundleSummary summary = AdjustBundle(problem, once);
+    report.iterations += summary.iterations;
+    report.solver = summary.solver;
+    input.views = ViewsOf(problem);
+  }
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the alignment was cancelled", ""};
+
+  const std::vector<DirectSupport> support = SupportOf(input.views, problem.soft_tracks);
+  AlignedFlight flight = AlignByPoseOnly(posed);
+  double square_px = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    AlignedPhoto& photo = flight.photos[i];
+    AlignPhotoReport told;
+    told.name = photo.photo.name;
+    report.decode_s += photographed.features[i].decode_s;
+    if (support[i].ties > 0) {
+      photo.cam_from_enu = problem.photos[i].cam_from_enu;
+      photo.placement = Placement::kAligned;
+      photo.placement_reason = fmt::format("moved to where the whole picture fits {} other photo{}",
+                                           support[i].ties, support[i].ties == 1 ? "" : "s");
+      photo.height_above_ground_m =
+          std::max(0.5, photo.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
+      ++report.aligned;
+      told.residual_rms_px = std::sqrt(support[i].square_px / support[i].ties);
+      square_px += support[i].square_px;
+    } else {
+      photo.placement_reason = photographed.unreadable[i].empty()
+                                   ? "placed by its recorded pose: no other picture fits it unambiguously"
+                                   : "placed by its recorded pose: " + photographed.unreadable[i];
+    }
+    told.placement = photo.placement;
+    told.reason = photo.placement_reason;
+    told.links = told.observations = support[i].ties;
+    told.error_radius_m = photo.error_radius_m;
+    report.observations += support[i].ties;
+    report.photo_reports.push_back(std::move(told));
+  }
+  report.photos = static_cast<int>(count);
+  report.pairs_linked = report.pairs_by_direct = static_cast<int>(problem.soft_tracks.size());
+  report.tie_points = report.pairs_by_direct;
+  report.residual_rms_px = report.observations > 0 ? std::sqrt(square_px / report.observations) : 0.0;
+  progress.Report(1.0, "aligned");
+  return flight;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,118 @@
+#include "core/alignment/baselines/plane_homography.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr int kMaxTrials = 1000;
+constexpr double kConfidence = 0.999;
+constexpr int kRefinements = 3;
+constexpr double kMinDepth = 1e-3;  // of the middle's: nearer to the horizon nothing is believed
+
+// Moves the mean to zero and the mean distance from it to sqrt(2).
+template <typename Read>
+std::optional<Eigen::Matrix3d> Normaliser(const std::vector<PlacePair>& pairs, Read read) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const PlacePair& pair : pairs) mean += read(pair) / static_cast<double>(pairs.size());
+  double distance = 0.0;
+  for (const PlacePair& pair : pairs) {
+    distance += (read(pair) - mean).norm() / static_cast<double>(pairs.size());
+  }
+  if (distance < 1e-9) return std::nullopt;
+  const double scale = std::sqrt(2.0) / distance;
+  Eigen::Matrix3d normaliser;
+  normaliser << scale, 0.0, -scale * mean.x(), 0.0, scale, -scale * mean.y(), 0.0, 0.0, 1.0;
+  return normaliser;
+}
+
+std::vector<int> Followers(const std::vector<PlacePair>& pairs, const Eigen::Matrix3d& to_from,
+                           double tolerance) {
+  std::vector<int> inliers;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto mapped = MapPlace(to_from, pairs[k].from);
+    if (mapped && (*mapped - pairs[k].to).norm() <= tolerance) inliers.push_back(static_cast<int>(k));
+  }
+  return inliers;
+}
+
+std::vector<PlacePair> Chosen(const std::vector<PlacePair>& pairs, const std::vector<int>& which) {
+  std::vector<PlacePair> chosen;
+  for (const int k : which) chosen.push_back(pairs[k]);
+  return chosen;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> MapPlace(const Eigen::Matrix3d& to_from, const Eigen::Vector2d& from) {
+  const Eigen::Vector3d mapped = to_from * from.homogeneous();
+  if (mapped.z() < kMinDepth * to_from(2, 2)) return std::nullopt;
+  return mapped.hnormalized();
+}
+
+std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlacePair>& pairs) {
+  if (pairs.size() < 4) return std::nullopt;
+  const auto normal_from = Normaliser(pairs, [](const PlacePair& pair) { return pair.from; });
+  const auto normal_to = Normaliser(pairs, [](const PlacePair& pair) { return pair.to; });
+  if (!normal_from || !normal_to) return std::nullopt;
+  Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const PlacePair& pair : pairs) {
+    const Eigen::Vector3d from = *normal_from * pair.from.homogeneous();
+    const Eigen::Vector3d to = *normal_to * pair.to.homogeneous();
+    Eigen::Matrix<double, 2, 9> rows;
+    rows << Eigen::RowVector3d::Zero(), -from.transpose(), to.y() * from.transpose(),  //
+        from.transpose(), Eigen::RowVector3d::Zero(), -to.x() * from.transpose();
+    square += rows.transpose() * rows;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(square);
+  // A second vanishing eigenvalue: the pairs leave the map open.
+  if (solver.eigenvalues()[1] < 1e-12 * solver.eigenvalues()[8]) return std::nullopt;
+  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
+  Eigen::Matrix3d normal;
+  normal << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
+  Eigen::Matrix3d to_from = normal_to->inverse() * normal * *normal_from;
+  if (std::abs(to_from(2, 2)) < 1e-12 * to_from.norm()) return std::nullopt;
+  to_from /= to_from(2, 2);
+  return to_from;
+}
+
+std::optional<RobustFit> RobustHomography(const std::vector<PlacePair>& pairs, double tolerance) {
+  const auto count = static_cast<int>(pairs.size());
+  if (count < 8) return std::nullopt;
+  std::minstd_rand random(1);
+  RobustFit best;
+  double trials = kMaxTrials;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::array<int, 4> chosen{};
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const auto taken = chosen.begin() + static_cast<std::ptrdiff_t>(k);
+      do {
+        chosen[k] = static_cast<int>(random() % static_cast<unsigned>(count));
+      } while (std::find(chosen.begin(), taken, chosen[k]) != taken);
+    }
+    const auto tried = FitHomography(Chosen(pairs, {chosen.begin(), chosen.end()}));
+    if (!tried) continue;
+    std::vector<int> inliers = Followers(pairs, *tried, tolerance);
+    if (inliers.size() <= best.inliers.size()) continue;
+    best = {*tried, std::move(inliers)};
+    const double share = static_cast<double>(best.inliers.size()) / count;
+    trials =
+        std::min(trials, std::log(1.0 - kConfidence) / std::log(1.0 - std::pow(share, 4) + 1e-12) + 10.0);
+  }
+  for (int round = 0; round < kRefinements && best.inliers.size() >= 4; ++round) {
+    const auto refined = FitHomography(Chosen(pairs, best.inliers));
+    if (!refined) break;
+    std::vector<int> inliers = Followers(pairs, *refined, tolerance);
+    if (inliers.size() < best.inliers.size()) break;
+    best = {*refined, std::move(inliers)};
+  }
+  if (static_cast<double>(best.inliers.size()) <= 5.9 + 0.22 * count) return std::nullopt;
+  return best;
+}
+
+}  // namespace skyquilt::alignment

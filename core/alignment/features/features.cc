@@ -1,0 +1,167 @@
+#include "core/alignment/features/features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "core/alignment/features/describe_point.h"
+#include "core/alignment/features/scale_space.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr float kContrast = 1.7F;  // grey levels
+constexpr float kLowContrast = 0.7F;
+constexpr double kLocatedTo = 0.35;  // pixels of the detector's image
+// Finer, noise counts as detail.
+constexpr int kSharpnessPixels = 375'000;
+constexpr int kSharpnessShrink = 4;  // of the detector's pixels, at least
+constexpr int kFewFeatures = 500;
+constexpr int kCellsAcross = 16;
+
+// Keeps in each cell of the image its strongest spots, and orders all by their rank inside the cell.
+std::vector<ScalePoint> Spread(const std::vector<Octave>& octaves, std::vector<ScalePoint> found,
+                               int width_px, int height_px, int max_features) {
+  const auto stronger = [](const ScalePoint& a, const ScalePoint& b) {
+    return std::tie(b.contrast, a.octave, a.y_px, a.x_px, a.blur_px) <
+           std::tie(a.contrast, b.octave, b.y_px, b.x_px, b.blur_px);
+  };
+  std::sort(found.begin(), found.end(), stronger);
+  const float cell_px = static_cast<float>(width_px) / kCellsAcross;
+  const int rows = static_cast<int>(static_cast<float>(height_px) / cell_px) + 1;
+  std::vector<int> taken(static_cast<std::size_t>(kCellsAcross + 1) * (rows + 1), 0);
+  std::vector<std::pair<int, int>> ranked;  // rank in its cell, index by strength
+  ranked.reserve(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto step = static_cast<float>(octaves[static_cast<std::size_t>(found[i].octave)].step_px);
+    const int column = std::clamp(static_cast<int>(found[i].x_px * step / cell_px), 0, kCellsAcross);
+    const int row = std::clamp(static_cast<int>(found[i].y_px * step / cell_px), 0, rows);
+    ranked.emplace_back(taken[static_cast<std::size_t>(row) * (kCellsAcross + 1) + column]++,
+                        static_cast<int>(i));
+  }
+  std::sort(ranked.begin(), ranked.end());
+  if (static_cast<int>(ranked.size()) > max_features) ranked.resize(max_features);
+  std::vector<ScalePoint> kept;
+  kept.reserve(ranked.size());
+  for (const auto& [rank, index] : ranked) kept.push_back(found[index]);
+  return kept;
+}
+
+// Evens out light and contrast, so that bare ground shows its grain.
+cv::Mat EvenContrast(const cv::Mat& grey) {
+  cv::Mat image, mean, square, deviation;
+  grey.convertTo(image, CV_32F);
+  const double sigma = std::max(grey.cols, grey.rows) / 40.0;
+  cv::GaussianBlur(image, mean, {}, sigma);
+  image -= mean;
+  square = image.mul(image);
+  cv::GaussianBlur(square, deviation, {}, sigma);
+  cv::sqrt(deviation, deviation);
+  deviation += 1.5;  // grey levels of noise: do not blow up what is not there
+  image = 128.0 + 45.0 * (image / deviation);
+  cv::Mat even;
+  image.convertTo(even, CV_8U);
+  return even;
+}
+
+Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
+  const double scale = std::min(1.0, static_cast<double>(longer_px) / std::max(grey.cols, grey.rows));
+  cv::Mat small;
+  cv::resize(grey, small,
+             cv::Size(std::max(1, cvRound(grey.cols * scale)), std::max(1, cvRound(grey.rows * scale))), 0, 0,
+             cv::INTER_AREA);
+  Thumbnail thumbnail{small.cols, small.rows, {}};
+  thumbnail.grey.assign(small.data, small.data + small.total());
+  return thumbnail;
+}
+
+cv::Mat AtMost(const cv::Mat& grey, int pixels) {
+  const double shrink = std::sqrt(static_cast<double>(pixels) / static_cast<double>(grey.total()));
+  if (shrink >= 0.98) return grey;
+  cv::Mat smaller;
+  cv::resize(grey, smaller,
+             cv::Size(std::max(1, cvRound(grey.cols * shrink)), std::max(1, cvRound(grey.rows * shrink))), 0,
+             0, cv::INTER_AREA);
+  return smaller;
+}
+
+void Detect(const cv::Mat& grey, const flight::Photo& photo, const FeatureOptions& options,
+            PhotoFeatures& features) {
+  ScopedTimer timer(features.detect_s);
+  cv::Mat image = AtMost(grey, options.detector_pixels);
+  const cv::Mat small =
+      AtMost(image, std::min(kSharpnessPixels, static_cast<int>(image.total()) / kSharpnessShrink));
+  features.detail = MeasureDetail(small.cols, small.rows, small.data);
+  features.thumbnail = MakeThumbnail(grey, options.thumbnail_px);
+  if (options.max_features == 0) return;
+  std::vector<Octave> octaves = BuildScaleSpace(image.cols, image.rows, image.data);
+  std::vector<ScalePoint> found = FindScalePoints(octaves, kContrast);
+  if (static_cast<int>(found.size()) < kFewFeatures) {
+    image = EvenContrast(image);
+    octaves = BuildScaleSpace(image.cols, image.rows, image.data);
+    found = FindScalePoints(octaves, kLowContrast);
+  }
+  const double full_per_x = static_cast<double>(photo.intrinsics.width_px) / image.cols;
+  const double full_per_y = static_cast<double>(photo.intrinsics.height_px) / image.rows;
+  const auto most = static_cast<std::size_t>(options.max_features);
+  for (const ScalePoint& point :
+       Spread(octaves, std::move(found), image.cols, image.rows, options.max_features)) {
+    const Octave& octave = octaves[static_cast<std::size_t>(point.octave)];
+    const BlurredImage& layer = octave.layers[static_cast<std::size_t>(point.layer)];
+    for (const float direction_rad : DirectionsOf(layer, point)) {
+      if (features.keypoints.size() == most) break;
+      const auto step = static_cast<double>(octave.step_px);
+      features.keypoints.push_back({.x_px = static_cast<float>((point.x_px * step + 0.5) * full_per_x - 0.5),
+                                    .y_px = static_cast<float>((point.y_px * step + 0.5) * full_per_y - 0.5),
+                                    .angle_rad = direction_rad,
+                                    .scale_px = static_cast<float>(2.0 * point.blur_px * step * full_per_x),
+                                    .response = point.contrast});
+      features.descriptors.push_back(Describe(layer, point, direction_rad));
+    }
+  }
+  features.sigma_px = kLocatedTo * full_per_x;
+}
+
+}  // namespace
+
+// The smallest size that still holds the pixels; JPEG decoders scale by these for almost nothing.
+int DenominatorOf(const flight::Photo& photo, const FeatureOptions& options) {
+  for (int denominator = 8; denominator > 1; denominator /= 2) {
+    const double kept = static_cast<double>(photo.intrinsics.width_px) * photo.intrinsics.height_px /
+                        (denominator * denominator);
+    if (kept >= options.detector_pixels) return denominator;
+  }
+  return 1;
+}
+
+Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::DecodedImage& decoded,
+                                 const FeatureOptions& options) {
+  if (decoded.width_px < 16 || decoded.height_px < 16) {
+    return Error{ErrorCode::kCorrupt, "the picture of " + photo.name + " is smaller than 16 pixels", ""};
+  }
+  PhotoFeatures features;
+  const cv::Mat rgb(decoded.height_px, decoded.width_px, CV_8UC3,
+                    const_cast<std::uint8_t*>(decoded.rgb.data()));
+  cv::Mat grey;
+  cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
+  Detect(grey, photo, options, features);
+  return features;
+}
+
+Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source,
+                                      const FeatureOptions& options) {
+  double decode_s = 0.0;
+  const Result<image::DecodedImage> decoded = [&] {
+    ScopedTimer timer(decode_s);
+    return source.Decode(photo, DenominatorOf(photo, options));
+  }();
+  if (!decoded) return decoded.error();
+  Result<PhotoFeatures> features = FeaturesOf(photo, *decoded, options);
+  if (features) features->decode_s = decode_s;
+  return features;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,282 @@
+#include "core/alignment/features/scale_space.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "core/base/vector_clones.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr float kLevels = 128.0F;      // of BlurredImage to a grey level
+constexpr float kCameraBlurPx = 0.5F;  // what the image came with
+constexpr int kMinSidePx = 24;
+constexpr int kMaxRadius = 16;
+constexpr double kEdgeRatio = 12.0;
+
+// Half of a symmetric kernel, in 65536ths.
+struct Kernel {
+  int radius = 0;
+  std::array<std::uint16_t, kMaxRadius + 1> weights{};  // by distance
+
+  explicit Kernel(double sigma_px)
+      : radius(std::min(kMaxRadius, static_cast<int>(std::ceil(3.0 * sigma_px)))) {
+    std::array<double, kMaxRadius + 1> exact{};
+    double sum = 0.0;
+    for (int k = 0; k <= radius; ++k) {
+      exact[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
+      sum += (k == 0 ? 1.0 : 2.0) * exact[static_cast<std::size_t>(k)];
+    }
+    for (std::size_t k = 0; k <= static_cast<std::size_t>(radius); ++k)
+      weights[k] = static_cast<std::uint16_t>(std::lround(65536.0 * exact[k] / sum));
+  }
+};
+
+inline std::uint16_t Weighed(std::uint16_t value, std::uint16_t weight) {
+  return static_cast<std::uint16_t>((static_cast<std::uint32_t>(value) * weight) >> 16);
+}
+
+// One row of what lies `k` rows (or columns) away on both sides; both values are below 2^15.
+inline void AddPair(const std::uint16_t* a, const std::uint16_t* b, std::uint16_t weight, int count,
+                    std::uint16_t* __restrict sum) {
+  for (int x = 0; x < count; ++x)
+    sum[x] = static_cast<std::uint16_t>(sum[x] + Weighed(static_cast<std::uint16_t>(a[x] + b[x]), weight));
+}
+
+// Down each column, then along each row; beyond the edge the last pixels go on.
+SKYQUILT_VECTOR_CLONES BlurredImage Blur(const BlurredImage& image, double sigma_px) {
+  const Kernel kernel(sigma_px);
+  const int width = image.width_px, height = image.height_px, radius = kernel.radius;
+  BlurredImage blurred{width, height, {}};
+  blurred.values.resize(image.values.size());
+  std::vector<std::uint16_t> down(static_cast<std::size_t>(width + 2 * radius));
+  std::uint16_t* const middle = down.data() + radius;
+  for (int y = 0; y < height; ++y) {
+    const std::uint16_t* here = image.Row(y);
+    for (int x = 0; x < width; ++x) middle[x] = Weighed(here[x], kernel.weights[0]);
+    for (int k = 1; k <= radius; ++k)
+      AddPair(image.Row(std::max(0, y - k)), image.Row(std::min(height - 1, y + k)),
+              kernel.weights[static_cast<std::size_t>(k)], width, middle);
+    std::fill_n(down.data(), radius, middle[0]);
+    std::fill_n(middle + width, radius, middle[width - 1]);
+    std::uint16_t* out = blurred.Row(y);
+    for (int x = 0; x < width; ++x) out[x] = Weighed(middle[x], kernel.weights[0]);
+    for (int k = 1; k <= radius; ++k)
+      AddPair(middle - k, middle + k, kernel.weights[static_cast<std::size_t>(k)], width, out);
+  }
+  return blurred;
+}
+
+BlurredImage EverySecond(const BlurredImage& image) {
+  BlurredImage half{image.width_px / 2, image.height_px / 2, {}};
+  half.values.resize(static_cast<std::size_t>(half.width_px) * half.height_px);
+  for (int y = 0; y < half.height_px; ++y) {
+    const std::uint16_t* in = image.Row(2 * y);
+    std::uint16_t* out = half.Row(y);
+    for (int x = 0; x < half.width_px; ++x) out[x] = in[2 * x];
+  }
+  return half;
+}
+
+// Differences of neighbouring layers.
+class Differences {
+ public:
+  explicit Differences(const Octave& octave) : layers_(octave.layers), width_(octave.layers[0].width_px) {}
+  int At(int layer, int x, int y) const {
+    const std::size_t i = static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x);
+    const auto k = static_cast<std::size_t>(layer);
+    return static_cast<int>(layers_[k + 1].values[i]) - static_cast<int>(layers_[k].values[i]);
+  }
+  // Among the pixels of the layers next to its own.
+  bool StandsOut(int layer, int x, int y, int value) const {
+    const int sign = value > 0 ? 1 : -1;
+    for (const int other : {layer - 1, layer + 1}) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (sign * At(other, x + dx, y + dy) > sign * value) return false;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  const std::vector<BlurredImage>& layers_;
+  const int width_;
+};
+
+SKYQUILT_VECTOR_CLONES void Subtract(const std::uint16_t* coarser, const std::uint16_t* finer,
+                                     std::size_t count, std::int16_t* __restrict difference) {
+  for (std::size_t x = 0; x < count; ++x) difference[x] = static_cast<std::int16_t>(coarser[x] - finer[x]);
+}
+
+// Not 0 where the middle row's pixel is beyond the threshold and none of the eight around it is beyond it;
+// least and most are room for a row.
+SKYQUILT_VECTOR_CLONES void MarkPeaks(const std::array<const std::int16_t*, 3>& rows, std::size_t count,
+                                      std::int16_t threshold, std::int16_t* __restrict least,
+                                      std::int16_t* __restrict most, std::uint8_t* __restrict is_peak) {
+  const std::int16_t* above = rows[0];
+  const std::int16_t* here = rows[1];
+  const std::int16_t* below = rows[2];
+  for (std::size_t x = 0; x < count; ++x) {
+    least[x] = std::min(std::min(above[x], here[x]), below[x]);
+    most[x] = std::max(std::max(above[x], here[x]), below[x]);
+  }
+  for (std::size_t x = 1; x + 1 < count; ++x) {
+    const std::int16_t lowest = std::min(std::min(least[x - 1], least[x]), least[x + 1]);
+    const std::int16_t highest = std::max(std::max(most[x - 1], most[x]), most[x + 1]);
+    const std::int16_t value = here[x];
+    is_peak[x] = ((value > threshold) & (value == highest)) | ((value < -threshold) & (value == lowest));
+  }
+}
+
+// The pixels of one layer of differences that stand out from those beside them, row by row: all of a row at
+// once, which leaves few to look at one by one.
+class RowPeaks {
+ public:
+  explicit RowPeaks(std::size_t width)
+      : width_(width), least_(width), most_(width), is_peak_((width + 7) / 8 * 8, 0) {
+    for (auto& row : rows_) row.resize(width);
+  }
+  void Start(const BlurredImage& finer, const BlurredImage& coarser) {
+    for (int y = 0; y < 2; ++y) Subtract(coarser.Row(y), finer.Row(y), width_, RowOf(y).data());
+  }
+  // The differences of row y; rows are asked for in turn, from the second to the last but one.
+  const std::int16_t* Next(const BlurredImage& finer, const BlurredImage& coarser, int y,
+                           std::int16_t threshold) {
+    Subtract(coarser.Row(y + 1), finer.Row(y + 1), width_, RowOf(y + 1).data());
+    MarkPeaks({RowOf(y - 1).data(), RowOf(y).data(), RowOf(y + 1).data()}, width_, threshold, least_.data(),
+              most_.data(), is_peak_.data());
+    return RowOf(y).data();
+  }
+  template <typename Visit>
+  void ForEach(const Visit& visit) const {
+    for (std::size_t x = 0; x < is_peak_.size(); x += 8) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, is_peak_.data() + x, 8);
+      if (eight == 0) continue;
+      for (std::size_t k = x; k < x + 8; ++k) {
+        if (is_peak_[k] != 0) visit(static_cast<int>(k));
+      }
+    }
+  }
+
+ private:
+  std::vector<std::int16_t>& RowOf(int y) { return rows_[static_cast<std::size_t>(y % 3)]; }
+
+  const std::size_t width_;
+  std::array<std::vector<std::int16_t>, 3> rows_;
+  std::vector<std::int16_t> least_, most_;
+  std::vector<std::uint8_t> is_peak_;
+};
+
+struct Place {
+  int layer, x, y;
+};
+
+// Where between the pixels and layers the spot is (a paraboloid through its neighbours).
+std::optional<ScalePoint> Refine(const Differences& differences, const BlurredImage& size, Place at,
+                                 float min_contrast) {
+  constexpr int kMaxSteps = 5;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const auto d = [&](int dx, int dy, int ds) -> double {
+      return differences.At(at.layer + ds, at.x + dx, at.y + dy);
+    };
+    const double value = d(0, 0, 0);
+    const double gx = 0.5 * (d(1, 0, 0) - d(-1, 0, 0)), gy = 0.5 * (d(0, 1, 0) - d(0, -1, 0)),
+                 gs = 0.5 * (d(0, 0, 1) - d(0, 0, -1));
+    const double xx = d(1, 0, 0) + d(-1, 0, 0) - 2.0 * value, yy = d(0, 1, 0) + d(0, -1, 0) - 2.0 * value,
+                 ss = d(0, 0, 1) + d(0, 0, -1) - 2.0 * value;
+    const double xy = 0.25 * (d(1, 1, 0) - d(-1, 1, 0) - d(1, -1, 0) + d(-1, -1, 0)),
+                 xs = 0.25 * (d(1, 0, 1) - d(-1, 0, 1) - d(1, 0, -1) + d(-1, 0, -1)),
+                 ys = 0.25 * (d(0, 1, 1) - d(0, -1, 1) - d(0, 1, -1) + d(0, -1, -1));
+    // Cramer's rule for Hessian * offset = -gradient.
+    const double c00 = yy * ss - ys * ys, c01 = xs * ys - xy * ss, c02 = xy * ys - xs * yy;
+    const double det = xx * c00 + xy * c01 + xs * c02;
+    if (std::abs(det) < 1e-9) return std::nullopt;
+    const double c11 = xx * ss - xs * xs, c12 = xy * xs - xx * ys, c22 = xx * yy - xy * xy;
+    const double ox = -(c00 * gx + c01 * gy + c02 * gs) / det, oy = -(c01 * gx + c11 * gy + c12 * gs) / det,
+                 os = -(c02 * gx + c12 * gy + c22 * gs) / det;
+    if (std::abs(ox) < 0.5 && std::abs(oy) < 0.5 && std::abs(os) < 0.5) {
+      const double contrast = std::abs(value + 0.5 * (gx * ox + gy * oy + gs * os)) / kLevels;
+      if (contrast < min_contrast) return std::nullopt;
+      const double trace = xx + yy, flat = xx * yy - xy * xy;
+      if (flat <= 0.0 || trace * trace * kEdgeRatio >= (kEdgeRatio + 1.0) * (kEdgeRatio + 1.0) * flat)
+        return std::nullopt;
+      return ScalePoint{0,
+                        at.layer,
+                        static_cast<float>(at.x + ox),
+                        static_cast<float>(at.y + oy),
+                        static_cast<float>(kFirstBlurPx * std::exp2((at.layer + os) / kLayersAnOctave)),
+                        static_cast<float>(contrast)};
+    }
+    if (std::abs(ox) > 1e6 || std::abs(oy) > 1e6 || std::abs(os) > 1e6) return std::nullopt;
+    at.x += static_cast<int>(std::lround(ox));
+    at.y += static_cast<int>(std::lround(oy));
+    at.layer += static_cast<int>(std::lround(os));
+    if (at.layer < 1 || at.layer > kLayersAnOctave || at.x < 1 || at.y < 1 || at.x + 1 >= size.width_px ||
+        at.y + 1 >= size.height_px) {
+      return std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Octave> BuildScaleSpace(int width_px, int height_px, const std::uint8_t* grey) {
+  BlurredImage image{width_px, height_px, {}};
+  image.values.resize(static_cast<std::size_t>(width_px) * height_px);
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = static_cast<std::uint16_t>(grey[i] * static_cast<int>(kLevels));
+  image = Blur(image, std::sqrt(kFirstBlurPx * kFirstBlurPx - kCameraBlurPx * kCameraBlurPx));
+  std::vector<Octave> octaves;
+  for (int step_px = 1; octaves.empty() || std::min(image.width_px, image.height_px) >= kMinSidePx;
+       step_px *= 2) {
+    Octave octave;
+    octave.step_px = step_px;
+    octave.layers.push_back(std::move(image));
+    for (int layer = 1; layer < kLayersAnOctave + 3; ++layer) {
+      const double before = kFirstBlurPx * std::exp2((layer - 1.0) / kLayersAnOctave);
+      const double growth = std::exp2(1.0 / kLayersAnOctave);
+      octave.layers.push_back(Blur(octave.layers.back(), before * std::sqrt(growth * growth - 1.0)));
+    }
+    image = EverySecond(octave.layers[kLayersAnOctave]);
+    octaves.push_back(std::move(octave));
+  }
+  return octaves;
+}
+
+std::vector<ScalePoint> FindScalePoints(const std::vector<Octave>& octaves, float min_contrast) {
+  std::vector<ScalePoint> points;
+  // A pixel may be a little weaker than the spot between it and its neighbours.
+  const auto threshold = static_cast<std::int16_t>(0.5F * min_contrast * kLevels);
+  for (std::size_t o = 0; o < octaves.size(); ++o) {
+    const Octave& octave = octaves[o];
+    const Differences differences(octave);
+    const BlurredImage& size = octave.layers[0];
+    const auto width = static_cast<std::size_t>(size.width_px);
+    RowPeaks peaks(width);
+    for (int layer = 1; layer <= kLayersAnOctave; ++layer) {
+      const BlurredImage& finer = octave.layers[static_cast<std::size_t>(layer)];
+      const BlurredImage& coarser = octave.layers[static_cast<std::size_t>(layer) + 1];
+      peaks.Start(finer, coarser);
+      for (int y = 1; y + 1 < size.height_px; ++y) {
+        const std::int16_t* difference = peaks.Next(finer, coarser, y, threshold);
+        peaks.ForEach([&](int x) {
+          if (!differences.StandsOut(layer, x, y, difference[x])) return;
+          std::optional<ScalePoint> point = Refine(differences, size, {layer, x, y}, min_contrast);
+          if (!point) return;
+          point->octave = static_cast<int>(o);
+          points.push_back(*point);
+        });
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace skyquilt::alignment

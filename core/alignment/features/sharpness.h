@@ -1,0 +1,21 @@
+// SharpnessAgainst: whether a photo is blurred, told by another photo of the same ground, in the same
+// direction over it: whatever lies there (crop rows, a road, water) shows as much in both, and only what one
+// of the pictures lost is missing. Motion blurs one direction alone, so the one that lost most counts. Pure;
+// any thread.
+#pragma once
+
+#include <optional>
+
+#include "core/alignment/features/picture_detail.h"
+#include "core/alignment/relief.h"
+#include "core/alignment/view.h"
+
+namespace skyquilt::alignment {
+
+// The share of the other photo's fine detail that `own` shows of the same ground: about 1 for two sharp
+// photos. Nothing where they share too little, or look at it from distances too different to compare.
+std::optional<double> SharpnessAgainst(const PictureDetail& own, const View& own_view,
+                                       const PictureDetail& other, const View& other_view,
+                                       const Relief& relief);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,38 @@
+#include "core/alignment/matching/connected_components.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace skyquilt::alignment {
+
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& links) {
+  std::vector<int> root(photos);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  std::vector<char> linked(photos, 0);
+  for (const VerifiedPair& link : links) {
+    linked[link.first] = linked[link.second] = 1;
+    const int a = find(link.first);
+    const int b = find(link.second);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  ConnectedComponents components;
+  components.of_photo.assign(photos, -1);
+  std::vector<int> number(photos, -1);
+  for (std::size_t i = 0; i < photos; ++i) {
+    if (!linked[i]) continue;
+    const int r = find(static_cast<int>(i));
+    if (number[r] < 0) {
+      number[r] = static_cast<int>(components.members.size());
+      components.members.emplace_back();
+    }
+    components.of_photo[i] = number[r];
+    components.members[number[r]].push_back(static_cast<int>(i));
+  }
+  return components;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,19 @@
+// FindConnectedComponents: the photos that links hold together, directly or through others. What lies in two
+// components is only as right to each other as the records are. Pure; any thread.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/alignment/matching/verified_pair.h"
+
+namespace skyquilt::alignment {
+
+struct ConnectedComponents {
+  std::vector<int> of_photo;              // negative: no link at all
+  std::vector<std::vector<int>> members;  // by component, in the photos' order
+};
+
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& links);
+
+}  // namespace skyquilt::alignment

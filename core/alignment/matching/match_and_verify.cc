@@ -1,0 +1,160 @@
+#include "core/alignment/matching/match_and_verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "core/base/parallel_for.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr int kLostFeatures = 700;
+constexpr int kLostMinMatches = 14;
+constexpr int kMaxPairsOfALostPhoto = 10;
+constexpr double kPromisingOverlap = 0.3;
+
+std::complex<double> Baseline(const View& first, const View& second) {
+  const Eigen::Vector3d apart = second.CenterInEnu() - first.CenterInEnu();
+  return {apart.x(), apart.y()};
+}
+
+std::vector<VerifiedPair> Collect(std::vector<std::optional<VerifiedPair>>& found) {
+  std::vector<VerifiedPair> links;
+  for (std::optional<VerifiedPair>& link : found) {
+    if (link) links.push_back(std::move(*link));
+  }
+  return links;
+}
+
+}  // namespace
+
+ProjectedKeypoints ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads) {
+  ProjectedKeypoints laid;
+  laid.keypoints.resize(input.views.size());
+  laid.views.resize(input.views.size());
+  ParallelFor(input.views.size(), threads, [&](std::size_t i) {
+    if (!input.features[i]) return;
+    laid.keypoints[i] = ProjectToGround(*input.features[i], input.views[i], relief);
+    laid.views[i] = {input.features[i], &laid.keypoints[i]};
+  });
+  return laid;
+}
+
+std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& laid,
+                                         const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
+                                         int threads) {
+  std::vector<std::optional<VerifiedPair>> found(pairs.size());
+  ParallelFor(pairs.size(), threads, [&](std::size_t p) {
+    const int i = pairs[p].first;
+    const int j = pairs[p].second;
+    if (!laid.views[i].features || !laid.views[j].features) return;
+    const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
+    const double sigma_turn = std::hypot(input.sigma_turn_rad[i], input.sigma_turn_rad[j]);
+    const double turned_away_m = 0.3 * width_m * std::min(1.5, sigma_turn);
+    const double sigma_m =
+        std::hypot(std::hypot(input.ground_sigma_m[i], input.ground_sigma_m[j]), turned_away_m);
+    MatchWindow window;
+    window.radius_m =
+        std::min(1.2 * width_m, std::max(pass.min_radius_share * width_m, pass.sigmas * sigma_m));
+    window.max_turn_rad =
+        pass.sigmas > 0.0 ? std::max(pass.max_turn_rad, 3.0 * sigma_turn + 0.3) : pass.max_turn_rad;
+    window.max_distance_ratio = pass.max_distance_ratio;
+    std::vector<KeypointMatch> matches = MatchOnGround(laid.views[i], laid.views[j], {}, window);
+    if (!pass.fit_motion) {
+      if (static_cast<int>(matches.size()) < pass.min_matches) return;
+      found[p] = VerifiedPair{i, j, {}, std::move(matches), 0.0};
+      return;
+    }
+    LinkOptions options;
+    options.first_tolerance_m =
+        std::max(pass.tolerance_share * width_m, 0.5 * std::min(window.radius_m, 0.1 * width_m));
+    options.last_tolerance_m = pass.tolerance_share * width_m;
+    options.baseline_m = Baseline(input.views[i], input.views[j]);
+    options.relief_share = pass.relief_share;
+    options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
+    options.any_turn = window.max_turn_rad > 1.5;
+    options.min_matches = pass.min_matches;
+    found[p] = VerifyPair(laid.views[i], laid.views[j], matches, options);
+    if (found[p]) {
+      found[p]->first = i;
+      found[p]->second = j;
+    }
+  });
+  return Collect(found);
+}
+
+std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& laid,
+                                          const std::vector<CandidatePair>& tried,
+                                          const std::vector<VerifiedPair>& links, int threads) {
+  const int count = static_cast<int>(input.views.size());
+  std::vector<int> promising(count, 0), linked(count, 0);
+  std::set<std::pair<int, int>> done;
+  for (const VerifiedPair& link : links) {
+    ++linked[link.first];
+    ++linked[link.second];
+    done.emplace(link.first, link.second);
+  }
+  for (const CandidatePair& pair : tried) {
+    if (pair.overlap < kPromisingOverlap) continue;
+    ++promising[pair.first];
+    ++promising[pair.second];
+  }
+  std::vector<std::vector<std::pair<int, int>>> wanted(count);
+  const auto is_lost = [&](int i) {
+    return input.features[i] && (linked[i] == 0 || (linked[i] < 3 && 3 * linked[i] < promising[i]));
+  };
+  // Neighbours in time first: they are near whatever the positions say. Then the most overlapping.
+  std::vector<CandidatePair> by_overlap = tried;
+  std::stable_sort(by_overlap.begin(), by_overlap.end(),
+                   [](const CandidatePair& a, const CandidatePair& b) { return a.overlap > b.overlap; });
+  std::vector<int> taken(count, 0);
+  std::vector<std::pair<int, int>> chosen;
+  const auto want = [&](int lost, int first, int second) {
+    if (taken[lost] >= kMaxPairsOfALostPhoto || !input.features[first] || !input.features[second]) return;
+    if (!done.emplace(first, second).second) return;
+    ++taken[lost];
+    chosen.emplace_back(first, second);
+  };
+  for (int i = 0; i < count; ++i) {
+    if (!is_lost(i)) continue;
+    for (const int step : {-1, 1, -2, 2}) {
+      const int other = i + step;
+      if (other >= 0 && other < count) want(i, std::min(i, other), std::max(i, other));
+    }
+  }
+  for (const CandidatePair& pair : by_overlap) {
+    if (is_lost(pair.first)) {
+      want(pair.first, pair.first, pair.second);
+    } else if (is_lost(pair.second)) {
+      want(pair.second, pair.first, pair.second);
+    }
+  }
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<std::optional<VerifiedPair>> found(chosen.size());
+  ParallelFor(chosen.size(), threads, [&](std::size_t p) {
+    const auto [i, j] = chosen[p];
+    const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
+    MatchWindow window;
+    window.max_features = kLostFeatures;
+    window.max_distance_ratio = 0.8;
+    const std::vector<KeypointMatch> matches = MatchOnGround(laid.views[i], laid.views[j], {}, window);
+    LinkOptions options;
+    options.first_tolerance_m = 0.07 * width_m;
+    options.last_tolerance_m = 0.02 * width_m;
+    options.baseline_m = 0.0;  // not to be trusted here
+    options.search_area_m2 = width_m * width_m;
+    options.any_turn = true;
+    options.min_matches = kLostMinMatches;
+    found[p] = VerifyPair(laid.views[i], laid.views[j], matches, options);
+    if (found[p]) {
+      found[p]->first = i;
+      found[p]->second = j;
+    }
+  });
+  return Collect(found);
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,48 @@
+// MatchAndVerify: matches candidate pairs and fits a motion over the ground to each, in parallel over pairs.
+// MatchLostPhotos does it without believing position or yaw, for photos that should have found their
+// neighbours and did not. Same result for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/matching/pair_selection.h"
+#include "core/alignment/matching/verified_pair.h"
+
+namespace skyquilt::alignment {
+
+struct MatchingPass {
+  double min_radius_share = 0.10;  // of the photo's width on the ground
+  double sigmas = 3.0;             // of the joint uncertainty on the ground; 0 = the least radius alone
+  double max_turn_rad = 0.6;
+  double tolerance_share = 0.015;  // of the width; what a followed motion may miss by
+  double relief_share = 0.2;
+  double max_distance_ratio = 0.85;
+  int min_matches = 10;
+  bool fit_motion = true;  // false: take every match, the window is narrow enough
+};
+
+struct MatchingInput {
+  std::vector<const PhotoFeatures*> features;  // null: unreadable
+  std::vector<View> views;
+  std::vector<double> ground_sigma_m;
+  std::vector<double> sigma_turn_rad;
+};
+
+struct ProjectedKeypoints {
+  std::vector<std::vector<GroundKeypoint>> keypoints;
+  std::vector<GroundView> views;
+};
+
+// Lays every photo's keypoints on the ground.
+ProjectedKeypoints ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads);
+
+std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& laid,
+                                         const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
+                                         int threads);
+
+// `tried` are pairs already looked at in vain, `links` those found.
+std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& laid,
+                                          const std::vector<CandidatePair>& tried,
+                                          const std::vector<VerifiedPair>& links, int threads);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,211 @@
+#include "core/alignment/matching/matching_passes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/registration/ground_graph.h"
+#include "core/alignment/registration/mount_turn.h"
+#include "core/base/median.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kMaxRounds = 4;
+constexpr std::size_t kFewLinked = 6;
+constexpr double kToleranceShare = 0.015;  // of a photo's width: what links may contradict each other by
+// Recorded tilts distort the ground by more than that.
+constexpr double kFirstToleranceFactor = 2.0;
+
+const MatchingPass kFirstLook{};
+// From where the photos are now: narrow for those that are linked, as wide as the records proved bad for the
+// others.
+const MatchingPass kNextLook{.min_radius_share = 0.05,
+                             .sigmas = 3.0,
+                             .max_turn_rad = 0.45,
+                             .tolerance_share = 0.012,
+                             .min_matches = 8};
+
+// What the linked photos of a group say of the errors they share.
+struct SharedError {
+  Complex shift{0.0, 0.0};
+  double turn_rad = 0.0;
+  double shift_scatter_m = 0.0;
+  double turn_scatter_rad = 0.0;
+  std::size_t photos = 0;
+};
+
+SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::vector<int>& members) {
+  SharedError shared;
+  shared.photos = members.size();
+  if (members.empty()) return shared;
+  std::vector<double> east, north, away, turned;
+  Complex mean_turn(0.0, 0.0);
+  for (const int i : members) {
+    east.push_back(corrections[i].shift.real());
+    north.push_back(corrections[i].shift.imag());
+    mean_turn += std::polar(1.0, std::arg(corrections[i].turn_and_scale));
+  }
+  shared.shift = {Median(east), Median(north)};
+  // Turns are learnt around their mean direction, so that a line stored upside down is one too.
+  const double around = std::arg(mean_turn);
+  for (const int i : members) {
+    turned.push_back(
+        std::remainder(std::arg(corrections[i].turn_and_scale) - around, 2.0 * std::numbers::pi));
+  }
+  const double middle = Median(turned);
+  shared.turn_rad = std::remainder(around + middle, 2.0 * std::numbers::pi);
+  for (double& turn : turned) turn = std::abs(turn - middle);
+  for (const int i : members) away.push_back(std::abs(corrections[i].shift - shared.shift));
+  shared.turn_scatter_rad = 1.5 * Median(turned);
+  shared.shift_scatter_m = 1.2 * Median(away);  // of two dimensions: the median is 1.18 sigma
+  return shared;
+}
+
+// Photos that no link reaches take over what their line has in common.
+void Inherit(const std::vector<int>& lines, std::vector<GroundCorrection>& corrections) {
+  std::map<int, std::vector<int>> linked_of_line;
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (corrections[i].component >= 0) linked_of_line[lines[i]].push_back(static_cast<int>(i));
+  }
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (corrections[i].component >= 0) continue;
+    const auto members = linked_of_line.find(lines[i]);
+    if (members == linked_of_line.end() || members->second.size() < 2) continue;
+    const SharedError of_line = Learn(corrections, members->second);
+    corrections[i] = {std::polar(1.0, of_line.turn_rad), of_line.shift, kInheritedComponent};
+  }
+}
+
+// How good the records are, where the pictures know better than what was assumed of them.
+void WidenPriors(const std::vector<GroundCorrection>& corrections, std::vector<GroundPrior>& priors) {
+  std::vector<int> linked;
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    if (corrections[i].component >= 0) linked.push_back(static_cast<int>(i));
+  }
+  if (linked.size() < kFewLinked) return;
+  const SharedError of_flight = Learn(corrections, linked);
+  for (GroundPrior& prior : priors) {
+    prior.sigma_m = std::max(prior.sigma_m, of_flight.shift_scatter_m);
+    prior.sigma_turn_rad = std::max(prior.sigma_turn_rad, of_flight.turn_scatter_rad);
+  }
+}
+
+std::size_t CountPlaced(const std::vector<GroundCorrection>& corrections) {
+  return static_cast<std::size_t>(
+      std::count_if(corrections.begin(), corrections.end(),
+                    [](const GroundCorrection& one) { return one.component >= 0; }));
+}
+
+std::vector<VerifiedPair> KeepHolding(const GroundGraph& graph, const std::vector<VerifiedPair>& links) {
+  std::vector<VerifiedPair> held;
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    if (graph.link_holds[l]) held.push_back(links[l]);
+  }
+  return held;
+}
+
+void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& links,
+                    const poses::PosedFlight& posed, AlignReport& report) {
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    if (graph.link_holds[l]) continue;
+    ++report.pairs_rejected;
+    AlignPairReport& rejected = report.rejected_pairs.emplace_back();
+    rejected.first = posed.photos[links[l].first].photo.name;
+    rejected.second = posed.photos[links[l].second].photo.name;
+    rejected.matches = static_cast<int>(links[l].matches.size());
+    rejected.rms_m = links[l].rms_m;
+  }
+}
+
+}  // namespace
+
+MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
+                            MatchingInput& input, int threads, AlignReport& report, Progress& progress) {
+  const std::size_t count = posed.photos.size();
+  const Relief flat(posed.ground_z_in_enu_m);
+  const double tolerance_m = kToleranceShare * MedianWidthM(input.views);
+  std::vector<GroundPrior> recorded = MakeGroundPriors(posed, input);
+  std::vector<GroundCorrection> total(count);  // against the records
+  MatchedFlight linked;
+  linked.corrected.resize(count);
+
+  double mount_turn_rad = 0.0;
+
+  const auto move_views = [&] {
+    WidenPriors(total, recorded);
+    Inherit(lines, total);
+    for (GroundCorrection& one : total) {
+      if (one.component < 0 && one.component != kInheritedComponent && mount_turn_rad != 0.0)
+        one = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, kInheritedComponent};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      linked.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
+      input.views[i].cam_from_enu = linked.corrected[i].start_cam_from_enu;
+      const bool is_placed = total[i].component >= 0;
+      input.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
+      input.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;
+    }
+  };
+
+  ProjectedKeypoints laid;
+  std::vector<VerifiedPair> links;
+  const auto look_first = [&] {
+    linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    laid = ProjectAllToGround(input, flat, threads);
+    links = MatchAndVerify(input, laid, linked.pairs, kFirstLook, threads);
+    for (VerifiedPair& link : MatchLostPhotos(input, laid, linked.pairs, links, threads)) {
+      links.push_back(std::move(link));
+    }
+  };
+  look_first();
+  mount_turn_rad = CommonQuarterTurn(recorded, links);
+  if (mount_turn_rad != 0.0) {
+    for (std::size_t i = 0; i < count; ++i) {
+      total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
+      input.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
+    }
+    look_first();
+  }
+  GroundGraph graph = SolveGroundGraph(recorded, links, laid.views, kFirstToleranceFactor * tolerance_m);
+  ReportRejected(graph, links, posed, report);
+  linked.links = KeepHolding(graph, links);
+  total = graph.corrections;
+  for (GroundCorrection& one : total) {
+    if (one.component >= 0) one.turn_and_scale *= std::polar(1.0, mount_turn_rad);
+  }
+  std::size_t placed = CountPlaced(total);
+  for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
+    move_views();
+    linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    laid = ProjectAllToGround(input, flat, threads);
+    links = MatchAndVerify(input, laid, linked.pairs, kNextLook, threads);
+    // From here a photo is expected where it now lies.
+    std::vector<GroundPrior> expected = MakeGroundPriors(posed, input);
+    for (std::size_t i = 0; i < count; ++i) {
+      expected[i].sigma_m = recorded[i].sigma_m;
+      expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
+    }
+    graph = SolveGroundGraph(expected, links, laid.views, tolerance_m);
+    linked.links = KeepHolding(graph, links);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (graph.corrections[i].component < 0 && total[i].component >= 0) continue;
+      const GroundSimilarity before = AsSimilarity(total[i], recorded[i].middle);
+      const GroundSimilarity step = AsSimilarity(graph.corrections[i], expected[i].middle);
+      total[i] = AsCorrection(step.After(before), recorded[i].middle);
+      total[i].component = graph.corrections[i].component;
+    }
+    const std::size_t now_placed = CountPlaced(total);
+    if (now_placed <= placed) break;
+    placed = now_placed;
+  }
+  ReportRejected(graph, links, posed, report);
+  move_views();
+  return linked;
+}
+
+}  // namespace skyquilt::alignment

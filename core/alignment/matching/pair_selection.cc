@@ -1,0 +1,106 @@
+#include "core/alignment/matching/pair_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr int kSamplesAcross = 7;
+constexpr int kDirections = 8;
+
+// Ground points spread over a photo's picture.
+std::vector<Eigen::Vector3d> SampleGround(const View& view, const Relief& relief) {
+  std::vector<Eigen::Vector3d> points;
+  for (int y = 0; y < kSamplesAcross; ++y) {
+    for (int x = 0; x < kSamplesAcross; ++x) {
+      Eigen::Vector3d point;
+      const Eigen::Vector2d pixel((x + 0.5) / kSamplesAcross * view.intrinsics.width_px - 0.5,
+                                  (y + 0.5) / kSamplesAcross * view.intrinsics.height_px - 0.5);
+      if (MeetGround(view, relief, pixel, &point)) points.push_back(point);
+    }
+  }
+  return points;
+}
+
+bool Sees(const View& view, const Eigen::Vector3d& point, double margin_px) {
+  const Eigen::Vector3d in_cam = view.cam_from_enu * point;
+  if (in_cam.z() <= 0.0) return false;
+  const camera::Intrinsics& lens = view.intrinsics;  // bending left out: this is about shares, not pixels
+  const double x = lens.focal_x_px * in_cam.x() / in_cam.z() + lens.center_x_px;
+  const double y = lens.focal_y_px * in_cam.y() / in_cam.z() + lens.center_y_px;
+  return x > -margin_px && y > -margin_px && x < lens.width_px + margin_px && y < lens.height_px + margin_px;
+}
+
+}  // namespace
+
+std::vector<CandidatePair> SelectPairs(const std::vector<View>& views,
+                                       const std::vector<double>& ground_sigma_m, const Relief& relief,
+                                       const PairSelectionOptions& options) {
+  const int count = static_cast<int>(views.size());
+  std::vector<std::vector<Eigen::Vector3d>> samples(count);
+  std::vector<Eigen::Vector2d> middle(count, Eigen::Vector2d::Zero());
+  std::vector<double> reach(count, 0.0);
+  for (int i = 0; i < count; ++i) {
+    samples[i] = SampleGround(views[i], relief);
+    if (samples[i].empty()) continue;
+    for (const Eigen::Vector3d& point : samples[i]) middle[i] += point.head<2>() / samples[i].size();
+    for (const Eigen::Vector3d& point : samples[i]) {
+      reach[i] = std::max(reach[i], (point.head<2>() - middle[i]).norm());
+    }
+  }
+  std::vector<int> by_east(count);
+  for (int i = 0; i < count; ++i) by_east[i] = i;
+  std::sort(by_east.begin(), by_east.end(), [&](int a, int b) {
+    return middle[a].x() != middle[b].x() ? middle[a].x() < middle[b].x() : a < b;
+  });
+  const double widest = count == 0 ? 0.0 : *std::max_element(reach.begin(), reach.end());
+  std::vector<std::vector<CandidatePair>> of_photo(count);
+  for (int k = 0; k < count; ++k) {
+    const int i = by_east[k];
+    if (samples[i].empty()) continue;
+    for (int m = k + 1; m < count; ++m) {
+      const int j = by_east[m];
+      if (middle[j].x() - middle[i].x() > reach[i] + widest) break;
+      if (samples[j].empty() || (middle[i] - middle[j]).norm() > reach[i] + reach[j]) continue;
+      const double margin_m = 1.5 * std::hypot(ground_sigma_m[i], ground_sigma_m[j]);
+      const double margin_px = std::min(0.15 * views[j].intrinsics.width_px, margin_m / views[j].GsdM());
+      const auto seen =
+          std::count_if(samples[i].begin(), samples[i].end(),
+                        [&](const Eigen::Vector3d& point) { return Sees(views[j], point, margin_px); });
+      const double overlap = static_cast<double>(seen) / (kSamplesAcross * kSamplesAcross);
+      if (overlap < options.min_overlap) continue;
+      const CandidatePair pair{std::min(i, j), std::max(i, j), overlap};
+      of_photo[i].push_back(pair);
+      of_photo[j].push_back(pair);
+    }
+  }
+  std::set<std::pair<int, int>> chosen;
+  std::vector<CandidatePair> pairs;
+  for (int i = 0; i < count; ++i) {
+    std::sort(of_photo[i].begin(), of_photo[i].end(), [](const CandidatePair& a, const CandidatePair& b) {
+      if (a.overlap != b.overlap) return a.overlap > b.overlap;
+      return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+    });
+    std::array<bool, kDirections> served{};
+    int taken = 0;
+    for (const CandidatePair& pair : of_photo[i]) {
+      const int other = pair.first == i ? pair.second : pair.first;
+      const Eigen::Vector2d away = middle[other] - middle[i];
+      const double turn = (std::atan2(away.y(), away.x()) + std::numbers::pi) / (2.0 * std::numbers::pi);
+      const int direction = std::min(kDirections - 1, static_cast<int>(turn * kDirections));
+      if (taken >= options.best_per_photo && served[direction]) continue;
+      served[direction] = true;
+      ++taken;
+      if (chosen.emplace(pair.first, pair.second).second) pairs.push_back(pair);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const CandidatePair& a, const CandidatePair& b) {
+    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+  });
+  return pairs;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,143 @@
+#include "core/alignment/matching/verified_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace skyquilt::alignment {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kMaxTrials = 250;
+constexpr int kRefinements = 6;
+constexpr double kMaxScale = 1.35;
+constexpr double kTrustedTurnRad = 0.35;
+
+struct Tolerance {
+  Complex along{1.0, 0.0};  // unit vector between the cameras
+  double across_m = 1.0;
+  double along_m = 1.0;
+
+  bool Holds(Complex miss) const {
+    const Complex turned = miss * std::conj(along);
+    return std::abs(turned.real()) <= along_m && std::abs(turned.imag()) <= across_m;
+  }
+};
+
+Tolerance MakeTolerance(const LinkOptions& options, double tolerance_m) {
+  const double length = std::abs(options.baseline_m);
+  return {length > 1e-9 ? options.baseline_m / length : Complex(1.0, 0.0), tolerance_m,
+          tolerance_m + options.relief_share * length};
+}
+
+// Do the inliers crowd around the motion more than matches would that had fallen anywhere in the search
+// area?
+bool StandsOut(const std::vector<int>& inliers, const std::vector<std::pair<Complex, Complex>>& places,
+               const GroundSimilarity& motion, const Tolerance& tolerance, double search_area_m2) {
+  std::vector<Complex> misses;
+  double along = 0.0, across = 0.0;
+  for (const int k : inliers) {
+    misses.push_back((places[k].second - motion * places[k].first) * std::conj(tolerance.along));
+    along += misses.back().real() * misses.back().real();
+    across += misses.back().imag() * misses.back().imag();
+  }
+  const auto count = static_cast<double>(inliers.size());
+  along = 2.0 * std::max(std::sqrt(along / count), 0.1 * tolerance.across_m);
+  across = 2.0 * std::max(std::sqrt(across / count), 0.1 * tolerance.across_m);
+  const auto inside = std::count_if(misses.begin(), misses.end(), [&](Complex miss) {
+    return std::hypot(miss.real() / along, miss.imag() / across) < 1.0;
+  });
+  const double chance = std::min(1.0, std::numbers::pi * along * across / search_area_m2);
+  const double by_chance = chance * static_cast<double>(places.size());
+  return static_cast<double>(inside) >= by_chance + 5.0 * std::sqrt(by_chance) + 5.0;
+}
+
+}  // namespace
+
+GroundSimilarity FitSimilarity(
+    const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places) {
+  Complex mean_a, mean_b;
+  for (const auto& [a, b] : places) {
+    mean_a += a;
+    mean_b += b;
+  }
+  mean_a /= static_cast<double>(places.size());
+  mean_b /= static_cast<double>(places.size());
+  Complex cross;
+  double square = 0.0;
+  for (const auto& [a, b] : places) {
+    cross += std::conj(a - mean_a) * (b - mean_b);
+    square += std::norm(a - mean_a);
+  }
+  const Complex turn = square > 1e-9 ? cross / square : Complex(1.0, 0.0);
+  return {turn, mean_b - turn * mean_a};
+}
+
+std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView& second,
+                                       const std::vector<KeypointMatch>& matches,
+                                       const LinkOptions& options) {
+  const int count = static_cast<int>(matches.size());
+  if (count < options.min_matches) return std::nullopt;
+  std::vector<std::pair<Complex, Complex>> places;
+  places.reserve(count);
+  for (const KeypointMatch& match : matches) {
+    places.emplace_back((*first.laid)[match.first].place, (*second.laid)[match.second].place);
+  }
+  const auto follow = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
+    std::vector<int> inliers;
+    for (int k = 0; k < count; ++k) {
+      if (tolerance.Holds(places[k].second - motion * places[k].first)) inliers.push_back(k);
+    }
+    return inliers;
+  };
+
+  const Tolerance loose = MakeTolerance(options, options.first_tolerance_m);
+  GroundSimilarity best;
+  std::size_t most = 0;
+  const int step = std::max(1, count / kMaxTrials);
+  for (int k = 0; k < count; k += step) {
+    const double keypoint_turn = std::remainder(
+        (*second.laid)[matches[k].second].angle_rad - (*first.laid)[matches[k].first].angle_rad,
+        2.0 * std::numbers::pi);
+    for (const double turn : {0.0, keypoint_turn}) {
+      if (!options.any_turn && std::abs(turn) > kTrustedTurnRad) continue;
+      const Complex rotor = std::polar(1.0, turn);
+      const GroundSimilarity motion{rotor, places[k].second - rotor * places[k].first};
+      const std::size_t inliers = follow(motion, loose).size();
+      if (inliers > most) {
+        most = inliers;
+        best = motion;
+      }
+    }
+  }
+  if (static_cast<int>(most) < options.min_matches) return std::nullopt;
+
+  std::vector<int> inliers;
+  Tolerance tolerance = loose;
+  for (int round = 0; round < kRefinements; ++round) {
+    const double shrink = std::min(1.0, round / (kRefinements - 2.0));
+    tolerance = MakeTolerance(options, std::pow(options.first_tolerance_m, 1.0 - shrink) *
+                                           std::pow(options.last_tolerance_m, shrink));
+    inliers = follow(best, tolerance);
+    if (static_cast<int>(inliers.size()) < options.min_matches) return std::nullopt;
+    std::vector<std::pair<Complex, Complex>> kept;
+    for (const int k : inliers) kept.push_back(places[k]);
+    best = FitSimilarity(kept);
+    const double scale = std::abs(best.turn_and_scale);
+    if (scale > kMaxScale || scale < 1.0 / kMaxScale) return std::nullopt;
+  }
+  if (!StandsOut(inliers, places, best, tolerance, options.search_area_m2)) return std::nullopt;
+
+  VerifiedPair link;
+  link.second_from_first = best;
+  double square = 0.0;
+  for (const int k : inliers) {
+    link.matches.push_back(matches[k]);
+    square += std::norm(places[k].second - best * places[k].first);
+  }
+  link.rms_m = std::sqrt(square / static_cast<double>(inliers.size()));
+  return link;
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,42 @@
+// VerifyPair: do the matches of two photos agree on one motion over the ground? Every match is tried as the
+// motion (its place, and its direction for the turn), the one with most inliers is refined while the
+// tolerance shrinks. No random numbers: the same matches give the same link. Relief moves things along the
+// line between the cameras, so the tolerance is wider that way. Pure; any thread.
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/alignment/matching/guided_matching.h"
+
+namespace skyquilt::alignment {
+
+struct LinkOptions {
+  double first_tolerance_m = 4.0;   // of a single match's motion
+  double last_tolerance_m = 1.0;    // of the refined motion
+  std::complex<double> baseline_m;  // from the first camera to the second, E + iN
+  double relief_share = 0.2;        // height differences as a share of the flying height
+  double search_area_m2 = 1e4;      // where a match could have lain by chance
+  bool any_turn = false;            // the recorded yaw is not to be trusted
+  int min_matches = 10;
+};
+
+struct VerifiedPair {
+  int first = 0;
+  int second = 0;
+  GroundSimilarity second_from_first;
+  std::vector<KeypointMatch> matches;  // those that follow
+  double rms_m = 0.0;
+};
+
+// The similarity that maps the first of each pair nearest to its second (least squares); a mere shift where
+// the places coincide.
+GroundSimilarity FitSimilarity(
+    const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
+
+std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView& second,
+                                       const std::vector<KeypointMatch>& matches, const LinkOptions& options);
+
+}  // namespace skyquilt::alignment

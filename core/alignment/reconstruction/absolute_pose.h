@@ -1,0 +1,41 @@
+// FindPose: where a photo was taken, from points whose place is known and the pixels that see them, many of
+// them wrong: three points at a time (J. Grunert 1841, as R. Haralick and others, IJCV 1994, give it), the
+// pose that most follow, refined. Deterministic by the seed. Frame `world`. Pure; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/camera/intrinsics.h"
+#include "core/geo/rigid3.h"
+
+namespace skyquilt::alignment {
+
+struct Sight {
+  Eigen::Vector2d pixel_in_image;
+  Eigen::Vector3d point_in_world;
+  double sigma_px = 1.0;
+};
+
+struct FoundPose {
+  geo::Rigid3 cam_from_world;
+  std::vector<int> inliers;  // sights
+};
+
+struct FindPoseOptions {
+  double tolerance_sigmas = 8.0;
+  int min_inliers = 12;
+  int max_samples = 200;
+};
+
+// Up to four poses that see three points along three rays (unit vectors in cam).
+std::vector<geo::Rigid3> PosesOfThree(const std::array<Eigen::Vector3d, 3>& rays,
+                                      const std::array<Eigen::Vector3d, 3>& points);
+
+std::optional<FoundPose> FindPose(const camera::Intrinsics& lens, const std::vector<Sight>& sights,
+                                  std::uint64_t seed, const FindPoseOptions& options);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,178 @@
+#include "core/alignment/reconstruction/leg_evidence.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/alignment/matching/connected_components.h"
+#include "core/alignment/registration/registration_rounds.h"
+#include "core/base/median.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr std::size_t kMinFeatures = 150;  // a photo with fewer shows hardly anything
+constexpr double kContradictedSigmas = 4.0;
+constexpr double kMinContradictionM = 1.0;
+constexpr double kMinContradictionRad = 0.17;  // ten degrees between optical axes
+constexpr std::size_t kMinPositions = 5;       // for a verdict on all of them
+constexpr double kPoorResidualPx = 5.0;  // after a first adjustment, which keeps what misses by up to 10
+constexpr double kGoodResidualPx = 1.5;
+constexpr double kMaxResidualGrowth = 1.5;
+constexpr double kFarBetterResidual = 0.5;
+constexpr double kMaxMoreContradicted = 0.1;  // of the photos
+// So many more photos tied together outweigh whatever the records say.
+constexpr double kManyTimesMore = 1.5;
+
+double Share(std::size_t part, std::size_t whole) {
+  return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+double LegEvidence::PositionsContradicted() const { return Share(positions_contradicted, positions); }
+double LegEvidence::AttitudesContradicted() const { return Share(attitudes_contradicted, attitudes); }
+
+bool ShowsEnough(const PhotoFeatures* features) {
+  return features && features->keypoints.size() >= kMinFeatures;
+}
+
+std::vector<char> TiedPhotos(const WeighedLeg& leg) {
+  const std::size_t count = leg.problem->photos.size();
+  std::vector<int> seen(count, 0);
+  for (const Track& track : leg.problem->tracks) {
+    for (const Observation& one : track.observations) ++seen[static_cast<std::size_t>(one.photo)];
+  }
+  const bool by_links = leg.problem->tracks.empty();
+  std::size_t largest = 0;
+  std::vector<char> is_tied(count, 0);
+  for (const std::vector<int>& members : FindConnectedComponents(count, *leg.links).members) {
+    std::vector<char> tied(count, 0);
+    std::size_t size = 0;
+    for (const int i : members) {
+      if (!by_links && seen[static_cast<std::size_t>(i)] < kEnoughObservations) continue;
+      tied[static_cast<std::size_t>(i)] = 1;
+      ++size;
+    }
+    if (size <= largest) continue;
+    largest = size;
+    is_tied = std::move(tied);
+  }
+  return is_tied;
+}
+
+LegEvidence Weigh(const WeighedLeg& leg) {
+  LegEvidence evidence;
+  evidence.residual_rms_px = leg.residual_rms_px;
+  const std::vector<char> is_tied = TiedPhotos(leg);
+  std::vector<double> misses_m, misses_sigmas;
+  for (std::size_t i = 0; i < is_tied.size(); ++i) {
+    if (!is_tied[i] && !ShowsEnough((*leg.features)[i])) continue;
+    ++evidence.readable;
+    if (!is_tied[i]) {
+      evidence.unplaced += (*leg.is_unplaced)[i] ? 1 : 0;
+      continue;
+    }
+    ++evidence.tied;
+    const PhotoRecord& record = (*leg.records)[i];
+    const geo::Rigid3& pose = leg.problem->photos[i].cam_from_enu;
+    if (record.center_in_enu) {
+      const Eigen::Vector3d miss =
+          pose.TargetOriginInSource() - *record.center_in_enu - leg.problem->position_bias_m;
+      misses_m.push_back(miss.head<2>().norm());
+      misses_sigmas.push_back(misses_m.back() / std::max(1e-3, record.sigma_m.x()));
+      ++evidence.positions;
+      evidence.positions_contradicted +=
+          misses_m.back() > std::max(kMinContradictionM, kContradictedSigmas * record.sigma_m.x()) ? 1 : 0;
+    }
+    if (record.cam_from_enu) {
+      const Eigen::Vector3d recorded = record.cam_from_enu->conjugate() * Eigen::Vector3d::UnitZ();
+      const Eigen::Vector3d found = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+      const double apart_rad = std::atan2(recorded.cross(found).norm(), recorded.dot(found));
+      ++evidence.attitudes;
+      evidence.attitudes_contradicted +=
+          apart_rad > std::max(kMinContradictionRad, kContradictedSigmas * record.sigma_tilt_rad) ? 1 : 0;
+    }
+  }
+  if (!misses_m.empty()) {
+    evidence.median_miss_m = Median(std::move(misses_m));
+    evidence.median_miss_sigmas = Median(std::move(misses_sigmas));
+  }
+  return evidence;
+}
+
+std::string WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
+  if (evidence.readable < 3) return {};
+  const double max_lost = std::max(1.0, max_lost_share * static_cast<double>(evidence.readable));
+  // Where no photo at all is tied, one that nothing places is one too many.
+  if (evidence.unplaced > 0 && (evidence.tied == 0 || static_cast<double>(evidence.Lost()) > max_lost) &&
+      2 * evidence.unplaced >= evidence.Lost()) {
+    return fmt::format("{} of {} photos have no usable position or height", evidence.unplaced,
+                       evidence.readable);
+  }
+  if (static_cast<double>(evidence.Lost()) > max_lost) {
+    return fmt::format("by their recorded poses {} of {} photos do not fit to the others", evidence.Lost(),
+                       evidence.readable);
+  }
+  if (evidence.residual_rms_px > kPoorResidualPx) {
+    return fmt::format("by their recorded poses the photos miss each other by {:.1f} pixels",
+                       evidence.residual_rms_px);
+  }
+  return {};
+}
+
+LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images) {
+  const auto refused = [](std::string why) { return LegChoice{false, std::move(why)}; };
+  const bool fits_far_better = by_images.residual_rms_px < kFarBetterResidual * by_records.residual_rms_px &&
+                               by_records.residual_rms_px > kPoorResidualPx;
+  const bool ties_more = by_images.tied > by_records.tied;
+  if (!ties_more && !(fits_far_better && by_images.tied == by_records.tied)) {
+    return refused(fmt::format("what the photos show ties {} of them together, the recorded poses {}",
+                               by_images.tied, by_records.tied));
+  }
+  // (A residual of nothing is that of no adjustment.)
+  const double max_residual_px =
+      by_records.residual_rms_px > 0.0
+          ? std::max(kGoodResidualPx, kMaxResidualGrowth * by_records.residual_rms_px)
+          : kPoorResidualPx;
+  if (by_images.residual_rms_px > max_residual_px) {
+    return refused(
+        fmt::format("placed by what they show, the photos miss each other by {:.1f} pixels, by the recorded "
+                    "poses by {:.1f}",
+                    by_images.residual_rms_px, by_records.residual_rms_px));
+  }
+  const bool ties_far_more = static_cast<double>(by_images.tied) >=
+                             kManyTimesMore * static_cast<double>(std::max<std::size_t>(1, by_records.tied));
+  if (!ties_far_more) {
+    if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted) {
+      return refused(
+          fmt::format("it contradicts {} of {} recorded positions, the alignment by records {} of {}",
+                      by_images.positions_contradicted, by_images.positions,
+                      by_records.positions_contradicted, by_records.positions));
+    }
+    if (by_images.AttitudesContradicted() > by_records.AttitudesContradicted() + kMaxMoreContradicted) {
+      return refused(
+          fmt::format("it contradicts {} of {} recorded camera angles, the alignment by records {} of {}",
+                      by_images.attitudes_contradicted, by_images.attitudes,
+                      by_records.attitudes_contradicted, by_records.attitudes));
+    }
+  }
+  if (!ties_more) {
+    return {true, fmt::format("the photos miss each other by {:.1f} pixels, by the recorded poses by {:.1f}",
+                              by_images.residual_rms_px, by_records.residual_rms_px)};
+  }
+  return {true,
+          fmt::format("it ties {} photos together, the recorded poses {}", by_images.tied, by_records.tied)};
+}
+
+std::string ContradictionInWords(const LegEvidence& evidence) {
+  if (evidence.positions < kMinPositions || 2 * evidence.positions_contradicted <= evidence.positions)
+    return {};
+  return fmt::format(
+      "the recorded positions CONTRADICT what the photos show: half of the {} photos lie {:.0f} m or more from where "
+      "they were recorded, which is {:.0f} times what the records claim: the map as a whole may be as far off",
+      evidence.positions, evidence.median_miss_m, evidence.median_miss_sigmas);
+}
+
+}  // namespace skyquilt::alignment

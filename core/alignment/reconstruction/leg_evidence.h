@@ -1,0 +1,62 @@
+// LegEvidence: how well an alignment stands, measured alike whichever leg it came from (recorded poses, or
+// what the photos show alone), and the choice between the two by it: photos tied together in one connected
+// component first, then what they miss each other by, then how many records they contradict. Pure; any
+// thread.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/reconstruction/georeference.h"
+
+namespace skyquilt::alignment {
+
+struct LegEvidence {
+  std::size_t readable = 0;      // photos that show enough to be tied
+  std::size_t unplaced = 0;      // of those: no record says where, or how high, and nothing tied them
+  std::size_t tied = 0;          // in the largest connected component, by enough points
+  double residual_rms_px = 0.0;  // at a picture 4000 pixels wide; 0 before any adjustment
+  std::size_t positions = 0, positions_contradicted = 0;  // of tied photos with a recorded one
+  std::size_t attitudes = 0, attitudes_contradicted = 0;  // by where the optical axis points
+  double median_miss_m = 0.0, median_miss_sigmas = 0.0;   // of recorded positions, horizontal
+
+  std::size_t Lost() const { return readable - tied; }
+  double PositionsContradicted() const;  // share
+  double AttitudesContradicted() const;
+};
+
+// What is weighed. Links and problem are those of one leg; records are the flight's, whichever leg it is.
+struct WeighedLeg {
+  const std::vector<PhotoRecord>* records = nullptr;
+  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
+  const std::vector<char>* is_unplaced = nullptr;               // by photo: its pose stands for none
+  const std::vector<VerifiedPair>* links = nullptr;
+  const BundleProblem* problem = nullptr;  // adjusted, or without tracks
+  double residual_rms_px = 0.0;
+};
+
+// By photo, whether it belongs to the largest connected component and, once there are tracks, sees enough of
+// them.
+std::vector<char> TiedPhotos(const WeighedLeg& leg);
+bool ShowsEnough(const PhotoFeatures* features);
+
+LegEvidence Weigh(const WeighedLeg& leg);
+
+// Why the recorded poses are not to be believed for the flight as a whole; empty: they hold.
+// `max_lost_share`: of the readable photos that may stay lost.
+std::string WhyDoubted(const LegEvidence& by_records, double max_lost_share);
+
+struct LegChoice {
+  bool takes_images = false;
+  std::string why;  // in words: "it ties 75 photos together, the recorded poses 31"
+};
+LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images);
+
+// Recorded positions that most of an alignment misses by far more than they claim; empty: they agree.
+std::string ContradictionInWords(const LegEvidence& evidence);
+
+}  // namespace skyquilt::alignment

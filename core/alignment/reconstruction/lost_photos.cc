@@ -1,0 +1,68 @@
+#include "core/alignment/reconstruction/lost_photos.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/reconstruction/register_lost.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kMaxLostShare = 0.3;
+constexpr double kSigmaTurnRad = 0.35;  // of what the images said, before they are asked again
+constexpr double kUnknownShare = 0.5;   // of the height: of a place that no record tells
+
+// A photo without record: its pose is where it was found, give or take much.
+CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m, poses::PosedPhoto& photo) {
+  photo.cam_from_enu = cam_from_enu;
+  photo.height_above_ground_m = std::max(0.5, cam_from_enu.TargetOriginInSource().z() - ground_z_m);
+  const double unknown_m = kUnknownShare * photo.height_above_ground_m;
+  photo.covariance.setZero();
+  photo.covariance_with_next.setZero();
+  photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad),
+      Eigen::Vector3d::Constant(unknown_m * unknown_m);
+  photo.error_radius_m = unknown_m;
+  CorrectedPose corrected;
+  corrected.start_cam_from_enu = corrected.prior_cam_from_enu = cam_from_enu;
+  corrected.note = "records no usable position or height and was placed by what it shows";
+  return corrected;
+}
+
+}  // namespace
+
+bool HasLost(const LegEvidence& evidence) {
+  return evidence.Lost() > 0 && evidence.tied >= 3 &&
+         static_cast<double>(evidence.Lost()) <= kMaxLostShare * static_cast<double>(evidence.readable);
+}
+
+int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, int threads,
+               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked, BundleProblem& problem,
+               std::vector<char>& by_images) {
+  const std::vector<char> is_tied = TiedPhotos(leg);
+  const std::vector<RegisteredLost> found =
+      RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records}, threads);
+  if (found.empty()) return 0;
+  const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
+  for (const RegisteredLost& one : found) {
+    const auto i = static_cast<std::size_t>(one.photo);
+    const bool is_unrecorded = (*leg.is_unplaced)[i] != 0;
+    linked.corrected[i] = is_unrecorded
+                              ? PlaceUnrecorded(one.cam_from_enu, posed.ground_z_in_enu_m, posed.photos[i])
+                              : CorrectToPose(posed.photos[i], recorded[i], one.cam_from_enu);
+    problem.photos[i] =
+        MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
+    problem.photos[i].has_record = !is_unrecorded;
+    input.features[i] = (*leg.features)[i];
+    input.views[i].cam_from_enu = one.cam_from_enu;
+    input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;
+    std::erase_if(linked.links, [&](const VerifiedPair& link) {
+      return link.first == one.photo || link.second == one.photo;
+    });
+    linked.links.insert(linked.links.end(), one.links.begin(), one.links.end());
+    by_images[i] = 1;
+  }
+  return static_cast<int>(found.size());
+}
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,24 @@
+// TakeInLost: photos that an adjusted alignment left out, registered against it by resection (RegisterLost)
+// and taken in as if they had always been linked: also those whose records place them nowhere. The rest of
+// the alignment stays for the next adjustment to move. The same for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/matching/matching_passes.h"
+#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// `leg` is the alignment; `tracks` what its photos see, in enu. Marks the photos in `by_images`; how many
+// they are. None where too many are lost for the alignment to be sound.
+int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, int threads,
+               poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked, BundleProblem& problem,
+               std::vector<char>& by_images);
+
+// Whether there are photos for it.
+bool HasLost(const LegEvidence& evidence);
+
+}  // namespace skyquilt::alignment

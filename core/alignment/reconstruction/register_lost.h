@@ -1,0 +1,34 @@
+// RegisterLost: photos that an alignment left out, registered against it one by one by resection: their
+// keypoints are matched to those of aligned photos wherever they lie in the picture (no ground window, no
+// recorded pose), and the points those see are what the pose is found from. What is aligned stays as it is.
+// For a few lost photos of a sound alignment; a flight that is mostly lost is placed anew (second_leg.h). The
+// same for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/adjustment/tracks.h"
+#include "core/alignment/features/features.h"
+#include "core/alignment/matching/verified_pair.h"
+#include "core/alignment/reconstruction/georeference.h"
+#include "core/alignment/view.h"
+
+namespace skyquilt::alignment {
+
+struct LostInput {
+  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
+  const std::vector<View>* views = nullptr;                     // adjusted where is_tied
+  const std::vector<char>* is_tied = nullptr;                   // by photo: the alignment
+  const std::vector<Track>* tracks = nullptr;                   // in enu, seen by photos of the alignment
+  const std::vector<PhotoRecord>* records = nullptr;            // say only which photos may show the same
+};
+
+struct RegisteredLost {
+  int photo = 0;
+  geo::Rigid3 cam_from_enu;
+  std::vector<VerifiedPair> links;  // to aligned photos; matches that follow the pose
+};
+
+std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,25 @@
+// SceneTracks: which keypoints of several photos are one point of the scene, by the matches of verified
+// pairs, the best supported pair first. A match that would put one point at two places of one photo is not
+// followed: chains of matches that lead astray lose a link, not everything. Pure; any thread.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/alignment/view_graph/view_graph.h"
+
+namespace skyquilt::alignment {
+
+struct TrackSight {
+  int photo = 0;
+  int keypoint = 0;
+};
+
+struct SceneTracks {
+  std::vector<std::vector<TrackSight>> tracks;  // each photo at most once, in their order
+  std::vector<std::vector<int>> of_photo;       // tracks a photo sees
+};
+
+SceneTracks JoinMatches(const RegistrationInput& input, const std::vector<GraphPair>& pairs);
+
+}  // namespace skyquilt::alignment

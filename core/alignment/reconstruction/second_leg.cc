@@ -1,0 +1,388 @@
+#include "core/alignment/reconstruction/second_leg.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/reconstruction/block.h"
+#include "core/alignment/reconstruction/georeference.h"
+#include "core/alignment/reconstruction/register_photos.h"
+#include "core/base/median.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kStandInSigmaM = 1e4;
+constexpr double kStandInSigmaRad = 3.0;
+constexpr double kStandInHeightM = 50.0;
+constexpr double kNearlyAll = 0.9;
+constexpr double kSoundResidualShare = 0.001;  // of a photo's width
+constexpr double kSigmaTurnRad = 0.35;         // of what the images say, before they are asked again
+constexpr double kAttitudeHoldsRad = 0.1;
+constexpr double kUnknownShare = 0.5;  // of the height: of a place that no record tells
+constexpr double kHeightHoldsSigmas = 4.0;
+constexpr double kTrustedHeightShare = 0.1;
+constexpr double kContradictedSigmas = 4.0;
+
+constexpr double kMaxFromFlightM = 50'000.0;  // no flight is as long
+constexpr double kMaxLatDeg = 85.0;
+
+// One that can be of this flight; others are no better than none.
+bool HasPosition(const flight::Photo& photo, const geo::LocalFrame& frame) {
+  if (!photo.position) return false;
+  const geo::LatLon& at = photo.position->position;
+  if (!std::isfinite(at.lat_deg + at.lon_deg) || std::abs(at.lat_deg) > kMaxLatDeg) return false;
+  return frame.EnuFromWgs84({at.lat_deg, at.lon_deg, frame.origin().height_ellipsoid_m}).norm() <
+         kMaxFromFlightM;
+}
+
+poses::PosedPhoto StandIn(const flight::Photo& photo, const geo::LocalFrame& frame, double height_m,
+                          double ground_z_m) {
+  poses::PosedPhoto posed;
+  posed.photo = photo;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  if (HasPosition(photo, frame)) {
+    center = frame.EnuFromWgs84({photo.position->position.lat_deg, photo.position->position.lon_deg,
+                                 frame.origin().height_ellipsoid_m});
+  }
+  center.z() = ground_z_m + height_m;
+  Eigen::Matrix3d down;  // image top north
+  down << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
+  posed.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(Eigen::Quaterniond(down), center);
+  posed.covariance.diagonal() << Eigen::Vector3d::Constant(kStandInSigmaRad * kStandInSigmaRad),
+      Eigen::Vector3d::Constant(kStandInSigmaM * kStandInSigmaM);
+  posed.height_above_ground_m = height_m;
+  posed.error_radius_m = kStandInSigmaM;
+  posed.attitude_origin = poses::AttitudeOrigin::kCourse;
+  return posed;
+}
+
+double SigmaHorizontal(const poses::PosedPhoto& photo) {
+  return std::sqrt(std::max(1e-4, 0.5 * (photo.covariance(3, 3) + photo.covariance(4, 4))));
+}
+
+PhotoRecord RecordOf(const poses::PosedPhoto& posed, bool is_unplaced, const geo::LocalFrame& frame) {
+  PhotoRecord record;
+  if (!is_unplaced) {
+    record.center_in_enu = posed.cam_from_enu.TargetOriginInSource();
+    const double sigma_m = SigmaHorizontal(posed);
+    record.sigma_m = {sigma_m, sigma_m, std::sqrt(std::max(1e-4, posed.covariance(5, 5)))};
+    if (posed.attitude_origin == poses::AttitudeOrigin::kRecorded ||
+        posed.attitude_origin == poses::AttitudeOrigin::kSmoothed) {
+      record.cam_from_enu = posed.cam_from_enu.rotation;
+      record.sigma_tilt_rad =
+          std::sqrt(std::max(1e-6, 0.5 * (posed.covariance(0, 0) + posed.covariance(1, 1))));
+    }
+    return record;
+  }
+  if (!HasPosition(posed.photo, frame)) return record;
+  const flight::RecordedPosition& position = *posed.photo.position;
+  record.center_in_enu = frame.EnuFromWgs84(
+      {position.position.lat_deg, position.position.lon_deg, frame.origin().height_ellipsoid_m});
+  const double sigma_m = position.sigma_horizontal_m.value_or(position.is_rtk_fixed ? 0.03 : 1.5);
+  record.sigma_m = {sigma_m, sigma_m, std::numeric_limits<double>::infinity()};
+  return record;
+}
+
+// What surveyed points say of a block's place.
+std::vector<PlacePair> ControlOf(const Registration& registration, int block, const poses::PosedFlight& posed,
+                                 const std::vector<ControlPoint>& control) {
+  std::vector<View> views;
+  std::vector<char> is_of_block;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < registration.photos.size(); ++i) {
+    const RegisteredPhoto& photo = registration.photos[i];
+    views.push_back({registration.lenses[static_cast<std::size_t>(photo.lens)].intrinsics,
+                     photo.cam_from_world, kMedianDepth});
+    is_of_block.push_back(photo.block == block ? 1 : 0);
+    names.push_back(posed.photos[i].photo.name);
+  }
+  const MarkedPhotos marked(names, views, is_of_block);
+  std::vector<PlacePair> pairs;
+  for (const ControlPoint& point : control) {
+    ControlReport ignored;
+    const std::optional<Track> track = marked.TrackOf(point, ignored);
+    if (!track) continue;
+    PlacePair pair;
+    pair.in_source = track->point_in_enu;
+    pair.in_target =
+        posed.frame.EnuFromWgs84({point.position.lat_deg, point.position.lon_deg,
+                                  point.height_m.value_or(posed.frame.origin().height_ellipsoid_m)});
+    pair.sigma = {point.sigma_horizontal_m, point.sigma_horizontal_m,
+                  point.height_m ? point.sigma_vertical_m : std::numeric_limits<double>::infinity()};
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+RegistrationInput InputOf(const FirstLeg& first, const std::vector<PhotoRecord>& records) {
+  RegistrationInput input;
+  input.lenses = first.problem->lenses;
+  for (BundleLens& lens : input.lenses) lens.intrinsics = lens.recorded;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    RegistrationPhoto photo;
+    photo.features = (*first.features)[i];
+    photo.lens = first.problem->photos[i].lens;
+    photo.position_in_enu = records[i].center_in_enu;
+    input.photos.push_back(photo);
+  }
+  return input;
+}
+
+double MedianWidthPx(const poses::PosedFlight& posed) {
+  std::vector<double> widths;
+  for (const poses::PosedPhoto& photo : posed.photos) widths.push_back(photo.photo.intrinsics.width_px);
+  return Median(std::move(widths));
+}
+
+// Of the largest block's cameras, above the flight's ground.
+double MedianHeightM(const Registration& registration, const BlockPlace& place,
+                     const poses::PosedFlight& posed) {
+  std::vector<double> heights;
+  for (const RegisteredPhoto& photo : registration.photos) {
+    if (photo.block != 0) continue;
+    heights.push_back((place.enu_from_world * photo.cam_from_world.TargetOriginInSource()).z() -
+                      posed.ground_z_in_enu_m);
+  }
+  return Median(std::move(heights));
+}
+
+std::string HowPlaced(const BlockPlace& place) {
+  switch (place.placing) {
+    case Placing::kByPositions:
+      if (place.spread_sigmas > kContradictedSigmas) {
+        return fmt::format(
+            "the recorded positions CONTRADICT it, by {:.0f} m in the median, which is {:.0f} times what they claim: "
+            "the map lies where most of them have it",
+            place.median_miss_m, place.spread_sigmas);
+      }
+      return fmt::format("{} of {} recorded positions agree with it", place.positions_held, place.positions);
+    case Placing::kByControl:
+      return "surveyed points say where on Earth";
+    case Placing::kByHeights:
+      return "recorded heights say how large";
+    case Placing::kByGuess:
+      break;
+  }
+  return "nothing says where on Earth, nor how large";
+}
+
+// One photo of a block, as the block's place has it.
+void TakeOver(const Registration& registration, const BlockPlace& place, const PhotoRecord& record,
+              double height_offset_m, double height_spread_m, std::size_t i, SecondLeg& second) {
+  poses::PosedPhoto& photo = second.posed.photos[i];
+  const geo::Rigid3 pose = place.enu_from_world.Moved(registration.photos[i].cam_from_world);
+  const Eigen::Vector3d center = pose.TargetOriginInSource();
+  photo.height_above_ground_m = std::max(0.5, center.z() - second.posed.ground_z_in_enu_m);
+  const double unknown_m = kUnknownShare * photo.height_above_ground_m;
+  Eigen::Vector3d expected = center, sigma = Eigen::Vector3d::Constant(unknown_m);
+  CorrectedPose& corrected = second.corrected[i];
+  corrected = {};
+  // Positions that contradict the pictures say where the block is, not how its photos lie to each other.
+  const bool is_contradicted = place.spread_sigmas > kContradictedSigmas;
+  second.has_record[i] = place.position_holds[i] && !is_contradicted ? 1 : 0;
+  if (second.has_record[i]) {
+    expected.head<2>() = record.center_in_enu->head<2>();
+    sigma.head<2>() = place.spread_sigmas * record.sigma_m.head<2>();
+    const double height_m = record.center_in_enu->z() + height_offset_m;
+    if (std::abs(height_m - center.z()) < kHeightHoldsSigmas * record.sigma_m.z()) {
+      expected.z() = height_m;
+      sigma.z() = std::min(unknown_m, std::max(record.sigma_m.z(), height_spread_m));
+    }
+  } else if (record.center_in_enu && place.placing == Placing::kByPositions && !place.position_holds[i]) {
+    corrected.position_was_wrong = true;
+    corrected.note =
+        fmt::format("recorded position is {:.0f} m from where the photo was taken by what it shows",
+                    (record.center_in_enu->head<2>() - center.head<2>()).norm());
+  }
+  // A recorded attitude that agrees goes on to hold, where north is the flight's own.
+  const double turned =
+      record.cam_from_enu ? record.cam_from_enu->angularDistance(pose.rotation) : kAttitudeHoldsRad;
+  const bool attitude_holds = turned < kAttitudeHoldsRad && place.knows_north;
+  const Eigen::Matrix3d attitude = photo.covariance.topLeftCorner<3, 3>();
+  photo.cam_from_enu = pose;
+  photo.covariance.setZero();
+  photo.covariance_with_next.setZero();
+  photo.covariance.diagonal() << Eigen::Vector3d::Constant(kSigmaTurnRad * kSigmaTurnRad), sigma.cwiseAbs2();
+  if (attitude_holds) photo.covariance.topLeftCorner<3, 3>() = attitude;
+  photo.error_radius_m = sigma.head<2>().norm();
+  corrected.start_cam_from_enu = pose;
+  corrected.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+      attitude_holds ? *record.cam_from_enu : pose.rotation, expected);
+  second.by_images[i] = 1;
+}
+
+}  // namespace
+
+poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced) {
+  poses::PosedFlight all = posed;
+  is_unplaced->assign(posed.photos.size(), 0);
+  if (posed.unplaced.empty()) return all;
+  std::vector<double> heights;
+  for (const poses::PosedPhoto& photo : posed.photos) heights.push_back(photo.height_above_ground_m);
+  const double height_m = heights.empty() ? kStandInHeightM : Median(std::move(heights));
+  for (const flight::Photo& photo : posed.unplaced) {
+    all.photos.push_back(StandIn(photo, posed.frame, height_m, posed.ground_z_in_enu_m));
+    is_unplaced->push_back(1);
+  }
+  all.unplaced.clear();
+  std::vector<std::size_t> order(all.photos.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return flight::ComesBefore(all.photos[a].photo, all.photos[b].photo);
+  });
+  std::vector<poses::PosedPhoto> sorted;
+  std::vector<char> flags;
+  for (const std::size_t i : order) {
+    sorted.push_back(std::move(all.photos[i]));
+    flags.push_back((*is_unplaced)[i]);
+    sorted.back().covariance_with_next.setZero();  // the next one is another now
+  }
+  all.photos = std::move(sorted);
+  *is_unplaced = std::move(flags);
+  return all;
+}
+
+std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced) {
+  std::vector<PhotoRecord> records;
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+    records.push_back(RecordOf(posed.photos[i], is_unplaced[i] != 0, posed.frame));
+  }
+  return records;
+}
+
+std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
+                                       const std::vector<ControlPoint>& control, int threads,
+                                       SecondLegReport& report, Progress& progress) {
+  ScopedTimer timer(report.total_s);
+  const poses::PosedFlight& posed = *first.posed;
+  const std::size_t count = posed.photos.size();
+  GeoreferenceRecords records;
+  records.ground_z_in_enu_m = posed.ground_z_in_enu_m;
+  records.photos = *first.records;
+  std::vector<double> sigmas, heights;
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((*first.is_unplaced)[i]) continue;
+    sigmas.push_back(records.photos[i].sigma_m.z());
+    heights.push_back(posed.photos[i].height_above_ground_m);
+  }
+  records.trusts_heights =
+      !sigmas.empty() && Median(std::move(sigmas)) < kTrustedHeightShare * Median(std::move(heights));
+  const Registration registration = RegisterPhotos(InputOf(first, records.photos), {}, threads, progress);
+  report.pairs_compared = registration.report.pairs_compared;
+  report.pairs_verified = registration.report.pairs_verified;
+  report.pairs_refused = registration.report.pairs_refused;
+  report.residual_rms_px = registration.residual_rms_px;
+  report.groups = static_cast<int>(registration.block_sizes.size());
+  report.registered = registration.block_sizes.empty() ? 0 : registration.block_sizes.front();
+  const std::size_t least = std::max<std::size_t>(3, tied_by_records + (takes_equal ? 0 : 1));
+  if (progress.IsCancelled() || static_cast<std::size_t>(report.registered) < least) {
+    report.outcome =
+        fmt::format("not taken: what the photos show ties {} of them together, the recorded poses {}",
+                    report.registered, tied_by_records);
+    return std::nullopt;
+  }
+  SecondLeg second;
+  second.posed = posed;
+  second.tied = static_cast<std::size_t>(report.registered);
+  const auto readable = std::count_if(first.features->begin(), first.features->end(), ShowsEnough);
+  second.is_nearly_all = static_cast<double>(second.tied) >= kNearlyAll * static_cast<double>(readable) &&
+                         registration.residual_rms_px < kSoundResidualShare * MedianWidthPx(posed);
+  second.by_images.assign(count, 0);
+  second.has_record.assign(count, 1);
+  second.corrected.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    second.corrected[i].start_cam_from_enu = second.corrected[i].prior_cam_from_enu =
+        posed.photos[i].cam_from_enu;
+  }
+  for (std::size_t b = 0; b < registration.block_sizes.size(); ++b) {
+    const int block = static_cast<int>(b);
+    records.control = ControlOf(registration, block, posed, control);
+    const BlockPlace place = Georeference(registration, block, records);
+    const bool is_on_earth = place.placing == Placing::kByPositions || place.placing == Placing::kByControl;
+    // Where nothing says how two groups lie to each other, the larger one is the map.
+    if (b > 0 && !is_on_earth) continue;
+    if (b == 0) {
+      second.is_placed = is_on_earth || place.positions > 0;
+      report.outcome = fmt::format("{} of {} photos placed by what they show; {}", report.registered, count,
+                                   HowPlaced(place));
+      if (is_on_earth)
+        report.outcome +=
+            fmt::format("; flown {:.0f} m above the ground", MedianHeightM(registration, place, posed));
+    }
+    std::vector<double> offsets;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!place.position_holds[i] || !std::isfinite(records.photos[i].sigma_m.z())) continue;
+      offsets.push_back(
+          (place.enu_from_world * registration.photos[i].cam_from_world.TargetOriginInSource()).z() -
+          records.photos[i].center_in_enu->z());
+    }
+    const double height_offset_m = offsets.empty() ? 0.0 : Median(offsets);
+    for (double& offset : offsets) offset = std::abs(offset - height_offset_m);
+    const double height_spread_m = offsets.empty() ? 0.0 : 1.48 * Median(std::move(offsets));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (registration.photos[i].block == block) {
+        TakeOver(registration, place, records.photos[i], height_offset_m, height_spread_m, i, second);
+      }
+    }
+  }
+  for (const VerifiedPair& link : registration.links) {
+    if (second.by_images[static_cast<std::size_t>(link.first)]) second.links.push_back(link);
+  }
+  for (const BundleLens& lens : registration.lenses) second.lenses.push_back(lens.intrinsics);
+  return second;
+}
+
+Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report) {
+  if (recorded.unplaced.empty()) return {};
+  std::set<std::string> unplaced, found;
+  for (const flight::Photo& photo : recorded.unplaced) unplaced.insert(photo.name);
+  for (const AlignedPhoto& photo : flight.photos) {
+    if (unplaced.contains(photo.photo.name) && photo.placement == Placement::kAligned)
+      found.insert(photo.photo.name);
+  }
+  const auto is_nowhere = [&](const std::string& name) {
+    return unplaced.contains(name) && !found.contains(name);
+  };
+  std::erase_if(flight.photos, [&](const AlignedPhoto& photo) { return is_nowhere(photo.photo.name); });
+  std::erase_if(report.photo_reports, [&](const AlignPhotoReport& photo) { return is_nowhere(photo.name); });
+  report.photos = static_cast<int>(report.photo_reports.size());
+  std::set<std::string> told;
+  std::erase_if(flight.left_out, [&](const flight::LeftOutPhoto& photo) {
+    // One that nothing placed may have been found far away as well: the first reason is the one.
+    return found.contains(photo.name) || (is_nowhere(photo.name) && !told.insert(photo.name).second);
+  });
+  for (flight::LeftOutPhoto& photo : flight.left_out) {
+    if (is_nowhere(photo.name))
+      photo.reason += " It shows too little in common with the other photos to be placed by that.";
+  }
+  if (!flight.photos.empty()) return {};
+  return Error{
+      ErrorCode::kUnprocessable,
+      "no photo records where it was taken, and the photos show too little in common to be laid to each "
+      "other. Add the flight log or a geo.txt with positions, or photos that overlap more.",
+      report.second_leg.outcome};
+}
+
+std::string SecondLegInWords(const SecondLegReport& report) {
+  if (!report.is_taken) return {};
+  std::string words = report.why + ": " + report.outcome + ".";
+  if (!report.is_placed) {
+    words += fmt::format(
+        " The map is whole but NOT GEOREFERENCED: it lies at a local origin, its north is a guess and its scale "
+        "is as if a photo showed {:.0f} m of ground. Add surveyed points (gcp_list.txt) or positions (geo.txt) to "
+        "place it.",
+        GeoreferenceRecords().guessed_width_m);
+  }
+  return words;
+}
+
+}  // namespace skyquilt::alignment

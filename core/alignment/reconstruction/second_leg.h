@@ -1,0 +1,66 @@
+// The second leg of the alignment: where recorded poses fail their test, photos are placed by what they show
+// alone (RegisterPhotos), and the records count only where they agree with that. What comes back is a posed
+// flight, as the first leg starts from, with links and lenses: the alignment goes on from it. The same for
+// any number of threads.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/adjustment/ground_control.h"
+#include "core/alignment/align_report.h"
+#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/alignment/registration/correct_poses.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/poses/posed_flight.h"
+
+namespace skyquilt::alignment {
+
+// The recorded poses as the first leg left them.
+struct FirstLeg {
+  const poses::PosedFlight* posed = nullptr;
+  const std::vector<char>* is_unplaced = nullptr;               // by photo: its pose stands for none
+  const std::vector<const PhotoFeatures*>* features = nullptr;  // of all photos that could be read
+  const std::vector<PhotoRecord>* records = nullptr;            // RecordsOf the flight
+  const BundleProblem* problem = nullptr;                       // for its lenses
+};
+
+struct SecondLeg {
+  poses::PosedFlight posed;
+  std::vector<char> by_images;   // by photo
+  std::vector<char> has_record;  // by photo: a recorded position that agrees
+  std::vector<CorrectedPose> corrected;
+  std::vector<VerifiedPair> links;
+  std::vector<camera::Intrinsics> lenses;  // as the problem numbers them
+  bool is_placed = false;                  // on Earth
+  std::size_t tied = 0;                    // photos in the largest group
+  // So many of the photos that show anything, and so well, that the first leg needs no adjustment to be
+  // compared.
+  bool is_nearly_all = false;
+};
+
+// Photos that the flight could not place, as photos of it: in the order of capture, with poses that stand for
+// none.
+poses::PosedFlight WithUnplaced(const poses::PosedFlight& posed, std::vector<char>* is_unplaced);
+
+// What the flight records of each photo, with what it claims to be good for: of those that are unplaced only
+// the horizontal position, if they have one.
+std::vector<PhotoRecord> RecordsOf(const poses::PosedFlight& posed, const std::vector<char>& is_unplaced);
+
+// Nothing where it ties no more photos together than `tied_by_records`, or where that cannot be told apart
+// from an equal (`takes_equal`: then it may tie as many). Fills report.second_leg.
+std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_by_records, bool takes_equal,
+                                       const std::vector<ControlPoint>& control, int threads,
+                                       SecondLegReport& report, Progress& progress);
+
+// Photos that nothing placed go back to those left out, and those that were placed leave that list. Errors:
+// kUnprocessable when nothing is left.
+Result<void> SettleUnplaced(const poses::PosedFlight& recorded, AlignedFlight& flight, AlignReport& report);
+
+// What the user must know of it; empty where the records held.
+std::string SecondLegInWords(const SecondLegReport& report);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,26 @@
+// RegisterByResection: a pose for photos that found no partners, from the aligned photos around them. What
+// all of those show in common with the lost one votes together for one pose: each match is a pixel of the
+// lost photo and the place on the ground where a neighbour saw the same, and the pose that most places follow
+// is found by resection (three points, RANSAC with a fixed seed). So ten matches with each of four neighbours
+// do what no pair of them could, and the record may be far off. Same result for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/matching/match_and_verify.h"
+
+namespace skyquilt::alignment {
+
+struct ResectedPhoto {
+  int photo = 0;
+  geo::Rigid3 cam_from_enu;
+  std::vector<VerifiedPair> links;  // with the neighbours whose matches follow
+};
+
+// `input.views` are the adjusted ones; `is_aligned` says which photos' views are to be believed.
+// `expected_miss_m`: how far off the views of the others may be on the ground, one sigma.
+std::vector<ResectedPhoto> RegisterByResection(const MatchingInput& input, const Relief& relief,
+                                               const std::vector<char>& is_aligned, double expected_miss_m,
+                                               int threads);
+
+}  // namespace skyquilt::alignment

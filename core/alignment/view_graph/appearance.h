@@ -1,0 +1,30 @@
+// What a photo looks like as a whole, as one short vector, so that photos of the same place are found without
+// comparing them: aggregated descriptors (VLAD: H. Jegou and others, CVPR 2010, with the normalisation of R.
+// Arandjelovic and A. Zisserman, CVPR 2013) over a vocabulary learnt from the flight itself. Memory: 8 KB a
+// photo. Pure; the same for any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/alignment/features/features.h"
+
+namespace skyquilt::alignment {
+
+class Appearance {
+ public:
+  // Of each photo; null: it looks like nothing.
+  static Appearance Learn(const std::vector<const PhotoFeatures*>& features, int threads);
+
+  // Cosine, -1 to 1; -1 where one of them looks like nothing.
+  double Likeness(int first, int second) const;
+  // The photos most like each one, the likest first.
+  std::vector<std::vector<int>> MostAlike(int most, int threads) const;
+
+ private:
+  std::vector<std::vector<std::int8_t>> vectors_;
+  std::vector<double> lengths_;
+};
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,50 @@
+// The geometry of two calibrated views, on rays (x, y, 1): homographies, essential matrices and the poses
+// they stand for. Pure; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace skyquilt::alignment {
+
+// second_from_first, the length of the shift unknown.
+struct RelativePose {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // of the shift: x_second = R x_first + s * direction
+};
+
+struct RayPair {
+  Eigen::Vector2d first, second;
+};
+
+// Least squares of four or more pairs, in coordinates of unit spread (R. Hartley, PAMI 1997); nothing where
+// they lie badly.
+std::optional<Eigen::Matrix3d> FitHomography(const std::vector<RayPair>& pairs, const std::vector<int>& used);
+// Of the second ray from the first's image; infinite behind the plane's horizon.
+double TransferError2(const Eigen::Matrix3d& second_from_first, const RayPair& pair);
+
+// The poses a homography of a plane may stand for (O. Faugeras and F. Lustman 1988, by singular values): up
+// to four, those for which most of the pairs lie before both cameras.
+std::vector<RelativePose> PosesOfHomography(const Eigen::Matrix3d& second_from_first,
+                                            const std::vector<RayPair>& pairs, const std::vector<int>& used);
+
+// Up to ten matrices through five pairs.
+std::vector<Eigen::Matrix3d> EssentialsOfFive(const std::array<RayPair, 5>& pairs);
+// The one of its four poses for which most of the pairs lie before both cameras.
+RelativePose PoseOfEssential(const Eigen::Matrix3d& essential, const std::vector<RayPair>& pairs,
+                             const std::vector<int>& used);
+Eigen::Matrix3d EssentialOfPose(const RelativePose& pose);
+// First-order distance of the pair from the epipolar constraint, squared.
+double Sampson2(const Eigen::Matrix3d& essential, const RayPair& pair);
+
+// Depths along both rays where they come nearest; nothing where they are parallel.
+std::optional<Eigen::Vector2d> Depths(const RelativePose& pose, const RayPair& pair);
+
+// Gauss-Newton on Sampson's distance with a robust weight of the given width; five unknowns.
+RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& pairs,
+                        const std::vector<int>& used, double width, int steps);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,22 @@
+// MatchDescriptors: which keypoints of two photos look the same, wherever they lie in the picture: each
+// other's nearest descriptors, and nearer by a ratio than the next one at another place (D. Lowe, IJCV 2004).
+// Exact sums of integers. Cost: the product of the two counts. Pure; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/features/features.h"
+#include "core/alignment/matching/guided_matching.h"
+
+namespace skyquilt::alignment {
+
+struct MatchOptions {
+  int max_features = 1000;  // of each photo; any first n are spread over it
+  double max_distance_ratio = 0.85;
+};
+
+// In the order of the first photo's keypoints.
+std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const PhotoFeatures& second,
+                                            const MatchOptions& options);
+
+}  // namespace skyquilt::alignment

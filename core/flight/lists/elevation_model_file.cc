@@ -1,0 +1,61 @@
+#include "core/flight/lists/elevation_model_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/flight/metadata/exif_table.h"
+
+namespace skyquilt::flight {
+namespace {
+
+// TIFF 6.0; GeoTIFF 1.1 (OGC 19-008r4).
+constexpr std::uint16_t kSamplesPerPixel = 277;
+constexpr std::uint16_t kSampleFormat = 339;
+constexpr std::uint16_t kGeoKeyDirectory = 34735;
+constexpr double kSigned = 2.0;
+constexpr double kFloatingPoint = 3.0;
+
+bool IsTiff(ByteSource& source) {
+  const std::vector<std::uint8_t> head = source.ReadUpTo(0, 4);
+  if (head.size() < 4) return false;
+  const bool is_little = head[0] == 'I' && head[1] == 'I' && (head[2] == 42 || head[2] == 43) && head[3] == 0;
+  const bool is_big = head[0] == 'M' && head[1] == 'M' && head[2] == 0 && (head[3] == 42 || head[3] == 43);
+  return is_little || is_big;
+}
+
+}  // namespace
+
+bool IsElevationModel(ByteSource& source) {
+  if (!IsTiff(source)) return false;
+  const Result<ExifTable> tags = ReadTiffTags(source);
+  if (!tags || tags->Find(ExifIfd::kImage, kGeoKeyDirectory) == nullptr) return false;
+  const double format = tags->Number(ExifIfd::kImage, kSampleFormat).value_or(1.0);
+  return tags->Number(ExifIfd::kImage, kSamplesPerPixel).value_or(1.0) == 1.0 &&
+         (format == kSigned || format == kFloatingPoint);
+}
+
+Result<void> CheckTiffDirectories(const std::filesystem::path& path) {
+  constexpr int kMost = 64;  // the raster, its overviews, and their masks
+  const auto source = OpenFileBytes(path);
+  if (!source || !IsTiff(**source)) return {};  // whoever reads it says what is wrong
+  const Result<int> count = CountTiffDirectories(**source, kMost);
+  if (!count || *count <= kMost) return {};
+  return Error{ErrorCode::kUnsupportedFormat,
+               fmt::format("the elevation model {} holds more than {} pictures; give a GeoTIFF with one",
+                           path.filename().string(), kMost),
+               ""};
+}
+
+std::vector<InputFile> ElevationModelsAmong(const std::vector<InputFile>& files) {
+  std::vector<InputFile> models;
+  for (const InputFile& file : files) {
+    const auto source = OpenFileBytes(file.path);
+    if (source && IsElevationModel(**source)) models.push_back(file);
+  }
+  std::stable_sort(models.begin(), models.end(),
+                   [](const InputFile& a, const InputFile& b) { return a.name < b.name; });
+  return models;
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,91 @@
+#include "core/flight/lists/sort_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <span>
+#include <string_view>
+
+#include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/logs/read_log.h"
+#include "core/flight/photos/byte_source.h"
+
+namespace skyquilt::flight {
+namespace {
+
+// Pictures and films outnumber logs by far and need no further look.
+bool IsPictureOrFilm(const std::vector<std::uint8_t>& head) {
+  constexpr std::array<std::string_view, 5> kMagic = {"\xFF\xD8\xFF", std::string_view("II*\0", 4),
+                                                      std::string_view("MM\0*", 4), "\x89PNG", "RIFF"};
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  return text.substr(std::min<std::size_t>(4, text.size())).starts_with("ftyp") ||
+         std::any_of(kMagic.begin(), kMagic.end(),
+                     [&](std::string_view magic) { return text.starts_with(magic); });
+}
+
+// Endings of the logs that are read here, of the formats that nothing else uses them for.
+constexpr std::array<std::string_view, 5> kLogEndings = {".bin", ".ulg", ".tlog", ".mrk", ".srt"};
+
+// Endings of what else lies in a flight's folder and is nobody's fault: side files, notes.
+constexpr std::array<std::string_view, 31> kSideEndings = {
+    ".log", ".csv", ".tsv", ".txt", ".nav", ".obs", ".pos", ".dat",     ".json",     ".kml", ".kmz",
+    ".gpx", ".xml", ".p4d", ".rtk", ".ubx", ".rnx", ".md",  ".rtcm3",   ".pdf",      ".ini", ".db",
+    ".prj", ".xmp", ".rtb", ".rpt", ".bbx", ".bb3", ".sbf", ".geojson", ".waypoints"};
+
+bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endings) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::any_of(endings.begin(), endings.end(),
+                     [&](std::string_view ending) { return lower.ends_with(ending); });
+}
+
+enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kNothing };
+
+Result<Kind> KindOf(const InputFile& file) {
+  const bool is_log_by_name = EndsWithOneOf(file.name, kLogEndings);
+  const Kind unknown =
+      is_log_by_name || EndsWithOneOf(file.name, kSideEndings) ? Kind::kNothing : Kind::kPhoto;
+  const auto source = OpenFileBytes(file.path);
+  if (!source) return unknown;  // reading it as a photo tells why
+  constexpr std::size_t kEnoughForMagic = 16;
+  std::vector<std::uint8_t> head = (*source)->ReadUpTo(0, kEnoughForMagic);
+  if (head.empty() && unknown == Kind::kNothing) {
+    return Error{ErrorCode::kCorrupt, file.name + " is empty; copy it from the aircraft again", ""};
+  }
+  if (head.empty()) return unknown;
+  if (IsElevationModel(**source)) return Kind::kElevationModel;
+  if (IsPictureOrFilm(head)) return Kind::kPhoto;
+  head = (*source)->ReadUpTo(0, kRecogniseBytes);
+  const auto format = RecogniseLog(head, file.name);
+  if (!format) return format.error();
+  if (!*format && is_log_by_name) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 file.name + " is named like a flight log but is none that can be read; copy it again", ""};
+  }
+  if (!*format) return unknown;
+  return **format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
+}
+
+}  // namespace
+
+SortedFiles SortFiles(const std::vector<InputFile>& files) {
+  SortedFiles sorted;
+  for (const InputFile& file : files) {
+    const auto kind = KindOf(file);
+    if (!kind) {
+      sorted.refused.push_back(kind.error().message);
+    } else if (*kind == Kind::kPhoto) {
+      sorted.photos.push_back(file);
+    } else if (*kind == Kind::kLog) {
+      sorted.logs.push_back(file);
+    } else if (*kind == Kind::kGcpList) {
+      sorted.gcp_lists.push_back(file);
+    } else if (*kind == Kind::kElevationModel) {
+      sorted.elevation_models.push_back(file);
+    }
+  }
+  return sorted;
+}
+
+}  // namespace skyquilt::flight

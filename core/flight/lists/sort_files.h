@@ -1,0 +1,24 @@
+// SortFiles: which of the files given are photos, which are logs, lists of control points or elevation
+// models, and which are neither and nobody's fault. By content: the first bytes decide, whatever the name;
+// the ending only says whether an unknown file is worth a complaint. Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/flight/photos/photo.h"
+#include "core/flight/read_flight.h"
+
+namespace skyquilt::flight {
+
+struct SortedFiles {
+  std::vector<InputFile> photos;  // and what cannot be told apart from one: reading it says what is wrong
+  std::vector<InputFile> logs;
+  std::vector<InputFile> gcp_lists;
+  std::vector<InputFile> elevation_models;
+  std::vector<std::string> refused;  // logs that are known but cannot be read, with advice
+};
+
+SortedFiles SortFiles(const std::vector<InputFile>& files);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,283 @@
+#include "core/flight/logs/autopilots/dataflash.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/flight/logs/autopilots/dataflash_plan.h"
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/raw_imu.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using geo::DegToRad;
+
+using Kind = DataflashKind;
+using Plan = DataflashPlan;
+using Census = DataflashCensus;
+using Plans = std::array<Plan, 256>;
+
+class DataflashReader {
+ public:
+  DataflashReader(const Census& census, LogBuilder& builder)
+      : builder_(builder),
+        imu_(std::max(census.BestImu(), 0)),
+        uses_raw_imu_(census.HasRawImu(imu_)),
+        raw_imu_([this](const ImuSample& sample) { builder_.Add(sample); }),
+        gps_(census.BestGps()),
+        baro_(census.baro_counts.empty() ? 0 : census.baro_counts.begin()->first),
+        attitude_rank_(census.attitude_counts.empty() ? 0 : census.attitude_counts.begin()->first),
+        camera_rank_(census.camera_counts.empty() ? 0 : census.camera_counts.begin()->first),
+        has_gps_(!census.gps_quality.empty() && census.gps_quality.at(gps_) > 0.0),
+        has_trigger_(census.camera_counts.size() > 1) {}
+
+  void Take(const Plan& plan, const std::uint8_t* payload) {
+    switch (plan.meaning.kind) {
+      case Kind::kImu:
+        TakeImu(plan, payload);
+        break;
+      case Kind::kRawGyro:
+      case Kind::kRawAccel:
+        TakeRawImu(plan, payload);
+        break;
+      case Kind::kGps:
+        TakeGps(plan, payload);
+        break;
+      case Kind::kGpa:
+        if (gnss_ && plan.Instance(payload) == gps_ && std::abs(plan.TimeS(payload) - gnss_->t_s) < 0.15) {
+          gnss_->sigma_horizontal_m = plan.Get(0, payload);
+          gnss_->sigma_vertical_m = plan.Get(1, payload);
+        }
+        break;
+      case Kind::kBaro:
+        if (plan.f[0] != nullptr && plan.Instance(payload) == baro_) {
+          builder_.Add(BaroSample{plan.TimeS(payload), plan.Number(0, payload)});
+        }
+        break;
+      case Kind::kRange:
+        TakeRange(plan, payload);
+        break;
+      case Kind::kPosition:
+        TakePosition(plan, payload);
+        break;
+      case Kind::kAttitude:
+        TakeAttitude(plan, payload);
+        break;
+      case Kind::kCamera:
+        TakeCamera(plan, payload);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void Finish() {
+    FlushGnss();
+    const auto fit = clock_.Solve();
+    if (fit) {
+      builder_.log().utc_at_zero = fit->utc_at_zero;
+      // The receiver reports 0.05 to 0.25 s late, which the scatter does not show.
+      builder_.log().utc_sigma_s = std::hypot(0.15, fit->scatter_s);
+    }
+    for (auto& [event, utc] : events_without_time_) {
+      if (fit) {
+        event.t_s = std::chrono::duration<double>(utc - fit->utc_at_zero).count();
+        builder_.Add(event);
+      }
+    }
+    if (!fit && !events_without_time_.empty())
+      builder_.Warn("camera events without a time since boot were dropped");
+    if (!has_gps_ && builder_.gnss_count() > 0) {
+      builder_.Warn("no GPS fix in this log; positions are the autopilot's own estimate (POS)");
+    }
+  }
+
+  int imu() const { return imu_; }
+
+ private:
+  void TakeImu(const Plan& plan, const std::uint8_t* payload) {
+    if (uses_raw_imu_ || !plan.Has(0, 5) || plan.Instance(payload) != imu_) return;
+    ImuSample sample;
+    sample.t_s = plan.TimeS(payload);
+    for (std::size_t i = 0; i < 3; ++i) {
+      sample.angular_rate_radps[static_cast<Eigen::Index>(i)] = plan.Number(i, payload);
+      sample.specific_force_mps2[static_cast<Eigen::Index>(i)] = plan.Number(i + 3, payload);
+    }
+    builder_.Add(sample);
+  }
+
+  void TakeRawImu(const Plan& plan, const std::uint8_t* payload) {
+    if (!uses_raw_imu_ || !plan.Has(0, 2) || plan.Instance(payload) != imu_) return;
+    const Eigen::Vector3d value(plan.Number(0, payload), plan.Number(1, payload), plan.Number(2, payload));
+    if (plan.meaning.kind == Kind::kRawGyro)
+      raw_imu_.AddGyro(plan.TimeS(payload), value);
+    else
+      raw_imu_.AddAccel(plan.TimeS(payload), value);
+  }
+
+  void FlushGnss() {
+    if (gnss_) builder_.Add(*gnss_);
+    gnss_.reset();
+  }
+
+  void TakeGps(const Plan& plan, const std::uint8_t* payload) {
+    if (plan.Instance(payload) != gps_ || !plan.Has(3, 4)) return;
+    const double status = plan.Get(0, payload).value_or(3.0);
+    const double t_s = plan.TimeS(payload);
+    if (status < 3.0) return;
+    const auto tow_ms = plan.Get(1, payload);
+    const auto week = plan.Get(2, payload);
+    if (tow_ms && week) {
+      const auto utc = UtcFromGpsWeek(std::llround(*week), std::llround(*tow_ms * 1e3));
+      if (utc) clock_.Add(t_s, *utc);
+    }
+    FlushGnss();
+    GnssSample sample;
+    sample.t_s = t_s;
+    sample.position = {plan.Number(3, payload), plan.Number(4, payload)};
+    sample.height_amsl_m = plan.Get(5, payload);
+    const auto speed = plan.Get(6, payload);
+    const auto course = plan.Get(7, payload);
+    if (speed && course) {
+      const double course_rad = DegToRad(*course);
+      sample.velocity_in_ned_mps = Eigen::Vector3d(
+          *speed * std::cos(course_rad), *speed * std::sin(course_rad), plan.Get(8, payload).value_or(0.0));
+    }
+    sample.is_rtk_fixed = status >= 6.0;
+    gnss_ = sample;
+  }
+
+  void TakeRange(const Plan& plan, const std::uint8_t* payload) {
+    constexpr double kDown = 25.0;  // MAV_SENSOR_ROTATION_PITCH_270
+    constexpr double kGood = 4.0;
+    const auto distance = plan.Get(0, payload);
+    if (!distance || *distance <= 0.0) return;
+    if (plan.Get(1, payload).value_or(kDown) != kDown || plan.Get(2, payload).value_or(kGood) < kGood) return;
+    builder_.Add(RangeSample{plan.TimeS(payload), *distance});
+  }
+
+  void TakePosition(const Plan& plan, const std::uint8_t* payload) {
+    if (has_gps_ || !plan.Has(0, 2)) return;
+    GnssSample sample;
+    sample.t_s = plan.TimeS(payload);
+    sample.position = {plan.Number(0, payload), plan.Number(1, payload)};
+    sample.height_amsl_m = plan.Get(2, payload);
+    builder_.Add(sample);
+  }
+
+  void TakeAttitude(const Plan& plan, const std::uint8_t* payload) {
+    if (plan.meaning.rank != attitude_rank_ || !plan.Has(0, 2)) return;
+    if (!attitude_instance_) attitude_instance_ = plan.Instance(payload);
+    if (*attitude_instance_ != plan.Instance(payload)) return;
+    AttitudeSample sample;
+    sample.t_s = plan.TimeS(payload);
+    sample.ned_from_body =
+        NedFromYawPitchRoll(DegToRad(plan.Number(2, payload)), DegToRad(plan.Number(1, payload)),
+                            DegToRad(plan.Number(0, payload)));
+    builder_.Add(sample);
+  }
+
+  void TakeCamera(const Plan& plan, const std::uint8_t* payload) {
+    if (plan.meaning.rank != camera_rank_) return;
+    CameraEvent event;
+    // With a feedback pin CAM is the shutter and TRIG the command; alone, either is the command.
+    event.is_feedback = has_trigger_;
+    if (plan.Has(2, 3)) event.position = geo::LatLon{plan.Number(2, payload), plan.Number(3, payload)};
+    event.height_amsl_m = plan.Get(4, payload);
+    event.height_above_takeoff_m = plan.Get(5, payload);
+    if (const auto sequence = plan.Get(10, payload)) event.sequence = std::llround(*sequence);
+    if (plan.Has(7, 9)) {
+      event.yaw_pitch_roll_rad =
+          Eigen::Vector3d(DegToRad(plan.Number(9, payload)), DegToRad(plan.Number(8, payload)),
+                          DegToRad(plan.Number(7, payload)));
+    }
+    if (plan.time != nullptr) {
+      event.t_s = plan.TimeS(payload);
+      builder_.Add(event);
+      return;
+    }
+    const auto tow_ms = plan.Get(0, payload);
+    const auto week = plan.Get(1, payload);
+    if (!tow_ms || !week || events_without_time_.size() >= 100'000) return;
+    const auto utc = UtcFromGpsWeek(std::llround(*week), std::llround(*tow_ms * 1e3));
+    if (utc) events_without_time_.emplace_back(event, *utc);
+  }
+
+  LogBuilder& builder_;
+  int imu_;
+  bool uses_raw_imu_;
+  RawImuPairing raw_imu_;
+  int gps_;
+  int baro_;
+  int attitude_rank_;
+  int camera_rank_;
+  bool has_gps_;
+  bool has_trigger_;
+  std::optional<int> attitude_instance_;
+  std::optional<GnssSample> gnss_;  // waits for its GPA
+  ClockPairs clock_;
+  std::vector<std::pair<CameraEvent, UtcTime>> events_without_time_;
+};
+
+}  // namespace
+
+bool LooksLikeDataflash(LogBytes head) {
+  // A whole log starts with FMT; a cut one has message heads early on.
+  if (head.size() >= 3 && head[0] == 0xA3 && head[1] == 0x95 && head[2] == kDataflashFmt) return true;
+  const std::size_t most = std::min<std::size_t>(head.size(), 4096);
+  for (std::size_t i = 0; i + kDataflashFmtLength + 3 <= most; ++i) {
+    if (head[i] == 0xA3 && head[i + 1] == 0x95 && head[i + 2] == kDataflashFmt &&
+        head[i + kDataflashFmtLength] == 0xA3 && head[i + kDataflashFmtLength + 1] == 0x95) {
+      return true;
+    }
+  }
+  return false;
+}
+
+Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  LogBuilder builder("dataflash", name);
+  Plans plans;
+  Census census;
+  DataflashWalk walk;
+  walk.Run(
+      bytes, consumed, [&](std::uint8_t type) { plans[type] = MakeDataflashPlan(walk.layouts[type]); },
+      [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
+        if (plans[type].meaning.kind != Kind::kOther) census.Take(plans[type], payload);
+      });
+  std::uint64_t messages = 0;
+  for (std::size_t type = 0; type < 256; ++type) {
+    if (walk.counts[type] == 0) continue;
+    const std::string& known = walk.layouts[type].name;
+    builder.Count(type == kDataflashFmt ? "FMT" : known, walk.counts[type]);
+    if (type != kDataflashFmt) messages += walk.counts[type];
+  }
+  if (messages == 0) {
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{} holds no readable DataFlash message; copy it from the aircraft again", name),
+                 fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes)};
+  }
+  if (walk.skipped_bytes > 0) builder.Warn(fmt::format("{} damaged bytes were skipped", walk.skipped_bytes));
+  if (walk.ends_inside_message) builder.Warn("the file ends inside a message: it was cut off");
+
+  DataflashReader reader(census, builder);
+  Plans plans_again;
+  DataflashWalk second;
+  second.Run(
+      bytes, consumed,
+      [&](std::uint8_t type) { plans_again[type] = MakeDataflashPlan(second.layouts[type]); },
+      [&](std::uint8_t type, const std::uint8_t* payload, std::size_t) {
+        if (plans_again[type].meaning.kind != Kind::kOther) reader.Take(plans_again[type], payload);
+      });
+  reader.Finish();
+  if (census.imu_counts.size() > 1) {
+    builder.Warn(fmt::format("{} IMUs were recorded; number {} (fewest clips) is used",
+                             census.imu_counts.size(), reader.imu() + 1));
+  }
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,89 @@
+// What the messages of a DataFlash log mean, the fields that are read of them, and which instance of each
+// sensor serves the whole run. One thread.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/flight/logs/autopilots/dataflash_walk.h"
+
+namespace skyquilt::flight {
+
+enum class DataflashKind {
+  kOther,
+  kImu,
+  kRawGyro,
+  kRawAccel,
+  kVibe,
+  kGps,
+  kGpa,
+  kBaro,
+  kRange,
+  kPosition,
+  kAttitude,
+  kCamera
+};
+
+// What a message is for us, from its name: "IMU2" is instance 1 of IMU where the layout has no instance
+// field.
+struct DataflashMeaning {
+  DataflashKind kind = DataflashKind::kOther;
+  int instance = 0;
+  int rank = 0;  // among sources of the same thing the lowest wins
+};
+
+// A layout with the fields we read already looked up.
+struct DataflashPlan {
+  DataflashMeaning meaning;
+  const DataflashField* time = nullptr;
+  double seconds_per_unit = 1e-6;
+  const DataflashField* instance = nullptr;
+  std::array<const DataflashField*, 13> f{};  // as MakeDataflashPlan orders them
+
+  // f[i] as a number; nothing where the layout lacks it.
+  std::optional<double> Get(std::size_t i, const std::uint8_t* payload) const {
+    if (f[i] == nullptr) return std::nullopt;
+    const double value = DataflashNumber(*f[i], payload);
+    if (!std::isfinite(value)) return std::nullopt;
+    return value;
+  }
+  double Number(std::size_t i, const std::uint8_t* payload) const { return DataflashNumber(*f[i], payload); }
+  bool Has(std::size_t first, std::size_t last) const {
+    for (std::size_t i = first; i <= last; ++i) {
+      if (f[i] == nullptr) return false;
+    }
+    return true;
+  }
+  double TimeS(const std::uint8_t* payload) const {
+    return DataflashNumber(*time, payload) * seconds_per_unit;
+  }
+  int Instance(const std::uint8_t* payload) const {
+    if (instance == nullptr) return meaning.instance;
+    const double number = DataflashNumber(*instance, payload);
+    return number >= 0.0 && number < 16.0 ? static_cast<int>(number) : 16;
+  }
+};
+
+DataflashPlan MakeDataflashPlan(const DataflashLayout& layout);
+
+// First reading: which instance of each sensor is the best for the whole run.
+struct DataflashCensus {
+  std::map<int, std::uint64_t> imu_counts;
+  std::map<int, std::uint64_t> raw_gyro_counts;
+  std::map<int, std::uint64_t> raw_accel_counts;
+  std::map<int, double> clips;
+  std::map<int, double> gps_quality;
+  std::map<int, std::uint64_t> baro_counts;
+  std::map<int, std::uint64_t> attitude_counts;  // by rank
+  std::map<int, std::uint64_t> camera_counts;
+
+  void Take(const DataflashPlan& plan, const std::uint8_t* payload);
+  int BestImu() const;
+  // The gyroscope and accelerometer of this instance were also logged apart and much faster.
+  bool HasRawImu(int instance) const;
+  int BestGps() const;
+};
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,132 @@
+#include "core/flight/logs/csv/csv_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/flight/logs/csv/csv_units.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using M = CsvMeaning;
+
+std::string Letters(std::string_view text) {
+  std::string letters;
+  for (const char c : text) {
+    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) letters += c;
+  }
+  return letters;
+}
+
+// "acc_x [m/s^2]" -> "acc_x ", "m/s^2".
+std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
+  const std::size_t open = lower.find_first_of("([");
+  if (open == std::string::npos) return {lower, ""};
+  const std::size_t close = lower.find_first_of(")]", open);
+  const std::string inside = lower.substr(open + 1, close == std::string::npos ? close : close - open - 1);
+  return {lower.substr(0, open), std::string(Trim(inside))};
+}
+
+CsvColumn MapTolerantColumn(std::string_view header) {
+  CsvColumn column;
+  column.header = Trim(header);
+  const std::string lower = LowerCase(column.header);
+  auto [base, unit] = CutBrackets(lower);
+  column.says_utc = lower.find("utc") != std::string::npos || lower.find("gmt") != std::string::npos;
+  column.meaning = FindCsvSynonym(Letters(base));
+  if (column.meaning == M::kIgnored && unit.empty()) {
+    // The last word may be the unit: "gyro_x_dps".
+    const std::size_t cut = base.find_last_of("_ .");
+    if (cut != std::string::npos) {
+      const M meaning = FindCsvSynonym(Letters(base.substr(0, cut)));
+      const std::string word = base.substr(cut + 1);
+      if (meaning != M::kIgnored && FindUnit(word, CsvMeaningDimension(meaning)) != nullptr) {
+        column.meaning = meaning;
+        unit = word;
+      }
+    }
+  }
+  const Dimension dimension = CsvMeaningDimension(column.meaning);
+  const auto [scale, name] = DefaultUnit(dimension);
+  column.scale = scale;
+  column.unit = name;
+  if (dimension == Dimension::kNone || unit.empty()) return column;
+  if (const CsvUnit* known = FindUnit(unit, dimension)) {
+    column.scale = known->factor;
+    column.unit = known->name;
+    column.unit_is_written = true;
+  } else {
+    column.meaning = M::kIgnored;  // "Time(text)": not a unit of this
+  }
+  return column;
+}
+
+void DropRepeated(std::vector<CsvColumn>& columns) {
+  std::array<bool, static_cast<std::size_t>(M::kCount)> seen{};
+  for (CsvColumn& column : columns) {
+    bool& taken = seen[static_cast<std::size_t>(column.meaning)];
+    if (taken) column.meaning = M::kIgnored;
+    taken = true;
+  }
+}
+
+bool Has(const std::vector<std::string_view>& header, std::string_view name) {
+  return std::find(header.begin(), header.end(), name) != header.end();
+}
+
+bool AllCanonical(const std::vector<std::string_view>& header) {
+  return header.size() >= 2 && std::all_of(header.begin(), header.end(), [](std::string_view name) {
+           return FindCanonicalCsvName(name) != M::kIgnored;
+         });
+}
+
+}  // namespace
+
+std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header) {
+  std::vector<CsvColumn> columns;
+  for (const std::string_view name : header) {
+    CsvColumn column;
+    column.header = name;
+    column.meaning = FindCanonicalCsvName(name);
+    const auto [scale, unit] = DefaultUnit(CsvMeaningDimension(column.meaning));
+    column.scale = scale;
+    column.unit = unit;
+    column.unit_is_written = true;  // the format fixes it
+    column.says_utc = column.meaning == M::kUtc;
+    columns.push_back(std::move(column));
+  }
+  DropRepeated(columns);
+  return columns;
+}
+
+bool IsCanonicalFlightHeader(const std::vector<std::string_view>& header) {
+  return AllCanonical(header) && (Has(header, "t") || Has(header, "utc")) && !Has(header, "image");
+}
+
+bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header) {
+  return AllCanonical(header) && Has(header, "image");
+}
+
+std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header) {
+  std::vector<CsvColumn> columns;
+  for (const std::string_view name : header) columns.push_back(MapTolerantColumn(name));
+  DropRepeated(columns);
+  return columns;
+}
+
+std::vector<std::string> DescribeColumns(const std::vector<CsvColumn>& columns) {
+  std::vector<std::string> lines;
+  for (const CsvColumn& column : columns) {
+    if (column.meaning == M::kIgnored) continue;
+    std::string line = fmt::format("{} -> {}", column.header.substr(0, 80), CsvMeaningName(column.meaning));
+    if (!column.unit.empty()) line += fmt::format(", {}", column.unit);
+    if (!column.unit.empty() && !column.unit_is_written) line += " (assumed)";
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+}  // namespace skyquilt::flight

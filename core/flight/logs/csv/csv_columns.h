@@ -1,0 +1,36 @@
+// What the columns of a CSV log mean. The canonical header is read by its exact names; any other by synonyms
+// and by the units that headers carry: "height(feet)", "acc_x [m/s^2]", "gyro_x_dps". Pure functions; any
+// thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/flight/logs/csv/csv_meanings.h"
+
+namespace skyquilt::flight {
+
+struct CsvColumn {
+  std::string header;  // as written, trimmed
+  CsvMeaning meaning = CsvMeaning::kIgnored;
+  double scale = 1.0;  // times this gives the unit above
+  std::string unit;    // as understood, for the user
+  bool unit_is_written = false;
+  bool says_utc = false;
+};
+
+// flight.csv and images.csv: lower-case names exactly as documented, in any order; unknown columns are
+// ignored.
+std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header);
+// True when every column is a canonical one and there are enough to be a flight.csv (or images.csv).
+bool IsCanonicalFlightHeader(const std::vector<std::string_view>& header);
+bool IsCanonicalImagesHeader(const std::vector<std::string_view>& header);
+
+// Any other header. Of two columns with the same meaning the first counts.
+std::vector<CsvColumn> MapTolerantColumns(const std::vector<std::string_view>& header);
+
+// "column -> meaning, unit" for each column that is used.
+std::vector<std::string> DescribeColumns(const std::vector<CsvColumn>& columns);
+
+}  // namespace skyquilt::flight

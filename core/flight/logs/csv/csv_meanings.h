@@ -1,0 +1,63 @@
+// What a column of a CSV log can mean, and the names under which programs write it. Pure functions; any
+// thread.
+#pragma once
+
+#include <string_view>
+
+#include "core/flight/logs/csv/csv_units.h"
+
+namespace skyquilt::flight {
+
+enum class CsvMeaning {
+  kIgnored,
+  kTime,  // s
+  kUtc,   // text, or local time where the header does not say UTC
+  kLat,
+  kLon,  // deg
+  kHeightEllipsoid,
+  kHeightAmsl,
+  kHeightAboveTakeoff,
+  kHeightAboveGround,
+  kRange,
+  kBaroHeight,  // m
+  kPressure,    // Pa
+  kVelocityNorth,
+  kVelocityEast,
+  kVelocityDown,  // m/s
+  kSigmaHorizontal,
+  kSigmaVertical,  // m
+  kFix,
+  kGyroX,
+  kGyroY,
+  kGyroZ,  // rad/s
+  kAccelX,
+  kAccelY,
+  kAccelZ,  // m/s2
+  kQw,
+  kQx,
+  kQy,
+  kQz,
+  kRoll,
+  kPitch,
+  kYaw,  // rad
+  kGimbalRoll,
+  kGimbalPitch,
+  kGimbalYaw,  // rad
+  kSigmaTilt,
+  kSigmaYaw,  // rad
+  kEvent,     // image name or number
+  kIsPhoto,   // 1 in the row of an exposure
+  kImage,     // name
+  kCount
+};
+
+// In words, for the user.
+std::string_view CsvMeaningName(CsvMeaning meaning);
+Dimension CsvMeaningDimension(CsvMeaning meaning);
+
+// By the exact name that flight.csv and images.csv give it; kIgnored for any other.
+CsvMeaning FindCanonicalCsvName(std::string_view name);
+// By one of the names that other programs use, lower case, without blanks, underscores and units.
+CsvMeaning FindCsvSynonym(std::string_view letters);
+
+}  // namespace skyquilt::flight

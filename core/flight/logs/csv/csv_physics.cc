@@ -1,0 +1,226 @@
+#include "core/flight/logs/csv/csv_physics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/median.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using M = CsvMeaning;
+constexpr double kGravity = 9.80665;
+
+CsvColumn* Find(std::vector<CsvColumn>& columns, M meaning) {
+  for (CsvColumn& column : columns) {
+    if (column.meaning == meaning) return &column;
+  }
+  return nullptr;
+}
+
+void Rescale(std::vector<CsvColumn>& columns, M first, M last, double factor, const char* unit) {
+  for (CsvColumn& column : columns) {
+    if (column.meaning >= first && column.meaning <= last) {
+      column.scale *= factor;
+      column.unit = unit;
+    }
+  }
+}
+
+Error Contradiction(const CsvColumn& column, std::string_view what) {
+  return Error{ErrorCode::kUnprocessable,
+               fmt::format("column \"{}\": {}; correct its header", column.header.substr(0, 80), what), ""};
+}
+
+// Median |specific force| is one gravity, whatever the motion of an ordinary flight.
+Result<double> CheckAcceleration(std::vector<CsvColumn>& columns, const CsvPreview& preview,
+                                 CsvFindings& findings) {
+  std::vector<double> norms, x, y, z;
+  for (const CsvRow& row : preview.rows) {
+    if (!row.Has(M::kAccelX, M::kAccelZ)) continue;
+    x.push_back(*row[M::kAccelX]);
+    y.push_back(*row[M::kAccelY]);
+    z.push_back(*row[M::kAccelZ]);
+    norms.push_back(std::sqrt(x.back() * x.back() + y.back() * y.back() + z.back() * z.back()));
+  }
+  if (norms.size() < 10) return 1.0;
+  CsvColumn* column = Find(columns, M::kAccelX);
+  const double norm = Median(norms);
+  double factor = 0.0;
+  const auto near = [&](double one_gravity) { return norm > 0.7 * one_gravity && norm < 1.4 * one_gravity; };
+  if (near(kGravity))
+    factor = 1.0;
+  else if (column->unit_is_written) {
+    return Contradiction(
+        *column, fmt::format("its unit {} makes gravity {:.3g} m/s2 instead of 9.8", column->unit, norm));
+  } else if (near(1.0))
+    factor = kGravity;
+  else if (near(1000.0))
+    factor = kGravity * 1e-3;
+  if (factor == 0.0) {
+    return Contradiction(
+        *column,
+        fmt::format("the median specific force is {:.3g}, which is gravity in no unit (is gravity removed?)",
+                    norm));
+  }
+  if (factor != 1.0) Rescale(columns, M::kAccelX, M::kAccelZ, factor, factor > 1.0 ? "g" : "mg");
+  const double up = Median(z);
+  if (std::abs(up) < 0.6 * norm) {
+    return Contradiction(*Find(columns, M::kAccelZ),
+                         "gravity does not lie along the z axis: the axes must be forward, right, down (or "
+                         "forward, left, up)");
+  }
+  findings.imu_z_is_up = up > 0.0;
+  findings.notes.push_back(
+      findings.imu_z_is_up
+          ? "IMU axes -> forward, left, up (az is positive at rest); turned to forward, right, down"
+          : "IMU axes -> forward, right, down");
+  return factor;
+}
+
+// Turns seen by the attitude column against the turns of the integrated rates.
+Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& preview, double seconds_per_time) {
+  CsvColumn* column = Find(columns, M::kGyroX);
+  if (column == nullptr) return true;
+  std::optional<Eigen::Quaterniond> last_attitude;
+  std::optional<double> last_t;
+  double turned = 0.0;
+  std::vector<double> rates, ratios;
+  for (const CsvRow& row : preview.rows) {
+    const auto t = row[M::kTime];
+    if (!row.Has(M::kGyroX, M::kGyroZ) || !t) continue;
+    const double rate = std::sqrt(*row[M::kGyroX] * *row[M::kGyroX] + *row[M::kGyroY] * *row[M::kGyroY] +
+                                  *row[M::kGyroZ] * *row[M::kGyroZ]);
+    rates.push_back(rate);
+    if (last_t) turned += rate * std::clamp((*t - *last_t) * seconds_per_time, 0.0, 1.0);
+    last_t = t;
+    std::optional<Eigen::Quaterniond> attitude;
+    if (row.Has(M::kQw, M::kQz))
+      attitude = Eigen::Quaterniond(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]).normalized();
+    else if (row.Has(M::kRoll, M::kYaw))
+      attitude = NedFromYawPitchRoll(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
+    if (!attitude) continue;
+    if (last_attitude) {
+      const double angle = last_attitude->angularDistance(*attitude);
+      if (angle < 0.05) continue;  // wait until a turn stands out of the noise
+      if (angle < 1.0 && turned > 0.0) ratios.push_back(turned / angle);
+    }
+    last_attitude = attitude;
+    turned = 0.0;
+  }
+  if (rates.empty()) return true;
+  const double limit = 20.0;  // rad/s; nothing that takes photos turns faster for long
+  const double factor_deg = geo::DegToRad(1.0);
+  bool is_deg = false;
+  if (ratios.size() >= 5)
+    is_deg = std::abs(std::log(Median(ratios) * factor_deg)) < std::abs(std::log(Median(ratios)));
+  else
+    is_deg = Median(rates) > limit;
+  if (!is_deg) return true;
+  if (column->unit_is_written) {
+    return Contradiction(
+        *column, fmt::format("its unit {} does not fit the attitude: the rates look like degrees per second",
+                             column->unit));
+  }
+  Rescale(columns, M::kGyroX, M::kGyroZ, factor_deg, "deg/s");
+  return true;
+}
+
+// The unit of the time column from its size (Unix times) or its step.
+Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
+  CsvColumn* column = Find(columns, M::kTime);
+  if (column == nullptr) return 1.0;
+  std::vector<double> steps;
+  std::optional<double> first, last;
+  std::size_t back = 0;
+  for (const CsvRow& row : preview.rows) {
+    const auto t = row[M::kTime];
+    if (!t) continue;
+    if (!first) first = t;
+    if (last && *t > *last) steps.push_back(*t - *last);
+    if (last && *t < *last) ++back;
+    last = t;
+  }
+  if (!first) return 1.0;
+  if (back > steps.size()) return Contradiction(*column, "its values fall, so they are not times");
+  double factor = 1.0;
+  if (!column->unit_is_written && !steps.empty()) {
+    const double size = std::abs(*first);
+    const double step = Median(steps);
+    if (size > 3e17)
+      factor = 1e-9;  // Unix times in ns, us, ms
+    else if (size > 3e14)
+      factor = 1e-6;
+    else if (size > 3e11)
+      factor = 1e-3;
+    else if (size > 3e8 && step <= 60.0)
+      factor = 1.0;
+    else if (step >= 2e6)
+      factor = 1e-9;
+    else if (step > 2000.0)
+      factor = 1e-6;
+    else if (step >= 2.0)
+      factor = 1e-3;
+    column->scale *= factor;
+    column->unit = factor == 1.0 ? "s" : factor == 1e-3 ? "ms" : factor == 1e-6 ? "us" : "ns";
+  }
+  findings.clock.has_time_column = true;
+  findings.clock.first_time_s = *first * factor;
+  findings.clock.time_is_unix = findings.clock.first_time_s > 6e8 && findings.clock.first_time_s < 4.2e9;
+  return factor;
+}
+
+void CheckDate(const std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
+  for (const CsvColumn& column : columns) {
+    if (column.meaning == M::kUtc) findings.clock.utc_is_utc = column.says_utc;
+  }
+  std::size_t ticks = 0;
+  std::size_t rows = 0;
+  std::string_view last;
+  bool zone = false;
+  for (const CsvRow& row : preview.rows) {
+    if (row.utc.empty()) continue;
+    ++rows;
+    if (row.utc != last) ++ticks;
+    if (rows == 1) {
+      const auto written = ParseWrittenTime(row.utc);
+      zone = written && written->names_zone;
+    }
+    last = row.utc;
+  }
+  if (zone) findings.clock.utc_is_utc = true;
+  if (ticks > 2) findings.clock.rows_per_tick = static_cast<double>(rows) / static_cast<double>(ticks);
+}
+
+}  // namespace
+
+Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPreview& preview) {
+  CsvFindings findings;
+  const auto time_factor = CheckTime(columns, preview, findings);
+  if (!time_factor) return time_factor.error();
+  CheckDate(columns, preview, findings);
+  const auto acceleration = CheckAcceleration(columns, preview, findings);
+  if (!acceleration) return acceleration.error();
+  const auto rates = CheckRates(columns, preview, *time_factor);
+  if (!rates) return rates.error();
+  // Positions as integers of 1e-7 degrees.
+  for (const M meaning : {M::kLat, M::kLon}) {
+    std::vector<double> sizes;
+    for (const CsvRow& row : preview.rows) {
+      if (row[meaning] && *row[meaning] != 0.0) sizes.push_back(std::abs(*row[meaning]));
+    }
+    CsvColumn* column = Find(columns, meaning);
+    if (sizes.empty() || column == nullptr) continue;
+    const double most = meaning == M::kLat ? 90.0 : 180.0;
+    const double median = Median(sizes);
+    if (median <= most) continue;
+    if (median * 1e-7 > most)
+      return Contradiction(*column, fmt::format("{:.6g} is no {}", median, CsvMeaningName(meaning)));
+    Rescale(columns, meaning, meaning, 1e-7, "1e-7 deg");
+  }
+  return findings;
+}
+
+}  // namespace skyquilt::flight

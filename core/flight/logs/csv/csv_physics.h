@@ -1,0 +1,24 @@
+// Physics that the columns of a CSV log must obey, on its first rows: finds the units and axes that headers
+// do not state and contradictions with those they do. Pure; any thread.
+#pragma once
+
+#include "core/base/result.h"
+#include "core/flight/logs/csv/csv_rows.h"
+
+namespace skyquilt::flight {
+
+// The first rows of a file as numbers.
+struct CsvPreview {
+  std::vector<CsvRow> rows;  // views into the file's text
+};
+
+struct CsvFindings {
+  CsvClockRule clock;
+  bool imu_z_is_up = false;
+  std::vector<std::string> notes;  // for FlightLog::mapping
+};
+
+// Corrects the scales in `columns` where the unit was not written. Errors: kUnprocessable naming the column.
+Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPreview& preview);
+
+}  // namespace skyquilt::flight

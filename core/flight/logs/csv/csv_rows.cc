@@ -1,0 +1,209 @@
+#include "core/flight/logs/csv/csv_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using M = CsvMeaning;
+
+bool IsRtkFixed(std::string_view fix) {
+  const std::string lower = LowerCase(fix);
+  if (const auto number = ParseNumber(lower)) return *number == 6.0;  // as MAVLink, PX4 and ArduPilot count
+  return lower.find("fixed") != std::string::npos;
+}
+
+bool IsYes(const CsvRow& row, M meaning) { return row[meaning].value_or(0.0) != 0.0; }
+
+}  // namespace
+
+bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
+  for (auto i = static_cast<std::size_t>(first); i <= static_cast<std::size_t>(last); ++i) {
+    if (!number[i]) return false;
+  }
+  return true;
+}
+
+CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells) {
+  CsvRow row;
+  const std::size_t count = std::min(columns.size(), cells.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const CsvColumn& column = columns[i];
+    if (column.meaning == M::kIgnored || cells[i].empty()) continue;
+    switch (column.meaning) {
+      case M::kUtc:
+        row.utc = cells[i];
+        break;
+      case M::kEvent:
+        row.event = cells[i];
+        break;
+      case M::kImage:
+        row.image = cells[i];
+        break;
+      case M::kFix:
+        row.fix = cells[i];
+        break;
+      case M::kIsPhoto:
+        row.number[static_cast<std::size_t>(M::kIsPhoto)] =
+            LowerCase(cells[i]) == "true" ? 1.0 : ParseNumber(cells[i]).value_or(0.0);
+        break;
+      default:
+        if (const auto value = ParseNumber(cells[i]))
+          row.number[static_cast<std::size_t>(column.meaning)] = *value * column.scale;
+    }
+  }
+  return row;
+}
+
+std::optional<double> CsvSampler::PlaceInTime(const CsvRow& row) {
+  const auto written = row.utc.empty() ? std::nullopt : ParseWrittenTime(row.utc);
+  if (rule_.has_time_column) {
+    const auto t = row[M::kTime];
+    if (!t) return std::nullopt;
+    const double t_s = *t - rule_.first_time_s;
+    if (written) {
+      clock_.Add(t_s, written->time);
+      clock_resolution_s_ = std::max(clock_resolution_s_, written->resolution_s);
+      if (!first_utc_) first_utc_ = written->time;
+      const double offset_s = std::chrono::duration<double>(written->time - *first_utc_).count() - t_s;
+      newest_offset_s_ = std::max(newest_offset_s_, offset_s);
+    }
+    return t_s;
+  }
+  if (!written) return std::nullopt;
+  if (!first_utc_) first_utc_ = written->time;
+  clock_resolution_s_ = std::max(clock_resolution_s_, written->resolution_s);
+  double t_s = std::chrono::duration<double>(written->time - *first_utc_).count();
+  // Rows that share a tick of a coarse clock are spread over it.
+  rows_in_tick_ = last_tick_s_ && *last_tick_s_ == t_s ? rows_in_tick_ + 1.0 : 0.0;
+  last_tick_s_ = t_s;
+  if (rule_.rows_per_tick > 1.2)
+    t_s += written->resolution_s * std::min(rows_in_tick_ / rule_.rows_per_tick, 0.999);
+  return t_s;
+}
+
+bool CsvSampler::Take(const CsvRow& row) {
+  const auto t = PlaceInTime(row);
+  if (!t) return false;
+  const double t_s = *t;
+  if (row.Has(M::kGyroX, M::kAccelZ)) {
+    const double up = imu_z_is_up_ ? -1.0 : 1.0;
+    ImuSample sample;
+    sample.t_s = t_s;
+    sample.angular_rate_radps = {*row[M::kGyroX], up * *row[M::kGyroY], up * *row[M::kGyroZ]};
+    sample.specific_force_mps2 = {*row[M::kAccelX], up * *row[M::kAccelY], up * *row[M::kAccelZ]};
+    builder_.Add(sample);
+  }
+  if (row.Has(M::kQw, M::kQz)) {
+    AttitudeSample sample;
+    sample.t_s = t_s;
+    sample.ned_from_body = Eigen::Quaterniond(*row[M::kQw], *row[M::kQx], *row[M::kQy], *row[M::kQz]);
+    if (std::abs(sample.ned_from_body.norm() - 1.0) < 0.1) builder_.Add(sample);
+  } else if (row[M::kRoll] && row[M::kPitch]) {
+    AttitudeSample sample;
+    sample.t_s = t_s;
+    sample.has_yaw = row[M::kYaw].has_value();
+    sample.ned_from_body = NedFromYawPitchRoll(row[M::kYaw].value_or(0.0), *row[M::kPitch], *row[M::kRoll]);
+    builder_.Add(sample);
+  }
+  if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
+    AttitudeSample sample;
+    sample.t_s = t_s;
+    sample.ned_from_body =
+        NedFromYawPitchRoll(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
+    builder_.AddGimbal(sample);
+  }
+  if (row[M::kLat] && row[M::kLon]) {
+    GnssSample sample;
+    sample.t_s = t_s;
+    sample.position = {*row[M::kLat], *row[M::kLon]};
+    sample.height_ellipsoid_m = row[M::kHeightEllipsoid];
+    sample.height_amsl_m = row[M::kHeightAmsl];
+    if (row.Has(M::kVelocityNorth, M::kVelocityDown)) {
+      sample.velocity_in_ned_mps =
+          Eigen::Vector3d(*row[M::kVelocityNorth], *row[M::kVelocityEast], *row[M::kVelocityDown]);
+    }
+    sample.sigma_horizontal_m = row[M::kSigmaHorizontal];
+    sample.sigma_vertical_m = row[M::kSigmaVertical];
+    sample.is_rtk_fixed = IsRtkFixed(row.fix);
+    builder_.Add(sample);
+  }
+  if (baro_is_relative_) {
+    if (const auto height = row[M::kHeightAboveTakeoff]) builder_.Add(BaroSample{t_s, *height});
+  } else if (const auto height = row[M::kBaroHeight]) {
+    builder_.Add(BaroSample{t_s, *height});
+  } else if (const auto pressure = row[M::kPressure]; pressure && *pressure > 1000.0) {
+    builder_.Add(BaroSample{t_s, StandardHeightM(*pressure)});
+  }
+  auto range = row[M::kRange];
+  if (range && *range > 0.0) builder_.Add(RangeSample{t_s, *range});
+  TakeEvent(row, t_s);
+  return true;
+}
+
+void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
+  const bool is_photo = IsYes(row, M::kIsPhoto);
+  const bool begins = is_photo && !was_photo_;
+  was_photo_ = is_photo;
+  if (row.event.empty() && !begins) return;
+  CameraEvent event;
+  event.t_s = t_s;
+  if (!row.event.empty()) {
+    event.sequence = ParseInteger(row.event);
+    if (!event.sequence) event.image_name = std::string(row.event.substr(0, 512));
+  } else {
+    event.sequence = ++photos_;
+    event.is_feedback = false;  // the app's note of the command
+  }
+  if (row[M::kLat] && row[M::kLon]) event.position = geo::LatLon{*row[M::kLat], *row[M::kLon]};
+  event.height_ellipsoid_m = row[M::kHeightEllipsoid];
+  event.height_amsl_m = row[M::kHeightAmsl];
+  event.height_above_takeoff_m = row[M::kHeightAboveTakeoff];
+  event.height_above_ground_m = row[M::kHeightAboveGround];
+  if (row[M::kGimbalPitch] && row[M::kGimbalYaw]) {
+    event.yaw_pitch_roll_rad =
+        Eigen::Vector3d(*row[M::kGimbalYaw], *row[M::kGimbalPitch], row[M::kGimbalRoll].value_or(0.0));
+    event.attitude_kind = AttitudeKind::kGimbal;
+  } else if (row.Has(M::kRoll, M::kYaw)) {
+    event.yaw_pitch_roll_rad = Eigen::Vector3d(*row[M::kYaw], *row[M::kPitch], *row[M::kRoll]);
+  }
+  builder_.Add(std::move(event));
+}
+
+void CsvSampler::Finish() {
+  std::optional<UtcTime> zero;
+  double sigma_s = 0.0;
+  if (!rule_.has_time_column) {
+    zero = first_utc_;
+    sigma_s = rule_.rows_per_tick > 1.2 ? clock_resolution_s_ / rule_.rows_per_tick : clock_resolution_s_;
+  } else if (rule_.time_is_unix) {
+    zero = UtcTime(std::chrono::microseconds(std::llround(rule_.first_time_s * 1e6)));
+    sigma_s = 0.1;
+  } else if (const auto fit = clock_.Solve()) {
+    zero = fit->utc_at_zero;
+    sigma_s = std::hypot(clock_resolution_s_, fit->scatter_s);
+    newest_offset_s_ = std::clamp(newest_offset_s_, -1e9, 1e9);
+    // A stamp cut to whole seconds is never late: the newest one against the fine clock has the least cut
+    // off.
+    const auto newest = UtcTime(first_utc_->time_since_epoch() +
+                                std::chrono::microseconds(std::llround(newest_offset_s_ * 1e6)));
+    const double gain_s = std::chrono::duration<double>(newest - fit->utc_at_zero).count();
+    if (gain_s >= 0.0 && gain_s <= clock_resolution_s_) {
+      zero = newest;
+      sigma_s = 0.1 * clock_resolution_s_ + 0.05;
+    }
+  }
+  if (!zero) return;
+  builder_.log().utc_sigma_s = sigma_s;
+  if (rule_.utc_is_utc || rule_.time_is_unix) {
+    builder_.log().utc_at_zero = zero;
+  } else {
+    builder_.log().local_at_zero = zero;
+    builder_.Warn("the date column does not say UTC: it is taken as a local clock of unknown zone");
+  }
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,69 @@
+// Rows of a CSV log with mapped columns, as numbers and then as samples. One thread.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/flight/logs/csv/csv_columns.h"
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+
+namespace skyquilt::flight {
+
+// The cells of one row by meaning, in our units.
+struct CsvRow {
+  std::array<std::optional<double>, static_cast<std::size_t>(CsvMeaning::kCount)> number;
+  std::string_view utc;
+  std::string_view event;
+  std::string_view image;
+  std::string_view fix;
+
+  std::optional<double> operator[](CsvMeaning meaning) const {
+    return number[static_cast<std::size_t>(meaning)];
+  }
+  bool Has(CsvMeaning first, CsvMeaning last) const;
+};
+
+CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::string_view>& cells);
+
+// What must be known of a whole file before its rows can be placed in time.
+struct CsvClockRule {
+  bool has_time_column = false;
+  double first_time_s = 0.0;   // subtracted, so that large counters stay exact
+  bool time_is_unix = false;   // the time column counts from 1970
+  double rows_per_tick = 1.0;  // above 1: the date column ticks coarser than the rows come
+  bool utc_is_utc = true;      // false: a local clock of unknown zone
+};
+
+// Turns rows into samples. Also the axes of the IMU: flips y and z where the file's z points up.
+class CsvSampler {
+ public:
+  CsvSampler(LogBuilder& builder, const CsvClockRule& clock, bool imu_z_is_up, bool baro_is_relative)
+      : builder_(builder), rule_(clock), imu_z_is_up_(imu_z_is_up), baro_is_relative_(baro_is_relative) {}
+
+  // False where the row has no time.
+  bool Take(const CsvRow& row);
+  // Sets the log's clock.
+  void Finish();
+
+ private:
+  std::optional<double> PlaceInTime(const CsvRow& row);
+  void TakeEvent(const CsvRow& row, double t_s);
+
+  LogBuilder& builder_;
+  CsvClockRule rule_;
+  bool imu_z_is_up_;
+  bool baro_is_relative_;
+  ClockPairs clock_;
+  double clock_resolution_s_ = 0.0;
+  std::optional<UtcTime> first_utc_;
+  std::optional<double> last_tick_s_;
+  double rows_in_tick_ = 0.0;
+  double newest_offset_s_ = -1e18;
+  bool was_photo_ = false;
+  std::int64_t photos_ = 0;
+};
+
+}  // namespace skyquilt::flight

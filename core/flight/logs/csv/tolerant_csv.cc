@@ -1,0 +1,176 @@
+#include "core/flight/logs/csv/tolerant_csv.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/flight/logs/csv/csv_physics.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using M = CsvMeaning;
+constexpr std::size_t kPreviewRows = 5000;
+constexpr std::size_t kPreviewBytes = std::size_t{16} << 20;
+
+struct CsvHeader {
+  std::vector<CsvColumn> columns;
+  char separator = ',';
+};
+
+// The first line with a time and something to time; a few title lines may stand before it.
+std::optional<CsvHeader> FindHeader(LineReader& lines) {
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  for (int i = 0; i < 20 && lines.Next(line);) {
+    if (Trim(line).empty()) continue;
+    ++i;
+    CsvHeader header;
+    header.separator = GuessSeparator(line);
+    SplitFields(line, header.separator, cells);
+    header.columns = MapTolerantColumns(cells);
+    const auto has = [&](M meaning) {
+      for (const CsvColumn& column : header.columns) {
+        if (column.meaning == meaning) return true;
+      }
+      return false;
+    };
+    const bool timed = has(M::kTime) || has(M::kUtc);
+    const bool useful = (has(M::kLat) && has(M::kLon)) || (has(M::kGyroX) && has(M::kAccelX)) ||
+                        has(M::kQw) || (has(M::kRoll) && has(M::kPitch)) || has(M::kEvent);
+    if (timed && useful) return header;
+  }
+  return std::nullopt;
+}
+
+// Replay rows: "4000,imu,ax,ay,az,gx,gy,gz", "200000,gps,alt_mm,lon_e7,lat_e7,vn,ve,vd", "4000,baro,height".
+bool IsReplayRow(const std::vector<std::string_view>& cells) {
+  if (cells.size() < 3 || !ParseInteger(cells[0])) return false;
+  constexpr std::array kKinds = {"imu", "gps", "baro", "mag", "airspeed", "range", "flow", "landed"};
+  return std::find(kKinds.begin(), kKinds.end(), cells[1]) != kKinds.end();
+}
+
+bool LooksLikeReplay(LogBytes bytes) {
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  if (!lines.Next(line)) return false;
+  SplitFields(line, ',', cells);
+  return IsReplayRow(cells);
+}
+
+Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  LogBuilder builder("tolerant_csv", name);
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  std::array<double, 6> v{};
+  std::map<std::string, std::uint64_t, std::less<>> counts;
+  std::uint64_t bad = 0;
+  ConsumedSteps steps(consumed);
+  while (lines.Next(line)) {
+    steps.At(lines.offset());
+    if (Trim(line).empty()) continue;
+    SplitFields(line, ',', cells);
+    if (!IsReplayRow(cells)) {
+      ++bad;
+      continue;
+    }
+    const double t_s = static_cast<double>(*ParseInteger(cells[0])) * 1e-6;
+    std::size_t numbers = 0;
+    while (numbers < v.size() && numbers + 2 < cells.size()) {
+      const auto value = ParseNumber(cells[numbers + 2]);
+      if (!value) break;
+      v[numbers++] = *value;
+    }
+    const auto found = counts.find(cells[1]);
+    if (found != counts.end())
+      ++found->second;
+    else
+      counts.emplace(cells[1], 1);
+    if (cells[1] == "imu" && numbers == 6) {
+      builder.Add(ImuSample{t_s, {v[3], v[4], v[5]}, {v[0], v[1], v[2]}});
+    } else if (cells[1] == "gps" && numbers == 6) {
+      GnssSample sample;
+      sample.t_s = t_s;
+      sample.position = {v[2] * 1e-7, v[1] * 1e-7};
+      sample.height_amsl_m = v[0] * 1e-3;
+      sample.velocity_in_ned_mps = Eigen::Vector3d(v[3], v[4], v[5]);
+      builder.Add(sample);
+    } else if (cells[1] == "baro" && numbers >= 1) {
+      builder.Add(BaroSample{t_s, v[0]});
+    } else if (cells[1] == "range" && numbers >= 1 && v[0] > 0.0) {
+      builder.Add(RangeSample{t_s, v[0]});
+    }
+  }
+  if (counts.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{} holds no readable row", name), ""};
+  for (const auto& [kind, count] : counts) builder.Count(kind, count);
+  builder.BaroStartsAtZero();
+  builder.log().mapping = {
+      "column 1 -> time, us", "imu -> specific force x y z, m/s2; angular rate x y z, rad/s",
+      "gps -> height above mean sea level, mm; longitude, latitude, 1e-7 deg; velocity N E D, m/s",
+      "baro -> barometric height, m"};
+  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace
+
+bool LooksLikeTolerantCsv(LogBytes head) {
+  if (!LooksLikeText(TextOf(head))) return false;
+  LineReader lines(TextOf(head));
+  return LooksLikeReplay(head) || FindHeader(lines).has_value();
+}
+
+Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  if (LooksLikeReplay(bytes)) return ParseReplay(name, bytes, consumed);
+  LogBuilder builder("tolerant_csv", name);
+  LineReader lines(TextOf(bytes));
+  auto header = FindHeader(lines);
+  if (!header) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 fmt::format("{} has no header with a time and a position, an attitude or an IMU", name), ""};
+  }
+  CsvPreview preview;
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  LineReader ahead = lines;
+  const std::size_t begin = ahead.offset();
+  while (preview.rows.size() < kPreviewRows && ahead.offset() - begin < kPreviewBytes && ahead.Next(line)) {
+    SplitFields(line, header->separator, cells);
+    preview.rows.push_back(ReadCsvRow(header->columns, cells));
+  }
+  const auto findings = CheckCsvPhysics(header->columns, preview);
+  if (!findings) return findings.error();
+  preview.rows.clear();
+  preview.rows.shrink_to_fit();
+
+  bool relative = false;
+  for (const CsvColumn& column : header->columns)
+    relative = relative || column.meaning == M::kHeightAboveTakeoff;
+  CsvSampler sampler(builder, findings->clock, findings->imu_z_is_up, relative);
+  std::uint64_t rows = 0;
+  std::uint64_t bad = 0;
+  ConsumedSteps steps(consumed);
+  while (lines.Next(line)) {
+    steps.At(lines.offset());
+    if (Trim(line).empty()) continue;
+    SplitFields(line, header->separator, cells);
+    if (sampler.Take(ReadCsvRow(header->columns, cells)))
+      ++rows;
+    else
+      ++bad;
+  }
+  if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} has no row with a time", name), ""};
+  if (!relative) builder.BaroStartsAtZero();
+  sampler.Finish();
+  builder.Count("row", rows);
+  builder.log().mapping = DescribeColumns(header->columns);
+  builder.log().mapping.insert(builder.log().mapping.end(), findings->notes.begin(), findings->notes.end());
+  if (bad > 0) builder.Warn(fmt::format("{} rows without a time were skipped", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,112 @@
+#include "core/flight/logs/texts/dji_mrk.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+struct MrkRow {
+  std::int64_t sequence = 0;
+  UtcTime time;
+  CameraEvent event;
+};
+
+// "47.6436,Lat" -> its number when the label fits.
+std::optional<double> Labelled(std::string_view cell, std::string_view label) {
+  const std::size_t comma = cell.rfind(',');
+  if (comma == std::string_view::npos || LowerCase(Trim(cell.substr(comma + 1))) != label)
+    return std::nullopt;
+  return ParseNumber(cell.substr(0, comma));
+}
+
+std::optional<MrkRow> ParseRow(std::string_view line, std::vector<std::string_view>& cells) {
+  SplitFields(line, '\t', cells);
+  if (cells.size() < 9) return std::nullopt;
+  MrkRow row;
+  const auto sequence = ParseInteger(cells[0]);
+  const auto tow_s = ParseNumber(cells[1]);
+  std::string_view week_text = cells[2];
+  if (week_text.size() >= 2 && week_text.front() == '[')
+    week_text = week_text.substr(1, week_text.size() - 2);
+  const auto week = ParseInteger(week_text);
+  if (!sequence || !tow_s || !week || std::abs(*tow_s) > 1e6) return std::nullopt;
+  const auto time = UtcFromGpsWeek(*week, std::llround(*tow_s * 1e6));
+  if (!time) return std::nullopt;
+  row.sequence = *sequence;
+  row.time = *time;
+  row.event.sequence = *sequence;
+  std::optional<double> lat, lon;
+  for (std::size_t i = 3; i < cells.size(); ++i) {
+    if (const auto value = Labelled(cells[i], "lat")) lat = value;
+    if (const auto value = Labelled(cells[i], "lon")) lon = value;
+    if (const auto value = Labelled(cells[i], "ellh")) row.event.height_ellipsoid_m = value;
+    if (const auto value = Labelled(cells[i], "q")) row.event.is_rtk_fixed = *value == 50.0;
+    if (i >= 8 && !row.event.sigma_in_ned_m) {
+      std::vector<std::string_view> sigmas;
+      SplitFields(cells[i], ',', sigmas);
+      if (sigmas.size() == 3) {
+        const auto north = ParseNumber(sigmas[0]);
+        const auto east = ParseNumber(sigmas[1]);
+        const auto down = ParseNumber(sigmas[2]);
+        if (north && east && down && *north > 0.0 && *east > 0.0 && *down > 0.0) {
+          row.event.sigma_in_ned_m = Eigen::Vector3d(*north, *east, *down);
+        }
+      }
+    }
+  }
+  // (0, 0) is written while there is no fix: the exposure still counts.
+  if (lat && lon && !(*lat == 0.0 && *lon == 0.0)) row.event.position = geo::LatLon{*lat, *lon};
+  return row;
+}
+
+}  // namespace
+
+bool LooksLikeDjiMrk(LogBytes head) {
+  if (!LooksLikeText(TextOf(head))) return false;
+  LineReader lines(TextOf(head));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  for (int i = 0; i < 3 && lines.Next(line); ++i) {
+    if (ParseRow(line, cells)) return true;
+  }
+  return false;
+}
+
+Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
+  LogBuilder builder("dji_mrk", name);
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  std::optional<UtcTime> first;
+  std::uint64_t rows = 0;
+  std::uint64_t bad = 0;
+  while (lines.Next(line)) {
+    if (Trim(line).empty()) continue;
+    auto row = ParseRow(line, cells);
+    if (!row) {
+      ++bad;
+      continue;
+    }
+    if (!first) first = row->time;
+    row->event.t_s = std::chrono::duration<double>(row->time - *first).count();
+    ++rows;
+    builder.Add(std::move(row->event));
+  }
+  if (rows == 0) {
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{} holds no exposure row; copy it from the camera's card again", name), ""};
+  }
+  builder.Count("exposure", rows);
+  builder.log().utc_at_zero = first;
+  builder.log().utc_sigma_s = 0.001;  // the exposure is stamped by the receiver
+  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

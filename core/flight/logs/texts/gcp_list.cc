@@ -1,0 +1,93 @@
+#include "core/flight/logs/texts/gcp_list.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <tuple>
+
+#include "core/flight/logs/mapped_file.h"
+#include "core/flight/logs/text_fields.h"
+#include "core/flight/logs/texts/srs.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::size_t kMaxSightings = 100'000;
+constexpr std::size_t kLongestName = 512;
+
+// x y z px py image: five numbers, then a name.
+bool IsSighting(const std::vector<std::string_view>& words) {
+  if (words.size() < 6) return false;
+  for (std::size_t i = 0; i < 5; ++i) {
+    if (!ParseNumber(words[i]) && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool LooksLikeGcpList(LogBytes head) {
+  const std::vector<std::string_view> words = FirstReferencedRow(head);
+  return IsSighting(words) && !ParseNumber(words[5]);
+}
+
+Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty", name), ""};
+  const auto srs = ReferenceSystem::Parse(line);
+  if (!srs) return srs.error();
+  GcpList list;
+  list.file_name = name;
+  list.reference_system = Trim(line);
+  std::map<std::tuple<double, double, double>, std::size_t> known;
+  std::vector<std::string_view> words;
+  while (lines.Next(line) && list.sightings.size() < kMaxSightings) {
+    SplitBlanks(line, words);
+    if (words.empty() || words[0].front() == '#') continue;
+    const auto refuse = [&](std::string_view why) {
+      if (list.warnings.size() < 100)
+        list.warnings.push_back(fmt::format("line {}: {}", lines.line_number(), why));
+    };
+    if (!IsSighting(words)) {
+      refuse("not \"x y z pixel_x pixel_y image\"");
+      continue;
+    }
+    const double x = *ParseNumber(words[0]);
+    const double y = *ParseNumber(words[1]);
+    const auto z = ParseNumber(words[2]);
+    const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
+    if (is_new) {
+      const auto position = srs->ToLatLon(x, y);
+      if (!position) {
+        known.erase(entry);
+        refuse(position.error().message);
+        continue;
+      }
+      GcpPoint point;
+      point.name = words.size() > 6 ? std::string(words[6].substr(0, kLongestName))
+                                    : fmt::format("gcp{}", list.points.size() + 1);
+      point.position = *position;
+      if (z) point.height_m = *z * srs->metres_per_unit();
+      list.points.push_back(std::move(point));
+    }
+    list.sightings.push_back({std::string(words[5].substr(0, kLongestName)), *ParseNumber(words[3]),
+                              *ParseNumber(words[4]), entry->second});
+  }
+  if (list.sightings.size() == kMaxSightings && lines.Next(line))
+    list.warnings.push_back(fmt::format("more than {} sightings; the rest was left out", kMaxSightings));
+  if (list.sightings.empty()) {
+    return Error{
+        ErrorCode::kCorrupt,
+        fmt::format("{} holds no ground control point; rows are \"x y z pixel_x pixel_y image\"", name), ""};
+  }
+  return list;
+}
+
+Result<GcpList> ReadGcpList(const InputFile& file) {
+  const auto mapped = MappedFile::Open(file.path);
+  if (!mapped) return mapped.error();
+  return ParseGcpList(file.name, mapped->bytes());
+}
+
+}  // namespace skyquilt::flight

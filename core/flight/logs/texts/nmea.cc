@@ -1,0 +1,204 @@
+#include "core/flight/logs/texts/nmea.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr double kDayS = 86'400.0;
+
+// "hhmmss.ss" as seconds of the day.
+std::optional<double> SecondsOfDay(std::string_view text) {
+  if (text.size() < 6) return std::nullopt;
+  const auto hours = ParseInteger(text.substr(0, 2));
+  const auto minutes = ParseInteger(text.substr(2, 2));
+  const auto seconds = ParseNumber(text.substr(4));
+  if (!hours || !minutes || !seconds || *hours < 0 || *hours > 23 || *minutes < 0 || *minutes > 59 ||
+      *seconds < 0.0 || *seconds >= 61.0) {
+    return std::nullopt;
+  }
+  return static_cast<double>(*hours * 3600 + *minutes * 60) + *seconds;
+}
+
+// "ddmm.mmmm" and its hemisphere as degrees.
+std::optional<double> Degrees(std::string_view text, std::string_view hemisphere) {
+  const auto value = ParseNumber(text);
+  if (!value || *value < 0.0 || hemisphere.size() != 1) return std::nullopt;
+  const double whole = std::floor(*value / 100.0);
+  const double degrees = whole + (*value - whole * 100.0) / 60.0;
+  if (hemisphere == "N" || hemisphere == "E") return degrees;
+  if (hemisphere == "S" || hemisphere == "W") return -degrees;
+  return std::nullopt;
+}
+
+// The fields between $ and *, if the checksum (where written) is right.
+bool SplitSentence(std::string_view line, std::vector<std::string_view>& fields) {
+  line = Trim(line);
+  if (line.size() < 7 || line.front() != '$') return false;
+  const std::size_t star = line.find('*');
+  const std::string_view body = line.substr(1, star == std::string_view::npos ? star : star - 1);
+  if (star != std::string_view::npos) {
+    unsigned written = 0;
+    const std::string_view digits = line.substr(star + 1, 2);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), written, 16);
+    unsigned sum = 0;
+    for (const char c : body) sum ^= static_cast<unsigned char>(c);
+    if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || sum != written)
+      return false;
+  }
+  SplitFields(body, ',', fields);
+  return fields[0].size() >= 5;
+}
+
+class NmeaReader {
+ public:
+  explicit NmeaReader(LogBuilder& builder) : builder_(builder) {}
+
+  void Take(const std::vector<std::string_view>& f) {
+    const std::string_view kind = f[0].substr(f[0].size() - 3);
+    if (kind == "GGA" && f.size() >= 12) TakeGga(f);
+    if (kind == "RMC" && f.size() >= 10) TakeRmc(f);
+    if (kind == "GST" && f.size() >= 9) TakeGst(f);
+    if (kind == "ZDA" && f.size() >= 5) {
+      const auto seconds = SecondsOfDay(f[1]);
+      const auto day = ParseInteger(f[2]);
+      const auto month = ParseInteger(f[3]);
+      const auto year = ParseInteger(f[4]);
+      if (seconds && day && month && year) SetDate(*seconds, *year, *month, *day);
+    }
+  }
+
+  void Finish() {
+    Flush();
+    if (const auto fit = clock_.Solve()) {
+      builder_.log().utc_at_zero = fit->utc_at_zero;
+      builder_.log().utc_sigma_s = 0.05;
+    } else {
+      builder_.Warn(
+          "no sentence holds a date (RMC or ZDA): the time of day alone cannot be matched to photos");
+    }
+  }
+
+ private:
+  // Seconds since midnight of the first day, across midnights.
+  double Continuous(double seconds) {
+    if (last_seconds_ && seconds < *last_seconds_ - 0.5 * kDayS) days_ += 1.0;
+    if (!last_seconds_ || seconds > *last_seconds_ || seconds < *last_seconds_ - 0.5 * kDayS)
+      last_seconds_ = seconds;
+    if (!first_s_) first_s_ = seconds;
+    return days_ * kDayS + seconds - *first_s_;
+  }
+
+  void SetDate(double seconds, std::int64_t year, std::int64_t month, std::int64_t day) {
+    if (year < 0 || year > 9999) return;
+    const auto midnight =
+        UtcFromCivil(static_cast<int>(year), static_cast<int>(month), static_cast<int>(day), 0, 0, 0.0);
+    if (midnight)
+      clock_.Add(Continuous(seconds), *midnight + std::chrono::microseconds(std::llround(seconds * 1e6)));
+  }
+
+  void Flush() {
+    if (sample_) builder_.Add(*sample_);
+    sample_.reset();
+  }
+
+  void TakeGga(const std::vector<std::string_view>& f) {
+    const auto seconds = SecondsOfDay(f[1]);
+    const auto lat = Degrees(f[2], f[3]);
+    const auto lon = Degrees(f[4], f[5]);
+    const auto quality = ParseInteger(f[6]);
+    if (!seconds || !lat || !lon || !quality || *quality < 1) return;
+    Flush();
+    GnssSample sample;
+    sample.t_s = Continuous(*seconds);
+    sample.position = {*lat, *lon};
+    sample.height_amsl_m = ParseNumber(f[9]);
+    const auto separation = ParseNumber(f[11]);
+    if (sample.height_amsl_m && separation) sample.height_ellipsoid_m = *sample.height_amsl_m + *separation;
+    sample.is_rtk_fixed = *quality == 4;
+    sample_ = sample;
+  }
+
+  void TakeRmc(const std::vector<std::string_view>& f) {
+    const auto seconds = SecondsOfDay(f[1]);
+    const auto date = f[9].size() == 6 ? ParseInteger(f[9]) : std::nullopt;
+    if (!seconds || f[2] != "A") return;
+    if (date) SetDate(*seconds, 2000 + *date % 100, *date / 100 % 100, *date / 10000);
+  }
+
+  void TakeGst(const std::vector<std::string_view>& f) {
+    const auto lat = ParseNumber(f[6]);
+    const auto lon = ParseNumber(f[7]);
+    const auto height = ParseNumber(f[8]);
+    if (!sample_ || !lat || !lon || !height) return;
+    sample_->sigma_horizontal_m = std::max(*lat, *lon);
+    sample_->sigma_vertical_m = *height;
+  }
+
+  LogBuilder& builder_;
+  ClockPairs clock_;
+  std::optional<GnssSample> sample_;  // waits for the GST of its epoch
+  std::optional<double> last_seconds_;
+  std::optional<double> first_s_;
+  double days_ = 0.0;
+};
+
+}  // namespace
+
+bool LooksLikeNmea(LogBytes head) {
+  if (!LooksLikeText(TextOf(head))) return false;
+  LineReader lines(TextOf(head));
+  std::string_view line;
+  std::vector<std::string_view> fields;
+  for (int i = 0; i < 20 && lines.Next(line); ++i) {
+    if (!SplitSentence(line, fields)) continue;
+    const std::string_view kind = fields[0].substr(fields[0].size() - 3);
+    for (const std::string_view known : {"GGA", "RMC", "GSA", "GSV", "VTG", "GLL", "ZDA", "GST"}) {
+      if (kind == known) return true;
+    }
+  }
+  return false;
+}
+
+Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  LogBuilder builder("nmea", name);
+  NmeaReader reader(builder);
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  std::vector<std::string_view> fields;
+  std::uint64_t bad = 0;
+  std::map<std::string, std::uint64_t, std::less<>> counts;
+  ConsumedSteps steps(consumed);
+  while (lines.Next(line)) {
+    steps.At(lines.offset());
+    if (Trim(line).empty()) continue;
+    if (!SplitSentence(line, fields)) {
+      ++bad;
+      continue;
+    }
+    const std::string_view sentence = fields[0].substr(0, 8);
+    const auto found = counts.find(sentence);
+    if (found != counts.end())
+      ++found->second;
+    else if (counts.size() < 200)
+      counts.emplace(sentence, 1);
+    reader.Take(fields);
+  }
+  reader.Finish();
+  for (const auto& [sentence, count] : counts) builder.Count(sentence, count);
+  if (builder.gnss_count() == 0) {
+    return Error{ErrorCode::kCorrupt, fmt::format("{} holds no GGA sentence with a fix", name),
+                 fmt::format("{} bad lines", bad)};
+  }
+  if (bad > 0) builder.Warn(fmt::format("{} damaged sentences were skipped", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,177 @@
+#include "core/flight/logs/texts/rtklib_pos.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/flight/logs/gps_time.h"
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+namespace {
+
+struct PosHeader {
+  bool is_utc = false;
+  bool is_ecef = false;
+  bool is_dms = false;
+};
+
+void ReadHeaderLine(std::string_view line, PosHeader& header) {
+  const std::string lower = LowerCase(line);
+  if (lower.find("latitude(d'\")") != std::string::npos) header.is_dms = true;
+  if (lower.find("x-ecef") != std::string::npos) header.is_ecef = true;
+  const std::string_view start = Trim(std::string_view(lower).substr(1));
+  if (start.starts_with("utc")) header.is_utc = true;
+  if (start.starts_with("gpst")) header.is_utc = false;
+}
+
+std::optional<double> DegreesOf(std::string_view d, std::string_view m, std::string_view s) {
+  const auto degrees = ParseNumber(d);
+  const auto minutes = ParseNumber(m);
+  const auto seconds = ParseNumber(s);
+  if (!degrees || !minutes || !seconds || *minutes < 0.0 || *minutes >= 60.0 || *seconds < 0.0 ||
+      *seconds >= 61.0) {
+    return std::nullopt;
+  }
+  const double size = std::abs(*degrees) + *minutes / 60.0 + *seconds / 3600.0;
+  return d.front() == '-' ? -size : size;
+}
+
+struct Solution {
+  UtcTime time;
+  GnssSample sample;
+};
+
+std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
+                                 std::vector<std::string_view>& words) {
+  SplitBlanks(line, words);
+  if (words.size() < 6) return std::nullopt;
+  Solution solution;
+  if (words[0].find_first_of("/-") != std::string_view::npos) {
+    const auto written = ParseWrittenTime(
+        fmt::format("{} {}", std::string(words[0].substr(0, 16)), std::string(words[1].substr(0, 24))));
+    if (!written) return std::nullopt;
+    solution.time = written->time;
+    if (!header.is_utc) {
+      // The calendar of GPS time: the civil date counted without leap seconds.
+      constexpr std::int64_t kGpsEpochUnixUs = 315'964'800'000'000;
+      const std::int64_t gps_us = written->time.time_since_epoch().count() - kGpsEpochUnixUs;
+      solution.time -= std::chrono::seconds(LeapSecondsAtGps(gps_us));
+    }
+  } else {
+    const auto week = ParseInteger(words[0]);
+    const auto tow_s = ParseNumber(words[1]);
+    if (!week || !tow_s || std::abs(*tow_s) > 1e6) return std::nullopt;
+    const auto time = UtcFromGpsWeek(*week, std::llround(*tow_s * 1e6));
+    if (!time) return std::nullopt;
+    solution.time = *time;
+  }
+  std::size_t at = 2;
+  const auto number = [&](std::size_t i) { return i < words.size() ? ParseNumber(words[i]) : std::nullopt; };
+  if (header.is_ecef) {
+    const auto x = number(2);
+    const auto y = number(3);
+    const auto z = number(4);
+    if (!x || !y || !z) return std::nullopt;
+    const Eigen::Vector3d point_in_ecef(*x, *y, *z);
+    if (point_in_ecef.norm() < 6.2e6 || point_in_ecef.norm() > 7e6) return std::nullopt;
+    const geo::Wgs84 wgs84 = geo::Wgs84FromEcef(point_in_ecef);
+    solution.sample.position = {wgs84.lat_deg, wgs84.lon_deg};
+    solution.sample.height_ellipsoid_m = wgs84.height_ellipsoid_m;
+    at = 5;
+  } else {
+    std::optional<double> lat = number(2);
+    std::optional<double> lon = number(3);
+    at = 4;
+    if (header.is_dms) {
+      if (words.size() < 9) return std::nullopt;
+      lat = DegreesOf(words[2], words[3], words[4]);
+      lon = DegreesOf(words[5], words[6], words[7]);
+      at = 8;
+    }
+    const auto height = number(at++);
+    if (!lat || !lon || !height) return std::nullopt;
+    solution.sample.position = {*lat, *lon};
+    solution.sample.height_ellipsoid_m = height;
+  }
+  const auto quality = number(at);
+  if (!quality || *quality < 1.0) return std::nullopt;  // 0 is no solution
+  solution.sample.is_rtk_fixed = *quality == 1.0;
+  const auto first = number(at + 2);
+  const auto second = number(at + 3);
+  const auto third = number(at + 4);
+  if (first && second && third && *first > 0.0 && *second > 0.0 && *third > 0.0) {
+    if (header.is_ecef) {
+      const double each = std::sqrt((*first * *first + *second * *second + *third * *third) / 3.0);
+      solution.sample.sigma_horizontal_m = each;
+      solution.sample.sigma_vertical_m = each;
+    } else {
+      solution.sample.sigma_horizontal_m = std::max(*first, *second);
+      solution.sample.sigma_vertical_m = third;
+    }
+  }
+  return solution;
+}
+
+}  // namespace
+
+bool LooksLikeRtklibPos(LogBytes head) {
+  if (!LooksLikeText(TextOf(head))) return false;
+  LineReader lines(TextOf(head));
+  std::string_view line;
+  PosHeader header;
+  std::vector<std::string_view> words;
+  bool has_header = false;
+  while (lines.Next(line)) {
+    if (Trim(line).empty()) continue;
+    if (line.front() != '%') return has_header && ParseRow(line, header, words).has_value();
+    const std::string lower = LowerCase(line);
+    has_header = has_header || lower.find("rtklib") != std::string::npos ||
+                 lower.find("gpst") != std::string::npos || lower.find("latitude") != std::string::npos ||
+                 lower.find("ecef") != std::string::npos;
+    ReadHeaderLine(line, header);
+  }
+  return has_header;
+}
+
+Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
+  LogBuilder builder("rtklib_pos", name);
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  PosHeader header;
+  std::vector<std::string_view> words;
+  std::optional<UtcTime> first;
+  std::uint64_t rows = 0;
+  std::uint64_t bad = 0;
+  ConsumedSteps steps(consumed);
+  while (lines.Next(line)) {
+    steps.At(lines.offset());
+    if (Trim(line).empty()) continue;
+    if (line.front() == '%') {
+      ReadHeaderLine(line, header);
+      continue;
+    }
+    auto solution = ParseRow(line, header, words);
+    if (!solution) {
+      ++bad;
+      continue;
+    }
+    if (!first) first = solution->time;
+    solution->sample.t_s = std::chrono::duration<double>(solution->time - *first).count();
+    ++rows;
+    builder.Add(solution->sample);
+  }
+  if (rows == 0)
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{} holds no solution; run the post-processing again", name), ""};
+  builder.Count("solution", rows);
+  builder.log().utc_at_zero = first;
+  builder.log().utc_sigma_s = 1e-3;
+  builder.log().mapping = {fmt::format("time -> {}", header.is_utc ? "UTC" : "GPS time"),
+                           "position -> the antenna"};
+  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,75 @@
+#include "core/flight/logs/texts/sensefly_geoinfo.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "core/flight/logs/log_builder.h"
+#include "core/flight/logs/text_fields.h"
+
+namespace skyquilt::flight {
+
+bool LooksLikeSenseflyGeoinfo(LogBytes head) {
+  if (!LooksLikeText(TextOf(head))) return false;
+  const std::string lower = LowerCase(TextOf(head).substr(0, 400));
+  return lower.find("sensefly/geoinfo") != std::string::npos ||
+         (lower.starts_with("filename\t") && lower.find("altitude_wgs84") != std::string::npos);
+}
+
+Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
+  LogBuilder builder("sensefly_geoinfo", name);
+  LineReader lines(TextOf(bytes));
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  std::map<std::string, std::size_t> columns;
+  std::uint64_t rows = 0;
+  std::uint64_t bad = 0;
+  while (lines.Next(line)) {
+    if (Trim(line).empty() || line.front() == '#') continue;
+    SplitFields(line, '\t', cells);
+    if (columns.empty()) {
+      for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
+      if (!columns.contains("filename") || !columns.contains("latitude") || !columns.contains("longitude")) {
+        return Error{ErrorCode::kCorrupt,
+                     fmt::format("{} lacks the columns fileName, latitude, longitude", name), ""};
+      }
+      continue;
+    }
+    const auto number = [&](const char* column) -> std::optional<double> {
+      const auto found = columns.find(column);
+      if (found == columns.end() || found->second >= cells.size()) return std::nullopt;
+      return ParseNumber(cells[found->second]);
+    };
+    const auto lat = number("latitude");
+    const auto lon = number("longitude");
+    const std::size_t name_column = columns["filename"];
+    if (!lat || !lon || name_column >= cells.size() || cells[name_column].empty()) {
+      ++bad;
+      continue;
+    }
+    CameraEvent event;
+    event.t_s = static_cast<double>(rows);
+    event.has_time = false;
+    event.image_name = std::string(cells[name_column].substr(0, 512));
+    event.position = geo::LatLon{*lat, *lon};
+    event.height_amsl_m = number("altitude_amsl");
+    event.height_ellipsoid_m = number("altitude_wgs84");
+    const auto heading = number("heading");
+    const auto pitch = number("pitch");
+    const auto roll = number("roll");
+    if (heading && pitch && roll) {
+      event.yaw_pitch_roll_rad =
+          Eigen::Vector3d(geo::DegToRad(*heading), geo::DegToRad(*pitch), geo::DegToRad(*roll));
+    }
+    ++rows;
+    builder.Add(std::move(event));
+  }
+  if (rows == 0)
+    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position", name), ""};
+  builder.Count("row", rows);
+  builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};
+  if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
+  return std::move(builder).Finish();
+}
+
+}  // namespace skyquilt::flight

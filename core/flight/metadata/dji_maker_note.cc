@@ -1,0 +1,45 @@
+#include "core/flight/metadata/dji_maker_note.h"
+
+#include <bit>
+#include <cmath>
+
+namespace skyquilt::flight {
+namespace {
+
+std::uint32_t Unsigned(const std::uint8_t* p, std::size_t size, bool is_big_endian) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value = (value << 8) | p[is_big_endian ? i : size - 1 - i];
+  return value;
+}
+
+}  // namespace
+
+std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool is_big_endian) {
+  constexpr std::uint32_t kMaxEntries = 100;
+  constexpr std::uint32_t kFloat = 11;
+  if (note.size() < 2) return std::nullopt;
+  const std::uint32_t count = Unsigned(note.data(), 2, is_big_endian);
+  if (count == 0 || count > kMaxEntries || note.size() < 2 + 12 * std::size_t{count}) return std::nullopt;
+  DjiMakerNote found;
+  std::optional<double>* const fields[] = {
+      &found.speed_x_mps,      &found.speed_y_mps,    &found.speed_z_mps,
+      &found.pitch_deg,        &found.yaw_deg,        &found.roll_deg,
+      &found.camera_pitch_deg, &found.camera_yaw_deg, &found.camera_roll_deg};
+  constexpr std::uint32_t kFirstTag = 3;
+  bool any = false;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint8_t* entry = note.data() + 2 + 12 * std::size_t{i};
+    const std::uint32_t tag = Unsigned(entry, 2, is_big_endian);
+    if (tag < kFirstTag || tag >= kFirstTag + std::size(fields)) continue;
+    if (Unsigned(entry + 2, 2, is_big_endian) != kFloat || Unsigned(entry + 4, 4, is_big_endian) != 1)
+      continue;
+    const float value = std::bit_cast<float>(Unsigned(entry + 8, 4, is_big_endian));
+    if (!std::isfinite(value) || std::abs(value) > 1000.0f) continue;
+    *fields[tag - kFirstTag] = static_cast<double>(value);
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return found;
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,246 @@
+#include "core/flight/metadata/exif.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace skyquilt::flight {
+namespace {
+
+namespace tag {
+constexpr std::uint16_t kMake = 0x010F, kModel = 0x0110, kOrientation = 0x0112, kSoftware = 0x0131;
+constexpr std::uint16_t kDateTime = 0x0132, kExposureTime = 0x829A, kDateTimeOriginal = 0x9003;
+constexpr std::uint16_t kDateTimeDigitized = 0x9004, kOffsetTime = 0x9010, kOffsetTimeOriginal = 0x9011;
+constexpr std::uint16_t kOffsetTimeDigitized = 0x9012, kFocalLength = 0x920A, kSubSecTime = 0x9290;
+constexpr std::uint16_t kSubSecTimeOriginal = 0x9291, kSubSecTimeDigitized = 0x9292, kPixelWidth = 0xA002;
+constexpr std::uint16_t kPixelHeight = 0xA003, kFocalPlaneX = 0xA20E, kFocalPlaneY = 0xA20F;
+constexpr std::uint16_t kFocalPlaneUnit = 0xA210, kDigitalZoom = 0xA404, kFocalLength35 = 0xA405;
+constexpr std::uint16_t kBodySerialNumber = 0xA431;
+constexpr std::uint16_t kLatitudeRef = 1, kLatitude = 2, kLongitudeRef = 3, kLongitude = 4, kAltitudeRef = 5;
+constexpr std::uint16_t kAltitude = 6, kTimeStamp = 7, kStatus = 9, kDateStamp = 0x1D,
+                        kPositioningError = 0x1F;
+}  // namespace tag
+
+constexpr double kMetresPerDegree = 111320.0;
+
+std::optional<double> Within(std::optional<double> value, double low, double high) {
+  if (!value || !(*value >= low) || !(*value <= high)) return std::nullopt;
+  return value;
+}
+
+struct Angle {
+  double degrees = 0.0;
+  double step_deg = 0.0;
+};
+
+// Degrees, minutes, seconds; a fraction of 0/0 behind a part that has decimals counts as zero.
+std::optional<Angle> ReadAngle(const ExifValue* value) {
+  if (value == nullptr) return std::nullopt;
+  constexpr double kUnit[3] = {1.0, 1.0 / 60.0, 1.0 / 3600.0};
+  Angle angle;
+  bool is_negative = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto fraction = value->Rational(i);
+    auto number = value->Number(i);
+    if (!number) {
+      const bool is_written_by_decimals = i > 0 && angle.step_deg < kUnit[i - 1];
+      const bool is_empty = !fraction || fraction->numerator == 0.0;
+      if (i > 0 && is_written_by_decimals && is_empty) break;
+      return std::nullopt;
+    }
+    if (*number < 0.0) is_negative = true;
+    angle.degrees += std::abs(*number) * kUnit[i];
+    angle.step_deg = kUnit[i] / (fraction ? std::max(1.0, std::abs(fraction->denominator)) : 1.0);
+  }
+  if (is_negative) angle.degrees = -angle.degrees;
+  return angle;
+}
+
+// +1 or -1 by the first letter, whatever its case and whatever follows ("N", "n", "North"); 0 when it says
+// nothing.
+int HemisphereSign(const std::string& reference, char positive, char negative) {
+  if (reference.empty()) return 0;
+  const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(reference[0])));
+  return letter == positive ? 1 : (letter == negative ? -1 : 0);
+}
+
+void ReadPosition(const ExifTable& table, ExifRecord& record) {
+  const auto latitude = ReadAngle(table.Find(ExifIfd::kGps, tag::kLatitude));
+  const auto longitude = ReadAngle(table.Find(ExifIfd::kGps, tag::kLongitude));
+  if (!latitude || !longitude) {
+    if (table.Find(ExifIfd::kGps, tag::kLatitude))
+      record.notes.push_back("The EXIF position cannot be read.");
+    return;
+  }
+  const int north = HemisphereSign(table.Text(ExifIfd::kGps, tag::kLatitudeRef), 'N', 'S');
+  const int east = HemisphereSign(table.Text(ExifIfd::kGps, tag::kLongitudeRef), 'E', 'W');
+  const bool is_signed = latitude->degrees < 0.0 || longitude->degrees < 0.0;
+  const auto with_sign = [](double degrees, int sign) {
+    return sign == 0 ? degrees : sign * std::abs(degrees);
+  };
+  const double lat_deg = with_sign(latitude->degrees, north);
+  const double lon_deg = with_sign(longitude->degrees, east);
+  if (std::abs(lat_deg) < 1e-6 && std::abs(lon_deg) < 1e-6) {
+    record.notes.push_back("The EXIF position is 0, 0: the GPS had no fix.");
+    return;
+  }
+  const auto position = geo::LatLon::Make(lat_deg, lon_deg);
+  if (!position) {
+    record.notes.push_back(fmt::format(
+        "The EXIF position (latitude {:.6f}, longitude {:.6f}) is not on Earth.", lat_deg, lon_deg));
+    return;
+  }
+  record.position = *position;
+  record.is_hemisphere_known = (north != 0 && east != 0) || is_signed;
+  record.position_resolution_m = kMetresPerDegree * std::max(latitude->step_deg, longitude->step_deg);
+  if (table.Text(ExifIfd::kGps, tag::kStatus) == "V") {
+    record.notes.push_back("The GPS marked its position as not valid.");
+  }
+}
+
+void ReadAltitude(const ExifTable& table, ExifRecord& record) {
+  auto altitude = table.Number(ExifIfd::kGps, tag::kAltitude);
+  if (!altitude) return;
+  const auto reference = table.Number(ExifIfd::kGps, tag::kAltitudeRef);
+  if (reference && (*reference == 1.0 || *reference == 3.0)) altitude = -std::abs(*altitude);
+  constexpr double kLowest = -500.0, kHighest = 10000.0;
+  record.altitude_m = Within(altitude, kLowest, kHighest);
+  if (!record.altitude_m) {
+    record.notes.push_back(
+        fmt::format("The EXIF altitude of {:.0f} m is impossible and was not used.", *altitude));
+  }
+}
+
+std::optional<double> PixelsPerMm(const ExifTable& table, std::uint16_t resolution_tag) {
+  const auto resolution = table.Number(ExifIfd::kExif, resolution_tag);
+  if (!resolution || *resolution <= 0.0) return std::nullopt;
+  double unit_mm = 25.4;
+  switch (static_cast<int>(table.Number(ExifIfd::kExif, tag::kFocalPlaneUnit).value_or(2.0))) {
+    case 3:
+      unit_mm = 10.0;
+      break;
+    case 4:
+      unit_mm = 1.0;
+      break;
+    case 5:
+      unit_mm = 0.001;
+      break;
+    default:
+      break;
+  }
+  // Pixels of 0.5 to 100 micrometres exist.
+  return Within(*resolution / unit_mm, 10.0, 2000.0);
+}
+
+std::optional<std::chrono::minutes> ParseZone(const std::string& text) {
+  if (text == "Z" || text == "z") return std::chrono::minutes(0);
+  int hours = 0, minutes = 0;
+  char sign = 0;
+  if (std::sscanf(text.c_str(), "%c%2d:%2d", &sign, &hours, &minutes) != 3) return std::nullopt;
+  if ((sign != '+' && sign != '-') || hours < 0 || hours > 14 || minutes < 0 || minutes > 59)
+    return std::nullopt;
+  const std::chrono::minutes offset(hours * 60 + minutes);
+  return sign == '-' ? -offset : offset;
+}
+
+// "05" is 0.05 s: the digits behind the point.
+std::chrono::microseconds ReadSubSeconds(const std::string& text) {
+  std::int64_t micros = 0;
+  std::int64_t unit = 100000;
+  for (const char c : text) {
+    if (c < '0' || c > '9' || unit == 0) break;
+    micros += (c - '0') * unit;
+    unit /= 10;
+  }
+  return std::chrono::microseconds(micros);
+}
+
+void ReadClock(const ExifTable& table, ExifRecord& record) {
+  struct Source {
+    ExifIfd ifd;
+    std::uint16_t time, sub_seconds, zone;
+  };
+  constexpr Source kSources[] = {
+      {ExifIfd::kExif, tag::kDateTimeOriginal, tag::kSubSecTimeOriginal, tag::kOffsetTimeOriginal},
+      {ExifIfd::kExif, tag::kDateTimeDigitized, tag::kSubSecTimeDigitized, tag::kOffsetTimeDigitized},
+      {ExifIfd::kImage, tag::kDateTimeOriginal, tag::kSubSecTimeOriginal, tag::kOffsetTimeOriginal},
+      {ExifIfd::kImage, tag::kDateTime, tag::kSubSecTime, tag::kOffsetTime}};
+  for (const Source& source : kSources) {
+    const auto time = ParseWrittenTime(table.Text(source.ifd, source.time));
+    if (!time) continue;
+    record.taken_at = time->as_written + ReadSubSeconds(table.Text(ExifIfd::kExif, source.sub_seconds));
+    record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, source.zone));
+    if (!record.clock_minus_utc)
+      record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, tag::kOffsetTime));
+    break;
+  }
+  const std::string date = table.Text(ExifIfd::kGps, tag::kDateStamp);
+  const auto hours = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 0), 0.0, 23.0);
+  const auto minutes = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 1), 0.0, 59.0);
+  const auto seconds = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 2), 0.0, 60.999999);
+  if (date.empty() || !hours || !minutes || !seconds) return;
+  const auto midnight = ParseWrittenTime(date + " 00:00:00");
+  if (!midnight) return;
+  const double of_day_s = *hours * 3600.0 + *minutes * 60.0 + *seconds;
+  record.gps_time = midnight->as_written + std::chrono::microseconds(std::llround(of_day_s * 1e6));
+}
+
+}  // namespace
+
+std::optional<WrittenTime> ParseWrittenTime(const std::string& text) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
+  if (std::sscanf(text.c_str(), "%4d%*1[:/-]%2d%*1[:/-]%2d%*1[ T]%2d:%2d:%2d%n", &year, &month, &day, &hour,
+                  &minute, &second, &used) != 6 ||
+      used == 0) {
+    return std::nullopt;
+  }
+  const std::chrono::year_month_day date{std::chrono::year(year),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (month < 1 || day < 1 || !date.ok() || year < 1980 || year > 2200) return std::nullopt;
+  if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 60) return std::nullopt;
+  WrittenTime time;
+  time.as_written = std::chrono::sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) +
+                    std::chrono::seconds(second);
+  std::size_t at = static_cast<std::size_t>(used);
+  if (at < text.size() && (text[at] == '.' || text[at] == ',')) {
+    const std::size_t begin = ++at;
+    while (at < text.size() && std::isdigit(static_cast<unsigned char>(text[at]))) ++at;
+    time.as_written += ReadSubSeconds(text.substr(begin, at - begin));
+  }
+  if (at < text.size()) time.clock_minus_utc = ParseZone(text.substr(at));
+  return time;
+}
+
+ExifRecord InterpretExif(const ExifTable& table) {
+  ExifRecord record;
+  record.make = table.Text(ExifIfd::kImage, tag::kMake);
+  record.model = table.Text(ExifIfd::kImage, tag::kModel);
+  record.software = table.Text(ExifIfd::kImage, tag::kSoftware);
+  record.serial_number = table.Text(ExifIfd::kExif, tag::kBodySerialNumber);
+  if (const auto value = Within(table.Number(ExifIfd::kImage, tag::kOrientation), 1.0, 8.0)) {
+    record.orientation = static_cast<int>(*value);
+  }
+  record.exposure_time_s = Within(table.Number(ExifIfd::kExif, tag::kExposureTime), 1e-7, 60.0);
+  record.focal_length_mm = Within(table.Number(ExifIfd::kExif, tag::kFocalLength), 0.5, 2000.0);
+  record.focal_length_35mm_mm = Within(table.Number(ExifIfd::kExif, tag::kFocalLength35), 5.0, 5000.0);
+  record.focal_plane_x_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneX);
+  record.focal_plane_y_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneY);
+  constexpr double kMaxSide = 100000.0;
+  if (const auto value = Within(table.Number(ExifIfd::kExif, tag::kPixelWidth), 1.0, kMaxSide)) {
+    record.recorded_width_px = static_cast<int>(*value);
+  }
+  if (const auto value = Within(table.Number(ExifIfd::kExif, tag::kPixelHeight), 1.0, kMaxSide)) {
+    record.recorded_height_px = static_cast<int>(*value);
+  }
+  record.digital_zoom = Within(table.Number(ExifIfd::kExif, tag::kDigitalZoom), 1.0, 100.0).value_or(1.0);
+  record.position_error_m = Within(table.Number(ExifIfd::kGps, tag::kPositioningError), 1e-4, 10000.0);
+  ReadPosition(table, record);
+  ReadAltitude(table, record);
+  ReadClock(table, record);
+  return record;
+}
+
+}  // namespace skyquilt::flight

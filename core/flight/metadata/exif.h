@@ -1,0 +1,55 @@
+// InterpretExif: the EXIF tags that matter to a map, checked and in our units. What is missing, impossible or
+// doubtful is absent and said in `notes`. Never fails. Any thread. Source: CIPA DC-008 (Exif 2.32).
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/metadata/exif_table.h"
+#include "core/flight/photos/photo.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::flight {
+
+struct ExifRecord {
+  std::string make;
+  std::string model;
+  std::string software;
+  std::string serial_number;
+  std::optional<int> orientation;  // 1..8, recorded only: the angles belong to the sensor as stored
+  std::optional<double> exposure_time_s;
+  std::optional<double> focal_length_mm;
+  std::optional<double> focal_length_35mm_mm;
+  std::optional<double> focal_plane_x_px_per_mm;
+  std::optional<double> focal_plane_y_px_per_mm;
+  std::optional<int>
+      recorded_width_px;  // what the tags say; another program may have changed the image since
+  std::optional<int> recorded_height_px;
+  double digital_zoom = 1.0;
+
+  std::optional<geo::LatLon> position;
+  bool is_hemisphere_known = true;     // false: a reference was missing, north or east was taken
+  double position_resolution_m = 0.0;  // the step in which the position is written
+  std::optional<double> altitude_m;    // above whatever the camera meant; only the plausible
+  std::optional<double> position_error_m;
+
+  std::optional<UtcTime> taken_at;  // the camera's clock as if it were UTC
+  std::optional<std::chrono::minutes> clock_minus_utc;
+  std::optional<UtcTime> gps_time;
+
+  std::vector<std::string> notes;
+};
+
+ExifRecord InterpretExif(const ExifTable& table);
+
+// "2013:06:04 17:38:03.25", also with '-', 'T', and a zone ("Z", "+02:00") that is given back apart. The time
+// is as written; nothing for what is no date.
+struct WrittenTime {
+  UtcTime as_written;
+  std::optional<std::chrono::minutes> clock_minus_utc;
+};
+std::optional<WrittenTime> ParseWrittenTime(const std::string& text);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,180 @@
+#include "core/flight/metadata/position_tags.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cmath>
+#include <string_view>
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr double kLowestM = -500.0;
+constexpr double kHighestM = 10000.0;
+
+std::optional<double> Height(const XmpTags& xmp, std::string_view name) {
+  const auto value = xmp.Number(name);
+  if (!value || *value < kLowestM || *value > kHighestM) return std::nullopt;
+  return value;
+}
+
+std::optional<double> Sigma(const XmpTags& xmp, std::string_view name) {
+  const auto value = xmp.Number(name);
+  if (!value || *value <= 0.0 || *value > 1000.0) return std::nullopt;
+  return value;
+}
+
+// "46,50.5566N" or "46,50,33.4N", the form of XMP's own exif:GPSLatitude.
+std::optional<double> ParseXmpExifAngle(std::string text) {
+  if (text.size() < 2) return std::nullopt;
+  const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(text.back())));
+  text.pop_back();
+  const double sign = letter == 'S' || letter == 'W' ? -1.0 : 1.0;
+  if (std::string_view("NSEW").find(letter) == std::string_view::npos) return std::nullopt;
+  double degrees = 0.0;
+  double unit = 1.0;
+  for (int part = 0; part < 3 && !text.empty(); ++part, unit /= 60.0) {
+    const std::size_t comma = text.find(',');
+    const auto number = ParseXmpNumber(text.substr(0, comma));
+    if (!number || *number < 0.0) return std::nullopt;
+    degrees += *number * unit;
+    text = comma == std::string::npos ? "" : text.substr(comma + 1);
+  }
+  return sign * degrees;
+}
+
+std::optional<geo::LatLon> Position(std::optional<double> lat_deg, std::optional<double> lon_deg) {
+  if (!lat_deg || !lon_deg) return std::nullopt;
+  if (std::abs(*lat_deg) < 1e-6 && std::abs(*lon_deg) < 1e-6) return std::nullopt;  // no fix
+  const auto position = geo::LatLon::Make(*lat_deg, *lon_deg);
+  if (!position) return std::nullopt;
+  return *position;
+}
+
+std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
+  constexpr std::pair<std::string_view, std::string_view> kPairs[] = {
+      {"drone-dji:GpsLatitude", "drone-dji:GpsLongitude"},
+      {"drone-dji:GpsLatitude", "drone-dji:GpsLongtitude"},  // the maker's spelling
+      {"drone-dji:Latitude", "drone-dji:Longitude"},
+      {"drone-skydio:Latitude", "drone-skydio:Longitude"},
+      {"sensefly:Latitude", "sensefly:Longitude"}};
+  for (const auto& [lat, lon] : kPairs) {
+    if (const auto position = Position(xmp.Number(lat), xmp.Number(lon))) return position;
+  }
+  return Position(ParseXmpExifAngle(xmp.Text("exif:GPSLatitude")),
+                  ParseXmpExifAngle(xmp.Text("exif:GPSLongitude")));
+}
+
+// Metres, good enough to compare two readings of one position.
+double DistanceM(const geo::LatLon& a, const geo::LatLon& b) {
+  constexpr double kMetresPerDegree = 111320.0;
+  double east_deg = std::abs(a.lon_deg - b.lon_deg);
+  east_deg = std::min(east_deg, 360.0 - east_deg);
+  return kMetresPerDegree *
+         std::hypot(a.lat_deg - b.lat_deg, east_deg * std::cos(geo::DegToRad(0.5 * (a.lat_deg + b.lat_deg))));
+}
+
+std::optional<RecordedPosition> ChoosePosition(const ExifRecord& exif, const XmpTags& xmp,
+                                               std::vector<std::string>& notes) {
+  const auto from_xmp = XmpPosition(xmp);
+  RecordedPosition recorded;
+  if (!exif.position) {
+    if (!from_xmp) return std::nullopt;
+    recorded.position = *from_xmp;
+    recorded.source = "xmp";
+    return recorded;
+  }
+  recorded.position = *exif.position;
+  recorded.source = "exif";
+  if (!from_xmp) {
+    if (!exif.is_hemisphere_known) {
+      notes.push_back(
+          "The EXIF position does not say north or south, east or west; north and east were taken.");
+    }
+    return recorded;
+  }
+  const double apart_m = DistanceM(*exif.position, *from_xmp);
+  constexpr double kFineStepM = 0.02;
+  constexpr double kFarApartM = 50.0;
+  if (!exif.is_hemisphere_known ||
+      (exif.position_resolution_m > kFineStepM && apart_m < 2.0 * exif.position_resolution_m)) {
+    recorded.position = *from_xmp;
+    recorded.source = "xmp";
+  } else if (apart_m > kFarApartM) {
+    notes.push_back(fmt::format("EXIF and XMP put the photo {:.0f} m apart; EXIF was taken.", apart_m));
+  }
+  return recorded;
+}
+
+bool IsAbsoluteAltitudeEllipsoidal(const ExifRecord& exif, const XmpTags& xmp) {
+  const std::string kind = xmp.Text("drone-dji:AltitudeType");
+  if (!kind.empty()) return kind == "RtkAlt";
+  if (xmp.Number("drone-dji:RtkFlag").value_or(0.0) > 0.0) return true;
+  return exif.model.find("ANAFI Ai") != std::string::npos || exif.model.find("AnafiAi") != std::string::npos;
+}
+
+void ChooseHeights(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded,
+                   std::vector<std::string>& notes) {
+  for (const std::string_view name :
+       {"drone-dji:RelativeAltitude", "drone-skydio:RelativeAltitude", "sensefly:Height"}) {
+    if (!recorded.height_above_takeoff_m) recorded.height_above_takeoff_m = Height(xmp, name);
+  }
+  if (const auto above_ground = Height(xmp, "Camera:AboveGroundAltitude");
+      above_ground && *above_ground > 0.0) {
+    recorded.height_above_ground_m = above_ground;
+  }
+  recorded.height_amsl_m = Height(xmp, "sensefly:AltitudeAMSL");
+  recorded.height_ellipsoid_m = Height(xmp, "sensefly:AltitudeWGS84");
+  if (recorded.height_amsl_m || recorded.height_ellipsoid_m) return;
+
+  auto absolute = Height(xmp, "drone-dji:AbsoluteAltitude");
+  if (!absolute) absolute = Height(xmp, "drone-skydio:AbsoluteAltitude");
+  const bool is_ellipsoidal = IsAbsoluteAltitudeEllipsoidal(exif, xmp);
+  const auto& relative = recorded.height_above_takeoff_m;
+  constexpr double kSameM = 0.6;
+  constexpr double kContradictionM = 50.0;
+  if (absolute) {
+    if (exif.altitude_m && relative && std::abs(*exif.altitude_m - *relative) < kSameM &&
+        std::abs(*absolute - *relative) > 5.0) {
+      notes.push_back(
+          "The EXIF altitude is the height above take-off; it was not taken as height above the sea.");
+    } else if (exif.altitude_m && std::abs(*exif.altitude_m - *absolute) > kContradictionM) {
+      notes.push_back(
+          fmt::format("EXIF says {:.0f} m above the sea, XMP {:.0f} m; neither should be trusted.",
+                      *exif.altitude_m, *absolute));
+    }
+  } else if (exif.altitude_m) {
+    if (relative && std::abs(*exif.altitude_m - *relative) < kSameM) {
+      notes.push_back(
+          "The EXIF altitude repeats the height above take-off and was not taken as height above the sea.");
+    } else {
+      absolute = exif.altitude_m;
+    }
+  }
+  (is_ellipsoidal ? recorded.height_ellipsoid_m : recorded.height_amsl_m) = absolute;
+}
+
+void ChooseSigmas(const ExifRecord& exif, const XmpTags& xmp, RecordedPosition& recorded) {
+  constexpr double kRtkFixed = 50.0;  // 16: single point, 34: float
+  recorded.is_rtk_fixed = xmp.Number("drone-dji:RtkFlag") == kRtkFixed;
+  const auto std_lon = Sigma(xmp, "drone-dji:RtkStdLon");
+  const auto std_lat = Sigma(xmp, "drone-dji:RtkStdLat");
+  if (std_lon && std_lat) recorded.sigma_horizontal_m = std::hypot(*std_lon, *std_lat) / std::sqrt(2.0);
+  recorded.sigma_vertical_m = Sigma(xmp, "drone-dji:RtkStdHgt");
+  if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = Sigma(xmp, "Camera:GPSXYAccuracy");
+  if (!recorded.sigma_vertical_m) recorded.sigma_vertical_m = Sigma(xmp, "Camera:GPSZAccuracy");
+  if (!recorded.sigma_horizontal_m) recorded.sigma_horizontal_m = exif.position_error_m;
+}
+
+}  // namespace
+
+std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
+                                                 std::vector<std::string>& notes) {
+  std::optional<RecordedPosition> recorded = ChoosePosition(exif, xmp, notes);
+  if (!recorded) return std::nullopt;
+  ChooseHeights(exif, xmp, *recorded, notes);
+  ChooseSigmas(exif, xmp, *recorded);
+  return recorded;
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,20 @@
+// Position and heights out of EXIF and XMP, each height under its own zero. Any thread.
+// The position is EXIF's (it is what other programs correct); XMP fills in where EXIF has none, lacks a
+// hemisphere, or is written in coarser steps. Heights: drone-dji AbsoluteAltitude is above sea level, with
+// RTK above the ellipsoid; RelativeAltitude is above take-off; EXIF's GPSAltitude counts only when nothing
+// contradicts it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/metadata/exif.h"
+#include "core/flight/metadata/xmp.h"
+
+namespace skyquilt::flight {
+
+std::optional<RecordedPosition> PositionFromTags(const ExifRecord& exif, const XmpTags& xmp,
+                                                 std::vector<std::string>& notes);
+
+}  // namespace skyquilt::flight

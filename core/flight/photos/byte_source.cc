@@ -1,0 +1,72 @@
+#include "core/flight/photos/byte_source.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace skyquilt::flight {
+namespace {
+
+class FileBytes final : public ByteSource {
+ public:
+  FileBytes(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+  ~FileBytes() override { ::close(descriptor_); }
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+
+  std::uint64_t size() const override { return size_; }
+
+  bool Read(std::uint64_t offset, std::span<std::uint8_t> into) override {
+    if (offset > size_ || into.size() > size_ - offset) return false;
+    std::size_t done = 0;
+    while (done < into.size()) {
+      const ssize_t got =
+          ::pread(descriptor_, into.data() + done, into.size() - done, static_cast<off_t>(offset + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      done += static_cast<std::size_t>(got);
+    }
+    return true;
+  }
+
+ private:
+  int descriptor_;
+  std::uint64_t size_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> ByteSource::ReadUpTo(std::uint64_t offset, std::size_t count) {
+  if (offset >= size()) return {};
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size() - offset)));
+  if (!Read(offset, bytes)) bytes.clear();
+  return bytes;
+}
+
+bool MemoryBytes::Read(std::uint64_t offset, std::span<std::uint8_t> into) {
+  if (offset > bytes_.size() || into.size() > bytes_.size() - offset) return false;
+  if (!into.empty()) std::memcpy(into.data(), bytes_.data() + offset, into.size());
+  return true;
+}
+
+Result<std::unique_ptr<ByteSource>> OpenFileBytes(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) {
+    const int reason = errno;
+    return Error{reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
+                 std::string("The file cannot be opened: ") + std::strerror(reason) + ".", path.string()};
+  }
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(descriptor);
+    return Error{ErrorCode::kUnsupportedFormat, "This is not a regular file.", path.string()};
+  }
+  return std::unique_ptr<ByteSource>(new FileBytes(descriptor, static_cast<std::uint64_t>(status.st_size)));
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,206 @@
+#include "core/flight/photos/choose_intrinsics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/camera/sensor_database.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using camera::Intrinsics;
+
+std::vector<std::optional<double>> ParseList(std::string_view text) {
+  constexpr std::size_t kMaxItems = 32;
+  std::vector<std::optional<double>> items;
+  while (!text.empty() && items.size() < kMaxItems) {
+    const std::size_t end = text.find_first_of(",;");
+    items.push_back(ParseXmpNumber(text.substr(0, end)));
+    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+  }
+  return items;
+}
+
+// From 150 degrees of view to a long tele lens.
+bool IsPlausible(double focal_px, int width_px, int height_px) {
+  const double side = std::max(width_px, height_px);
+  return std::isfinite(focal_px) && focal_px > 0.13 * side && focal_px < 60.0 * side;
+}
+
+struct NativeSize {
+  double width_px = 0.0;
+  double height_px = 0.0;
+};
+
+// The size to which DJI's calibrated pixels belong.
+NativeSize DjiNativeSize(int width_px, int height_px, const XmpTags& xmp) {
+  const auto center_x = xmp.Number("drone-dji:CalibratedOpticalCenterX");
+  const auto center_y = xmp.Number("drone-dji:CalibratedOpticalCenterY");
+  constexpr double kSmallest = 100.0, kLargest = 20000.0;
+  const auto is_sane = [](const std::optional<double>& center) {
+    return center && *center > kSmallest && *center < kLargest;
+  };
+  if (is_sane(center_x) && is_sane(center_y))
+    return {std::round(2.0 * *center_x), std::round(2.0 * *center_y)};
+  return {static_cast<double>(width_px), static_cast<double>(height_px)};
+}
+
+double DjiScale(int width_px, int height_px, const NativeSize& native) {
+  return camera::ScaleFromNative(width_px, height_px, static_cast<int>(native.width_px),
+                                 static_cast<int>(native.height_px));
+}
+
+std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpTags& xmp,
+                                         std::vector<std::string>& notes) {
+  std::string text = xmp.Text("drone-dji:DewarpData");
+  // "2018-09-04;fx,fy,cx,cy,k1,k2,p1,p2,k3": a date, then the numbers.
+  if (const auto semicolon = text.find(';'); semicolon != std::string::npos) text.erase(0, semicolon + 1);
+  const auto items = ParseList(text);
+  if (items.size() < 9 || std::any_of(items.begin(), items.begin() + 9, [](const auto& v) { return !v; })) {
+    return std::nullopt;
+  }
+  const NativeSize native = DjiNativeSize(width_px, height_px, xmp);
+  const double scale = DjiScale(width_px, height_px, native);
+  Intrinsics camera = Intrinsics::Centered(width_px, height_px, *items[0] * scale);
+  camera.focal_y_px = *items[1] * scale;
+  if (!IsPlausible(camera.focal_x_px, width_px, height_px) ||
+      !IsPlausible(camera.focal_y_px, width_px, height_px) ||
+      std::abs(camera.focal_x_px / camera.focal_y_px - 1.0) > 0.05) {
+    return std::nullopt;
+  }
+  const double offset_x_px = *items[2] * scale;
+  const double offset_y_px = *items[3] * scale;
+  if (std::abs(offset_x_px) > 0.1 * width_px || std::abs(offset_y_px) > 0.1 * height_px) return std::nullopt;
+  camera.center_x_px += offset_x_px;
+  camera.center_y_px += offset_y_px;
+  if (xmp.Number("drone-dji:DewarpFlag") == 1.0) {
+    notes.push_back("The camera has taken its lens distortion out already.");
+    return camera;
+  }
+  camera.k1 = *items[4];
+  camera.k2 = *items[5];
+  camera.p1 = *items[6];
+  camera.p2 = *items[7];
+  camera.k3 = *items[8];
+  return camera;
+}
+
+std::optional<Intrinsics> FromCalibratedFocalLength(int width_px, int height_px, const XmpTags& xmp) {
+  const auto focal_px = xmp.Number("drone-dji:CalibratedFocalLength");
+  if (!focal_px) return std::nullopt;
+  const double scaled = *focal_px * DjiScale(width_px, height_px, DjiNativeSize(width_px, height_px, xmp));
+  if (!IsPlausible(scaled, width_px, height_px)) return std::nullopt;
+  return Intrinsics::Centered(width_px, height_px, scaled);
+}
+
+std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifRecord& exif,
+                                        const XmpTags& xmp, std::vector<std::string>& notes) {
+  const auto focal = xmp.Number("Camera:PerspectiveFocalLength");
+  if (!focal) return std::nullopt;
+  const std::string unit = xmp.Text("Camera:PerspectiveFocalLengthUnits");
+  const bool is_in_pixels = unit.starts_with("p");
+  if (!is_in_pixels && !exif.focal_plane_x_px_per_mm) return std::nullopt;
+  const double px_per_unit = is_in_pixels ? 1.0 : *exif.focal_plane_x_px_per_mm;
+  const double focal_px = *focal * px_per_unit;
+  if (!IsPlausible(focal_px, width_px, height_px)) return std::nullopt;
+  Intrinsics camera = Intrinsics::Centered(width_px, height_px, focal_px);
+  if (xmp.Text("Camera:ModelType").starts_with("fish")) {
+    notes.push_back("The lens is a fisheye; it is treated as a plain one until the photos are aligned.");
+    return camera;
+  }
+  if (const auto center = ParseList(xmp.Text("Camera:PrincipalPoint"));
+      center.size() == 2 && center[0] && center[1]) {
+    const double x_px = *center[0] * px_per_unit - 0.5;
+    const double y_px =
+        *center[1] * (is_in_pixels ? 1.0 : exif.focal_plane_y_px_per_mm.value_or(px_per_unit)) - 0.5;
+    if (std::abs(x_px / width_px - 0.5) < 0.1 && std::abs(y_px / height_px - 0.5) < 0.1) {
+      camera.center_x_px = x_px;
+      camera.center_y_px = y_px;
+    }
+  }
+  // R1, R2, R3, T1, T2.
+  if (const auto bend = ParseList(xmp.Text("Camera:PerspectiveDistortion"));
+      bend.size() == 5 &&
+      std::all_of(bend.begin(), bend.end(), [](const auto& v) { return v && std::abs(*v) < 10; })) {
+    camera.k1 = *bend[0];
+    camera.k2 = *bend[1];
+    camera.k3 = *bend[2];
+    camera.p1 = *bend[3];
+    camera.p2 = *bend[4];
+  }
+  return camera;
+}
+
+std::optional<double> FromFocalPlane(int width_px, int height_px, const ExifRecord& exif,
+                                     std::vector<std::string>& notes) {
+  if (!exif.focal_length_mm || !exif.focal_plane_x_px_per_mm) return std::nullopt;
+  // The tag is a pixel pitch, and by it a cropped image keeps its focal length. Where the size on record
+  // differs from the image's, the program that changed the image left the tags alone, and only the images can
+  // tell a crop from a smaller copy.
+  if (exif.recorded_width_px && std::max(width_px, height_px) != *exif.recorded_width_px) {
+    notes.push_back(
+        fmt::format("The camera recorded an image of {} px, this one has {} px: taken as a crop with the "
+                    "same pixel size.",
+                    *exif.recorded_width_px, std::max(width_px, height_px)));
+  }
+  return *exif.focal_length_mm * *exif.focal_plane_x_px_per_mm;
+}
+
+std::optional<double> FromSensorTable(int width_px, int height_px, const ExifRecord& exif) {
+  const auto sensor = camera::FindSensor(exif.model);
+  if (!exif.focal_length_mm || !sensor) return std::nullopt;
+  const double native_px = *exif.focal_length_mm / sensor->width_mm * sensor->native_width_px;
+  return native_px *
+         camera::ScaleFromNative(width_px, height_px, sensor->native_width_px, sensor->native_height_px);
+}
+
+}  // namespace
+
+double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
+  const double width = std::max(width_px, height_px);
+  double height = std::min(width_px, height_px);
+  if (width > 1.6 * height) height = 0.75 * width;
+  return focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
+}
+
+ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
+                                  std::vector<std::string>& notes) {
+  if (const auto camera = FromDewarpData(width_px, height_px, xmp, notes))
+    return {*camera, FocalSource::kDewarpData};
+  if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp)) {
+    return {*camera, FocalSource::kCalibrated};
+  }
+  if (const auto camera = FromXmpCamera(width_px, height_px, exif, xmp, notes)) {
+    return {*camera, FocalSource::kXmpCamera};
+  }
+  const auto chosen = [&](std::optional<double> focal_px,
+                          FocalSource source) -> std::optional<ChosenIntrinsics> {
+    if (!focal_px || !IsPlausible(*focal_px, width_px, height_px)) return std::nullopt;
+    return ChosenIntrinsics{Intrinsics::Centered(width_px, height_px, *focal_px), source};
+  };
+  std::vector<std::string> focal_plane_notes;
+  auto focal_plane = FromFocalPlane(width_px, height_px, exif, focal_plane_notes);
+  auto table = FromSensorTable(width_px, height_px, exif);
+  if (exif.digital_zoom > 1.0) {
+    if (focal_plane) *focal_plane *= exif.digital_zoom;
+    if (table) *table *= exif.digital_zoom;
+  }
+  if (const auto found = chosen(focal_plane, FocalSource::kFocalPlane)) {
+    notes.insert(notes.end(), focal_plane_notes.begin(), focal_plane_notes.end());
+    return *found;
+  }
+  if (const auto found = chosen(table, FocalSource::kSensorTable)) return *found;
+  if (exif.focal_length_35mm_mm) {
+    const double focal_px = FocalPxFrom35mm(*exif.focal_length_35mm_mm, width_px, height_px);
+    if (const auto found = chosen(focal_px, FocalSource::k35mmEquivalent)) return *found;
+  }
+  constexpr double kUsualFocalPerSide = 0.8;
+  notes.push_back("No focal length is recorded; a usual drone lens (60 to 70 degrees wide) was taken.");
+  return {Intrinsics::Centered(width_px, height_px, kUsualFocalPerSide * std::max(width_px, height_px)),
+          FocalSource::kAssumed};
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,35 @@
+// ChooseIntrinsics: the camera of a photo from the best source it carries, in this order:
+//   drone-dji:DewarpData               calibrated at the factory: focal lengths, centre, distortion
+//   drone-dji:CalibratedFocalLength    pixels, often only nominal
+//   Camera:PerspectiveFocalLength      mm (or pixels), with the focal plane resolution
+//   EXIF focal length and FocalPlaneXResolution
+//   EXIF focal length and the table of sensors
+//   EXIF 35 mm equivalent
+//   a usual drone lens (focal length 0.8 of the longer side), said in a note
+// Pixels of calibrations belong to the full sensor: they are scaled to a resized image, and kept for one that
+// is cropped to another aspect (camera::ScaleFromNative). Any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/flight/metadata/exif.h"
+#include "core/flight/metadata/xmp.h"
+#include "core/flight/photos/photo.h"
+
+namespace skyquilt::flight {
+
+struct ChosenIntrinsics {
+  camera::Intrinsics intrinsics;
+  FocalSource source = FocalSource::kAssumed;
+};
+
+ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
+                                  std::vector<std::string>& notes);
+
+// Pixels from a 35 mm equivalent, by its definition over the diagonal (CIPA DCG-001: 43.27 mm). Cameras keep
+// the number when they crop their 4:3 sensor to a wide image, so the diagonal of an image wider than 3:2 is
+// that of the 4:3 image of the same width.
+double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px);
+
+}  // namespace skyquilt::flight

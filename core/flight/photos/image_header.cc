@@ -1,0 +1,192 @@
+#include "core/flight/photos/image_header.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "core/flight/photos/jpeg_segments.h"
+#include "core/flight/photos/read_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::uint16_t kXmpTag = 0x02BC;
+
+Error Unsupported(std::string message) { return {ErrorCode::kUnsupportedFormat, std::move(message), ""}; }
+
+bool Has(const std::vector<std::uint8_t>& bytes, std::size_t at, std::string_view text) {
+  return bytes.size() >= at + text.size() && std::memcmp(bytes.data() + at, text.data(), text.size()) == 0;
+}
+
+bool IsText(const std::vector<std::uint8_t>& bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) {
+    return byte >= 0x20 || byte == '\n' || byte == '\r' || byte == '\t' || byte == '\f';
+  });
+}
+
+Error NotAPhoto(const std::vector<std::uint8_t>& start) {
+  const std::string wanted = " Photos must be JPEG, TIFF or PNG.";
+  if (Has(start, 4, "ftypheic") || Has(start, 4, "ftypheix") || Has(start, 4, "ftypmif1")) {
+    return Unsupported("This is a HEIC picture. Convert it to JPEG, keeping the metadata.");
+  }
+  if (Has(start, 4, "ftyp")) return Unsupported("This is a video." + wanted);
+  if (Has(start, 0, "RIFF") && Has(start, 8, "WEBP")) {
+    return Unsupported("This is a WebP picture. Convert it to JPEG, keeping the metadata.");
+  }
+  if (Has(start, 0, "PK\x03\x04")) return Unsupported("This is a ZIP archive. Unpack it first." + wanted);
+  if (IsText(start)) return Unsupported("This is a text file, whatever its name." + wanted);
+  return Unsupported("This is not a picture that can be read." + wanted);
+}
+
+void CollectXmp(ImageHeader& header) {
+  for (const ExifIfd ifd : {ExifIfd::kImage, ExifIfd::kExif}) {
+    if (const ExifValue* value = header.exif.Find(ifd, kXmpTag)) {
+      header.xmp_packets.emplace_back(value->bytes.begin(), value->bytes.end());
+    }
+  }
+}
+
+Result<ImageHeader> ReadJpeg(ByteSource& source) {
+  auto segments = ScanJpegSegments(source);
+  if (!segments) return segments.error();
+  if (!HasEndOfImage(source, segments->scan_offset)) {
+    return Error{ErrorCode::kCorrupt,
+                 "The JPEG is cut off: its end is missing. Copy the file from the camera again.", "no EOI"};
+  }
+  ImageHeader header;
+  header.width_px = segments->width_px;
+  header.height_px = segments->height_px;
+  header.exif = ReadExifSegment(segments->exif);
+  header.xmp_packets = std::move(segments->xmp);
+  CollectXmp(header);
+  return header;
+}
+
+// Whether all strips (or tiles) lie within the file. Only what is listed is judged.
+bool HoldsItsPixels(const ExifTable& table, std::uint64_t file_size) {
+  constexpr std::pair<std::uint16_t, std::uint16_t> kOffsetsAndCounts[] = {{0x0111, 0x0117},
+                                                                           {0x0144, 0x0145}};
+  for (const auto& [offsets_tag, counts_tag] : kOffsetsAndCounts) {
+    const ExifValue* offsets = table.Find(ExifIfd::kImage, offsets_tag);
+    const ExifValue* counts = table.Find(ExifIfd::kImage, counts_tag);
+    if (offsets == nullptr || counts == nullptr) continue;
+    for (std::size_t i = 0; i < std::min(offsets->count, counts->count); ++i) {
+      const double end = offsets->Number(i).value_or(0.0) + counts->Number(i).value_or(0.0);
+      if (end > static_cast<double>(file_size)) return false;
+    }
+  }
+  return true;
+}
+
+Result<ImageHeader> ReadTiff(ByteSource& source) {
+  constexpr std::uint16_t kWidth = 0x0100, kHeight = 0x0101, kDngVersion = 0xC612;
+  auto table = ReadTiffTags(source);
+  if (!table) return table.error();
+  if (table->Find(ExifIfd::kImage, kDngVersion)) {
+    return Unsupported("This is a raw picture (DNG). Export it as JPEG or TIFF, keeping the metadata.");
+  }
+  const auto width = table->Number(ExifIfd::kImage, kWidth);
+  const auto height = table->Number(ExifIfd::kImage, kHeight);
+  if (!width || !height || *width < 1.0 || *height < 1.0) {
+    return Error{ErrorCode::kCorrupt, "The TIFF does not say how large its image is; it cannot be read.", ""};
+  }
+  if (!HoldsItsPixels(*table, source.size())) {
+    return Error{ErrorCode::kCorrupt,
+                 "The TIFF is cut off: part of its picture is missing. Copy the file from the camera again.",
+                 ""};
+  }
+  ImageHeader header;
+  header.width_px = static_cast<int>(std::min(*width, 1e9));
+  header.height_px = static_cast<int>(std::min(*height, 1e9));
+  header.exif = std::move(*table);
+  CollectXmp(header);
+  return header;
+}
+
+std::uint32_t BigEndian32(const std::uint8_t* p) {
+  return (std::uint32_t{p[0]} << 24) | (std::uint32_t{p[1]} << 16) | (std::uint32_t{p[2]} << 8) | p[3];
+}
+
+Result<ImageHeader> ReadPng(ByteSource& source) {
+  constexpr int kMaxChunks = 100000;
+  constexpr std::uint32_t kMaxExif = 1u << 16, kMaxText = 1u << 20;
+  constexpr std::size_t kMaxPackets = 4;
+  ImageHeader header;
+  std::uint64_t offset = 8;
+  bool has_end = false, has_exif = false;
+  for (int chunk = 0; chunk < kMaxChunks && !has_end; ++chunk) {
+    std::uint8_t head[8];
+    if (!source.Read(offset, head)) break;
+    const std::uint32_t length = BigEndian32(head);
+    const std::string_view type(reinterpret_cast<const char*>(head + 4), 4);
+    const std::uint64_t body = offset + 8;
+    if (type == "IHDR" && length >= 8) {
+      std::uint8_t size[8];
+      if (!source.Read(body, size)) break;
+      header.width_px = static_cast<int>(std::min<std::uint32_t>(BigEndian32(size), 1000000000));
+      header.height_px = static_cast<int>(std::min<std::uint32_t>(BigEndian32(size + 4), 1000000000));
+    } else if (type == "eXIf" && length <= kMaxExif && !has_exif) {
+      has_exif = true;
+      header.exif = ReadExifSegment(source.ReadUpTo(body, length));
+    } else if (type == "iTXt" && length <= kMaxText) {
+      constexpr std::string_view kKey("XML:com.adobe.xmp\0\0\0\0\0", 22);  // uncompressed, no language
+      if (header.xmp_packets.size() >= kMaxPackets || !Has(source.ReadUpTo(body, kKey.size()), 0, kKey)) {
+        offset = body + length + 4;
+        continue;
+      }
+      const auto text = source.ReadUpTo(body, length);
+      if (text.size() > kKey.size()) header.xmp_packets.emplace_back(text.begin() + kKey.size(), text.end());
+    }
+    has_end = type == "IEND";
+    offset = body + length + 4;
+  }
+  if (header.width_px < 1 || header.height_px < 1 || !has_end) {
+    return Error{ErrorCode::kCorrupt, "The PNG is damaged or cut off. Copy the file again.", ""};
+  }
+  CollectXmp(header);
+  return header;
+}
+
+Result<ImageHeader> ReadByKind(ByteSource& source) {
+  if (source.size() == 0) {
+    return Error{ErrorCode::kCorrupt, "The file is empty. Copy it from the camera again.", ""};
+  }
+  const std::vector<std::uint8_t> start = source.ReadUpTo(0, 512);
+  if (start.empty()) return Error{ErrorCode::kIo, "The file cannot be read from the disk.", ""};
+  if (Has(start, 0, "\xFF\xD8\xFF")) return ReadJpeg(source);
+  if (Has(start, 0, std::string_view("II*\0", 4)) || Has(start, 0, std::string_view("MM\0*", 4)) ||
+      Has(start, 0, std::string_view("II+\0", 4)) || Has(start, 0, std::string_view("MM\0+", 4))) {
+    return ReadTiff(source);
+  }
+  if (Has(start, 0, "\x89PNG\r\n\x1A\n")) return ReadPng(source);
+  return NotAPhoto(start);
+}
+
+}  // namespace
+
+Result<ImageHeader> ReadImageHeader(ByteSource& source) {
+  auto header = ReadByKind(source);
+  if (!header) return header;
+  const double pixels = static_cast<double>(header->width_px) * header->height_px;
+  if (std::max(header->width_px, header->height_px) > kMaxPhotoSidePx || pixels > kMaxPhotoPixels) {
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("The image says it has {} x {} pixels; at most {} a side and {:.0f} million in all are "
+                    "read.",
+                    header->width_px, header->height_px, kMaxPhotoSidePx, kMaxPhotoPixels / 1e6),
+        ""};
+  }
+  constexpr int kSmallestSide = 16;
+  if (std::min(header->width_px, header->height_px) < kSmallestSide) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 fmt::format("The image has only {} x {} pixels: no aerial photo.", header->width_px,
+                             header->height_px),
+                 ""};
+  }
+  return header;
+}
+
+}  // namespace skyquilt::flight

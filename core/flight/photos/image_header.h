@@ -1,0 +1,24 @@
+// ReadImageHeader: which kind of picture the bytes are, its size, and its EXIF and XMP as found. JPEG, TIFF,
+// PNG. Bounded, never decodes pixels. Any thread. Sources: ITU-T T.81, TIFF 6.0, PNG 3rd edition.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/metadata/exif_table.h"
+#include "core/flight/photos/byte_source.h"
+
+namespace skyquilt::flight {
+
+struct ImageHeader {
+  int width_px = 0;
+  int height_px = 0;
+  ExifTable exif;
+  std::vector<std::string> xmp_packets;
+};
+
+// Errors: kUnsupportedFormat (says what it is, where known), kCorrupt, kTooLarge.
+Result<ImageHeader> ReadImageHeader(ByteSource& source);
+
+}  // namespace skyquilt::flight

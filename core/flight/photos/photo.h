@@ -1,0 +1,97 @@
+// Photo: what one photo file says of itself, normalised, with the raw values kept beside it. Values; any
+// thread. Angles are the CAMERA's, or marked as the airframe's: yaw clockwise from true north, pitch 0 =
+// horizon and -90 deg = straight down, roll right wing down; intrinsic Z-Y-X in NED, radians.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error_code.h"
+#include "core/camera/intrinsics.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::flight {
+
+using UtcTime = std::chrono::sys_time<std::chrono::microseconds>;
+
+// Height zero matters more than the number: each kind is kept apart, absent when not recorded.
+struct RecordedPosition {
+  geo::LatLon position;
+  std::optional<double> height_above_takeoff_m;
+  std::optional<double> height_above_ground_m;  // measured (range finder)
+  std::optional<double> height_amsl_m;
+  std::optional<double> height_ellipsoid_m;
+  std::optional<double> sigma_horizontal_m;
+  std::optional<double> sigma_vertical_m;
+  bool is_rtk_fixed = false;
+  std::string source;  // "xmp", "exif", "geo.txt", ...
+};
+
+enum class AttitudeKind {
+  kGimbal,    // the camera's own angles
+  kAirframe,  // the body's angles; the camera is fixed to it, looking down, image top forward unless told
+              // otherwise
+};
+
+struct RecordedAttitude {
+  AttitudeKind kind = AttitudeKind::kGimbal;
+  double yaw_rad = 0.0;
+  double pitch_rad = 0.0;  // horizon zero, also for sources that count from nadir
+  double roll_rad = 0.0;
+  std::string source;  // "drone-dji", "sensefly", "Camera", ...
+};
+
+struct RecordedVelocity {
+  double east_mps = 0.0;
+  double north_mps = 0.0;
+  double up_mps = 0.0;
+};
+
+enum class FocalSource {
+  kDewarpData,
+  kCalibrated,
+  kXmpCamera,
+  kFocalPlane,
+  kSensorTable,
+  k35mmEquivalent,
+  kAssumed
+};
+
+struct Photo {
+  std::string name;            // as the user named the file, without folders
+  std::filesystem::path path;  // where the bytes are
+  std::string make;
+  std::string model;
+  std::string software;
+  std::string camera_key;  // photos with the same key share one physical camera at one image size
+  camera::Intrinsics intrinsics;
+  FocalSource focal_source = FocalSource::kAssumed;
+  std::optional<UtcTime> captured_at;
+  bool captured_at_is_local = false;  // the clock was local and the zone is unknown
+  std::optional<RecordedPosition> position;
+  std::optional<RecordedAttitude> attitude;
+  std::optional<RecordedVelocity> velocity;
+  std::optional<double> exposure_time_s;
+  std::optional<double> readout_s;    // from the first row to the last, of a camera known to read row by row
+  bool is_resaved_by_viewer = false;  // the picture may have been turned after its angles were recorded
+  std::vector<std::string> notes;     // what was corrected or doubted on reading, in words
+  std::map<std::string, std::string> raw;  // tag name to printed value, as found
+};
+
+// A photo or file that takes no part in the map, and why.
+struct LeftOutPhoto {
+  std::string name;
+  ErrorCode code = ErrorCode::kCorrupt;
+  std::string reason;  // for the user, says what to do
+};
+
+// The order of a flight: by time of capture, then by name; photos without a time come last.
+bool ComesBefore(const Photo& a, const Photo& b);
+
+const char* FocalSourceName(FocalSource source);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,133 @@
+#include "core/flight/photos/photo_decoder.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <new>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/flight/photos/byte_source.h"
+#include "core/flight/photos/decode_errors.h"
+#include "core/flight/photos/jpeg_decoder.h"
+#include "core/flight/photos/png_decoder.h"
+#include "core/flight/photos/read_photo.h"
+
+namespace skyquilt::flight {
+namespace {
+
+using image::DecodedImage;
+using image::DecodedPart;
+
+int CeilDiv(int a, int b) { return (a + b - 1) / b; }
+
+Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
+                                    int denominator) {
+  cv::Mat bgr;
+  try {
+    bgr = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    return PictureDamaged(error.what());
+  }
+  if (bgr.empty()) return PictureDamaged("no picture came out");
+  if (bgr.cols != width_px || bgr.rows != height_px) return PictureChanged();
+  if (denominator > 1) {
+    const int width = CeilDiv(width_px, denominator);
+    const int height = CeilDiv(height_px, denominator);
+    cv::copyMakeBorder(bgr, bgr, 0, height * denominator - height_px, 0, width * denominator - width_px,
+                       cv::BORDER_REPLICATE);
+    cv::Mat smaller;
+    cv::resize(bgr, smaller, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+    bgr = smaller;
+  }
+  DecodedImage image;
+  image.width_px = bgr.cols;
+  image.height_px = bgr.rows;
+  image.rgb.resize(3 * bgr.total());
+  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.rgb.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+bool IsJpeg(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
+// What a format that cannot be read by parts takes while it is decoded, beside the file's bytes.
+std::int64_t WorkBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px) {
+  const std::int64_t pixels = std::int64_t{width_px} * height_px;
+  if (IsJpeg(bytes)) return JpegWorkBytes(bytes, width_px, height_px);
+  if (IsPng(bytes)) return PngWorkBytes(bytes, width_px, height_px);
+  return 9 * pixels;  // OpenCV's picture, its samples of 16 bits, and ours
+}
+
+Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t max_bytes) {
+  constexpr double kMib = 1 << 20;
+  return {ErrorCode::kTooLarge,
+          fmt::format(
+              "Decoding the picture takes {:.0f} MiB, and {:.0f} MiB are left for it. Raise --max-memory, "
+              "or save it as a JPEG that is not progressive.",
+              static_cast<double>(needed_bytes) / kMib, static_cast<double>(max_bytes) / kMib),
+          ""};
+}
+
+Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_bytes) {
+  auto source = OpenFileBytes(photo.path);
+  if (!source) return source.error();
+  const std::uint64_t size = (*source)->size();
+  if (size > static_cast<std::uint64_t>(max_bytes))
+    return NeedsTooMuch(static_cast<std::int64_t>(std::min<std::uint64_t>(size, INT64_MAX)), max_bytes);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  if (!(*source)->Read(0, bytes)) {
+    return Error{ErrorCode::kIo, "The picture's file cannot be read from the disk.", photo.path.string()};
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
+                                    int denominator, const std::optional<image::PixelBox>& box,
+                                    PixelBytes memory, std::int64_t max_bytes) {
+  SKYQUILT_CHECK(denominator == 1 || denominator == 2 || denominator == 4 || denominator == 8,
+                 "photos are decoded at 1, 1/2, 1/4 or 1/8");
+  const std::int64_t needed_bytes =
+      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
+  if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
+  if (IsJpeg(bytes)) return DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
+  if (IsPng(bytes)) return DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
+  Result<DecodedImage> image = DecodeByOpenCv(bytes, width_px, height_px, denominator);
+  if (!image) return image.error();
+  return DecodedPart{*std::move(image)};
+}
+
+Result<DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
+                                      int denominator) {
+  Result<DecodedPart> whole = DecodePhotoPart(bytes, width_px, height_px, denominator, std::nullopt);
+  if (!whole) return whole.error();
+  return std::move(whole->image);
+}
+
+Result<DecodedImage> FilePhotoSource::Decode(const Photo& photo, int denominator) const {
+  const auto bytes = ReadFile(photo, max_bytes_);
+  if (!bytes) return bytes.error();
+  Result<DecodedPart> whole = DecodePhotoPart(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px,
+                                              denominator, std::nullopt, {}, max_bytes_);
+  if (!whole) return whole.error();
+  return std::move(whole->image);
+}
+
+Result<DecodedPart> FilePhotoSource::DecodePart(const Photo& photo, int denominator,
+                                                const image::PixelBox& box, PixelBytes memory) const {
+  const auto bytes = ReadFile(photo, max_bytes_);
+  if (!bytes) return bytes.error();
+  return DecodePhotoPart(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator, box,
+                         std::move(memory), max_bytes_);
+}
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,45 @@
+// FilePhotoSource: decodes photos from the files their records name. JPEG by libjpeg-turbo, which makes the
+// smaller sizes while decoding; PNG by libpng, row by row; TIFF by OpenCV, whole (16 bits are brought to 8).
+// Grey and CMYK become RGB. EXIF orientation is not applied. At 1/d every output pixel covers exactly d x d
+// source pixels; the last row and column may hang over the edge. Any number of threads at a time; memory: one
+// file's bytes and the picture or part that is asked for a call, and what a format that cannot be read by
+// parts takes beside it, which is bounded.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/flight/photos/photo_source.h"
+#include "core/image/decoded_image.h"
+
+namespace skyquilt::flight {
+
+// What decoding may take at once beside the picture that comes out, file and working memory together.
+inline constexpr std::int64_t kMaxDecodeBytes = std::int64_t{1} << 30;
+
+class FilePhotoSource final : public PhotoSource {
+ public:
+  // A photo whose decoding takes more than `max_bytes` is refused (kTooLarge).
+  explicit FilePhotoSource(std::int64_t max_bytes = kMaxDecodeBytes) : max_bytes_(max_bytes) {}
+  // Errors: kCorrupt (damaged, cut off, or not the picture it was when its header was read),
+  // kUnsupportedFormat, kTooLarge, kIo, kNotFound. Asks that `denominator` is 1, 2, 4 or 8.
+  Result<image::DecodedImage> Decode(const Photo& photo, int denominator) const override;
+  Result<image::DecodedPart> DecodePart(const Photo& photo, int denominator, const image::PixelBox& box,
+                                        PixelBytes memory) const override;
+
+ private:
+  const std::int64_t max_bytes_;
+};
+
+// The same from bytes in memory; `width_px`, `height_px` are what the header said.
+Result<image::DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, int width_px,
+                                             int height_px, int denominator);
+
+// Of a JPEG no more than `box` and a little around it; of anything else, or with no box, everything.
+Result<image::DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px,
+                                           int height_px, int denominator,
+                                           const std::optional<image::PixelBox>& box, PixelBytes memory = {},
+                                           std::int64_t max_bytes = kMaxDecodeBytes);
+
+}  // namespace skyquilt::flight

@@ -1,0 +1,29 @@
+// PhotoSource: the port through which the stages get photos' pixels. Implemented by PhotoDecoder for files,
+// and by whoever has pictures in memory.
+#pragma once
+
+#include <utility>
+
+#include "core/base/result.h"
+#include "core/flight/photos/photo.h"
+#include "core/image/decoded_image.h"
+
+namespace skyquilt::flight {
+
+class PhotoSource {
+ public:
+  virtual ~PhotoSource() = default;
+  // Decodes at 1/denominator of the size (1, 2, 4 or 8; sides rounded up). Any number of threads at a time.
+  // Errors: kCorrupt (damaged or cut off), kUnsupportedFormat, kIo.
+  virtual Result<image::DecodedImage> Decode(const Photo& photo, int denominator) const = 0;
+  // At least those pixels of what Decode gives; damage elsewhere may go unnoticed. `memory` is of no use to
+  // the caller any more: whoever can makes the picture in it, which saves the machine's fetching more.
+  virtual Result<image::DecodedPart> DecodePart(const Photo& photo, int denominator,
+                                                const image::PixelBox& /*box*/, PixelBytes /*memory*/) const {
+    Result<image::DecodedImage> whole = Decode(photo, denominator);
+    if (!whole) return whole.error();
+    return image::DecodedPart{*std::move(whole)};
+  }
+};
+
+}  // namespace skyquilt::flight

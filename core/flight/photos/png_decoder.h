@@ -1,0 +1,26 @@
+// DecodePng: a PNG row by row, so that memory holds the picture that is asked for and one row, whatever its
+// size. Interlaced ones come in seven passes over the whole picture and take all of it. Grey and palettes
+// become RGB, 16 bits 8, alpha is dropped. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/base/result.h"
+#include "core/image/decoded_image.h"
+
+namespace skyquilt::flight {
+
+bool IsPng(std::span<const std::uint8_t> bytes);
+
+// What DecodePng takes beside the picture that it returns.
+std::int64_t PngWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px);
+
+// At 1/denominator, each pixel the mean of denominator x denominator, of which the last row and column repeat
+// the picture's border; of `box` (in pixels at that scale) or, without one, of everything. Errors: kCorrupt.
+Result<image::DecodedPart> DecodePng(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                                     int denominator, const std::optional<image::PixelBox>& box,
+                                     PixelBytes memory = {});
+
+}  // namespace skyquilt::flight

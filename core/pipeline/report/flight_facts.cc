@@ -1,0 +1,226 @@
+#include "core/pipeline/report/flight_facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/pipeline/report/locate.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Json = nlohmann::json;
+
+// Raised whenever the meaning changes, or alignment so much that a flight should be aligned anew.
+constexpr int kVersion = 4;
+
+Json Binary(const void* data, std::size_t bytes) {
+  const auto* first = static_cast<const std::uint8_t*>(data);
+  return Json::binary(std::vector<std::uint8_t>(first, first + bytes));
+}
+
+Json OfDigest(const Digest& digest) { return Binary(digest.data(), digest.size()); }
+
+Digest ToDigest(const Json& json) {
+  const std::vector<std::uint8_t>& bytes = json.get_binary();
+  Digest digest{};
+  if (bytes.size() == digest.size()) std::copy(bytes.begin(), bytes.end(), digest.begin());
+  return digest;
+}
+
+Json OfTone(const render::PhotoTone& tone) {
+  return {{"gain", tone.gain}, {"vignetting", tone.vignetting.a}};
+}
+
+// Names may be any bytes, which CBOR's text may not.
+Json OfText(const std::string& text) { return Binary(text.data(), text.size()); }
+std::string ToText(const Json& json) {
+  const std::vector<std::uint8_t>& bytes = json.get_binary();
+  return {bytes.begin(), bytes.end()};
+}
+
+// Runs of equal labels, row by row: photo, then how many cells.
+Json OfLook(const FlightLook& look) {
+  std::vector<std::int32_t> runs;
+  for (int row = 0; row < look.labels.rows(); ++row) {
+    for (int column = 0; column < look.labels.columns(); ++column) {
+      const std::int32_t label = look.labels.At(column, row);
+      if (runs.empty() || runs[runs.size() - 2] != label) runs.insert(runs.end(), {label, 0});
+      ++runs.back();
+    }
+  }
+  Json tones = Json::array();
+  for (const render::PhotoTone& tone : look.tones) tones.push_back(OfTone(tone));
+  return {{"gsd_m", look.gsd_m},
+          {"tones", tones},
+          {"zoom", look.grid.zoom},
+          {"tile_size_px", look.grid.tile_size_px},
+          {"cell_px", look.grid.cell_px},
+          {"first_column", look.grid.first_column},
+          {"first_row", look.grid.first_row},
+          {"columns", look.grid.columns},
+          {"rows", look.grid.rows},
+          {"labels", Binary(runs.data(), runs.size() * sizeof(std::int32_t))}};
+}
+
+FlightLook ToLook(const Json& json, std::size_t photos) {
+  FlightLook look;
+  look.gsd_m = json.at("gsd_m");
+  for (const Json& tone : json.at("tones")) {
+    look.tones.push_back(
+        {tone.at("gain").get<std::array<double, 3>>(), {tone.at("vignetting").get<std::array<double, 3>>()}});
+  }
+  look.grid.zoom = json.at("zoom");
+  look.grid.tile_size_px = json.at("tile_size_px");
+  look.grid.cell_px = json.at("cell_px");
+  look.grid.first_column = json.at("first_column");
+  look.grid.first_row = json.at("first_row");
+  look.grid.columns = json.at("columns");
+  look.grid.rows = json.at("rows");
+  constexpr int kMaxCells = 1 << 20;  // a side
+  if (look.grid.columns < 0 || look.grid.rows < 0 || look.grid.columns > kMaxCells ||
+      look.grid.rows > kMaxCells) {
+    throw Json::other_error::create(500, "the seam grid is of no size", nullptr);
+  }
+  look.labels = render::SeamLabels(look.grid.columns, look.grid.rows);
+  const std::vector<std::uint8_t>& bytes = json.at("labels").get_binary();
+  std::vector<std::int32_t> runs(bytes.size() / sizeof(std::int32_t));
+  std::copy_n(bytes.data(), runs.size() * sizeof(std::int32_t), reinterpret_cast<std::uint8_t*>(runs.data()));
+  std::int64_t cell = 0;
+  const std::int64_t cells = std::int64_t{look.grid.columns} * look.grid.rows;
+  for (std::size_t run = 0; run + 1 < runs.size(); run += 2) {
+    const bool is_photo = runs[run] >= 0 && static_cast<std::size_t>(runs[run]) < photos;
+    for (std::int32_t k = 0; k < runs[run + 1] && cell < cells; ++k, ++cell) {
+      if (!is_photo) continue;
+      look.labels.Set(static_cast<int>(cell % look.grid.columns), static_cast<int>(cell / look.grid.columns),
+                      runs[run]);
+    }
+  }
+  return look;
+}
+
+FlightFacts Parse(std::string_view bytes) {
+  const Json json = Json::from_cbor(bytes);
+  FlightFacts facts;
+  if (json.at("version") != kVersion) return facts;
+  facts.options = ToDigest(json.at("options"));
+  for (const Json& input : json.at("inputs")) {
+    facts.inputs.push_back(
+        {{ToText(input.at("name")), ToText(input.at("path"))}, ToDigest(input.at("digest"))});
+  }
+  const Result<LocatedMap> located = ParseLocateJson(json.at("locate").get_ref<const std::string&>());
+  if (!located) throw Json::other_error::create(500, located.error().message, nullptr);
+  facts.ground = located->ground;
+  facts.flight.frame = located->frame;
+  facts.flight.ground_z_in_enu_m = json.at("ground_z_m");
+  facts.flight.warnings = json.at("warnings").get<std::vector<std::string>>();
+  for (const Json& left_out : json.at("left_out")) {
+    facts.flight.left_out.push_back(
+        {ToText(left_out.at("name")), left_out.at("code").get<ErrorCode>(), ToText(left_out.at("reason"))});
+  }
+  const Json& photos = json.at("photos");
+  if (photos.size() != located->cameras.size()) {
+    throw Json::other_error::create(500, "numbers of photos differ", nullptr);
+  }
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    const LocatedCamera& camera = located->cameras[i];
+    alignment::AlignedPhoto photo;
+    photo.photo.name = ToText(photos[i].at("name"));
+    photo.photo.camera_key = ToText(photos[i].at("camera_key"));
+    photo.intrinsics = camera.intrinsics;
+    photo.cam_from_enu = camera.cam_from_enu;
+    photo.placement = camera.placement;
+    photo.placement_reason = ToText(photos[i].at("reason"));
+    photo.error_radius_m = camera.error_radius_m;
+    photo.height_above_ground_m = photos[i].at("height_m");
+    for (int axis = 0; axis < 3; ++axis)
+      photo.readout_motion_in_enu_m[axis] =
+          photos[i].at("readout_motion_m").at(static_cast<std::size_t>(axis));
+    const std::vector<std::uint8_t>& jpeg = photos[i].at("thumbnail").get_binary();
+    facts.thumbnails.push_back(
+        {photo.photo.name, photos[i].at("thumbnail_size").at(0), photos[i].at("thumbnail_size").at(1), jpeg});
+    facts.flight.photos.push_back(std::move(photo));
+  }
+  facts.height_rule = json.at("height_rule");
+  facts.is_placed = json.at("is_placed");
+  facts.is_by_images = json.at("is_by_images");
+  facts.alignment_json = json.at("alignment");
+  facts.ground_json = json.at("ground");
+  facts.poses_json = json.at("poses");
+  if (const Json& look = json.at("look"); !look.is_null()) facts.look = ToLook(look, photos.size());
+  return facts;
+}
+
+}  // namespace
+
+Digest DigestOfPlacing(const MosaicOptions& options) {
+  Hasher hasher;
+  hasher.Add(kVersion)
+      .Add(static_cast<int>(options.method))
+      .Add(options.landed_at_start)
+      .Add(options.dem_path);
+  hasher.Add(options.readout_s.has_value()).Add(options.readout_s.value_or(0.0));
+  hasher.Add(options.origin.has_value());
+  if (options.origin) hasher.Add(options.origin->lat_deg).Add(options.origin->lon_deg);
+  if (!options.dem_path.empty()) {
+    // One that cannot be read is refused where it is opened.
+    if (const Result<Digest> dem = DigestOfFile(options.dem_path)) hasher.AddBytes(dem->data(), dem->size());
+  }
+  return hasher.Finish();
+}
+
+std::string WriteFacts(const FlightFacts& facts) {
+  Json json;
+  json["version"] = kVersion;
+  json["options"] = OfDigest(facts.options);
+  json["inputs"] = Json::array();
+  for (const NamedDigest& input : facts.inputs) {
+    json["inputs"].push_back({{"name", OfText(input.file.name)},
+                              {"path", OfText(input.file.path.string())},
+                              {"digest", OfDigest(input.digest)}});
+  }
+  json["locate"] = LocateJson(facts.flight, facts.ground);
+  json["ground_z_m"] = facts.flight.ground_z_in_enu_m;
+  json["warnings"] = facts.flight.warnings;
+  json["left_out"] = Json::array();
+  for (const flight::LeftOutPhoto& photo : facts.flight.left_out) {
+    json["left_out"].push_back(
+        {{"name", OfText(photo.name)}, {"code", photo.code}, {"reason", OfText(photo.reason)}});
+  }
+  json["photos"] = Json::array();
+  for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {
+    const alignment::AlignedPhoto& photo = facts.flight.photos[i];
+    const render::Thumbnail& thumbnail = facts.thumbnails[i];
+    json["photos"].push_back({{"name", OfText(photo.photo.name)},
+                              {"camera_key", OfText(photo.photo.camera_key)},
+                              {"reason", OfText(photo.placement_reason)},
+                              {"height_m", photo.height_above_ground_m},
+                              {"readout_motion_m",
+                               {photo.readout_motion_in_enu_m.x(), photo.readout_motion_in_enu_m.y(),
+                                photo.readout_motion_in_enu_m.z()}},
+                              {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
+                              {"thumbnail", Binary(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
+  }
+  json["height_rule"] = facts.height_rule;
+  json["is_placed"] = facts.is_placed;
+  json["is_by_images"] = facts.is_by_images;
+  json["alignment"] = facts.alignment_json;
+  json["ground"] = facts.ground_json;
+  json["poses"] = facts.poses_json;
+  json["look"] = facts.look ? OfLook(*facts.look) : Json(nullptr);
+  const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
+  return {bytes.begin(), bytes.end()};
+}
+
+Result<FlightFacts> ParseFacts(std::string_view bytes) {
+  try {
+    return Parse(bytes);
+  } catch (const Json::exception& broken) {
+    return Error{ErrorCode::kCorrupt, "what an earlier run remembered of the flight is damaged",
+                 broken.what()};
+  }
+}
+
+}  // namespace skyquilt::pipeline

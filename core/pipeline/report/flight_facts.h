@@ -1,0 +1,56 @@
+// FlightFacts: what a run remembers of its flight for the next one: where every photo was placed and how its
+// light was evened out, the ground, and which photo shows what. From it a killed run goes on without
+// comparing photos again, and photos added to a finished flight are placed against it while everything else
+// stays. Kept in mosaic.state as CBOR (RFC 8949). A value; any thread. Errors of parsing: kCorrupt.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/base/digest.h"
+#include "core/flight/lists/input_file.h"
+#include "core/ground/ground_surface.h"
+#include "core/pipeline/mosaic_options.h"
+#include "core/render/exposure/exposure.h"
+#include "core/render/mosaic_plan.h"
+#include "core/render/seams/seam_map.h"
+#include "core/render/thumbnail.h"
+
+namespace skyquilt::pipeline {
+
+struct NamedDigest {
+  flight::InputFile file;
+  Digest digest{};
+};
+
+// How the map looks, decided before it was rendered.
+struct FlightLook {
+  double gsd_m = 0.0;
+  std::vector<render::PhotoTone> tones;  // one a photo
+  render::SeamGrid grid;
+  render::SeamLabels labels;
+};
+
+struct FlightFacts {
+  Digest options{};                 // of what alignment was asked to do
+  std::vector<NamedDigest> inputs;  // all files, also those that are no photos
+  alignment::AlignedFlight flight;  // without tie points; photos hold their name, camera and lens alone
+  ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
+  std::vector<render::Thumbnail> thumbnails;  // one a photo
+  std::string height_rule;
+  bool is_placed = true;
+  bool is_by_images = false;  // some photos were placed by what they show, against or without their records
+  std::string alignment_json, ground_json, poses_json;
+  std::optional<FlightLook> look;  // absent: the run was killed before
+};
+
+// Of the options that decide where photos lie.
+Digest DigestOfPlacing(const MosaicOptions& options);
+
+std::string WriteFacts(const FlightFacts& facts);
+Result<FlightFacts> ParseFacts(std::string_view bytes);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,123 @@
+#include "core/pipeline/report/mosaic_report.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error_code.h"
+#include "core/geo/lat_lon.h"
+#include "core/ground/footprint_on_ground.h"
+#include "core/poses/conventions/attitude_convention.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double Rounded(double value, int digits) {
+  const double scale = std::pow(10.0, digits);
+  return std::round(value * scale) / scale;
+}
+
+Json ParsedOrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json::parse(text); }
+
+// Names come from file systems and need not be UTF-8.
+std::string Printed(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string IsoTime(const flight::UtcTime& time) {
+  const auto milliseconds = std::chrono::floor<std::chrono::milliseconds>(time);
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(milliseconds);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)),
+                     (milliseconds - seconds).count());
+}
+
+Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& frame,
+                   const ground::GroundSurface& ground) {
+  Json ring = Json::array();
+  for (const Eigen::Vector2d& point :
+       ground::FootprintOnGround(ground, photo.intrinsics, photo.cam_from_enu, 4)) {
+    const geo::Wgs84 wgs84 = frame.Wgs84FromEnu({point.x(), point.y(), ground.HeightAt(point)});
+    ring.push_back({Rounded(wgs84.lon_deg, 9), Rounded(wgs84.lat_deg, 9)});
+  }
+  if (!ring.empty()) ring.push_back(ring.front());
+  return ring;
+}
+
+}  // namespace
+
+std::string ReportJson(const MosaicReport& report) {
+  Json left_out = Json::array();
+  for (const flight::LeftOutPhoto& photo : report.left_out_photos) {
+    left_out.push_back({{"name", photo.name}, {"code", ErrorCodeName(photo.code)}, {"reason", photo.reason}});
+  }
+  Json timings = Json::array();
+  for (const StageTiming& timing : report.timings) {
+    timings.push_back({{"stage", timing.stage},
+                       {"wall_s", Rounded(timing.wall_s, 3)},
+                       {"cpu_s", Rounded(timing.cpu_s, 3)}});
+  }
+  Json json;
+  json["title"] = report.title;
+  json["photos"] = {{"total", report.photos_total},
+                    {"aligned", report.photos_aligned},
+                    {"pose_only", report.photos_pose_only},
+                    {"left_out", report.photos_left_out}};
+  json["left_out_photos"] = left_out;
+  json["gsd_m"] = Rounded(report.gsd_m, 6);
+  json["area_m2"] = Rounded(report.area_m2, 2);
+  json["bounds"] = Json::array();
+  for (const double bound : report.bounds) json["bounds"].push_back(Rounded(bound, 12));
+  json["min_zoom"] = report.min_zoom;
+  json["max_zoom"] = report.max_zoom;
+  json["tile_size_px"] = report.tile_size_px;
+  json["tile_count"] = report.tile_count;
+  json["blocks"] = {{"total", report.blocks}, {"kept", report.blocks_kept}};
+  json["height_rule"] = report.height_rule;
+  json["is_placed"] = report.is_placed;
+  json["timings"] = timings;
+  json["peak_memory_bytes"] = report.peak_memory_bytes;
+  json["warnings"] = report.warnings;
+  json["poses"] = ParsedOrNull(report.poses_json);
+  json["ground"] = ParsedOrNull(report.ground_json);
+  json["seams"] = ParsedOrNull(report.seams_json);
+  json["alignment"] = ParsedOrNull(report.alignment_json);
+  return Printed(json);
+}
+
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground) {
+  Json features = Json::array();
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    const Eigen::Vector3d camera_in_enu = photo.cam_from_enu.TargetOriginInSource();
+    const geo::Wgs84 camera = flight.frame.Wgs84FromEnu(camera_in_enu);
+    const poses::CameraAngles angles = poses::AnglesOf(photo.cam_from_enu.rotation);
+    const Json ring = FootprintRing(photo, flight.frame, ground);
+    Json properties;
+    properties["name"] = photo.photo.name;
+    properties["placement"] = alignment::PlacementName(photo.placement);
+    properties["reason"] = photo.placement_reason;
+    properties["error_radius_m"] = Rounded(photo.error_radius_m, 3);
+    properties["camera_lon"] = Rounded(camera.lon_deg, 9);
+    properties["camera_lat"] = Rounded(camera.lat_deg, 9);
+    properties["camera_height_above_ground_m"] =
+        Rounded(camera_in_enu.z() - ground.HeightAt(camera_in_enu.head<2>()), 3);
+    properties["yaw_deg"] = Rounded(geo::RadToDeg(angles.yaw_rad), 3);
+    properties["pitch_deg"] = Rounded(geo::RadToDeg(angles.pitch_rad), 3);
+    properties["roll_deg"] = Rounded(geo::RadToDeg(angles.roll_rad), 3);
+    if (photo.photo.captured_at) {
+      properties["captured_at"] =
+          IsoTime(*photo.photo.captured_at) + (photo.photo.captured_at_is_local ? "" : "Z");
+    } else {
+      properties["captured_at"] = nullptr;
+    }
+    Json geometry = nullptr;
+    if (!ring.empty()) geometry = {{"type", "Polygon"}, {"coordinates", Json::array({ring})}};
+    features.push_back({{"type", "Feature"}, {"geometry", geometry}, {"properties", properties}});
+  }
+  return Printed({{"type", "FeatureCollection"}, {"features", features}});
+}
+
+}  // namespace skyquilt::pipeline

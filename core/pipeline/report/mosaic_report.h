@@ -1,0 +1,54 @@
+// MosaicReport: what was made and how good it is. Prints itself as report.json (schema:
+// core/pipeline/report.schema.json) and the photos as GeoJSON (RFC 7946). A value; any thread.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/flight/photos/photo.h"
+#include "core/ground/ground_surface.h"
+
+namespace skyquilt::pipeline {
+
+struct StageTiming {
+  std::string stage;
+  double wall_s = 0.0;
+  double cpu_s = 0.0;  // of all threads
+};
+
+struct MosaicReport {
+  std::string title;
+  int photos_total = 0;
+  int photos_aligned = 0;
+  int photos_pose_only = 0;
+  int photos_left_out = 0;
+  std::vector<flight::LeftOutPhoto> left_out_photos;
+  double gsd_m = 0.0;              // of the photos (median at the image centres)
+  double area_m2 = 0.0;            // covered ground
+  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  int min_zoom = 0;
+  int max_zoom = 0;
+  int tile_size_px = 256;  // above zoom 22 the tiles grow instead of the zoom
+  std::int64_t tile_count = 0;
+  std::int64_t blocks = 0;       // the components that the map is rendered in
+  std::int64_t blocks_kept = 0;  // of those, taken over from an earlier run
+  std::string height_rule;
+  bool is_placed = true;  // false: nothing says where on Earth the flight was; scale and north are right
+  std::vector<StageTiming> timings;
+  std::int64_t peak_memory_bytes = 0;
+  std::vector<std::string> warnings;
+  std::string alignment_json;  // a JSON object of the alignment's own figures; empty without alignment
+  std::string ground_json;     // a JSON object of the ground model
+  std::string seams_json;      // a JSON object of how far photos disagree where they meet
+  std::string poses_json;      // a JSON object of pose estimation's own figures; empty when none
+};
+
+std::string ReportJson(const MosaicReport& report);
+// A FeatureCollection with one footprint polygon a photo, on the modelled ground.
+std::string PhotosGeoJson(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,89 @@
+#include "core/pipeline/report/odm_exports.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "core/base/check.h"
+#include "core/flight/logs/texts/geo_txt.h"
+#include "core/poses/conventions/attitude_convention.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// OpenSfM measures in widths of the longer side, from the middle of the picture.
+Json BrownModel(const camera::Intrinsics& lens) {
+  const double size_px = std::max(lens.width_px, lens.height_px);
+  return {{"projection_type", "brown"},
+          {"width", lens.width_px},
+          {"height", lens.height_px},
+          {"focal_x", lens.focal_x_px / size_px},
+          {"focal_y", lens.focal_y_px / size_px},
+          {"c_x", (lens.center_x_px - 0.5 * (lens.width_px - 1)) / size_px},
+          {"c_y", (lens.center_y_px - 0.5 * (lens.height_px - 1)) / size_px},
+          {"k1", lens.k1},
+          {"k2", lens.k2},
+          {"p1", lens.p1},
+          {"p2", lens.p2},
+          {"k3", lens.k3}};
+}
+
+std::string CameraId(const flight::Photo& photo) {
+  const camera::Intrinsics& lens = photo.intrinsics;
+  std::string id = fmt::format("v2 {} {} {} {} brown {:.4f}", photo.make, photo.model, lens.width_px,
+                               lens.height_px, lens.focal_x_px / std::max(lens.width_px, lens.height_px));
+  std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return std::tolower(c); });
+  return id;
+}
+
+// Angles of the airframe that a down-looking camera would be fixed to: zero where gimbal angles turn
+// singular.
+Eigen::Vector3d AirframeAngles(const Eigen::Quaterniond& cam_from_enu) {
+  const Eigen::Matrix3d ned_from_body =
+      (poses::EnuFromNed().conjugate() * cam_from_enu.conjugate() * poses::CamFromBody()).toRotationMatrix();
+  return {std::atan2(ned_from_body(1, 0), ned_from_body(0, 0)),
+          std::asin(std::clamp(-ned_from_body(2, 0), -1.0, 1.0)),
+          std::atan2(ned_from_body(2, 1), ned_from_body(2, 2))};
+}
+
+}  // namespace
+
+std::string OdmCamerasJson(const alignment::AlignedFlight& flight) {
+  std::map<std::string, const alignment::AlignedPhoto*> photo_of_camera;
+  for (const alignment::AlignedPhoto& photo : flight.photos)
+    photo_of_camera.emplace(photo.photo.camera_key, &photo);
+  Json cameras = Json::object();
+  for (const auto& [key, photo] : photo_of_camera) {
+    // "all" fits whatever name OpenSfM gives a flight's only camera.
+    cameras[photo_of_camera.size() == 1 ? "all" : CameraId(photo->photo)] = BrownModel(photo->intrinsics);
+  }
+  return cameras.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string OdmGeoTxt(const alignment::AlignedFlight& flight) {
+  std::vector<flight::CameraEvent> events;
+  for (const alignment::AlignedPhoto& photo : flight.photos) {
+    if (photo.photo.name.find_first_of(" \t\r\n") != std::string::npos) continue;
+    const geo::Wgs84 center = flight.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    flight::CameraEvent event;
+    event.image_name = photo.photo.name;
+    event.position = geo::LatLon{center.lat_deg, center.lon_deg};
+    event.height_ellipsoid_m = center.height_ellipsoid_m;
+    event.yaw_pitch_roll_rad = AirframeAngles(photo.cam_from_enu.rotation);
+    event.attitude_kind = flight::AttitudeKind::kAirframe;
+    event.sigma_in_ned_m = Eigen::Vector3d::Constant(std::max(0.01, photo.error_radius_m));
+    events.push_back(std::move(event));
+  }
+  const Result<std::string> text = flight::WriteGeoTxt(events);
+  SKYQUILT_CHECK(text.ok(), "names with blanks were left out");
+  return *text;
+}
+
+}  // namespace skyquilt::pipeline

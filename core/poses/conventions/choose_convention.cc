@@ -1,0 +1,180 @@
+#include "core/poses/conventions/choose_convention.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "core/base/median.h"
+#include "core/geo/local_frame.h"
+#include "core/poses/conventions/attitude_convention.h"
+#include "core/poses/evidence/course.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::AttitudeKind;
+using flight::Photo;
+using flight::RecordedAttitude;
+
+struct Reading {
+  std::string_view name;
+  RecordedAttitude (*of)(const RecordedAttitude&);
+};
+
+RecordedAttitude AsRecorded(const RecordedAttitude& a) { return a; }
+RecordedAttitude FromNadir(const RecordedAttitude& a) {
+  RecordedAttitude read = a;
+  read.pitch_rad -= 0.5 * geo::kPi;
+  return read;
+}
+RecordedAttitude DownPositive(const RecordedAttitude& a) {
+  RecordedAttitude read = a;
+  read.pitch_rad = -read.pitch_rad;
+  return read;
+}
+RecordedAttitude OfAirframe(const RecordedAttitude& a) {
+  RecordedAttitude read = a;
+  read.kind = AttitudeKind::kAirframe;
+  return read;
+}
+RecordedAttitude OfCamera(const RecordedAttitude& a) {
+  RecordedAttitude read = a;
+  read.kind = AttitudeKind::kGimbal;
+  return read;
+}
+
+std::vector<Reading> ReadingsOf(AttitudeKind kind) {
+  if (kind == AttitudeKind::kAirframe)
+    return {{"as recorded", AsRecorded}, {"as the camera's own", OfCamera}};
+  return {{"as recorded", AsRecorded},
+          {"as the airframe's", OfAirframe},
+          {"with pitch from nadir", FromNadir},
+          {"with pitch down positive", DownPositive}};
+}
+
+// What the photos' positions and heights say, in metres about the first.
+struct Place {
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();
+  double height_m = 0.0;
+  double footprint_m = 0.0;
+};
+
+std::vector<std::optional<Place>> PlacesOf(const std::vector<Photo>& photos) {
+  std::vector<std::optional<Place>> places(photos.size());
+  std::optional<geo::LocalFrame> frame;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].position) continue;
+    const flight::RecordedPosition& p = *photos[i].position;
+    const geo::Wgs84 here{p.position.lat_deg, p.position.lon_deg, 0.0};
+    if (!frame) frame.emplace(here);
+    Place place;
+    place.at = frame->EnuFromWgs84(here).head<2>();
+    place.height_m = p.height_above_ground_m.value_or(p.height_above_takeoff_m.value_or(60.0));
+    const camera::Intrinsics& lens = photos[i].intrinsics;
+    place.footprint_m = place.height_m * std::max(lens.width_px, lens.height_px) / lens.MeanFocalPx();
+    places[i] = place;
+  }
+  return places;
+}
+
+// 1: every photo looks at the ground below the flight and shares it with the next; 0: none does.
+double Score(const std::vector<Photo>& photos, const std::vector<std::optional<Place>>& places,
+             const Reading& reading) {
+  int seen = 0, angles = 0, shared = 0, pairs = 0;
+  std::optional<std::pair<Eigen::Vector2d, double>> before;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].attitude) continue;
+    ++angles;
+    const Eigen::Vector3d axis =
+        CamFromEnu(reading.of(*photos[i].attitude)).conjugate() * Eigen::Vector3d::UnitZ();
+    const bool looks_down = axis.z() < -0.35;  // 20 degrees below the horizon
+    seen += looks_down ? 1 : 0;
+    if (!places[i]) continue;
+    std::optional<std::pair<Eigen::Vector2d, double>> here;
+    if (looks_down) {
+      here = {places[i]->at - places[i]->height_m / axis.z() * axis.head<2>(), places[i]->footprint_m};
+    }
+    pairs += i > 0 ? 1 : 0;
+    if (here && before && (here->first - before->first).norm() < here->second) ++shared;
+    before = here;
+  }
+  if (angles == 0) return 0.0;
+  const double by_ground = static_cast<double>(seen) / angles;
+  return pairs == 0 ? by_ground : 0.5 * by_ground + 0.5 * shared / pairs;
+}
+
+// "heading minus course -1 deg (half within 2)" for photos that move.
+std::string Difference(std::string_view what, const std::vector<double>& differences_rad) {
+  if (differences_rad.size() < 3) return "";
+  double east = 0.0, north = 0.0;
+  for (const double d : differences_rad) {
+    east += std::sin(d);
+    north += std::cos(d);
+  }
+  const double mean = std::atan2(east, north);
+  std::vector<double> apart;
+  for (const double d : differences_rad) apart.push_back(std::abs(geo::WrapRad(d - mean)));
+  return fmt::format("; heading minus {} {:+.0f} deg, half of {} photos within {:.0f} deg of that", what,
+                     geo::RadToDeg(mean), differences_rad.size(), geo::RadToDeg(Median(std::move(apart))));
+}
+
+double HeadingOf(const RecordedAttitude& attitude) { return AnglesOf(CamFromEnu(attitude)).yaw_rad; }
+
+}  // namespace
+
+ConventionChoice ChooseConvention(std::vector<Photo>& photos,
+                                  const std::vector<std::optional<double>>& airframe_yaw_rad) {
+  ConventionChoice choice;
+  const auto first =
+      std::find_if(photos.begin(), photos.end(), [](const Photo& p) { return p.attitude.has_value(); });
+  if (first == photos.end()) return choice;
+  const AttitudeKind kind = first->attitude->kind;
+  const std::vector<std::optional<Place>> places = PlacesOf(photos);
+  const std::vector<Reading> readings = ReadingsOf(kind);
+  std::vector<double> scores;
+  for (const Reading& reading : readings) scores.push_back(Score(photos, places, reading));
+  const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
+  // A panorama of few photos may well look at the horizon.
+  constexpr int kFewPhotos = 5;
+  const auto with_angles =
+      std::count_if(photos.begin(), photos.end(), [](const Photo& p) { return p.attitude.has_value(); });
+  choice.is_changed = best != 0 && with_angles >= kFewPhotos && scores[0] < 0.3 && scores[best] > 0.8;
+  const Reading& taken = readings[choice.is_changed ? best : 0];
+  choice.words =
+      fmt::format("{} angles of {} read {} (fit", kind == AttitudeKind::kGimbal ? "camera" : "airframe",
+                  first->attitude->source, taken.name);
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    choice.words += fmt::format("{} {} {:.2f}", i == 0 ? "" : ",", readings[i].name, scores[i]);
+  }
+  choice.words += ")";
+  if (choice.is_changed) {
+    for (Photo& photo : photos) {
+      if (photo.attitude) photo.attitude = taken.of(*photo.attitude);
+    }
+  }
+
+  std::vector<Eigen::Vector2d> track;
+  std::vector<const Photo*> on_track;
+  std::vector<double> against_airframe;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].attitude) continue;
+    if (i < airframe_yaw_rad.size() && airframe_yaw_rad[i]) {
+      against_airframe.push_back(geo::WrapRad(HeadingOf(*photos[i].attitude) - *airframe_yaw_rad[i]));
+    }
+    if (!places[i]) continue;
+    track.push_back(places[i]->at);
+    on_track.push_back(&photos[i]);
+  }
+  const auto courses = CoursesFromPositions(track);
+  std::vector<double> against_course;
+  for (std::size_t k = 0; k < courses.size(); ++k) {
+    if (courses[k]) against_course.push_back(geo::WrapRad(HeadingOf(*on_track[k]->attitude) - *courses[k]));
+  }
+  choice.words += Difference("course", against_course) + Difference("the log's airframe", against_airframe);
+  return choice;
+}
+
+}  // namespace skyquilt::poses

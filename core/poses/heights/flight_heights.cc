@@ -1,0 +1,198 @@
+#include "core/poses/heights/flight_heights.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/median.h"
+#include "core/geo/geoid.h"
+#include "core/geo/local_frame.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::Photo;
+using flight::RecordedPosition;
+
+std::optional<double> AboveGround(const RecordedPosition& position) {
+  // A relative height of a few decimetres is a drone on the ground or a field that is never filled.
+  if (position.height_above_takeoff_m && *position.height_above_takeoff_m > 1.0) {
+    return position.height_above_takeoff_m;
+  }
+  if (position.height_above_ground_m && *position.height_above_ground_m > 1.0)
+    return position.height_above_ground_m;
+  return std::nullopt;
+}
+
+// The height at which photos spaced as these are would overlap by the usual three quarters along the line.
+std::optional<double> HeightFromSpacing(const std::vector<Photo>& photos) {
+  std::vector<double> spacings;
+  std::optional<geo::LocalFrame> frame;
+  std::optional<Eigen::Vector3d> before;
+  for (const Photo& photo : photos) {
+    if (!photo.position) continue;
+    const geo::Wgs84 here{photo.position->position.lat_deg, photo.position->position.lon_deg, 0.0};
+    if (!frame) frame.emplace(here);
+    const Eigen::Vector3d at = frame->EnuFromWgs84(here);
+    if (before) {
+      const double step_m = (at - *before).head<2>().norm();
+      if (step_m > 0.5) spacings.push_back(step_m);
+    }
+    before = at;
+  }
+  const std::optional<double> spacing_m = MedianIfAny(std::move(spacings));
+  if (!spacing_m) return std::nullopt;
+  const camera::Intrinsics& lens = photos.front().intrinsics;
+  constexpr double kUsualForwardStep = 0.25;
+  const double short_side_px = std::min(lens.width_px, lens.height_px);
+  return *spacing_m / kUsualForwardStep * lens.MeanFocalPx() / short_side_px;
+}
+
+// Absolute heights over an elevation model that counts from sea level.
+bool ByElevationModel(const std::vector<Photo>& photos, const geo::DemSource& dem, FlightHeights& heights) {
+  std::vector<double> grounds;
+  std::vector<std::optional<double>> ellipsoid_m(photos.size());
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].position) continue;
+    ellipsoid_m[i] = EllipsoidHeightM(*photos[i].position);
+    const auto ground_m = dem.GroundHeightM(photos[i].position->position);
+    if (!ground_m) continue;
+    grounds.push_back(*ground_m + geo::GeoidHeightM(photos[i].position->position).value_or(0.0));
+  }
+  const auto ground_m = MedianIfAny(std::move(grounds));
+  if (!ground_m) return false;
+  std::vector<double> above;
+  for (const auto& height_m : ellipsoid_m) {
+    if (height_m) above.push_back(*height_m - *ground_m);
+  }
+  const auto typical_m = MedianIfAny(std::move(above));
+  if (!typical_m || *typical_m < 5.0) return false;  // absolute heights that lie below the ground are none
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (ellipsoid_m[i]) heights.above_ground_m[i] = *ellipsoid_m[i] - *ground_m;
+  }
+  heights.takeoff_ellipsoid_m = *ground_m;
+  heights.sigma_m = 5.0;
+  heights.rule = HeightRule::kElevationModel;
+  heights.rule_in_words = "absolute height above the elevation model";
+  return true;
+}
+
+}  // namespace
+
+std::optional<double> EllipsoidHeightM(const RecordedPosition& position) {
+  if (position.height_ellipsoid_m) return position.height_ellipsoid_m;
+  if (!position.height_amsl_m) return std::nullopt;
+  return *position.height_amsl_m + geo::GeoidHeightM(position.position).value_or(0.0);
+}
+
+namespace {
+
+// Metres, good enough to tell one flight from another.
+double ApartM(const geo::LatLon& a, const geo::LatLon& b) {
+  constexpr double kMetresPerDegree = 111'320.0;
+  const double east_deg =
+      std::remainder(a.lon_deg - b.lon_deg, 360.0) * std::cos(geo::DegToRad(0.5 * (a.lat_deg + b.lat_deg)));
+  return kMetresPerDegree * std::hypot(a.lat_deg - b.lat_deg, east_deg);
+}
+
+std::size_t CountNear(const geo::LatLon& middle, const std::vector<geo::LatLon>& positions) {
+  constexpr double kOneFlightM = 20'000.0;
+  return static_cast<std::size_t>(
+      std::count_if(positions.begin(), positions.end(),
+                    [&](const geo::LatLon& position) { return ApartM(position, middle) < kOneFlightM; }));
+}
+
+}  // namespace
+
+std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions) {
+  if (positions.empty()) return std::nullopt;
+  std::vector<double> lats;
+  std::vector<double> lons;
+  const double lon_zero = positions.front().lon_deg;
+  for (const geo::LatLon& position : positions) {
+    lats.push_back(position.lat_deg);
+    // Relative to the first, so that a flight across the date line stays together.
+    lons.push_back(std::remainder(position.lon_deg - lon_zero, 360.0));
+  }
+  const geo::LatLon median{*MedianIfAny(std::move(lats)),
+                           std::remainder(lon_zero + *MedianIfAny(std::move(lons)), 360.0)};
+  std::size_t most = CountNear(median, positions);
+  if (2 * most >= positions.size()) return median;
+  // Photos of several places: the median may lie where none is. The position that has most others around it;
+  // of thousands some are enough to find it.
+  constexpr std::size_t kTried = 500;
+  geo::LatLon middle = median;
+  const std::size_t step = 1 + positions.size() / kTried;
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    const std::size_t near = CountNear(positions[i], positions);
+    if (near > most) most = near, middle = positions[i];
+  }
+  return middle;
+}
+
+double GuessHeightFromSpacing(const std::vector<Photo>& photos) {
+  return std::clamp(HeightFromSpacing(photos).value_or(60.0), 5.0, 500.0);
+}
+
+FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSource* dem) {
+  FlightHeights heights;
+  heights.above_ground_m.resize(photos.size());
+  std::vector<double> takeoff_heights;
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].position) continue;
+    heights.above_ground_m[i] = AboveGround(*photos[i].position);
+    if (!heights.above_ground_m[i]) continue;
+    ++known;
+    if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
+      takeoff_heights.push_back(*ellipsoid_m - *heights.above_ground_m[i]);
+    }
+  }
+  const std::optional<double> takeoff_m = MedianIfAny(takeoff_heights);
+  std::optional<double> guessed_above_ground_m;  // only where no photo says it
+  if (known > 0) {
+    heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
+    heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
+    heights.sigma_m = 0.7;
+  } else if (dem != nullptr && ByElevationModel(photos, *dem, heights)) {
+    return heights;
+  } else {
+    std::vector<double> ellipsoid_heights;
+    for (const Photo& photo : photos) {
+      if (!photo.position) continue;
+      if (const auto height_m = EllipsoidHeightM(*photo.position)) ellipsoid_heights.push_back(*height_m);
+    }
+    const double above_ground_m = GuessHeightFromSpacing(photos);
+    guessed_above_ground_m = above_ground_m;
+    heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
+    heights.rule = HeightRule::kSpacing;
+    heights.rule_in_words = "height above ground guessed from the spacing of the photos";
+    heights.sigma_m = 0.3 * above_ground_m;
+    heights.warnings.push_back(fmt::format(
+        "No photo says how high it was above the ground. {:.0f} m is assumed from the photos' spacing; the "
+        "map's scale depends on it. Photos with a relative height (DJI RelativeAltitude) do better.",
+        above_ground_m));
+  }
+  // Surveyed heights differ from each other far more truly than a barometer's; it only sets their common
+  // zero.
+  for (std::size_t i = 0; known > 0 && takeoff_m && i < photos.size(); ++i) {
+    if (!photos[i].position || !photos[i].position->is_rtk_fixed || !photos[i].position->height_ellipsoid_m)
+      continue;
+    heights.above_ground_m[i] = *photos[i].position->height_ellipsoid_m - *takeoff_m;
+  }
+  // Photos without a relative height are tied to the others through their absolute one.
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (heights.above_ground_m[i] || !photos[i].position) continue;
+    if (known > 0 && !takeoff_m) continue;
+    if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
+      const double above_ground_m = *ellipsoid_m - heights.takeoff_ellipsoid_m;
+      if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
+    } else {
+      heights.above_ground_m[i] = guessed_above_ground_m;
+    }
+  }
+  return heights;
+}
+
+}  // namespace skyquilt::poses

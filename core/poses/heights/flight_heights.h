@@ -1,0 +1,42 @@
+// FlightHeights: one height above the ground at take-off for every photo, by one rule for the whole flight,
+// so that photos never differ by a zero point. Metres. Pure; any thread. Order of trust: relative height
+// (barometer since take-off), measured height above ground, sea-level or ellipsoidal height against photos of
+// this flight that have both, absolute height above an elevation model, and last a height guessed from the
+// spacing of the photos.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/photos/photo.h"
+#include "core/geo/dem_source.h"
+
+namespace skyquilt::poses {
+
+enum class HeightRule { kAboveTakeoff, kElevationModel, kSpacing };
+
+struct FlightHeights {
+  HeightRule rule = HeightRule::kAboveTakeoff;
+  std::vector<std::optional<double>>
+      above_ground_m;                // one a photo; empty where the photo has no height at all
+  double takeoff_ellipsoid_m = 0.0;  // of the flat ground, best knowledge
+  double sigma_m = 0.5;              // of the heights above ground, common part
+  std::string rule_in_words;         // for the report
+  std::vector<std::string> warnings;
+};
+
+// `dem` may be null.
+FlightHeights ChooseHeights(const std::vector<flight::Photo>& photos, const geo::DemSource* dem);
+
+// The height at which photos spaced as these are would overlap as surveys usually do; within 5 to 500 m.
+double GuessHeightFromSpacing(const std::vector<flight::Photo>& photos);
+
+// The height above the ellipsoid that a record means, through the geoid where it counts from sea level.
+std::optional<double> EllipsoidHeightM(const flight::RecordedPosition& position);
+
+// Component by component, safe across the date line; of photos of several places the middle of most of them.
+// Nothing of nothing.
+std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions);
+
+}  // namespace skyquilt::poses

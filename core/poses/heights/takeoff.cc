@@ -1,0 +1,200 @@
+#include "core/poses/heights/takeoff.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/median.h"
+#include "core/geo/geoid.h"
+#include "core/poses/heights/flight_heights.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::FlightLog;
+using flight::GnssSample;
+
+// A series at a time, between the samples around it; nothing across a hole of more than a second.
+template <typename Sample, typename Value>
+std::optional<double> At(const std::vector<Sample>& samples, double t_s, Value value) {
+  const auto next = std::upper_bound(samples.begin(), samples.end(), t_s,
+                                     [](double t, const Sample& sample) { return t < sample.t_s; });
+  if (next == samples.begin() || next == samples.end() || next->t_s - (next - 1)->t_s > 1.0)
+    return std::nullopt;
+  const double w = (t_s - (next - 1)->t_s) / (next->t_s - (next - 1)->t_s);
+  return (1.0 - w) * value(*(next - 1)) + w * value(*next);
+}
+
+class Search {
+ public:
+  Search(const FlightLog& log, const std::vector<std::pair<double, const flight::Photo*>>& photos_at)
+      : log_(log), photos_at_(photos_at) {
+    if (!log.gnss.empty()) geoid_m_ = geo::GeoidHeightM(log.gnss.front().position).value_or(0.0);
+  }
+
+  Takeoff Run() {
+    Place();
+    const bool done = ByBarometer() || ByRange() || ByPhotos() || ByBeginning();
+    if (!done) Guess();
+    GroundByRange();
+    return std::move(out_);
+  }
+
+ private:
+  std::optional<double> Ellipsoid(const GnssSample& fix) const {
+    if (fix.height_ellipsoid_m) return fix.height_ellipsoid_m;
+    if (fix.height_amsl_m) return *fix.height_amsl_m + geoid_m_;
+    return std::nullopt;
+  }
+
+  std::optional<double> GnssHeightAt(double t_s) const {
+    return At(log_.gnss, t_s, [&](const GnssSample& fix) { return Ellipsoid(fix).value_or(std::nan("")); });
+  }
+  std::optional<double> BaroAt(double t_s) const {
+    return At(log_.baro, t_s, [](const flight::BaroSample& s) { return s.height_above_takeoff_m; });
+  }
+
+  // The middle of the photos, by the log's track or by their own positions.
+  void Place() {
+    std::vector<geo::LatLon> seen;
+    for (const auto& [t_s, photo] : photos_at_) {
+      const double t = t_s;
+      const auto next = std::upper_bound(log_.gnss.begin(), log_.gnss.end(), t,
+                                         [](double at, const GnssSample& fix) { return at < fix.t_s; });
+      if (next != log_.gnss.end()) {
+        seen.push_back(next->position);
+      } else if (!log_.gnss.empty()) {
+        seen.push_back(log_.gnss.back().position);
+      } else if (photo->position) {
+        seen.push_back(photo->position->position);
+      }
+    }
+    out_.middle = MedianPosition(seen);
+    if (!log_.gnss.empty()) out_.position = log_.gnss.front().position;
+  }
+
+  bool ByBarometer() {
+    if (log_.baro.empty()) return false;
+    std::vector<double> zeros;
+    for (const GnssSample& fix : log_.gnss) {
+      const auto height_m = Ellipsoid(fix);
+      const auto baro_m = BaroAt(fix.t_s);
+      if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
+    }
+    for (const auto& [t_s, photo] : photos_at_) {
+      if (!log_.gnss.empty() || !photo->position) continue;
+      const auto height_m = EllipsoidHeightM(*photo->position);
+      const auto baro_m = BaroAt(t_s);
+      if (height_m && baro_m) zeros.push_back(*height_m - *baro_m);
+    }
+    out_.height_ellipsoid_m = MedianIfAny(std::move(zeros)).value_or(0.0);
+    out_.rule = "height above take-off by the log's barometer, flat ground at take-off height";
+    return true;
+  }
+
+  bool ByRange() {
+    if (log_.range.size() < 5) return false;
+    std::vector<double> grounds;
+    for (const flight::RangeSample& echo : log_.range) {
+      const auto height_m = GnssHeightAt(echo.t_s);
+      if (height_m && std::isfinite(*height_m)) grounds.push_back(*height_m - echo.distance_m);
+    }
+    if (grounds.empty() && !log_.gnss.empty()) return false;
+    out_.height_ellipsoid_m = MedianIfAny(std::move(grounds)).value_or(0.0);
+    out_.sigma_m = 0.3;
+    out_.rule = "height above flat ground by the log's range finder";
+    return true;
+  }
+
+  bool ByPhotos() {
+    std::vector<double> zeros;
+    for (const auto& [t_s, photo] : photos_at_) {
+      if (!photo->position || !photo->position->height_above_takeoff_m) continue;
+      auto height_m = GnssHeightAt(t_s);
+      if (!height_m) height_m = EllipsoidHeightM(*photo->position);
+      if (height_m && std::isfinite(*height_m)) {
+        zeros.push_back(*height_m - *photo->position->height_above_takeoff_m);
+      }
+    }
+    const auto zero_m = MedianIfAny(std::move(zeros));
+    if (!zero_m) return false;
+    out_.height_ellipsoid_m = *zero_m;
+    out_.rule = "height above take-off as the photos record it, flat ground at take-off height";
+    return true;
+  }
+
+  // A recorder that starts on the ground shows it: photos lie well above its first fixes.
+  bool ByBeginning() {
+    std::vector<double> first, over_photos;
+    for (const GnssSample& fix : log_.gnss) {
+      if (fix.t_s > log_.gnss.front().t_s + 3.0) break;
+      if (const auto height_m = Ellipsoid(fix)) first.push_back(*height_m);
+    }
+    for (const auto& [t_s, photo] : photos_at_) {
+      const auto height_m = GnssHeightAt(t_s);
+      if (height_m && std::isfinite(*height_m)) over_photos.push_back(*height_m);
+    }
+    const auto ground_m = MedianIfAny(std::move(first));
+    const auto photo_m = MedianIfAny(std::move(over_photos));
+    if (!ground_m || !photo_m || *photo_m - *ground_m < 8.0) return false;
+    out_.height_ellipsoid_m = *ground_m;
+    out_.sigma_m = 2.5;
+    out_.rule = "GNSS height above the place where the log begins, taken for the ground";
+    return true;
+  }
+
+  void Guess() {
+    std::vector<flight::Photo> photos;
+    for (const auto& [t_s, photo] : photos_at_) {
+      photos.push_back(*photo);
+      if (log_.gnss.empty()) continue;
+      const auto next = std::upper_bound(log_.gnss.begin(), log_.gnss.end(), t_s,
+                                         [](double at, const GnssSample& fix) { return at < fix.t_s; });
+      const GnssSample& fix = next == log_.gnss.end() ? log_.gnss.back() : *next;
+      photos.back().position.emplace();
+      photos.back().position->position = fix.position;
+      photos.back().position->height_ellipsoid_m = Ellipsoid(fix);
+    }
+    const FlightHeights heights = ChooseHeights(photos, nullptr);
+    out_.height_ellipsoid_m = heights.takeoff_ellipsoid_m;
+    out_.sigma_m = heights.sigma_m;
+    out_.rule = heights.rule_in_words;
+    out_.warnings = heights.warnings;
+  }
+
+  // What the range finder saw below the flight, against the barometer's zero.
+  void GroundByRange() {
+    // Without positions the track itself hangs on the range finder's plane.
+    if (log_.range.empty() || log_.baro.empty() || !out_.middle) return;
+    std::vector<double> grounds;
+    for (const flight::RangeSample& echo : log_.range) {
+      const auto height_m = BaroAt(echo.t_s);
+      if (height_m && *height_m > 3.0 && echo.distance_m > 2.0)
+        grounds.push_back(*height_m - echo.distance_m);
+    }
+    if (grounds.size() < 20) return;
+    const double ground_m = *MedianIfAny(grounds);
+    std::vector<double> apart;
+    for (const double g : grounds) apart.push_back(std::abs(g - ground_m));
+    // A sensor at its limit repeats it: the ground then seems to climb with the aircraft.
+    if (*MedianIfAny(std::move(apart)) > 2.0) return;
+    out_.ground_above_takeoff_m = ground_m;
+    out_.sigma_m = 0.3;
+    out_.rule += fmt::format("; the range finder puts the ground {:+.1f} m from take-off", ground_m);
+  }
+
+  const FlightLog& log_;
+  const std::vector<std::pair<double, const flight::Photo*>>& photos_at_;
+  double geoid_m_ = 0.0;
+  Takeoff out_;
+};
+
+}  // namespace
+
+Takeoff FindTakeoff(const FlightLog& log,
+                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at) {
+  return Search(log, photos_at).Run();
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,32 @@
+// FindTakeoff: where on Earth and how high a logged flight began, and how high the ground is that it looked
+// at. The zero of the local frame. Order of trust for heights: barometer since take-off, range finder,
+// photos' relative heights, the log's own beginning on the ground, and last a guess from the photos' spacing.
+// Degrees, metres. Pure; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/photos/photo.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::poses {
+
+struct Takeoff {
+  std::optional<geo::LatLon> middle;    // of the photos, for the frame's origin; nothing without any position
+  std::optional<geo::LatLon> position;  // where it took off, where the log begins there
+  double height_ellipsoid_m = 0.0;      // of the frame's z = 0
+  double ground_above_takeoff_m = 0.0;  // by the range finder, else zero
+  double sigma_m = 0.7;                 // of the heights above ground, common part
+  std::string rule;                     // in words
+  std::vector<std::string> warnings;
+};
+
+// photos_at: photos with their times on the log's clock, rising.
+Takeoff FindTakeoff(const flight::FlightLog& log,
+                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at);
+
+}  // namespace skyquilt::poses

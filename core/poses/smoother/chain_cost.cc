@@ -1,0 +1,249 @@
+// The factors of a ChainProblem, visited in one order for its cost and for its normal equations.
+#include <algorithm>
+#include <cmath>
+
+#include "core/poses/smoother/chain_problem.h"
+
+namespace skyquilt::poses {
+namespace {
+
+std::size_t At0(int i) { return static_cast<std::size_t>(i); }
+
+// Huber: quadratic up to `bound`, then straight.
+struct Robust {
+  double cost = 0.0;
+  double weight = 1.0;
+};
+Robust Huber(double squared_norm, bool robust, double bound) {
+  if (!robust || squared_norm <= bound * bound) return {0.5 * squared_norm, 1.0};
+  const double norm = std::sqrt(squared_norm);
+  return {bound * norm - 0.5 * bound * bound, bound / norm};
+}
+// The bound grows with the number of residuals in a factor, whose norm grows with its root.
+template <int M>
+double Bound(double sigmas) {
+  return sigmas + std::sqrt(static_cast<double>(M)) - 1.0;
+}
+
+struct CostSink {
+  double huber_sigmas;
+  FactorCount* count;
+  double cost = 0.0;
+
+  template <int M>
+  void Add(const char* kind, int, int, const Linear<M>& linear, bool robust) {
+    const Robust r = Huber(linear.residual.squaredNorm(), robust, Bound<M>(huber_sigmas));
+    cost += r.cost;
+    if (!count) return;
+    ++count->used[kind];
+    if (r.weight < 1.0) ++count->down_weighted[kind];
+    if (robust) count->residuals += M;
+  }
+};
+
+struct LinearSink {
+  double huber_sigmas;
+  BlockSkyline& matrix;
+  std::vector<Vector22>& gradient;
+  int border;  // -1: none
+  const Vector22& border_mask;
+  double cost = 0.0;
+
+  template <int M>
+  void Add(const char*, int a, int b, const Linear<M>& linear, bool robust) {
+    const Robust r = Huber(linear.residual.squaredNorm(), robust, Bound<M>(huber_sigmas));
+    cost += r.cost;
+    const Eigen::Matrix<double, kStateSize, M> first = r.weight * linear.by_first.transpose();
+    matrix.At(a, a).noalias() += first * linear.by_first;
+    gradient[At0(a)].noalias() += first * linear.residual;
+    const bool has_border = border >= 0 && a != border && !linear.by_border.isZero(0.0);
+    Eigen::Matrix<double, kStateSize, M> common;
+    if (has_border) {
+      common = r.weight * border_mask.asDiagonal() * linear.by_border.transpose();
+      matrix.At(border, border).noalias() += common * linear.by_border * border_mask.asDiagonal();
+      matrix.At(border, a).noalias() += common * linear.by_first;
+      gradient[At0(border)].noalias() += common * linear.residual;
+    }
+    if (b < 0) return;
+    const Eigen::Matrix<double, kStateSize, M> second = r.weight * linear.by_second.transpose();
+    matrix.At(b, b).noalias() += second * linear.by_second;
+    gradient[At0(b)].noalias() += second * linear.residual;
+    if (b > a) {
+      matrix.At(b, a).noalias() += second * linear.by_first;
+    } else {
+      matrix.At(a, b).noalias() += first * linear.by_second;
+    }
+    if (has_border) matrix.At(border, b).noalias() += common * linear.by_second;
+  }
+};
+
+}  // namespace
+
+template <typename Sink>
+void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
+  const SmootherOptions& o = input_.options;
+  for (int i = 0; i + 1 < timeline_.size(); ++i) {
+    const KnotState& a = guess.knots[At0(i)];
+    const KnotState& b = guess.knots[At0(i) + 1];
+    const double T = timeline_.Duration(i);
+    if (HasImu(i)) {
+      sink.template Add<9>("imu", i, i + 1,
+                           ImuFactor(a, b, Imu(i).delta, imu_whiten_[At0(i)], o.gravity_mps2), false);
+    } else {
+      sink.template Add<9>("motion prior", i, i + 1,
+                           MotionPriorFactor(a, b, T, o.acceleration_density, o.rotation_walk), false);
+    }
+    BiasWalk walk;
+    walk.gyro = o.imu.gyro_bias_walk * std::sqrt(T);
+    walk.accel = o.imu.accel_bias_walk * std::sqrt(T);
+    walk.baro = o.baro_bias_walk * std::sqrt(T);
+    walk.gnss_keep = std::exp(-T / o.gnss_bias_time_s);
+    walk.attitude_keep = std::exp(-T / o.attitude_bias_time_s);
+    walk.gnss = o.gnss_bias_sigma_m * std::sqrt(1.0 - walk.gnss_keep * walk.gnss_keep);
+    walk.attitude = o.attitude_bias_sigma_rad * std::sqrt(1.0 - walk.attitude_keep * walk.attitude_keep);
+    // A tilt error stays with the airframe (a biased accelerometer) or with the ground (a late velocity):
+    // what the second kind does in a turn must be free, or turns would seem to show the true vertical.
+    const double swing = std::sqrt(2.0 - 2.0 * std::cos(turned_rad_[At0(i)]));
+    for (int axis = 0; axis < 2; ++axis) {
+      walk.attitude(axis) = std::hypot(walk.attitude(axis), swing * o.attitude_bias_sigma_rad(axis));
+    }
+    sink.template Add<13>("bias walk", i, i + 1, BiasWalkFactor(a, b, walk), false);
+    if (still_[At0(i)] && still_[At0(i) + 1]) {
+      sink.template Add<3>("still rotation", i, i + 1, StillRotationFactor(a, b, o.still_rotation_sigma_rad),
+                           true);
+    }
+  }
+}
+
+template <typename Sink>
+void ChainProblem::VisitPriors(const ChainGuess& guess, Sink& sink) const {
+  const SmootherOptions& o = input_.options;
+  const KnotState& k = guess.knots.front();
+  const StateBetween s = StateAtKnot(k);
+  Linear<22> prior;
+  const auto hold = [&](int at, double value, double sigma) {
+    prior.residual(at) = value / sigma;
+    prior.by_first(at, at) = 1.0 / sigma;
+  };
+  for (int i = 0; i < 3; ++i) {
+    hold(kAtVelocity + i, k.velocity_in_enu_mps(i), o.first_velocity_sigma_mps);
+    hold(kAtPosition + i, k.position_in_enu_m(i), o.first_position_sigma_m);
+    hold(kAtGyroBias + i, k.gyro_bias_radps(i), o.imu.gyro_bias_sigma);
+    hold(kAtAccelBias + i, k.accel_bias_mps2(i), o.imu.accel_bias_sigma);
+    hold(kAtGnssBias + i, k.gnss_bias_in_enu_m(i), o.gnss_bias_sigma_m(i));
+    hold(kAtAttitudeBias + i, k.attitude_bias_rad(i), o.attitude_bias_sigma_rad(i));
+  }
+  hold(kAtBaroBias, k.baro_bias_m, o.baro_bias_first_sigma_m);
+  sink.template Add<22>("prior", 0, -1, prior, false);
+  StateBetween unbiased = s;
+  unbiased.state.attitude_bias_rad.setZero();
+  Linear<3> rotation =
+      AttitudeFactor(unbiased, *first_rotation_, o.first_tilt_sigma_rad, o.first_yaw_sigma_rad);
+  rotation.by_first.middleCols<3>(kAtAttitudeBias).setZero();
+  sink.template Add<3>("prior", 0, -1, rotation, false);
+  if (!has_border_) return;
+  Linear<22> border;
+  for (int i = 0; i < kStateSize; ++i) {
+    const double sigma = border_sigma_(i) > 0.0 ? border_sigma_(i) : 1.0;
+    border.residual(i) = (guess.border.value(i) - border_prior_(i)) / sigma;
+    border.by_first(i, i) = 1.0 / sigma;
+  }
+  sink.template Add<22>("prior", timeline_.size(), -1, border, false);
+}
+
+template <typename Sink>
+void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
+  const SmootherOptions& o = input_.options;
+  const auto add = [&]<int M>(const char* kind, const Placed& p, const Linear<M>& linear, bool robust) {
+    sink.template Add<M>(kind, p.place.knot, p.place.weight > 0.0 ? p.place.knot + 1 : -1, linear, robust);
+  };
+  for (const Placed& p : positions_) {
+    const PositionFix& f = input_.positions[At0(p.fix)];
+    add("gnss position", p, PositionFactor(At(guess.knots, p), guess.border, f.position_in_enu_m, f.sigma_m),
+        true);
+  }
+  for (const Placed& p : velocities_) {
+    const VelocityFix& f = input_.velocities[At0(p.fix)];
+    add("gnss velocity", p,
+        VelocityFactor(At(guess.knots, p), guess.border, f.velocity_in_enu_mps, f.sigma_mps), true);
+  }
+  for (const Placed& p : attitudes_) {
+    const AttitudeFix& f = input_.attitudes[At0(p.fix)];
+    add("attitude", p,
+        AttitudeFactor(At(guess.knots, p), f.enu_from_body, f.sigma_rad, f.has_yaw ? f.sigma_rad : 100.0),
+        true);
+  }
+  for (const Placed& p : heights_) {
+    const HeightFix& f = input_.heights[At0(p.fix)];
+    add("height", p, HeightFactor(At(guess.knots, p), f.z_in_enu_m, f.sigma_m), true);
+  }
+  for (const Placed& p : ranges_) {
+    const RangeFix& f = input_.ranges[At0(p.fix)];
+    const double sigma = 0.1 + 0.02 * f.distance_m;
+    add("range", p, RangeFactor(At(guess.knots, p), f.distance_m, input_.ground_z_in_enu_m, sigma), true);
+  }
+  for (const Placed& p : markers_) {
+    const Marker& f = input_.markers[At0(p.fix)];
+    const StateBetween s = At(guess.knots, p);
+    add("marker", p, MarkerFactor(s, f.position_in_enu_m, f.sigma_m), false);
+    if (f.yaw_rad) add("marker", p, YawFactor(s, *f.yaw_rad, f.sigma_yaw_rad), false);
+  }
+  for (const PhotoPair& f : input_.pairs) {
+    const int a = PhotoKnot(f.first);
+    const int b = PhotoKnot(f.second);
+    sink.template Add<6>("photo pair", a, b,
+                         PairFactor(guess.knots[At0(a)], guess.knots[At0(b)], guess.border, f.rotation,
+                                    f.translation_per_height, input_.ground_z_in_enu_m, f.sigma_rotation_rad,
+                                    f.sigma_translation_per_height),
+                         true);
+  }
+  constexpr double kAssumptionSigmaRad = 0.02;  // the slow part is the attitude bias
+  for (int k = 0; k < timeline_.size(); ++k) {
+    const KnotState& knot = guess.knots[At0(k)];
+    if (still_[At0(k)]) {
+      sink.template Add<3>("still", k, -1, StillVelocityFactor(knot, o.still_velocity_sigma_mps), true);
+    }
+    if (o.assume_level)
+      sink.template Add<2>("level", k, -1, LevelFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
+    if (o.yaw_from_course && has_course_[At0(k)]) {
+      sink.template Add<1>("course", k, -1, CourseFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
+    }
+    if (course_evidence_ && course_evidence_->runs_straight[At0(k)]) {
+      // A nose errs about its course for as long as a compass does: white noise of the same density stands
+      // for it.
+      const double step_s = 0.5 * (timeline_.times()[At0(k) + 1] - timeline_.times()[At0(k) - 1]);
+      const double sigma = course_evidence_->sigma_rad * std::sqrt(2.0 * o.attitude_bias_time_s / step_s);
+      StateBetween nose = StateAtKnot(knot);
+      nose.state.attitude_bias_rad.setZero();
+      Linear<1> course = CourseFactor(nose, sigma);
+      course.by_first.middleCols<3>(kAtAttitudeBias).setZero();
+      sink.template Add<1>("course", k, -1, course, true);
+    }
+  }
+}
+
+template <typename Sink>
+void ChainProblem::Visit(const ChainGuess& guess, Sink& sink) const {
+  VisitPriors(guess, sink);
+  VisitMotion(guess, sink);
+  VisitFixes(guess, sink);
+}
+
+double ChainProblem::Cost(const ChainGuess& guess, FactorCount* count) const {
+  CostSink sink{input_.options.huber_sigmas, count};
+  Visit(guess, sink);
+  return sink.cost;
+}
+
+double ChainProblem::Linearise(const ChainGuess& guess, BlockSkyline& matrix,
+                               std::vector<Vector22>& gradient) const {
+  matrix.SetZero();
+  gradient.assign(At0(matrix.size()), Vector22::Zero());
+  Vector22 mask;
+  for (int i = 0; i < kStateSize; ++i) mask(i) = border_sigma_(i) > 0.0 ? 1.0 : 0.0;
+  LinearSink sink{input_.options.huber_sigmas, matrix, gradient, has_border_ ? timeline_.size() : -1, mask};
+  Visit(guess, sink);
+  return sink.cost;
+}
+
+}  // namespace skyquilt::poses

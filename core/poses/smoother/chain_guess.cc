@@ -1,0 +1,287 @@
+#include "core/poses/smoother/chain_guess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/geo/lat_lon.h"
+#include "core/poses/so3.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+
+// The two fixes around a time and the weight of the later one; the end fixes hold outside.
+template <typename Fix>
+struct Around {
+  const Fix* before;
+  const Fix* after;
+  double weight;
+};
+template <typename Fix>
+Around<Fix> Find(const std::vector<Fix>& fixes, double t) {
+  const auto next =
+      std::upper_bound(fixes.begin(), fixes.end(), t, [](double x, const Fix& f) { return x < f.t_s; });
+  if (next == fixes.begin()) return {&fixes.front(), &fixes.front(), 0.0};
+  if (next == fixes.end()) return {&fixes.back(), &fixes.back(), 0.0};
+  const Fix& a = *(next - 1);
+  return {&a, &*next, (t - a.t_s) / (next->t_s - a.t_s)};
+}
+
+double HeadingOf(const Vector3d& v) { return std::atan2(v.x(), v.y()); }
+// A level body whose nose points at a heading clockwise from north.
+Quaterniond LevelBody(double heading) {
+  Eigen::Matrix3d r;  // columns: nose, right wing, down
+  r.col(0) << std::sin(heading), std::cos(heading), 0.0;
+  r.col(1) << std::cos(heading), -std::sin(heading), 0.0;
+  r.col(2) << 0.0, 0.0, -1.0;
+  return Quaterniond(r);
+}
+Quaterniond Turned(const Quaterniond& enu_from_body, double clockwise) {
+  return (Quaterniond(Eigen::AngleAxisd(-clockwise, Vector3d::UnitZ())) * enu_from_body).normalized();
+}
+double HeadingOfBody(const Quaterniond& enu_from_body) {
+  return HeadingOf(enu_from_body * Vector3d::UnitX());
+}
+
+class Guesser {
+ public:
+  explicit Guesser(ChainProblem& problem)
+      : problem_(problem), input_(problem.input()), times_(problem.timeline().times()) {
+    guess_.knots.resize(times_.size());
+    guess_.border.value = problem.border_prior();
+  }
+
+  ChainGuess Make() {
+    FromStillness();
+    const bool has_track = !input_.positions.empty();
+    if (has_track) Track();
+    Rotations(has_track);
+    problem_.ExpandAbout(guess_.knots);
+    if (!has_track) {
+      DeadReckon(0);
+      if (!input_.pairs.empty()) PhotoChain();
+    }
+    problem_.ExpandAbout(guess_.knots);
+    return std::move(guess_);
+  }
+
+ private:
+  // At rest the gyro shows its bias and the accelerometer which way is up.
+  void FromStillness() {
+    Vector3d rate = Vector3d::Zero();
+    Vector3d force = Vector3d::Zero();
+    int count = 0;
+    for (const flight::ImuSample& s : input_.imu) {
+      const auto inside = [&](const StillInterval& i) { return s.t_s >= i.begin_s && s.t_s <= i.end_s; };
+      if (input_.still.empty() || !inside(input_.still.front())) continue;
+      rate += s.angular_rate_radps;
+      force += s.specific_force_mps2;
+      ++count;
+    }
+    if (count < 20) return;
+    rate /= count;
+    const Quaterniond level = Quaterniond::FromTwoVectors(force, Vector3d::UnitZ());
+    double heading = 0.0;
+    for (const Marker& m : input_.markers) {
+      if (m.yaw_rad) {
+        heading = *m.yaw_rad;
+        break;
+      }
+    }
+    still_rotation_ = Turned(level, heading - HeadingOfBody(level));
+    for (KnotState& k : guess_.knots) k.gyro_bias_radps = rate;
+  }
+
+  void Track() {
+    guess_.start = "GNSS track";
+    for (std::size_t k = 0; k < times_.size(); ++k) {
+      const Around<PositionFix> p = Find(input_.positions, times_[k]);
+      guess_.knots[k].position_in_enu_m =
+          (1.0 - p.weight) * p.before->position_in_enu_m + p.weight * p.after->position_in_enu_m;
+    }
+    if (input_.velocities.empty()) {
+      SpeedsFromPositions(0, static_cast<int>(times_.size()) - 1);
+    } else {
+      for (std::size_t k = 0; k < times_.size(); ++k) {
+        const Around<VelocityFix> v = Find(input_.velocities, times_[k]);
+        guess_.knots[k].velocity_in_enu_mps =
+            (1.0 - v.weight) * v.before->velocity_in_enu_mps + v.weight * v.after->velocity_in_enu_mps;
+      }
+    }
+  }
+
+  void SpeedsFromPositions(int begin, int end) {
+    if (begin == end) return;
+    for (int k = begin; k <= end; ++k) {
+      const int a = std::max(begin, k - 1);
+      const int b = std::min(end, k + 1);
+      guess_.knots[Index(k)].velocity_in_enu_mps =
+          (guess_.knots[Index(b)].position_in_enu_m - guess_.knots[Index(a)].position_in_enu_m) /
+          (times_[Index(b)] - times_[Index(a)]);
+    }
+  }
+
+  void Rotations(bool has_track) {
+    if (!input_.attitudes.empty()) {
+      for (std::size_t k = 0; k < times_.size(); ++k) {
+        const Around<AttitudeFix> a = Find(input_.attitudes, times_[k]);
+        guess_.knots[k].enu_from_body =
+            a.before->enu_from_body.slerp(a.weight, a.after->enu_from_body).normalized();
+      }
+      if (input_.attitudes.front().has_yaw || !has_track) return;
+      const std::vector<double> headings = Headings();
+      for (std::size_t k = 0; k < times_.size(); ++k) {
+        Quaterniond& q = guess_.knots[k].enu_from_body;
+        q = Turned(q, headings[k] - HeadingOfBody(q));
+      }
+      return;
+    }
+    if (has_track) {
+      const std::vector<double> headings = Headings();
+      for (std::size_t k = 0; k < times_.size(); ++k) guess_.knots[k].enu_from_body = LevelBody(headings[k]);
+      return;
+    }
+    double heading = 0.0;
+    for (const Marker& m : input_.markers) heading = m.yaw_rad.value_or(heading);
+    guess_.knots.front().enu_from_body = still_rotation_.value_or(LevelBody(heading));
+    reckon_rotation_ = true;
+  }
+
+  // Courses where the aircraft moves, carried over the rest by the gyro's yaw where there is one.
+  std::vector<double> Headings() {
+    const std::size_t n = times_.size();
+    std::vector<double> turned(n, 0.0);
+    problem_.ExpandAbout(guess_.knots);
+    Quaterniond q = still_rotation_.value_or(LevelBody(0.0));
+    for (std::size_t k = 0; k < n; ++k) {
+      turned[k] = HeadingOfBody(q);
+      const int i = static_cast<int>(k);
+      if (k + 1 < n && problem_.HasImu(i)) {
+        q = (q * Quaterniond(problem_.Imu(i).delta.CorrectedRotation(guess_.knots[k].gyro_bias_radps)))
+                .normalized();
+      }
+    }
+    // Offset of the course from the turned heading: sums over a window, so that a drifting gyro does no harm.
+    constexpr double kWindowS = 15.0;
+    std::vector<Eigen::Vector2d> sums(n + 1, Eigen::Vector2d::Zero());
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vector3d& v = guess_.knots[k].velocity_in_enu_mps;
+      sums[k + 1] = sums[k];
+      if (v.head<2>().norm() < input_.options.course_min_speed_mps) continue;
+      const double offset = HeadingOf(v) - turned[k];
+      sums[k + 1] += Eigen::Vector2d(std::cos(offset), std::sin(offset));
+    }
+    std::vector<std::optional<double>> offsets(n);
+    const bool has_gyro = problem_.ImuIntervals() > 0;
+    const double window = has_gyro ? kWindowS : 0.1;
+    std::size_t a = 0, b = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      while (times_[a] < times_[k] - window) ++a;
+      while (b < n && times_[b] <= times_[k] + window) ++b;
+      const Eigen::Vector2d sum = sums[b] - sums[a];
+      if (sum.norm() > 0.5) offsets[k] = std::atan2(sum.y(), sum.x());
+    }
+    // Where nothing moved within the window: the nearest known offset, looking back first.
+    std::optional<double> last;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (offsets[k]) last = offsets[k];
+      if (!offsets[k] && last) offsets[k] = last;
+    }
+    last.reset();
+    for (std::size_t k = n; k-- > 0;) {
+      if (offsets[k]) last = offsets[k];
+      if (!offsets[k]) offsets[k] = last;
+    }
+    for (std::size_t k = 0; k < n; ++k) turned[k] += offsets[k].value_or(0.0);
+    return turned;
+  }
+
+  std::optional<double> HeightAt(double t) const {
+    if (input_.heights.empty()) return std::nullopt;
+    const Around<HeightFix> h = Find(input_.heights, t);
+    return (1.0 - h.weight) * h.before->z_in_enu_m + h.weight * h.after->z_in_enu_m;
+  }
+
+  void DeadReckon(int from) {
+    if (from == 0) {
+      guess_.start = "dead reckoning";
+      if (!input_.markers.empty())
+        guess_.knots.front().position_in_enu_m = input_.markers.front().position_in_enu_m;
+    }
+    for (int k = from; k + 1 < problem_.timeline().size(); ++k) {
+      const KnotState& a = guess_.knots[Index(k)];
+      KnotState& b = guess_.knots[Index(k) + 1];
+      const double T = problem_.timeline().Duration(k);
+      const KnotState old = b;
+      if (problem_.IsStill(k) && problem_.IsStill(k + 1)) {
+        b = a;
+        b.velocity_in_enu_mps.setZero();
+      } else if (problem_.HasImu(k)) {
+        b = problem_.Imu(k).delta.Predict(a, input_.options.gravity_mps2);
+      } else {
+        b = a;
+        b.position_in_enu_m += T * a.velocity_in_enu_mps;
+      }
+      if (!reckon_rotation_) b.enu_from_body = old.enu_from_body;
+      if (const std::optional<double> z = HeightAt(times_[Index(k) + 1])) {
+        b.velocity_in_enu_mps.z() = (*z - a.position_in_enu_m.z()) / T;
+        b.position_in_enu_m.z() = *z;
+      }
+    }
+  }
+
+  // Photo after photo by what the pictures show, scaled by the height above ground.
+  void PhotoChain() {
+    guess_.start = "photo chain";
+    const int photos = static_cast<int>(input_.photo_times_s.size());
+    std::vector<const PhotoPair*> into(Index(photos), nullptr);
+    for (const PhotoPair& pair : input_.pairs) {
+      if (pair.second == pair.first + 1) into[Index(pair.second)] = &pair;
+    }
+    int run_begin = -1;
+    for (int j = 1; j < photos; ++j) {
+      const PhotoPair* pair = into[Index(j)];
+      const int ki = problem_.PhotoKnot(j - 1);
+      const int kj = problem_.PhotoKnot(j);
+      if (!pair || ki == kj) continue;
+      if (run_begin < 0) run_begin = ki;
+      const KnotState& a = guess_.knots[Index(ki)];
+      KnotState& b = guess_.knots[Index(kj)];
+      const double z = HeightAt(times_[Index(ki)]).value_or(a.position_in_enu_m.z());
+      const double height = std::max(1.0, z - input_.ground_z_in_enu_m);
+      b.position_in_enu_m = a.position_in_enu_m + a.enu_from_body * (height * pair->translation_per_height);
+      if (const auto zj = HeightAt(times_[Index(kj)])) b.position_in_enu_m.z() = *zj;
+      if (reckon_rotation_) b.enu_from_body = (a.enu_from_body * pair->rotation).normalized();
+      for (int k = ki + 1; k < kj; ++k) {
+        const double w = (times_[Index(k)] - times_[Index(ki)]) / (times_[Index(kj)] - times_[Index(ki)]);
+        KnotState& between = guess_.knots[Index(k)];
+        between.position_in_enu_m = (1.0 - w) * a.position_in_enu_m + w * b.position_in_enu_m;
+        if (reckon_rotation_) between.enu_from_body = a.enu_from_body.slerp(w, b.enu_from_body);
+      }
+      const bool ends = j + 1 >= photos || !into[Index(j) + 1];
+      if (ends) {
+        SpeedsFromPositions(run_begin, kj);
+        DeadReckon(kj);
+        run_begin = -1;
+      }
+    }
+  }
+
+  ChainProblem& problem_;
+  const SmootherInput& input_;
+  const std::vector<double>& times_;
+  ChainGuess guess_;
+  std::optional<Quaterniond> still_rotation_;
+  bool reckon_rotation_ = false;
+};
+
+}  // namespace
+
+ChainGuess GuessChain(ChainProblem& problem) { return Guesser(problem).Make(); }
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,30 @@
+// FindClockOffset: how far a camera's clock is from a log's where no events tell: from the photos' own
+// positions on the log's track, from distances between photos, or from the two clocks as they stand.
+// Deterministic; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/logs/flight_log.h"
+#include "core/flight/photos/photo.h"
+#include "core/poses/time/stamped_photos.h"
+#include "core/poses/time/time_sync.h"
+
+namespace skyquilt::poses {
+
+struct FoundOffset {
+  TimeSyncMethod method = TimeSyncMethod::kClocks;
+  std::string method_in_words;
+  double offset_s = 0.0;  // as TimeSync's
+  double sigma_s = 0.0;
+  std::vector<std::string> notes;
+};
+
+// `first`: the stamp from which the camera's stamps count. Nothing where the two cannot be tied.
+std::optional<FoundOffset> FindClockOffset(const std::vector<flight::Photo>& photos,
+                                           const StampedPhotos& camera, flight::UtcTime first,
+                                           const flight::FlightLog& log, const TimeSyncOptions& options);
+
+}  // namespace skyquilt::poses

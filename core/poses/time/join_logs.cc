@@ -1,0 +1,189 @@
+#include "core/poses/time/join_logs.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <limits>
+
+#include "core/base/median.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::FlightLog;
+
+bool HasTimedEvents(const FlightLog& log) {
+  return std::any_of(log.events.begin(), log.events.end(), [](const auto& e) { return e.has_time; });
+}
+
+// Kinds of series, the inertial and attitude ones before all: they are what no other file can give.
+int Worth(const FlightLog& log) {
+  return (log.imu.empty() ? 0 : 8) + (log.attitude.empty() ? 0 : 8) + (log.gnss.empty() ? 0 : 4) +
+         (log.baro.empty() ? 0 : 1) + (log.range.empty() ? 0 : 1) + (HasTimedEvents(log) ? 1 : 0);
+}
+
+struct Span {
+  double begin_s = std::numeric_limits<double>::infinity();
+  double end_s = -std::numeric_limits<double>::infinity();
+  template <typename Sample>
+  void Take(const std::vector<Sample>& samples) {
+    if (samples.empty()) return;
+    begin_s = std::min(begin_s, samples.front().t_s);
+    end_s = std::max(end_s, samples.back().t_s);
+  }
+};
+
+Span SpanOf(const FlightLog& log) {
+  Span span;
+  span.Take(log.imu);
+  span.Take(log.attitude);
+  span.Take(log.gnss);
+  span.Take(log.baro);
+  return span;
+}
+
+bool IsMostlyFixed(const std::vector<flight::GnssSample>& samples) {
+  const auto fixed =
+      std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.is_rtk_fixed; });
+  return 2 * fixed > static_cast<std::ptrdiff_t>(samples.size());
+}
+
+template <typename Sample>
+std::vector<Sample> Shifted(std::vector<Sample> samples, double by_s) {
+  for (Sample& sample : samples) sample.t_s += by_s;
+  return samples;
+}
+
+FlightLog Shifted(const FlightLog& log, double by_s) {
+  FlightLog moved = log;
+  moved.imu = Shifted(std::move(moved.imu), by_s);
+  moved.attitude = Shifted(std::move(moved.attitude), by_s);
+  moved.gnss = Shifted(std::move(moved.gnss), by_s);
+  moved.baro = Shifted(std::move(moved.baro), by_s);
+  moved.range = Shifted(std::move(moved.range), by_s);
+  moved.gimbal = Shifted(std::move(moved.gimbal), by_s);
+  std::erase_if(moved.events, [](const auto& event) { return !event.has_time; });
+  moved.events = Shifted(std::move(moved.events), by_s);
+  return moved;
+}
+
+// Two series of which one ends before the other begins.
+template <typename Sample>
+void Append(std::vector<Sample>& into, std::vector<Sample> more) {
+  into.insert(into.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  std::stable_sort(into.begin(), into.end(), [](const Sample& a, const Sample& b) { return a.t_s < b.t_s; });
+}
+
+// The median of GNSS height minus barometric height: every log's barometer has its own zero.
+std::optional<double> BaroZero(const FlightLog& log) {
+  std::vector<double> zeros;
+  std::size_t k = 0;
+  for (const flight::GnssSample& fix : log.gnss) {
+    const auto height = fix.height_ellipsoid_m ? fix.height_ellipsoid_m : fix.height_amsl_m;
+    if (!height) continue;
+    while (k < log.baro.size() && log.baro[k].t_s < fix.t_s) ++k;
+    if (k == log.baro.size()) break;
+    if (log.baro[k].t_s - fix.t_s < 1.0) zeros.push_back(*height - log.baro[k].height_above_takeoff_m);
+  }
+  if (zeros.empty()) return std::nullopt;
+  return Median(std::move(zeros));
+}
+
+class Joiner {
+ public:
+  Joiner(const FlightLog& leader, JoinedLog& out) : out_(out) {
+    out_.log = Shifted(leader, 0.0);
+    out_.notes.push_back(fmt::format("{} ({})", leader.file_name, leader.format));
+  }
+
+  void Take(const FlightLog& other) {
+    FlightLog& log = out_.log;
+    if (!log.utc_at_zero || !other.utc_at_zero) {
+      out_.warnings.push_back(
+          fmt::format("{} is not used: {} does not say its UTC, so that the two cannot be laid "
+                      "side by side. Give one of them alone.",
+                      other.file_name, log.utc_at_zero ? other.file_name : log.file_name));
+      return;
+    }
+    const double shift_s = std::chrono::duration<double>(*other.utc_at_zero - *log.utc_at_zero).count();
+    FlightLog moved = Shifted(other, shift_s);
+    const Span here = SpanOf(log);
+    const Span there = SpanOf(moved);
+    if (there.begin_s > here.end_s || there.end_s < here.begin_s) {
+      Lengthen(std::move(moved));
+    } else {
+      Complete(std::move(moved));
+    }
+    log.utc_sigma_s = std::max(log.utc_sigma_s, other.utc_sigma_s);
+  }
+
+ private:
+  // Another flight of the same mission.
+  void Lengthen(FlightLog more) {
+    FlightLog& log = out_.log;
+    const auto zero_here = BaroZero(log);
+    const auto zero_there = BaroZero(more);
+    if (zero_here && zero_there) {
+      for (auto& sample : more.baro) sample.height_above_takeoff_m += *zero_there - *zero_here;
+    } else if (!more.baro.empty() && !log.baro.empty()) {
+      more.baro.clear();  // heights over an unknown zero
+    }
+    out_.notes.push_back(fmt::format("{} ({}), another part of the flight", more.file_name, more.format));
+    Append(log.imu, std::move(more.imu));
+    Append(log.attitude, std::move(more.attitude));
+    Append(log.gnss, std::move(more.gnss));
+    Append(log.baro, std::move(more.baro));
+    Append(log.range, std::move(more.range));
+    Append(log.gimbal, std::move(more.gimbal));
+    Append(log.events, std::move(more.events));
+  }
+
+  void Complete(FlightLog more) {
+    FlightLog& log = out_.log;
+    std::string taken;
+    const auto fill = [&taken](auto& into, auto& from, const char* what, bool is_better) {
+      if (from.empty() || (!into.empty() && !is_better)) return;
+      into = std::move(from);
+      taken += fmt::format("{}{}", taken.empty() ? "" : ", ", what);
+    };
+    const bool better_track = IsMostlyFixed(more.gnss) && !IsMostlyFixed(log.gnss);
+    const auto surveyed = [](const FlightLog& l) {
+      return std::any_of(l.events.begin(), l.events.end(),
+                         [](const auto& e) { return e.is_rtk_fixed && e.position; });
+    };
+    fill(log.gnss, more.gnss, "positions", better_track);
+    fill(log.imu, more.imu, "inertial samples", false);
+    fill(log.attitude, more.attitude, "attitude", false);
+    fill(log.baro, more.baro, "barometer", false);
+    fill(log.range, more.range, "range finder", false);
+    fill(log.gimbal, more.gimbal, "gimbal", false);
+    fill(log.events, more.events, "camera events", surveyed(more) && !surveyed(log));
+    if (taken.empty()) {
+      out_.notes.push_back(fmt::format("{} ({}) adds nothing", more.file_name, more.format));
+    } else {
+      out_.notes.push_back(fmt::format("{} ({}) for {}", more.file_name, more.format, taken));
+    }
+  }
+
+  JoinedLog& out_;
+};
+
+}  // namespace
+
+std::optional<JoinedLog> JoinLogs(const std::vector<FlightLog>& logs) {
+  std::vector<const FlightLog*> useful;
+  for (const FlightLog& log : logs) {
+    if (Worth(log) > 0) useful.push_back(&log);
+  }
+  if (useful.empty()) return std::nullopt;
+  std::stable_sort(useful.begin(), useful.end(),
+                   [](const FlightLog* a, const FlightLog* b) { return Worth(*a) > Worth(*b); });
+  JoinedLog out;
+  Joiner joiner(*useful.front(), out);
+  for (std::size_t i = 1; i < useful.size(); ++i) joiner.Take(*useful[i]);
+  return out;
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,71 @@
+#include "core/poses/time/stamped_photos.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::Photo;
+
+// Whole seconds, tenths, hundredths or milliseconds: the coarsest that all stamps keep to.
+double ResolutionOf(const std::vector<Photo>& photos, const StampedPhotos& camera) {
+  for (const std::int64_t unit_us : {1'000'000, 100'000, 10'000}) {
+    const bool all = std::all_of(camera.photo.begin(), camera.photo.end(), [&](std::size_t i) {
+      return photos[i].captured_at->time_since_epoch().count() % unit_us == 0;
+    });
+    if (all) return static_cast<double>(unit_us) * 1e-6;
+  }
+  return 1e-3;
+}
+
+}  // namespace
+
+double SecondsBetween(flight::UtcTime from, flight::UtcTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+std::optional<flight::UtcTime> FirstStamp(const std::vector<Photo>& photos) {
+  std::optional<flight::UtcTime> first;
+  for (const Photo& photo : photos) {
+    if (photo.captured_at && (!first || *photo.captured_at < *first)) first = photo.captured_at;
+  }
+  return first;
+}
+
+std::vector<StampedPhotos> StampsByCamera(const std::vector<Photo>& photos) {
+  const std::optional<flight::UtcTime> first = FirstStamp(photos);
+  std::map<std::string, StampedPhotos> by_key;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].captured_at) continue;
+    StampedPhotos& camera = by_key[photos[i].camera_key];
+    camera.photo.push_back(i);
+    camera.stamp_s.push_back(SecondsBetween(*first, *photos[i].captured_at));
+  }
+  std::vector<StampedPhotos> cameras;
+  for (auto& [key, camera] : by_key) {
+    if (!std::is_sorted(camera.stamp_s.begin(), camera.stamp_s.end())) {
+      std::vector<std::size_t> order(camera.photo.size());
+      for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return camera.stamp_s[a] < camera.stamp_s[b]; });
+      StampedPhotos sorted;
+      for (const std::size_t i : order) {
+        sorted.photo.push_back(camera.photo[i]);
+        sorted.stamp_s.push_back(camera.stamp_s[i]);
+      }
+      camera = std::move(sorted);
+    }
+    camera.resolution_s = ResolutionOf(photos, camera);
+    cameras.push_back(std::move(camera));
+  }
+  std::stable_sort(cameras.begin(), cameras.end(), [](const StampedPhotos& a, const StampedPhotos& b) {
+    return a.photo.size() > b.photo.size();
+  });
+  return cameras;
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,27 @@
+// The capture times that cameras wrote into their photos, camera by camera, as seconds. Pure functions; any
+// thread.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/flight/photos/photo.h"
+
+namespace skyquilt::poses {
+
+double SecondsBetween(flight::UtcTime from, flight::UtcTime to);
+
+// The earliest stamp of all; nothing where no photo has one.
+std::optional<flight::UtcTime> FirstStamp(const std::vector<flight::Photo>& photos);
+
+// All stamps of one camera, in order.
+struct StampedPhotos {
+  std::vector<std::size_t> photo;  // index into the photos
+  std::vector<double> stamp_s;     // since the first stamp of all
+  double resolution_s = 1.0;       // what the stamps are cut to
+};
+
+// The camera with the most stamps comes first.
+std::vector<StampedPhotos> StampsByCamera(const std::vector<flight::Photo>& photos);
+
+}  // namespace skyquilt::poses

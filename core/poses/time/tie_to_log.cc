@@ -1,0 +1,75 @@
+#include "core/poses/time/tie_to_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/poses/photo_rows.h"
+
+namespace skyquilt::poses {
+namespace {
+
+// A log covers a photo up to this long before its first and after its last sample.
+constexpr double kBeyondLogS = 1.0;
+constexpr double kEventClockSigmaS = 0.005;
+
+bool HasTrackSeries(const flight::FlightLog& log) {
+  return !log.imu.empty() || !log.attitude.empty() || log.gnss.size() >= 2;
+}
+
+std::pair<double, double> SpanOf(const flight::FlightLog& log) {
+  double begin_s = 1e18;
+  double end_s = -1e18;
+  const auto take = [&](const auto& samples) {
+    if (samples.empty()) return;
+    begin_s = std::min(begin_s, samples.front().t_s);
+    end_s = std::max(end_s, samples.back().t_s);
+  };
+  take(log.gnss);
+  take(log.attitude);
+  take(log.imu);
+  return {begin_s, end_s};
+}
+
+// Of this photo's time alone: what all share by the camera's clock is stated apart.
+double OwnSigmaS(const PhotoTime& time, double clock_sigma_s) {
+  if (time.event) return time.sigma_s;
+  return std::sqrt(std::max(0.0, time.sigma_s * time.sigma_s - clock_sigma_s * clock_sigma_s));
+}
+
+}  // namespace
+
+LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos) {
+  LogTie tie;
+  tie.photos = std::move(photos);
+  if (tie.photos.empty()) return tie;
+  Result<TimeSync> sync = MatchPhotosToLog(tie.photos, log);
+  if (!sync) {
+    tie.warnings.push_back(sync.error().message + ".");
+    return tie;
+  }
+  tie.sync = *std::move(sync);
+  ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
+  tie.clock_sigma_s = kEventClockSigmaS;
+  if (!HasTrackSeries(log)) return tie;
+  const auto [begin_s, end_s] = SpanOf(log);
+  for (std::size_t i = 0; i < tie.photos.size(); ++i) {
+    const auto& time = tie.sync->photos[i];
+    if (!time || time->t_s < begin_s - kBeyondLogS || time->t_s > end_s + kBeyondLogS) continue;
+    tie.tied.push_back({i, time->t_s, OwnSigmaS(*time, tie.sync->sigma_s)});
+    if (!time->event) tie.clock_sigma_s = tie.sync->sigma_s;
+  }
+  std::stable_sort(tie.tied.begin(), tie.tied.end(),
+                   [](const TiedPhoto& a, const TiedPhoto& b) { return a.t_s < b.t_s; });
+  return tie;
+}
+
+std::optional<double> AirframeYawAt(const flight::FlightLog& log, double t_s) {
+  const auto next = std::lower_bound(log.attitude.begin(), log.attitude.end(), t_s,
+                                     [](const flight::AttitudeSample& s, double t) { return s.t_s < t; });
+  if (next == log.attitude.end() || !next->has_yaw || next->t_s - t_s > 1.0) return std::nullopt;
+  const Eigen::Vector3d nose = next->ned_from_body * Eigen::Vector3d::UnitX();
+  return std::atan2(nose.y(), nose.x());
+}
+
+}  // namespace skyquilt::poses

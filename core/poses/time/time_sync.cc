@@ -1,0 +1,241 @@
+#include "core/poses/time/time_sync.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+#include "core/poses/time/event_alignment.h"
+#include "core/poses/time/find_clock_offset.h"
+#include "core/poses/time/stamped_photos.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::CameraEvent;
+using flight::FlightLog;
+using flight::Photo;
+
+// Lower case, without folders and extension: "DCIM/IMG_1.JPG" and "img_1.jpg" are one photo.
+std::string PlainName(std::string_view name) {
+  name = name.substr(name.find_last_of("/\\") + 1);
+  if (const auto dot = name.rfind('.'); dot != std::string_view::npos && dot > 0) name = name.substr(0, dot);
+  std::string plain(name);
+  for (char& c : plain) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return plain;
+}
+
+class Synchroniser {
+ public:
+  Synchroniser(const std::vector<Photo>& photos, const FlightLog& log, const TimeSyncOptions& options)
+      : photos_(photos), log_(log), options_(options) {
+    sync_.photos.resize(photos.size());
+    first_ = FirstStamp(photos);
+    const bool any_feedback = std::any_of(log.events.begin(), log.events.end(),
+                                          [](const CameraEvent& e) { return e.has_time && e.is_feedback; });
+    for (std::size_t i = 0; i < log.events.size(); ++i) {
+      const CameraEvent& event = log.events[i];
+      if (event.has_time && (event.is_feedback || !any_feedback)) {
+        event_index_.push_back(i);
+        event_s_.push_back(event.t_s);
+      }
+    }
+    jitter_s_ = any_feedback ? options.trigger_jitter_s : options.command_jitter_s;
+  }
+
+  Result<TimeSync> Run() {
+    const std::vector<StampedPhotos> cameras = StampsByCamera(photos_);
+    const bool done = ByNames() || ByEvents(cameras) || (!cameras.empty() && BySearch(cameras.front()));
+    if (!done) {
+      return Error{
+          ErrorCode::kUnprocessable,
+          fmt::format(
+              "{} photos cannot be tied to {}: give photos with capture times, a log with camera events, or "
+              "set the camera's clock",
+              photos_.size(), log_.file_name),
+          fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size())};
+    }
+    FillFromOffset(cameras);
+    if (first_ && log_.utc_at_zero) {
+      sync_.camera_ahead_of_utc_s = SecondsBetween(*log_.utc_at_zero, *first_) - sync_.offset_s;
+    }
+    return std::move(sync_);
+  }
+
+ private:
+  void Place(std::size_t photo, std::size_t event, double sigma_s) {
+    sync_.photos[photo] = PhotoTime{log_.events[event].t_s, sigma_s, event};
+  }
+
+  // Stamps minus event times of what is matched so far fix the offset.
+  void OffsetFromMatches() {
+    std::vector<double> differences;
+    double resolution = 1e-3;
+    for (const StampedPhotos& camera : StampsByCamera(photos_)) {
+      for (std::size_t k = 0; k < camera.photo.size(); ++k) {
+        const auto& placed = sync_.photos[camera.photo[k]];
+        if (placed && placed->event) differences.push_back(camera.stamp_s[k] - placed->t_s);
+      }
+      resolution = std::max(resolution, camera.resolution_s);
+    }
+    if (differences.empty()) return;
+    const OffsetFit fit = FitOffset(differences, {resolution, jitter_s_});
+    sync_.offset_s = -fit.offset_s;
+    sync_.sigma_s = std::hypot(fit.sigma_s, 0.005);
+  }
+
+  bool ByNames() {
+    std::map<std::string, std::size_t> events;
+    for (std::size_t i = 0; i < log_.events.size(); ++i) {
+      const CameraEvent& event = log_.events[i];
+      if (event.has_time && event.image_name) events.emplace(PlainName(*event.image_name), i);
+    }
+    std::size_t matched = 0;
+    for (std::size_t i = 0; i < photos_.size(); ++i) {
+      const auto found = events.find(PlainName(photos_[i].name));
+      if (found == events.end()) continue;
+      Place(i, found->second, jitter_s_);
+      ++matched;
+    }
+    if (matched == 0 || 2 * matched < photos_.size()) {
+      sync_.photos.assign(photos_.size(), std::nullopt);
+      return false;
+    }
+    sync_.method = TimeSyncMethod::kEventNames;
+    sync_.method_in_words =
+        fmt::format("{} of {} photos are named by the log's events", matched, photos_.size());
+    sync_.sigma_s = jitter_s_;
+    OffsetFromMatches();
+    return true;
+  }
+
+  bool ByEvents(const std::vector<StampedPhotos>& cameras) {
+    if (event_s_.empty()) return false;
+    if (cameras.empty()) return ByCountAlone();
+    bool any = false;
+    for (const StampedPhotos& camera : cameras) {
+      if (any && camera.photo.size() < 3) continue;
+      any = ByEventsOfCamera(camera, !any) || any;
+    }
+    return any;
+  }
+
+  // No stamps at all: the order is all there is.
+  bool ByCountAlone() {
+    if (photos_.size() != event_s_.size() || photos_.empty()) return false;
+    for (std::size_t i = 0; i < photos_.size(); ++i) Place(i, event_index_[i], jitter_s_);
+    sync_.method = TimeSyncMethod::kEventCount;
+    sync_.method_in_words = fmt::format("{} events and {} photos without capture times, paired in order",
+                                        event_s_.size(), photos_.size());
+    sync_.sigma_s = jitter_s_;
+    sync_.notes.emplace_back("the pairing rests on the order of names alone");
+    return true;
+  }
+
+  bool ByEventsOfCamera(const StampedPhotos& camera, bool is_first) {
+    const StampModel model{camera.resolution_s, jitter_s_};
+    const std::size_t count = camera.photo.size();
+    // As many events as photos, and every difference within one unit: nothing was lost.
+    if (count == event_s_.size()) {
+      std::vector<double> differences;
+      for (std::size_t k = 0; k < count; ++k) differences.push_back(camera.stamp_s[k] - event_s_[k]);
+      const auto [least, most] = std::minmax_element(differences.begin(), differences.end());
+      if (*most - *least <= model.resolution_s + 8.0 * model.jitter_s + 0.05) {
+        for (std::size_t k = 0; k < count; ++k) Place(camera.photo[k], event_index_[k], jitter_s_);
+        if (is_first) {
+          SetOffset(FitOffset(differences, model), 0.0);
+          sync_.method = TimeSyncMethod::kEventCount;
+          sync_.method_in_words =
+              fmt::format("{} events for {} photos, paired in order", event_s_.size(), count);
+        }
+        return true;
+      }
+    }
+    const auto alignment = AlignEvents(camera.stamp_s, event_s_, model);
+    if (!alignment) return false;
+    const double sigma_s = std::hypot(jitter_s_, alignment->ambiguous_by_s);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (alignment->event[k]) Place(camera.photo[k], event_index_[*alignment->event[k]], sigma_s);
+    }
+    if (is_first) {
+      SetOffset(alignment->offset, alignment->ambiguous_by_s);
+      sync_.method = TimeSyncMethod::kEventPattern;
+      sync_.method_in_words =
+          fmt::format("{} of {} photos matched to {} events by the pattern of their intervals",
+                      alignment->matched, count, event_s_.size());
+      if (alignment->ambiguous_by_s > 0.0) {
+        sync_.notes.push_back(
+            fmt::format("the pattern fits as well {:.2f} s away: the trigger interval hardly varies",
+                        alignment->ambiguous_by_s));
+      }
+    }
+    return true;
+  }
+
+  void SetOffset(const OffsetFit& fit, double ambiguous_by_s) {
+    sync_.offset_s = -fit.offset_s;
+    sync_.sigma_s = std::hypot(std::hypot(fit.sigma_s, 0.005), ambiguous_by_s);
+  }
+
+  bool BySearch(const StampedPhotos& camera) {
+    auto found = FindClockOffset(photos_, camera, *first_, log_, options_);
+    if (!found) return false;
+    sync_.method = found->method;
+    sync_.offset_s = found->offset_s;
+    sync_.sigma_s = found->sigma_s;
+    sync_.method_in_words = std::move(found->method_in_words);
+    std::move(found->notes.begin(), found->notes.end(), std::back_inserter(sync_.notes));
+    return true;
+  }
+
+  // Photos without an event get their stamp moved to the log's clock.
+  void FillFromOffset(const std::vector<StampedPhotos>& cameras) {
+    for (const StampedPhotos& camera : cameras) {
+      const RefinedStamps refined = RefineByTriggerInterval(camera.stamp_s, camera.resolution_s);
+      for (std::size_t k = 0; k < camera.photo.size(); ++k) {
+        auto& placed = sync_.photos[camera.photo[k]];
+        if (placed) continue;
+        placed = PhotoTime{refined.times_s[k] + sync_.offset_s,
+                           std::hypot(refined.sigmas_s[k], sync_.sigma_s), std::nullopt};
+      }
+    }
+    const auto missing = std::count(sync_.photos.begin(), sync_.photos.end(), std::nullopt);
+    if (missing > 0)
+      sync_.notes.push_back(fmt::format("{} photos have neither an event nor a capture time", missing));
+  }
+
+  const std::vector<Photo>& photos_;
+  const FlightLog& log_;
+  const TimeSyncOptions& options_;
+  TimeSync sync_;
+  std::optional<flight::UtcTime> first_;
+  std::vector<std::size_t> event_index_;
+  std::vector<double> event_s_;
+  double jitter_s_ = 0.02;
+};
+
+}  // namespace
+
+Result<void> TimeSyncOptions::Validate() const {
+  const auto positive = [](const char* field, double value) -> Result<void> {
+    if (std::isfinite(value) && value > 0.0) return {};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} is {}, but must be above 0", field, value), ""};
+  };
+  if (auto r = positive("trigger_jitter_s", trigger_jitter_s); !r) return r;
+  if (auto r = positive("command_jitter_s", command_jitter_s); !r) return r;
+  return positive("camera_clock_sigma_s", camera_clock_sigma_s);
+}
+
+Result<TimeSync> MatchPhotosToLog(const std::vector<Photo>& photos, const FlightLog& log,
+                                  const TimeSyncOptions& options) {
+  if (auto valid = options.Validate(); !valid) return valid.error();
+  if (photos.empty())
+    return Error{ErrorCode::kInvalidArgument, "there are no photos to match to the log", ""};
+  return Synchroniser(photos, log, options).Run();
+}
+
+}  // namespace skyquilt::poses

@@ -1,0 +1,73 @@
+#include "core/render/blocks/block_digest.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/render/blocks/block_weights.h"
+
+namespace skyquilt::render {
+namespace {
+
+// Raised whenever the same input gives other pixels than before.
+constexpr int kRendererVersion = 3;
+// Ground nearer together than this is the same: a grid that grew tells it a rounding error differently.
+constexpr double kGroundStepM = 1e-4;
+constexpr std::int32_t kOtherPhoto = -2;  // one that shows nothing of the block itself
+
+void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hasher& hasher) {
+  const camera::Intrinsics& lens = photo.intrinsics;
+  hasher.Add(lens.width_px).Add(lens.height_px).Add(lens.focal_x_px).Add(lens.focal_y_px);
+  hasher.Add(lens.center_x_px).Add(lens.center_y_px);
+  hasher.Add(lens.k1).Add(lens.k2).Add(lens.k3).Add(lens.p1).Add(lens.p2);
+  hasher.AddBytes(photo.cam_from_enu.rotation.coeffs().data(), 4 * sizeof(double));
+  hasher.AddBytes(photo.cam_from_enu.translation.data(), 3 * sizeof(double));
+  hasher.AddBytes(photo.readout_motion_in_enu_m.data(), 3 * sizeof(double));
+  hasher.Add(static_cast<int>(photo.placement)).Add(photo.error_radius_m).Add(photo.height_above_ground_m);
+  for (const double gain : tone.gain) hasher.Add(gain);
+  for (const double term : tone.vignetting.a) hasher.Add(term);
+}
+
+}  // namespace
+
+Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& encode,
+                   const std::vector<Digest>& photo_digests, const RenderBlock& block,
+                   const BlockGeometry& geometry) {
+  const MosaicPlan& plan = context.plan;
+  const SeamGrid& grid = context.seams.grid;
+  Hasher hasher;
+  hasher.Add(kRendererVersion).Add(encode.use_webp).Add(encode.quality);
+  hasher.Add(plan.block_levels).Add(plan.tile_size_px).Add(plan.feather_m);
+  hasher.Add(grid.cell_px).Add(context.seams.cell_m).Add(context.flight.frame.origin().lat_deg);
+  for (const Eigen::Vector3d& node : geometry.ground_in_enu) {
+    for (const double metres : {node.x(), node.y(), node.z()})
+      hasher.Add(std::llround(metres / kGroundStepM));
+  }
+  const BlockCells cells(context.seams, block.tile, plan.block_levels);
+  const std::vector<std::uint32_t> photos = cells.PhotosOf(block);
+  for (const std::uint32_t photo : photos) {
+    hasher.AddBytes(photo_digests[photo].data(), photo_digests[photo].size());
+    AddPhoto(context.flight.photos[photo], context.exposure.photos[photo], hasher);
+  }
+  // Cells and their neighbours, by place in the list above: numbers of photos change when photos are added.
+  for (int row = -1; row <= cells.side; ++row) {
+    for (int column = -1; column <= cells.side; ++column) {
+      const int x = cells.corner.x() + column, y = cells.corner.y() + row;
+      const std::int32_t label = context.seams.labels.At(x, y);
+      std::int32_t place = label;
+      if (label != kNoPhoto) {
+        const auto at = std::lower_bound(photos.begin(), photos.end(), static_cast<std::uint32_t>(label));
+        const bool is_known = at != photos.end() && *at == static_cast<std::uint32_t>(label);
+        place = is_known ? static_cast<std::int32_t>(at - photos.begin()) : kOtherPhoto;
+      }
+      hasher.Add(place);
+      for (const std::uint32_t photo : photos) {
+        const PhotoLevels& levels = context.seams.levels[photo];
+        hasher.Add(levels.SeesWhole(x, y));
+        for (const float level : levels.At(x, y)) hasher.Add(level);
+      }
+    }
+  }
+  return hasher.Finish();
+}
+
+}  // namespace skyquilt::render

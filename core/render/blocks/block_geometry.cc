@@ -1,0 +1,88 @@
+#include "core/render/blocks/block_geometry.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/check.h"
+#include "core/camera/footprint.h"
+#include "core/camera/rolling_shutter.h"
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::render {
+
+BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, const geo::LocalFrame& frame,
+                                const ground::GroundSurface& ground) {
+  SKYQUILT_CHECK(size_px % kNodeStepPx == 0, "a block must hold whole node cells");
+  BlockGeometry block;
+  block.size_px = size_px;
+  block.nodes_per_side = size_px / kNodeStepPx + 1;
+  block.ground_in_enu.reserve(static_cast<std::size_t>(block.nodes_per_side) * block.nodes_per_side);
+  const double pixel_m = geo::PixelSizeInMercM(block_tile.z(), size_px);
+  for (int row = 0; row < block.nodes_per_side; ++row) {
+    for (int column = 0; column < block.nodes_per_side; ++column) {
+      // World-wide pixel numbers are exact in double, so every block gives a node the same place.
+      const double world_x = static_cast<double>(block_tile.x()) * size_px + column * kNodeStepPx;
+      const double world_y = static_cast<double>(block_tile.y()) * size_px + row * kNodeStepPx;
+      const geo::LatLon position = geo::LatLonFromMerc({(world_x + 0.5) * pixel_m - geo::kMercHalfWidthM,
+                                                        geo::kMercHalfWidthM - (world_y + 0.5) * pixel_m});
+      const geo::Vertical vertical = frame.VerticalAt(position);
+      Eigen::Vector3d point = vertical.AtHeight(ground.MeanHeight());
+      if (!ground.IsPlane()) point = vertical.AtHeight(ground.HeightAt(point.head<2>()));
+      block.ground_in_enu.push_back(point);
+    }
+  }
+  return block;
+}
+
+PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& block) {
+  PhotoView view;
+  view.pixel_in_image.resize(block.ground_in_enu.size());
+  view.nadir_distance_m.resize(block.ground_in_enu.size());
+  const camera::Intrinsics& lens = photo.intrinsics;
+  const Eigen::Matrix3d rotation = photo.cam_from_enu.rotation.toRotationMatrix();
+  const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+  const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
+  const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
+  const bool moves = !photo.readout_motion_in_enu_m.isZero(0.0);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
+    const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
+    const double sideways_m = offset.head<2>().norm();
+    view.nadir_distance_m[i] = static_cast<float>(sideways_m);
+    view.pixel_in_image[i] = {kNan, kNan};
+    const Eigen::Vector3d in_cam = rotation * offset;
+    if (in_cam.z() <= 1e-6 || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
+    const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
+    if (normalised.squaredNorm() > max_radius_squared) continue;
+    const Eigen::Vector2d bent = lens.Distort(normalised);
+    Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
+                          lens.focal_y_px * bent.y() + lens.center_y_px);
+    if (moves) {
+      const auto rolling = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion_in_enu_m,
+                                                  block.ground_in_enu[i]);
+      if (!rolling) continue;
+      pixel = *rolling;
+    }
+    view.pixel_in_image[i] = pixel.cast<float>();
+  }
+  // A cell touches the image if the box around its four corners does.
+  const int n = block.nodes_per_side;
+  for (int row = 0; row + 1 < n && !view.sees_block; ++row) {
+    for (int column = 0; column + 1 < n; ++column) {
+      const std::size_t k = static_cast<std::size_t>(row) * n + column;
+      Eigen::Vector2f low = view.pixel_in_image[k];
+      Eigen::Vector2f high = low;
+      for (const std::size_t other : {k + 1, k + n, k + n + 1}) {
+        low = low.cwiseMin(view.pixel_in_image[other]);
+        high = high.cwiseMax(view.pixel_in_image[other]);
+      }
+      if (low.x() <= lens.width_px && low.y() <= lens.height_px && high.x() >= -1.0f && high.y() >= -1.0f) {
+        view.sees_block = true;
+        break;
+      }
+    }
+  }
+  return view;
+}
+
+}  // namespace skyquilt::render

@@ -1,0 +1,38 @@
+// BlockGeometry: which ground every pixel of a block shows, and where a photo sees it, on a coarse exact
+// grid. Nodes lie every kNodeStepPx pixels of the zoom's world-wide pixel grid, so that a pixel's numbers do
+// not depend on the block it is rendered in; between nodes all is bilinear. Frames: merc (block), enu
+// (ground), image (photo). Values; any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/geo/local_frame.h"
+#include "core/geo/tile_id.h"
+#include "core/ground/ground_surface.h"
+
+namespace skyquilt::render {
+
+inline constexpr int kNodeStepPx = 16;
+
+struct BlockGeometry {
+  int size_px = 0;
+  int nodes_per_side = 0;                      // size_px / kNodeStepPx + 1
+  std::vector<Eigen::Vector3d> ground_in_enu;  // row by row from the north-west
+};
+
+BlockGeometry MakeBlockGeometry(const geo::TileId& block_tile, int size_px, const geo::LocalFrame& frame,
+                                const ground::GroundSurface& ground);
+
+// What one photo sees of a block, at the nodes.
+struct PhotoView {
+  // Pixel in the full-size image; NaN where the photo cannot see (behind it, beyond the lens, too oblique).
+  std::vector<Eigen::Vector2f> pixel_in_image;
+  std::vector<float> nadir_distance_m;  // ground distance from the point straight below the camera
+  bool sees_block = false;              // some node cell touches the image
+};
+
+PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& block);
+
+}  // namespace skyquilt::render

@@ -1,0 +1,307 @@
+#include "core/render/blocks/block_weights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/render/seams/view_score.h"
+
+namespace skyquilt::render {
+namespace {
+
+// Neighbouring cells of a pixel's cell and itself: what the quadratic B-spline reaches.
+constexpr int kTaps = 3;
+constexpr double kTransitionPx = 16.0;  // narrow: misfits of a pixel or two must not show as blur
+constexpr float kMinWeight = 1.0f / 512.0f;
+
+// A quantity at the four nodes of a cell of the block's geometry, read between them.
+struct Corners {
+  float nw, ne, sw, se;
+  float At(int x, int y) const {
+    constexpr float kStep = 1.0f / kNodeStepPx;
+    const float u = x * kStep;
+    const float v = y * kStep;
+    const float north = nw + u * (ne - nw);
+    const float south = sw + u * (se - sw);
+    return north + v * (south - north);
+  }
+};
+
+struct NodeCell {
+  Corners x, y, distance;
+  bool is_valid = false;  // all four nodes are seen
+};
+
+NodeCell NodeCellOf(const PhotoView& view, int nodes_per_side, int row, int column) {
+  const std::size_t k = static_cast<std::size_t>(row) * nodes_per_side + column;
+  const std::array<std::size_t, 4> nodes{k, k + 1, k + nodes_per_side, k + nodes_per_side + 1};
+  NodeCell cell;
+  for (const std::size_t node : nodes) {
+    if (std::isnan(view.pixel_in_image[node].x())) return cell;
+  }
+  const auto corners = [&](auto&& read) {
+    return Corners{read(nodes[0]), read(nodes[1]), read(nodes[2]), read(nodes[3])};
+  };
+  cell.x = corners([&](std::size_t n) { return view.pixel_in_image[n].x(); });
+  cell.y = corners([&](std::size_t n) { return view.pixel_in_image[n].y(); });
+  cell.distance = corners([&](std::size_t n) { return view.nadir_distance_m[n]; });
+  cell.is_valid = true;
+  return cell;
+}
+
+// The labels of a cell and its neighbours.
+struct Neighbourhood {
+  std::array<std::int32_t, kTaps * kTaps> distinct{};
+  std::array<int, kTaps * kTaps> slot{};  // of each label among the distinct ones; -1: no photo
+  int count = 0;                          // of distinct photos
+  bool is_whole = true;                   // no cell without a photo, no photo whose edge is near
+
+  Neighbourhood(const BlockCells& cells, int column, int row) {
+    const SeamMap& seams = cells.seams;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const std::int32_t label =
+            seams.labels.At(cells.corner.x() + column + dx, cells.corner.y() + row + dy);
+        int& own_slot = slot[static_cast<std::size_t>((dy + 1) * kTaps + dx + 1)];
+        own_slot = -1;
+        if (label == kNoPhoto) {
+          is_whole = false;
+          continue;
+        }
+        own_slot =
+            static_cast<int>(std::find(distinct.begin(), distinct.begin() + count, label) - distinct.begin());
+        if (own_slot < count) continue;
+        distinct[static_cast<std::size_t>(count++)] = label;
+        is_whole &= seams.levels[static_cast<std::size_t>(label)].SeesWhole(cells.corner.x() + column,
+                                                                            cells.corner.y() + row);
+      }
+    }
+  }
+};
+
+class Weigher {
+ public:
+  Weigher(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
+          const std::vector<PhotoView>& views, const BlockGeometry& block, const BlockCells& cells,
+          double transition_m)
+      : photos_(photos),
+        views_(views),
+        block_(block),
+        cells_(cells),
+        cell_px_(cells.seams.grid.cell_px),
+        square_px_(std::min(cell_px_ / 2, kNodeStepPx)) {
+    for (const std::uint32_t photo : photos) scores_.push_back(ViewScore::Of(flight.photos[photo]));
+    // Weights to this power: the B-spline's own width is about 1.5 cells.
+    const double wanted =
+        1.5 * (transition_m > 0.0 ? cells.seams.cell_m / transition_m : cell_px_ / kTransitionPx);
+    sharpness_ = static_cast<int>(std::clamp(std::lround(wanted), 1L, 8L));
+    for (auto& tap : spline_) tap.resize(static_cast<std::size_t>(cell_px_));
+    for (int i = 0; i < cell_px_; ++i) {
+      const float t = (static_cast<float>(i) + 0.5f) / static_cast<float>(cell_px_) - 0.5f;
+      spline_[0][static_cast<std::size_t>(i)] = 0.5f * (0.5f - t) * (0.5f - t);
+      spline_[1][static_cast<std::size_t>(i)] = 0.75f - t * t;
+      spline_[2][static_cast<std::size_t>(i)] = 0.5f * (0.5f + t) * (0.5f + t);
+    }
+    shares_.resize(photos.size());
+    for (std::size_t i = 0; i < photos.size(); ++i) shares_[i].photo = photos[i];
+  }
+
+  BlockShares Weigh() {
+    for (int row = 0; row < cells_.side; ++row) {
+      for (int column = 0; column < cells_.side; ++column) WeighCell(column, row);
+    }
+    std::erase_if(shares_, [](const PhotoShare& share) { return share.squares.empty(); });
+    return {square_px_, std::move(shares_)};
+  }
+
+ private:
+  // Weights of a square by its pixels, row by row.
+  using Square = std::array<float, static_cast<std::size_t>(kNodeStepPx) * kNodeStepPx>;
+  using LabelSquares = std::array<Square, kTaps * kTaps>;
+
+  int PlaceOf(std::int32_t label) const {
+    const auto at = std::lower_bound(photos_.begin(), photos_.end(), static_cast<std::uint32_t>(label));
+    return at != photos_.end() && *at == static_cast<std::uint32_t>(label)
+               ? static_cast<int>(at - photos_.begin())
+               : -1;
+  }
+
+  int PixelsOfSquare() const { return square_px_ * square_px_; }
+
+  // What a photo has of the square at (x, y); nothing is added where it has nothing.
+  void Add(int place, int x, int y, const Square& weights) {
+    const auto end = weights.begin() + PixelsOfSquare();
+    if (std::none_of(weights.begin(), end, [](float weight) { return weight > 0.0f; })) return;
+    PhotoShare& share = shares_[static_cast<std::size_t>(place)];
+    if (std::all_of(weights.begin(), end, [](float weight) { return weight == 1.0f; })) {
+      share.squares.push_back({x, y});
+      return;
+    }
+    share.squares.push_back({x, y, static_cast<std::int32_t>(share.weights.size())});
+    share.weights.insert(share.weights.end(), weights.begin(), end);
+  }
+
+  void WeighCell(int column, int row) {
+    const Neighbourhood around(cells_, column, row);
+    std::array<int, kTaps * kTaps> places{};
+    for (int i = 0; i < around.count; ++i)
+      places[static_cast<std::size_t>(i)] = PlaceOf(around.distinct[static_cast<std::size_t>(i)]);
+    for (int y = 0; y < cell_px_; y += square_px_) {
+      for (int x = 0; x < cell_px_; x += square_px_) {
+        const int block_x = column * cell_px_ + x, block_y = row * cell_px_ + y;
+        if (!around.is_whole) {
+          WeighAtEdge(around, places, x, y, block_x, block_y);
+        } else if (around.count == 1) {
+          shares_[static_cast<std::size_t>(places[0])].squares.push_back({block_x, block_y});
+        } else {
+          WeighLabels(around, x, y);
+          Normalise(around.count);
+          for (int i = 0; i < around.count; ++i)
+            Add(places[static_cast<std::size_t>(i)], block_x, block_y,
+                by_label_[static_cast<std::size_t>(i)]);
+        }
+      }
+    }
+  }
+
+  // Into by_label_, of the square at (x, y) of the cell: by distinct label, sharpened; those too small to be
+  // seen are 0.
+  void WeighLabels(const Neighbourhood& around, int x, int y) {
+    const auto count = static_cast<std::size_t>(around.count);
+    const auto side = static_cast<std::size_t>(square_px_);
+    if (count == 1) {
+      by_label_[0].fill(1.0f);
+      return;
+    }
+    for (std::size_t dy = 0; dy < side; ++dy) {
+      std::array<std::array<float, kTaps>, kTaps * kTaps> columns{};  // by label: its weight in each column
+      for (std::size_t tap = 0; tap < kTaps * kTaps; ++tap) {
+        if (around.slot[tap] < 0) continue;
+        columns[static_cast<std::size_t>(around.slot[tap])][tap % kTaps] +=
+            spline_[tap / kTaps][static_cast<std::size_t>(y) + dy];
+      }
+      std::array<float, kNodeStepPx> most{};
+      const float* west = spline_[0].data() + x;
+      const float* middle = spline_[1].data() + x;
+      const float* east = spline_[2].data() + x;
+      for (std::size_t i = 0; i < count; ++i) {
+        float* weights = by_label_[i].data() + dy * side;
+        for (std::size_t dx = 0; dx < side; ++dx) {
+          const float base = columns[i][0] * west[dx] + columns[i][1] * middle[dx] + columns[i][2] * east[dx];
+          float weight = base;
+          for (int power = 1; power < sharpness_; ++power) weight *= base;
+          weights[dx] = weight;
+          most[dx] = std::max(most[dx], weight);
+        }
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        float* weights = by_label_[i].data() + dy * side;
+        for (std::size_t dx = 0; dx < side; ++dx)
+          weights[dx] = weights[dx] < kMinWeight * most[dx] ? 0.0f : weights[dx];
+      }
+    }
+  }
+
+  void Normalise(int count) {
+    const auto pixels = static_cast<std::size_t>(PixelsOfSquare());
+    Square sum{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      for (std::size_t p = 0; p < pixels; ++p) sum[p] += by_label_[i][p];
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      for (std::size_t p = 0; p < pixels; ++p) by_label_[i][p] /= sum[p];
+    }
+  }
+
+  // At the edge of the map or of a photo every pixel is asked who sees it.
+  void WeighAtEdge(const Neighbourhood& around, const std::array<int, kTaps * kTaps>& label_place, int x,
+                   int y, int block_x, int block_y) {
+    struct Candidate {
+      int place;
+      int label;  // among the distinct ones around; -1: none
+      NodeCell nodes;
+      Square weights{};
+    };
+    std::vector<Candidate> candidates;
+    for (std::size_t i = 0; i < photos_.size(); ++i) {
+      if (!views_[i].sees_block) continue;
+      const NodeCell nodes =
+          NodeCellOf(views_[i], block_.nodes_per_side, block_y / kNodeStepPx, block_x / kNodeStepPx);
+      if (!nodes.is_valid || !IsNear(nodes, scores_[i])) continue;
+      const auto label =
+          std::find(label_place.begin(), label_place.begin() + around.count, static_cast<int>(i)) -
+          label_place.begin();
+      candidates.push_back(
+          {static_cast<int>(i), label < around.count ? static_cast<int>(label) : -1, nodes, {}});
+    }
+    if (candidates.empty()) return;
+    WeighLabels(around, x, y);
+    for (int dy = 0; dy < square_px_; ++dy) {
+      for (int dx = 0; dx < square_px_; ++dx) {
+        const int node_x = (block_x + dx) % kNodeStepPx, node_y = (block_y + dy) % kNodeStepPx;
+        const auto pixel = static_cast<std::size_t>(dy * square_px_ + dx);
+        float sum = 0.0f, best = std::numeric_limits<float>::infinity();
+        Candidate* best_candidate = nullptr;
+        for (Candidate& candidate : candidates) {
+          const ViewScore& score = scores_[static_cast<std::size_t>(candidate.place)];
+          const float margin =
+              score.Margin(candidate.nodes.x.At(node_x, node_y), candidate.nodes.y.At(node_x, node_y));
+          if (margin < 0.0f) continue;
+          const float value = score.Score(candidate.nodes.distance.At(node_x, node_y), margin);
+          if (value < best) best = value, best_candidate = &candidate;
+          if (candidate.label >= 0)
+            candidate.weights[pixel] = by_label_[static_cast<std::size_t>(candidate.label)][pixel];
+          sum += candidate.weights[pixel];
+        }
+        if (best_candidate == nullptr) continue;
+        if (sum <= 0.0f) best_candidate->weights[pixel] = sum = 1.0f;
+        for (Candidate& candidate : candidates) candidate.weights[pixel] /= sum;
+      }
+    }
+    for (const Candidate& candidate : candidates) Add(candidate.place, block_x, block_y, candidate.weights);
+  }
+
+  // Whether some pixel between the nodes may lie in the image.
+  static bool IsNear(const NodeCell& cell, const ViewScore& score) {
+    const auto [x0, x1] = std::minmax({cell.x.nw, cell.x.ne, cell.x.sw, cell.x.se});
+    const auto [y0, y1] = std::minmax({cell.y.nw, cell.y.ne, cell.y.sw, cell.y.se});
+    return x1 >= -0.5f && y1 >= -0.5f && x0 <= score.width_px - 0.5f && y0 <= score.height_px - 0.5f;
+  }
+
+  const std::vector<std::uint32_t>& photos_;
+  const std::vector<PhotoView>& views_;
+  const BlockGeometry& block_;
+  const BlockCells& cells_;
+  const int cell_px_;
+  const int square_px_;
+  int sharpness_ = 3;
+  std::vector<ViewScore> scores_;
+  std::array<std::vector<float>, kTaps> spline_;  // by tap, then by pixel of a cell
+  LabelSquares by_label_{};
+  std::vector<PhotoShare> shares_;
+};
+
+}  // namespace
+
+BlockCells::BlockCells(const SeamMap& map, const geo::TileId& block_tile, int block_levels)
+    : seams(map),
+      corner(map.grid.CellOfBlock(block_tile, block_levels)),
+      side((map.grid.tile_size_px << block_levels) / map.grid.cell_px) {}
+
+bool BlockCells::IsInner() const {
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      if (!Neighbourhood(*this, column, row).is_whole) return false;
+    }
+  }
+  return true;
+}
+
+BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
+                        const std::vector<PhotoView>& views, const BlockGeometry& block,
+                        const BlockCells& cells, double transition_m) {
+  return Weigher(flight, photos, views, block, cells, transition_m).Weigh();
+}
+
+}  // namespace skyquilt::render

@@ -1,0 +1,58 @@
+// Which photo shows which pixel of a block, and how neighbours blend across the seam: the seam map's cells,
+// smoothed to pixels. Every weight is a function of the pixel's place alone, so it is the same in whatever
+// block or thread it is computed. Where no photo of the seam map sees a pixel, the one that sees it best
+// does. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/render/blocks/block_geometry.h"
+#include "core/render/mosaic_plan.h"
+#include "core/render/seams/seam_map.h"
+
+namespace skyquilt::render {
+
+// A small square of the block in which a photo shows something.
+struct SquareShare {
+  static constexpr std::int32_t kAlone = -1;
+
+  int x = 0, y = 0;                    // pixels of the block
+  std::int32_t first_weight = kAlone;  // in PhotoShare::weights, row by row; kAlone: 1 everywhere
+};
+
+struct PhotoShare {
+  std::uint32_t photo = 0;  // index in the flight
+  std::vector<SquareShare> squares;
+  std::vector<float> weights;  // those of all photos at a covered pixel add up to 1
+};
+
+struct BlockShares {
+  int square_px = 0;  // a square lies in one cell of nodes and in one quarter of a cell of the seam map
+  std::vector<PhotoShare> photos;  // rising
+};
+
+// The part of the seam map below a block.
+struct BlockCells {
+  const SeamMap& seams;
+  Eigen::Vector2i corner;  // the block's first cell
+  int side = 0;            // cells
+
+  BlockCells(const SeamMap& map, const geo::TileId& block_tile, int block_levels);
+  // The photos that may show some of the block, rising: those of its cells and of the cells around that blend
+  // into it; at the map's edge, where a pixel may be seen by a photo that has no cell here, all that see it.
+  std::vector<std::uint32_t> PhotosOf(const RenderBlock& block) const {
+    return IsInner() ? seams.PhotosIn(corner.x() - 1, corner.y() - 1, side + 2, side + 2) : block.photos;
+  }
+  // Whether all of it is shown by the cells' photos: no map edge, no photo edge within.
+  bool IsInner() const;
+};
+
+// views[i] belongs to photos[i]; photos are indices into the flight, rising. transition_m: the seam's width
+// (0: 16 pixels).
+BlockShares WeighPhotos(const alignment::AlignedFlight& flight, const std::vector<std::uint32_t>& photos,
+                        const std::vector<PhotoView>& views, const BlockGeometry& block,
+                        const BlockCells& cells, double transition_m);
+
+}  // namespace skyquilt::render

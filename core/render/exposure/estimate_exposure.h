@@ -1,0 +1,20 @@
+// EstimateExposure: gains and vignetting from what several photos say of the same ground, for the whole
+// flight in one robust least-squares problem on logarithms. The mean gain of the flight is 1: the ground
+// keeps its natural contrast. Deterministic; one thread; O(photos x samples). Source: gain compensation of
+// Brown and Lowe (2007), extended by a vignetting polynomial and a robust loss.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/render/exposure/exposure.h"
+#include "core/render/thumbnail.h"
+
+namespace skyquilt::render {
+
+// thumbnails[i] belongs to flight.photos[i].
+ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                               const std::vector<Thumbnail>& thumbnails);
+
+}  // namespace skyquilt::render

@@ -1,0 +1,105 @@
+#include "core/render/exposure/exposure_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+#include "core/base/median.h"
+#include "core/camera/footprint.h"
+#include "core/camera/ground_homography.h"
+
+namespace skyquilt::render {
+namespace {
+
+// About this many spots across a photo: enough for a gain and a curve, few enough for thousands of photos.
+constexpr double kSpotsAcrossPhoto = 14.0;
+constexpr float kDarkest = 12.0f;
+constexpr float kBrightest = 246.0f;
+
+// Half the side of the patch whose mean is taken, as a share of the thumbnail's width.
+constexpr double kHalfPatchShare = 1.0 / 128.0;
+
+// Mean colour of a small patch around a full-size pixel; nothing near the border or where it is clipped.
+std::optional<std::array<float, 3>> Colour(const DecodedThumbnail& thumbnail, const camera::Intrinsics& lens,
+                                           const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>((pixel.x() + 0.5) * thumbnail.width_px / lens.width_px);
+  const int y = static_cast<int>((pixel.y() + 0.5) * thumbnail.height_px / lens.height_px);
+  const int half = std::max(1, static_cast<int>(thumbnail.width_px * kHalfPatchShare));
+  if (x < half || y < half || x + half >= thumbnail.width_px || y + half >= thumbnail.height_px)
+    return std::nullopt;
+  std::array<float, 3> sum{};
+  for (int dy = -half; dy <= half; ++dy) {
+    for (int dx = -half; dx <= half; ++dx) {
+      const std::size_t k = (static_cast<std::size_t>(y + dy) * thumbnail.width_px + (x + dx)) * 3;
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += thumbnail.rgb[k + c];
+    }
+  }
+  for (float& value : sum) {
+    value /= static_cast<float>((2 * half + 1) * (2 * half + 1));
+    if (value < kDarkest || value > kBrightest) return std::nullopt;
+    value = std::log(value);
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& flight,
+                                           const ground::GroundSurface& ground,
+                                           const std::vector<Thumbnail>& thumbnails) {
+  std::vector<ExposureSample> samples;
+  if (flight.photos.size() < 2) return samples;
+  std::vector<double> sizes_m;
+  for (const auto& photo : flight.photos) {
+    sizes_m.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx() *
+                      std::max(photo.intrinsics.width_px, photo.intrinsics.height_px));
+  }
+  const double step_m = std::max(0.1, Median(std::move(sizes_m)) / kSpotsAcrossPhoto);
+
+  std::unordered_map<std::int64_t, std::uint32_t> spot_of_cell;
+  for (std::uint32_t i = 0; i < flight.photos.size(); ++i) {
+    const alignment::AlignedPhoto& photo = flight.photos[i];
+    const geo::Bounds2 bounds =
+        camera::BoundsOf(camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, ground.MeanHeight()));
+    if (bounds.IsEmpty()) continue;
+    const double reach_m = std::max(bounds.Width(), bounds.Height());
+    if (reach_m > 60.0 * step_m) continue;  // a look towards the horizon says nothing of exposure
+    const DecodedThumbnail thumbnail = Decode(thumbnails[i]);
+    const double half_diagonal_px = 0.5 * std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px);
+    for (auto row = static_cast<std::int64_t>(std::floor(bounds.min.y() / step_m));
+         row * step_m <= bounds.max.y(); ++row) {
+      for (auto column = static_cast<std::int64_t>(std::floor(bounds.min.x() / step_m));
+           column * step_m <= bounds.max.x(); ++column) {
+        const Eigen::Vector2d spot{column * step_m, row * step_m};
+        const auto pixel = camera::PixelFromEnu(photo.intrinsics, photo.cam_from_enu,
+                                                {spot.x(), spot.y(), ground.HeightAt(spot)});
+        if (!pixel) continue;
+        const auto colour = Colour(thumbnail, photo.intrinsics, *pixel);
+        if (!colour) continue;
+        const std::int64_t cell = (row << 32) ^ (column & 0xffffffff);
+        const auto number =
+            spot_of_cell.try_emplace(cell, static_cast<std::uint32_t>(spot_of_cell.size())).first->second;
+        const double r =
+            std::hypot(pixel->x() - photo.intrinsics.center_x_px, pixel->y() - photo.intrinsics.center_y_px) /
+            half_diagonal_px;
+        samples.push_back({number, i, static_cast<float>(r * r), *colour});
+      }
+    }
+  }
+  std::sort(samples.begin(), samples.end(), [](const ExposureSample& a, const ExposureSample& b) {
+    return a.spot != b.spot ? a.spot < b.spot : a.photo < b.photo;
+  });
+  std::vector<ExposureSample> shared;
+  for (std::size_t begin = 0; begin < samples.size();) {
+    std::size_t end = begin;
+    while (end < samples.size() && samples[end].spot == samples[begin].spot) ++end;
+    if (end - begin >= 2)
+      shared.insert(shared.end(), samples.begin() + static_cast<std::ptrdiff_t>(begin),
+                    samples.begin() + static_cast<std::ptrdiff_t>(end));
+    begin = end;
+  }
+  return shared;
+}
+
+}  // namespace skyquilt::render

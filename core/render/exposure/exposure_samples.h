@@ -1,0 +1,26 @@
+// ExposureSamples: the brightness of the same spots of ground as different photos show it. One thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/render/thumbnail.h"
+
+namespace skyquilt::render {
+
+struct ExposureSample {
+  std::uint32_t spot = 0;  // which spot of ground
+  std::uint32_t photo = 0;
+  float radius_squared = 0.0f;  // 1 at the image corner
+  std::array<float, 3> log_value{};
+};
+
+// Sorted by spot, then photo; only spots seen by two photos or more, and no clipped or black values.
+std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& flight,
+                                           const ground::GroundSurface& ground,
+                                           const std::vector<Thumbnail>& thumbnails);
+
+}  // namespace skyquilt::render

@@ -1,0 +1,19 @@
+// ExtendExposure: tones for photos that were added to a flight whose tones stay: the lens' curve of another
+// photo of their camera, and the gain at which they agree with what the others show of the same ground.
+// Deterministic; one thread. Photos that share no ground with the others get the gain 1.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/aligned_flight.h"
+#include "core/ground/ground_surface.h"
+#include "core/render/exposure/exposure.h"
+#include "core/render/thumbnail.h"
+
+namespace skyquilt::render {
+
+// `known`: tones of the first photos of the flight; the others are added. thumbnails[i] belongs to photo i.
+ExposureModel ExtendExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
+                             const std::vector<Thumbnail>& thumbnails, const std::vector<PhotoTone>& known);
+
+}  // namespace skyquilt::render

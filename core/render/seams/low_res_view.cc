@@ -1,0 +1,126 @@
+#include "core/render/seams/low_res_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "core/camera/footprint.h"
+#include "core/geo/web_mercator.h"
+#include "core/render/seams/view_score.h"
+
+namespace skyquilt::render {
+namespace {
+
+// The Earth's bend within so many cells is far below a cell: between them east and north are bilinear.
+constexpr int kExactEvery = 8;
+
+// East and north of the cells' centres, row by row.
+std::vector<Eigen::Vector2d> GroundOfCells(const LowResView& view, const SeamGrid& grid,
+                                           const geo::LocalFrame& frame, double z_m) {
+  const int nodes_x = view.columns / kExactEvery + 2, nodes_y = view.rows / kExactEvery + 2;
+  std::vector<Eigen::Vector2d> nodes;
+  nodes.reserve(static_cast<std::size_t>(nodes_x) * nodes_y);
+  for (int y = 0; y < nodes_y; ++y) {
+    for (int x = 0; x < nodes_x; ++x) {
+      const Eigen::Vector2d merc = grid.CellInMerc(view.column + x * kExactEvery, view.row + y * kExactEvery);
+      nodes.push_back(frame.EnuAtHeight(geo::LatLonFromMerc(merc), z_m).head<2>());
+    }
+  }
+  std::vector<Eigen::Vector2d> cells;
+  cells.reserve(static_cast<std::size_t>(view.columns) * view.rows);
+  for (int y = 0; y < view.rows; ++y) {
+    for (int x = 0; x < view.columns; ++x) {
+      const Eigen::Vector2d* node =
+          nodes.data() + static_cast<std::ptrdiff_t>(y / kExactEvery) * nodes_x + x / kExactEvery;
+      const double u = static_cast<double>(x % kExactEvery) / kExactEvery;
+      const double v = static_cast<double>(y % kExactEvery) / kExactEvery;
+      cells.push_back((1 - v) * ((1 - u) * node[0] + u * node[1]) +
+                      v * ((1 - u) * node[nodes_x] + u * node[nodes_x + 1]));
+    }
+  }
+  return cells;
+}
+
+// Averages over about a cell, so that a sample stands for its whole cell.
+cv::Mat3b SmoothedThumbnail(const Thumbnail& thumbnail, double cell_in_thumbnail_px) {
+  const DecodedThumbnail decoded = Decode(thumbnail);
+  const cv::Mat3b sharp(decoded.height_px, decoded.width_px,
+                        reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(decoded.rgb.data())));
+  // Beyond the picture's size nothing changes any more, but the kernel would grow without bounds.
+  const double max_sigma_px = 0.5 * std::max({1, sharp.cols, sharp.rows});
+  cv::Mat3b smooth;
+  cv::GaussianBlur(sharp, smooth, {0, 0}, std::clamp(0.4 * cell_in_thumbnail_px, 0.5, max_sigma_px), 0.0,
+                   cv::BORDER_REPLICATE);
+  return smooth;
+}
+
+}  // namespace
+
+LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bounds2& seen_in_merc,
+                          const geo::LocalFrame& frame, const ground::GroundSurface& ground,
+                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid) {
+  LowResView view;
+  if (seen_in_merc.IsEmpty()) return view;
+  const double cell_in_merc_m = grid.CellInMercM();
+  const Eigen::Vector2d corner = grid.CellInMerc(0, 0);
+  view.column = static_cast<int>(std::floor((seen_in_merc.min.x() - corner.x()) / cell_in_merc_m)) - 1;
+  view.row = static_cast<int>(std::floor((corner.y() - seen_in_merc.max.y()) / cell_in_merc_m)) - 1;
+  view.columns = static_cast<int>(seen_in_merc.Width() / cell_in_merc_m) + 4;
+  view.rows = static_cast<int>(seen_in_merc.Height() / cell_in_merc_m) + 4;
+  const auto cells = static_cast<std::size_t>(view.columns) * view.rows;
+  view.seen.assign(cells, Seen::kNot);
+  view.rgb.assign(cells, {});
+  view.score_m.assign(cells, 0.0f);
+
+  const camera::Intrinsics& lens = photo.intrinsics;
+  const double cell_m = cell_in_merc_m * geo::GroundMetresPerMercMetre(frame.origin().lat_deg);
+  const double cell_in_photo_px = cell_m * lens.MeanFocalPx() / std::max(1.0, photo.height_above_ground_m);
+  const float half_cell_px = static_cast<float>(0.75 * cell_in_photo_px) + 1.0f;
+  const double shrink = static_cast<double>(thumbnail.width_px) / lens.width_px;
+  const cv::Mat3b picture = SmoothedThumbnail(thumbnail, cell_in_photo_px * shrink);
+  const ViewScore score = ViewScore::Of(photo);
+  const Eigen::Matrix3d rotation = photo.cam_from_enu.rotation.toRotationMatrix();
+  const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
+  view.camera_east_m = static_cast<float>(center.x());
+  view.camera_north_m = static_cast<float>(center.y());
+  const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
+  const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
+  const double radius_scale = 4.0 / (static_cast<double>(lens.width_px) * lens.width_px +
+                                     static_cast<double>(lens.height_px) * lens.height_px);
+  // A long thin photo's thumbnail may be one pixel wide.
+  const double last_u = std::max(0.0, picture.cols - 1.001), last_v = std::max(0.0, picture.rows - 1.001);
+  const std::vector<Eigen::Vector2d> ground_of_cells = GroundOfCells(view, grid, frame, ground.MeanHeight());
+  for (std::size_t i = 0; i < cells; ++i) {
+    const Eigen::Vector2d& east_north = ground_of_cells[i];
+    const double z_m = ground.IsPlane() ? ground.MeanHeight() : ground.HeightAt(east_north);
+    const Eigen::Vector3d offset = Eigen::Vector3d(east_north.x(), east_north.y(), z_m) - center;
+    const double sideways_m = offset.head<2>().norm();
+    const Eigen::Vector3d in_cam = rotation * offset;
+    if (in_cam.z() <= 1e-6 || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
+    const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
+    if (normalised.squaredNorm() > max_radius_squared) continue;
+    const Eigen::Vector2d bent = lens.Distort(normalised);
+    const double x = lens.focal_x_px * bent.x() + lens.center_x_px;
+    const double y = lens.focal_y_px * bent.y() + lens.center_y_px;
+    const float margin_px = score.Margin(static_cast<float>(x), static_cast<float>(y));
+    if (margin_px <= -half_cell_px) continue;
+    view.seen[i] = margin_px >= half_cell_px ? Seen::kFully : Seen::kPartly;
+    view.score_m[i] = score.Score(static_cast<float>(sideways_m), std::max(0.0f, margin_px));
+    const double u = std::clamp((x + 0.5) * shrink - 0.5, 0.0, last_u);
+    const double v = std::clamp((y + 0.5) * shrink - 0.5, 0.0, last_v);
+    const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);
+    const int u1 = std::min(u0 + 1, picture.cols - 1), v1 = std::min(v0 + 1, picture.rows - 1);
+    const double fu = u - u0, fv = v - v0;
+    const double dx = x - lens.center_x_px, dy = y - lens.center_y_px;
+    const double falloff = tone.vignetting.Falloff((dx * dx + dy * dy) * radius_scale);
+    for (int c = 0; c < 3; ++c) {
+      const double value = (1 - fv) * ((1 - fu) * picture(v0, u0)[c] + fu * picture(v0, u1)[c]) +
+                           fv * ((1 - fu) * picture(v1, u0)[c] + fu * picture(v1, u1)[c]);
+      view.rgb[i][static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(
+          std::clamp(std::lround(value * tone.gain[static_cast<std::size_t>(c)] / falloff), 0L, 255L));
+    }
+  }
+  return view;
+}
+
+}  // namespace skyquilt::render

@@ -1,0 +1,53 @@
+// A survey flown by the simulated multirotor with its recorder running: the true path, the true camera poses
+// at the exposures, and the log. The camera is fixed to the body (nadir, image top forward) or hangs in a
+// gimbal. Deterministic in the seed. Values; any thread.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/camera/intrinsics.h"
+#include "core/flight/logs/flight_log.h"
+#include "core/geo/local_frame.h"
+#include "core/simulate/sensors/flight_path.h"
+#include "core/simulate/sensors/sensors.h"
+#include "core/simulate/sensors/trajectory.h"
+
+namespace skyquilt::simulate {
+
+enum class CameraMount { kFixedToBody, kGimbal };
+
+struct SurveyOptions {
+  TrajectoryOptions plan;  // lines, overlaps, height, speed (its tilt and jitter do not apply)
+  CameraMount mount = CameraMount::kFixedToBody;
+  Eigen::Vector3d boresight_rad =
+      Eigen::Vector3d::Zero();  // turns the camera against its mount, about cam axes
+  Eigen::Vector3d camera_in_body_m = Eigen::Vector3d::Zero();  // lever arm
+  double gimbal_tilt_rad = 0.003;                              // 1-sigma of a gimbal's pointing
+  double still_before_s = 9.0;
+  double climb_mps = 2.5;
+  double run_in_m = 10.0;  // flown before the first and after the last photo of a line
+  double gust_mps = 0.3;
+  SensorOptions sensors;  // its seed is replaced by the plan's
+};
+
+struct LoggedSurvey {
+  FlightPath path;
+  std::vector<TruePose> poses;  // t_s on the log's clock
+  flight::FlightLog log;
+};
+
+Result<LoggedSurvey> FlySurvey(const SurveyOptions& options, const camera::Intrinsics& intrinsics,
+                               const geo::LocalFrame& frame, flight::UtcTime utc_at_zero);
+
+// 60 m high, five lines of 250 m at 8 m/s, 95 photos, about 330 s: the flight on which the accuracy of pose
+// estimation is measured.
+SurveyOptions ReferenceSurvey(std::uint32_t seed);
+// 20 m high, one short hop of about 75 s with a marker at take-off and a range finder: the source paper's
+// case.
+SurveyOptions PaperHop(std::uint32_t seed);
+// The camera both are meant for: 4000 x 3000 pixels, 1.64 cm a pixel at 60 m.
+camera::Intrinsics ReferenceCamera();
+
+}  // namespace skyquilt::simulate

@@ -1,0 +1,32 @@
+// RenderPhoto: what a camera at a known pose sees of the simulated world, by exact ray casting: pixel,
+// through the lens (Intrinsics::Unproject), to the first surface. 8-bit sRGB RGB. The result depends on the
+// arguments alone, not on the number of threads. Any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "core/camera/intrinsics.h"
+#include "core/geo/rigid3.h"
+#include "core/image/decoded_image.h"
+#include "core/simulate/world/world.h"
+
+namespace skyquilt::simulate {
+
+struct RenderPhotoOptions {
+  // Samples a pixel, a side. 0 = 1 on bare ground (its texture is already filtered to the pixel), 3 at the
+  // edges of buildings and in motion, more the further it goes.
+  int supersample = 0;
+  double vignetting = 0.0;     // share of light lost in the corners (of the encoded value), falling with r^2
+  double exposure_gain = 1.0;  // factor on the encoded values
+  Eigen::Vector3d motion_in_enu_m = Eigen::Vector3d::Zero();  // of the camera while the shutter is open
+  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // from the first row to the last
+  double noise_counts = 1.0;  // 1-sigma of the sensor's noise, in 8-bit counts
+  std::uint32_t noise_seed = 1;
+  int threads = 1;  // 0 = all cores
+};
+
+image::DecodedImage RenderPhoto(const World& world, const camera::Intrinsics& intrinsics,
+                                const geo::Rigid3& cam_from_enu, const RenderPhotoOptions& options);
+
+}  // namespace skyquilt::simulate

@@ -1,0 +1,31 @@
+// The truth as a map: the simulated world seen from straight above, as a tiled GeoTIFF in EPSG:3857 whose
+// pixels are those of the Web Mercator tiles of one zoom. Made tile by tile: bounded memory, any size.
+// Errors: kIo, kCancelled.
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/geo/bounds.h"
+#include "core/geo/local_frame.h"
+#include "core/geo/raster_frame.h"
+#include "core/image/decoded_image.h"
+#include "core/simulate/world/world.h"
+
+namespace skyquilt::simulate {
+
+inline constexpr int kWorldTilePx = 256;
+
+// The raster of whole tiles of `zoom` that covers these bounds.
+geo::RasterFrame WorldRasterFrame(const geo::Bounds2& bounds_in_merc, int zoom);
+
+// The truth of any raster in merc, for tests and for the file below.
+image::DecodedImage RenderWorld(const World& world, const geo::LocalFrame& frame,
+                                const geo::RasterFrame& raster);
+
+Result<void> WriteWorldGeoTiff(const World& world, const geo::LocalFrame& frame,
+                               const geo::RasterFrame& raster, int threads, const std::filesystem::path& path,
+                               Progress& progress);
+
+}  // namespace skyquilt::simulate

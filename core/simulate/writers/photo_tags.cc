@@ -1,0 +1,259 @@
+#include "core/simulate/writers/photo_tags.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "core/geo/geoid.h"
+
+namespace skyquilt::simulate {
+namespace {
+
+constexpr double kPixelPitchMm = 0.0024;
+
+// One image file directory in the making: entries sorted by tag, values beyond four bytes after the entries.
+class Directory {
+ public:
+  void Ascii(std::uint16_t tag, std::string_view text) {
+    std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    bytes.push_back(0);
+    const auto count = static_cast<std::uint32_t>(bytes.size());
+    entries_.push_back({tag, 2, count, std::move(bytes)});
+  }
+  void Bytes(std::uint16_t tag, std::uint16_t type, std::vector<std::uint8_t> bytes) {
+    const auto count = static_cast<std::uint32_t>(bytes.size());
+    entries_.push_back({tag, type, count, std::move(bytes)});
+  }
+  void Short(std::uint16_t tag, std::uint16_t value) {
+    entries_.push_back(
+        {tag, 3, 1, {static_cast<std::uint8_t>(value & 255), static_cast<std::uint8_t>(value >> 8)}});
+  }
+  void Long(std::uint16_t tag, std::uint32_t value) {
+    std::vector<std::uint8_t> bytes;
+    Append32(bytes, value);
+    entries_.push_back({tag, 4, 1, std::move(bytes)});
+  }
+  void Rationals(std::uint16_t tag, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& values) {
+    std::vector<std::uint8_t> bytes;
+    for (const auto& [numerator, denominator] : values) {
+      Append32(bytes, numerator);
+      Append32(bytes, denominator);
+    }
+    entries_.push_back({tag, 5, static_cast<std::uint32_t>(values.size()), std::move(bytes)});
+  }
+  std::size_t Size() const {
+    std::size_t size = 2 + 12 * entries_.size() + 4;
+    for (const Entry& entry : entries_) size += entry.bytes.size() > 4 ? Even(entry.bytes.size()) : 0;
+    return size;
+  }
+  // The directory's bytes when it begins at `offset` of the TIFF structure.
+  std::vector<std::uint8_t> Build(std::size_t offset) {
+    std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.tag < b.tag; });
+    std::vector<std::uint8_t> head;
+    std::vector<std::uint8_t> tail;
+    Append16(head, static_cast<std::uint16_t>(entries_.size()));
+    const std::size_t tail_at = offset + 2 + 12 * entries_.size() + 4;
+    for (const Entry& entry : entries_) {
+      Append16(head, entry.tag);
+      Append16(head, entry.type);
+      Append32(head, entry.count);
+      if (entry.bytes.size() > 4) {
+        Append32(head, static_cast<std::uint32_t>(tail_at + tail.size()));
+        tail.insert(tail.end(), entry.bytes.begin(), entry.bytes.end());
+        tail.resize(Even(tail.size()));
+      } else {
+        head.insert(head.end(), entry.bytes.begin(), entry.bytes.end());
+        head.resize(head.size() + 4 - entry.bytes.size());
+      }
+    }
+    Append32(head, 0);  // no next directory
+    head.insert(head.end(), tail.begin(), tail.end());
+    return head;
+  }
+
+ private:
+  struct Entry {
+    std::uint16_t tag, type;
+    std::uint32_t count;
+    std::vector<std::uint8_t> bytes;
+  };
+  static std::size_t Even(std::size_t n) { return n + (n & 1); }
+  static void Append16(std::vector<std::uint8_t>& out, std::uint16_t v) {
+    out.push_back(static_cast<std::uint8_t>(v & 255));
+    out.push_back(static_cast<std::uint8_t>(v >> 8));
+  }
+  static void Append32(std::vector<std::uint8_t>& out, std::uint32_t v) {
+    for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>((v >> shift) & 255));
+  }
+  std::vector<Entry> entries_;
+};
+
+using Rational = std::pair<std::uint32_t, std::uint32_t>;
+
+// Degrees, minutes and seconds; the seconds to 1e-7 (3 micrometres).
+std::vector<Rational> DegreesMinutesSeconds(double degrees) {
+  constexpr std::uint32_t kParts = 10000000;
+  const auto total = static_cast<std::uint64_t>(std::llround(std::abs(degrees) * 3600.0 * kParts));
+  const std::uint64_t whole_seconds = total / kParts;
+  return {{static_cast<std::uint32_t>(whole_seconds / 3600), 1},
+          {static_cast<std::uint32_t>(whole_seconds / 60 % 60), 1},
+          {static_cast<std::uint32_t>(total - whole_seconds / 60 * 60 * kParts), kParts}};
+}
+
+// The height written as AbsoluteAltitude: over the ellipsoid with RTK, over the sea otherwise (over the
+// ellipsoid where no geoid grid is installed).
+double AbsoluteAltitudeM(const RecordedPose& recorded) {
+  const geo::Wgs84& position = *recorded.position;
+  if (recorded.is_rtk_fixed) return position.height_ellipsoid_m;
+  return position.height_ellipsoid_m - geo::GeoidHeightM({position.lat_deg, position.lon_deg}).value_or(0.0);
+}
+
+void AddGps(const RecordedPose& recorded, Directory& gps) {
+  const geo::Wgs84& position = *recorded.position;
+  const double altitude_m = AbsoluteAltitudeM(recorded);
+  const auto at = recorded.captured_at;
+  const auto day = std::chrono::floor<std::chrono::days>(at);
+  const auto of_day = at - day;
+  const auto hours = std::chrono::floor<std::chrono::hours>(of_day);
+  const auto minutes = std::chrono::floor<std::chrono::minutes>(of_day - hours);
+  const auto rest = of_day - hours - minutes;
+  gps.Bytes(0, 1, {2, 3, 0, 0});
+  gps.Ascii(1, position.lat_deg < 0.0 ? "S" : "N");
+  gps.Rationals(2, DegreesMinutesSeconds(position.lat_deg));
+  gps.Ascii(3, position.lon_deg < 0.0 ? "W" : "E");
+  gps.Rationals(4, DegreesMinutesSeconds(position.lon_deg));
+  gps.Bytes(5, 1, {static_cast<std::uint8_t>(altitude_m < 0.0 ? 1 : 0)});
+  gps.Rationals(6, {{static_cast<std::uint32_t>(std::llround(std::abs(altitude_m) * 10000.0)), 10000}});
+  if (!recorded.is_clock_utc) return;
+  gps.Rationals(7, {{static_cast<std::uint32_t>(hours.count()), 1},
+                    {static_cast<std::uint32_t>(minutes.count()), 1},
+                    {static_cast<std::uint32_t>(rest.count()), 1000000}});
+  gps.Ascii(29, fmt::format("{:%Y:%m:%d}", fmt::gmtime(std::chrono::system_clock::to_time_t(at))));
+}
+
+std::vector<std::uint8_t> WithSignature(std::string_view signature, std::string_view body) {
+  std::vector<std::uint8_t> payload(signature.begin(), signature.end());
+  payload.push_back(0);
+  payload.insert(payload.end(), body.begin(), body.end());
+  return payload;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
+  const camera::Intrinsics& lens = recorded.intrinsics;
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(recorded.captured_at);
+  const std::string time =
+      fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
+  const auto micros = (recorded.captured_at - seconds).count();
+  const double focal_mm = lens.MeanFocalPx() * kPixelPitchMm;
+  const double focal_35mm =
+      lens.MeanFocalPx() * std::hypot(36.0, 24.0) / std::hypot(lens.width_px, lens.height_px);
+
+  const auto make_root = [&](std::size_t exif_offset, std::size_t gps_offset) {
+    Directory root;
+    root.Ascii(0x010F, kCameraMake);
+    root.Ascii(0x0110, kCameraModel);
+    root.Short(0x0112, 1);
+    root.Ascii(0x0131, "skyquilt simulate");
+    root.Ascii(0x0132, time);
+    root.Long(0x8769, static_cast<std::uint32_t>(exif_offset));
+    if (recorded.position) root.Long(0x8825, static_cast<std::uint32_t>(gps_offset));
+    return root;
+  };
+
+  Directory exif;
+  exif.Rationals(0x829A, {{1, 1000}});
+  exif.Rationals(0x829D, {{28, 10}});
+  exif.Short(0x8827, 100);
+  exif.Bytes(0x9000, 7, {'0', '2', '3', '1'});
+  exif.Ascii(0x9003, time);
+  exif.Ascii(0x9004, time);
+  if (recorded.is_clock_utc) {
+    exif.Ascii(0x9011, "+00:00");
+    exif.Ascii(0x9291, fmt::format("{:06}", micros));
+  }
+  exif.Rationals(0x920A, {{static_cast<std::uint32_t>(std::llround(focal_mm * 1e5)), 100000}});
+  exif.Short(0xA001, 1);
+  exif.Long(0xA002, static_cast<std::uint32_t>(lens.width_px));
+  exif.Long(0xA003, static_cast<std::uint32_t>(lens.height_px));
+  exif.Short(0xA405, static_cast<std::uint16_t>(std::clamp(std::lround(focal_35mm), 1L, 65535L)));
+
+  Directory gps;
+  if (recorded.position) AddGps(recorded, gps);
+
+  // Sizes first: the offsets that the root directory holds do not change its own size.
+  const std::size_t exif_at = 8 + make_root(0, 0).Size();
+  const std::size_t gps_at = exif_at + exif.Size();
+
+  std::vector<std::uint8_t> payload = {'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, 8, 0, 0, 0};
+  const auto append = [&payload](const std::vector<std::uint8_t>& bytes) {
+    payload.insert(payload.end(), bytes.begin(), bytes.end());
+  };
+  append(make_root(exif_at, gps_at).Build(8));
+  append(exif.Build(exif_at));
+  if (recorded.position) append(gps.Build(gps_at));
+  return payload;
+}
+
+std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded) {
+  const camera::Intrinsics& lens = recorded.intrinsics;
+  std::string tags;
+  const auto add = [&tags](std::string_view name, const std::string& value) {
+    tags += fmt::format("\n   drone-dji:{}=\"{}\"", name, value);
+  };
+  const auto degrees = [](double rad) { return fmt::format("{:+.9f}", geo::RadToDeg(rad)); };
+  if (recorded.position) {
+    add("GpsLatitude", fmt::format("{:.11f}", recorded.position->lat_deg));
+    add("GpsLongitude", fmt::format("{:.11f}", recorded.position->lon_deg));
+    add("AltitudeType", recorded.is_rtk_fixed ? "RtkAlt" : "GPSFusionAlt");
+    add("AbsoluteAltitude", fmt::format("{:+.5f}", AbsoluteAltitudeM(recorded)));
+  }
+  if (recorded.height_above_takeoff_m)
+    add("RelativeAltitude", fmt::format("{:+.5f}", *recorded.height_above_takeoff_m));
+  if (recorded.gimbal) {
+    add("GimbalYawDegree", degrees(recorded.gimbal->yaw_rad));
+    add("GimbalPitchDegree", degrees(recorded.gimbal->pitch_rad));
+    add("GimbalRollDegree", degrees(recorded.gimbal->roll_rad));
+  }
+  if (recorded.airframe) {
+    add("FlightYawDegree", degrees(recorded.airframe->yaw_rad));
+    add("FlightPitchDegree", degrees(recorded.airframe->pitch_rad));
+    add("FlightRollDegree", degrees(recorded.airframe->roll_rad));
+  }
+  if (recorded.velocity_in_enu_mps) {
+    add("FlightXSpeed", fmt::format("{:+.2f}", recorded.velocity_in_enu_mps->y()));
+    add("FlightYSpeed", fmt::format("{:+.2f}", recorded.velocity_in_enu_mps->x()));
+    add("FlightZSpeed", fmt::format("{:+.2f}", -recorded.velocity_in_enu_mps->z()));
+  }
+  if (recorded.is_rtk_fixed) {
+    add("RtkFlag", "50");
+    add("RtkStdLon", "0.01500");
+    add("RtkStdLat", "0.01500");
+    add("RtkStdHgt", "0.02500");
+  }
+  add("CalibratedFocalLength", fmt::format("{:.6f}", lens.MeanFocalPx()));
+  add("CalibratedOpticalCenterX", fmt::format("{:.6f}", 0.5 * lens.width_px));
+  add("CalibratedOpticalCenterY", fmt::format("{:.6f}", 0.5 * lens.height_px));
+  if (recorded.is_lens_recorded) {
+    add("DewarpFlag", "0");
+    add("DewarpData",
+        fmt::format("2024-01-01;{:.6f},{:.6f},{:.6f},{:.6f},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}",
+                    lens.focal_x_px, lens.focal_y_px, lens.center_x_px - 0.5 * (lens.width_px - 1),
+                    lens.center_y_px - 0.5 * (lens.height_px - 1), lens.k1, lens.k2, lens.p1, lens.p2,
+                    lens.k3));
+  }
+  const std::string body = fmt::format(
+      "<?xpacket begin=\"\xEF\xBB\xBF\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
+      "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n"
+      " <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
+      "  <rdf:Description rdf:about=\"\" xmlns:drone-dji=\"http://www.dji.com/drone-dji/1.0/\"{}/>\n"
+      " </rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"w\"?>",
+      tags);
+  return WithSignature("http://ns.adobe.com/xap/1.0/", body);
+}
+
+}  // namespace skyquilt::simulate

@@ -1,0 +1,18 @@
+// The metadata segments of a simulated photo: EXIF (TIFF structure, little endian) and XMP (the drone-dji
+// namespace). Pure functions; any thread. Sources: CIPA DC-008 (Exif 2.32), Adobe XMP part 3, DJI's published
+// tags.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/simulate/sensors/recorded_pose.h"
+
+namespace skyquilt::simulate {
+
+// The payloads of the two APP1 segments, with their signatures, without marker and length.
+std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded);
+std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded);
+
+}  // namespace skyquilt::simulate

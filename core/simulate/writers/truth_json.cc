@@ -1,0 +1,65 @@
+#include "core/simulate/writers/truth_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/camera/lens_fields.h"
+#include "core/geo/tile_id.h"
+
+namespace skyquilt::simulate {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json Vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+ordered_json Lens(const camera::Intrinsics& lens) {
+  ordered_json json;
+  camera::VisitLensFields(lens, [&](const char* name, auto value) { json[name] = value; });
+  return json;
+}
+
+}  // namespace
+
+std::string TruthJson(const SimulatedFlight& flight) {
+  const geo::Wgs84& origin = flight.frame.origin();
+  const geo::RasterFrame raster = flight.WorldRaster();
+  ordered_json truth;
+  truth["frame"] =
+      "enu at origin (x east, y north, z up, metres); ground z = 0; cam: x right, y down, z forward; "
+      "pixel (0,0) is the centre of the first pixel; heights over the WGS84 ellipsoid";
+  truth["origin"] = {{"lat_deg", origin.lat_deg},
+                     {"lon_deg", origin.lon_deg},
+                     {"height_ellipsoid_m", origin.height_ellipsoid_m}};
+  truth["gsd_m"] = flight.GsdM();
+  truth["relief_m"] = flight.options.world.relief_m;
+  truth["has_boxes"] = flight.options.world.has_boxes;
+  truth["seed"] = flight.options.seed;
+  truth["world"] = {{"file", flight.options.write_world ? ordered_json("world.tif") : ordered_json(nullptr)},
+                    {"north_west_in_merc", {raster.north_west_in_merc.x(), raster.north_west_in_merc.y()}},
+                    {"pixel_size_in_merc_m", raster.pixel_size_in_merc_m},
+                    {"width_px", raster.width_px},
+                    {"height_px", raster.height_px}};
+  truth["intrinsics"] = Lens(flight.options.intrinsics);
+  truth["photos"] = ordered_json::array();
+  for (const SimulatedPhoto& photo : flight.photos) {
+    const Eigen::Vector3d center = photo.pose.cam_from_enu.TargetOriginInSource();
+    const geo::Wgs84 at = flight.frame.Wgs84FromEnu(center);
+    const Eigen::Quaterniond& q = photo.pose.cam_from_enu.rotation;
+    const YawPitchRoll gimbal = GimbalOfCamFromEnu(q);
+    truth["photos"].push_back({{"name", photo.photo.name},
+                               {"t_s", photo.pose.t_s},
+                               {"lat_deg", at.lat_deg},
+                               {"lon_deg", at.lon_deg},
+                               {"height_ellipsoid_m", at.height_ellipsoid_m},
+                               {"camera_center_in_enu", Vector(center)},
+                               {"cam_from_enu_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+                               {"gimbal_yaw_deg", geo::RadToDeg(gimbal.yaw_rad)},
+                               {"gimbal_pitch_deg", geo::RadToDeg(gimbal.pitch_rad)},
+                               {"gimbal_roll_deg", geo::RadToDeg(gimbal.roll_rad)},
+                               {"velocity_in_enu_mps", Vector(photo.pose.velocity_in_enu_mps)},
+                               {"line", photo.pose.line}});
+  }
+  return truth.dump(1) + "\n";
+}
+
+}  // namespace skyquilt::simulate

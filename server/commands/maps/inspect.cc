@@ -1,0 +1,55 @@
+#include "server/commands/maps/inspect.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/pipeline/inspect_flight.h"
+#include "server/jobs/open_elevation_model.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct InspectArguments {
+  std::vector<std::filesystem::path> inputs;
+  bool as_json = false;
+};
+
+void Run(const InspectArguments& arguments) {
+  const auto fail = [](const Error& error) {
+    fmt::print(stderr, "skyquilt: {}\n", error.message);
+    throw CLI::RuntimeError(1);
+  };
+  const auto files = flight::ListInputFiles(arguments.inputs);
+  if (!files) fail(files.error());
+  SilentProgress progress;
+  const auto elevations = OpenElevationModel("", *files);
+  if (!elevations) fail(elevations.error());
+  auto verdict = pipeline::InspectFlight(*files, {}, progress, elevations->source.get());
+  if (!verdict) fail(verdict.error());
+  verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
+  fmt::print("{}", arguments.as_json ? pipeline::VerdictJson(*verdict) : pipeline::VerdictText(*verdict));
+  if (verdict->photos_placeable == 0) throw CLI::RuntimeError(2);
+}
+
+}  // namespace
+
+void AddInspectCommand(CLI::App& app) {
+  auto arguments = std::make_shared<InspectArguments>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "Say what is in the photos and what a map of them will be and cost");
+  command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_flag("--json", arguments->as_json, "Print JSON");
+  command->footer(
+      "Reads headers only. Ends with 2 when no photo can be placed.\n"
+      "Example:\n"
+      "  skyquilt inspect /media/sd/DCIM");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,76 @@
+#include "server/commands/maps/locate.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/report/locate.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct LocateOptions {
+  std::string map_dir;
+  std::string photo;
+  std::vector<double> pixel;
+  std::vector<double> lon_lat;
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt locate: {}\n", error.message);
+  throw CLI::RuntimeError(1);
+}
+
+void Run(const LocateOptions& options) {
+  if (options.pixel.empty() == options.lon_lat.empty() || options.pixel.empty() != options.photo.empty()) {
+    Fail({ErrorCode::kInvalidArgument, "Give either --photo with --pixel, or --lonlat.", ""});
+  }
+  std::ifstream file(options.map_dir + "/locate.json", std::ios::binary);
+  if (!file) {
+    Fail({ErrorCode::kNotFound,
+          options.map_dir + " has no locate.json. Give the folder that \"stitch\" wrote.", ""});
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  const Result<pipeline::LocatedMap> map = pipeline::ParseLocateJson(text.str());
+  if (!map) Fail(map.error());
+  if (!options.pixel.empty()) {
+    const Result<pipeline::GroundPoint> point =
+        pipeline::GroundAtPixel(*map, options.photo, {options.pixel[0], options.pixel[1]});
+    if (!point) Fail(point.error());
+    fmt::print("{:.9f},{:.9f} +-{:.2f} m\n", point->position.lon_deg, point->position.lat_deg,
+               point->sigma_m);
+    return;
+  }
+  const Result<geo::LatLon> position = geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]);
+  if (!position) Fail(position.error());
+  for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
+    fmt::print("{} {:.2f},{:.2f} +-{:.2f} m, {:.1f} degrees off the vertical\n", sighting.photo,
+               sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), sighting.sigma_m,
+               geo::RadToDeg(sighting.off_nadir_rad));
+  }
+}
+
+}  // namespace
+
+void AddLocateCommand(CLI::App& app) {
+  const auto options = std::make_shared<LocateOptions>();
+  CLI::App* command = app.add_subcommand("locate", "Which photos see a place, or where a photo's pixel lies");
+  command->add_option("DIR", options->map_dir, "Folder that \"stitch\" wrote")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--photo", options->photo, "Name of a photo");
+  command->add_option("--pixel", options->pixel, "X,Y in that photo; 0,0 is the centre of the first pixel")
+      ->delimiter(',')
+      ->expected(2);
+  command->add_option("--lonlat", options->lon_lat, "LON,LAT in degrees")->delimiter(',')->expected(2);
+  command->footer("Example:\n  skyquilt locate map --photo DJI_0007.JPG --pixel 2000,1500");
+  command->callback([options] { Run(*options); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,255 @@
+#include "server/commands/maps/simulate.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/simulate/simulate_flight.h"
+#include "server/commands/terminal_progress.h"
+
+namespace skyquilt::server {
+namespace {
+
+using simulate::CameraMount;
+using simulate::LogFormat;
+using simulate::NoiseClass;
+using simulate::TextureLevel;
+using simulate::YawRule;
+
+enum class ImuKind { kNone, kIcm, kMpu, kRough };
+
+struct SimulateArguments {
+  std::filesystem::path out_dir;
+  simulate::SimulateOptions options;
+  std::string size = "1600x1200";
+  std::vector<double> distortion;
+  double focal_px = 0.0;
+  double heading_deg = 0.0;
+  double tilt_deg = 0.0;
+  double yaw_wander_deg = 0.0;
+  double shutter_ms = 0.0;
+  double readout_ms = 0.0;
+  bool no_world = false;
+  simulate::SurveyOptions survey;
+  ImuKind imu = ImuKind::kIcm;
+  bool rtk_log = false;
+  bool no_gnss_log = false;
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt: {}\n", error.message);
+  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
+}
+
+camera::Intrinsics LensOf(const SimulateArguments& arguments) {
+  int width = 0;
+  int height = 0;
+  char rest = 0;
+  if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width <= 0 ||
+      height <= 0) {
+    Fail({ErrorCode::kInvalidArgument,
+          "--size is '" + arguments.size + "'; write it as WIDTHxHEIGHT, like 4000x3000.", ""});
+  }
+  // A common drone lens sees 67 degrees across when nothing else is asked for.
+  const double focal_px = arguments.focal_px > 0.0 ? arguments.focal_px : 0.75 * width;
+  camera::Intrinsics lens = camera::Intrinsics::Centered(width, height, focal_px);
+  if (arguments.distortion.size() == 4) {
+    lens.k1 = arguments.distortion[0];
+    lens.k2 = arguments.distortion[1];
+    lens.p1 = arguments.distortion[2];
+    lens.p2 = arguments.distortion[3];
+  }
+  return lens;
+}
+
+// The aircraft and its recorder, when a log is asked for.
+simulate::SurveyOptions SurveyOf(const SimulateArguments& arguments) {
+  simulate::SurveyOptions survey = arguments.survey;
+  survey.sensors.has_imu = arguments.imu != ImuKind::kNone;
+  if (arguments.imu == ImuKind::kMpu) survey.sensors.imu = simulate::MpuClassImu();
+  if (arguments.imu == ImuKind::kRough)
+    survey.sensors.imu = simulate::WithDefects(simulate::IcmClassImu(), 1.0);
+  if (arguments.rtk_log) survey.sensors.gnss = simulate::RtkGnss();
+  survey.sensors.has_gnss = !arguments.no_gnss_log;
+  return survey;
+}
+
+void Run(SimulateArguments& arguments) {
+  simulate::SimulateOptions& options = arguments.options;
+  if (!options.log_formats.empty()) options.survey = SurveyOf(arguments);
+  options.intrinsics = LensOf(arguments);
+  options.trajectory.heading_rad = geo::DegToRad(arguments.heading_deg);
+  options.trajectory.max_tilt_rad = geo::DegToRad(arguments.tilt_deg);
+  options.trajectory.yaw_wander_rad = geo::DegToRad(arguments.yaw_wander_deg);
+  options.shutter_s = 1e-3 * arguments.shutter_ms;
+  options.readout_s = 1e-3 * arguments.readout_ms;
+  options.write_world = !arguments.no_world;
+  options.world.seed = options.seed;
+  const Result<simulate::SimulatedFlight> flight = [&] {
+    TerminalProgress progress;
+    return simulate::SimulateFlight(options, arguments.out_dir, progress);
+  }();
+  if (!flight) Fail(flight.error());
+  fmt::print("{} photos of {} x {} pixels, {:.2f} cm a pixel on the ground\n", flight->photos.size(),
+             options.intrinsics.width_px, options.intrinsics.height_px, 100.0 * flight->GsdM());
+  fmt::print("{}\n{}\n", (arguments.out_dir / "photos").string(), (arguments.out_dir / "truth").string());
+}
+
+// What the recorder of the aircraft writes; without --log nothing is recorded.
+void AddRecorderOptions(CLI::App& command, SimulateArguments& arguments) {
+  simulate::SimulateOptions& options = arguments.options;
+  command
+      .add_option("--log", options.log_formats,
+                  "Fly it with a recorder and write logs/: dataflash (ArduPilot), ulog (PX4), csv; several "
+                  "may be named. "
+                  "The photos are then taken where the aircraft really was, leaning as it leans")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, LogFormat>{
+          {"dataflash", LogFormat::kDataflash}, {"ulog", LogFormat::kUlog}, {"csv", LogFormat::kCsv}}));
+  command
+      .add_option("--mount", arguments.survey.mount,
+                  "With --log: fixed: the camera leans with the body; gimbal: it does not")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, CameraMount>{
+          {"fixed", CameraMount::kFixedToBody}, {"gimbal", CameraMount::kGimbal}}));
+  command
+      .add_option("--imu", arguments.imu,
+                  "With --log: icm or mpu class; rough: with vibration, lost samples, scale errors; none")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ImuKind>{{"none", ImuKind::kNone},
+                                                                         {"icm", ImuKind::kIcm},
+                                                                         {"mpu", ImuKind::kMpu},
+                                                                         {"rough", ImuKind::kRough}}));
+  command.add_flag("--log-rtk", arguments.rtk_log, "With --log: the recorder's GNSS is RTK");
+  command.add_flag("--log-without-gnss", arguments.no_gnss_log, "With --log: the recorder has no GNSS");
+  command.add_flag("--log-range", arguments.survey.sensors.has_range,
+                   "With --log: a range finder that reaches 25 m");
+  command
+      .add_option("--clock-offset-s", options.clock.offset_s, "How far the camera's clock is ahead of UTC")
+      ->capture_default_str();
+  command.add_flag("--clock-seconds", options.clock.is_local_seconds,
+                   "The camera's clock shows whole seconds of an unknown zone, as most do");
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  simulate::SimulateOptions& options = arguments->options;
+  CLI::App* command =
+      app.add_subcommand("simulate", "Make a drone flight with known truth, to try Skyquilt and to test it");
+  command
+      ->add_option("-o,--out", arguments->out_dir,
+                   "Folder for photos/ and truth/ (poses.json, world.tif); made if missing")
+      ->required();
+  command->add_option("--photos", options.trajectory.photos, "Number of photos")->capture_default_str();
+  command
+      ->add_option("--lat", options.origin.lat_deg,
+                   "Latitude of take-off, the middle of the flight, in degrees")
+      ->capture_default_str();
+  command->add_option("--lon", options.origin.lon_deg, "Longitude of take-off in degrees")
+      ->capture_default_str();
+  command->add_option("--height", options.trajectory.height_m, "Height of flight above take-off in metres")
+      ->capture_default_str();
+  command
+      ->add_option("--overlap", options.trajectory.front_overlap,
+                   "Overlap of a photo with the next one along the line, 0 to 0.98 (0.75 is usual)")
+      ->capture_default_str();
+  command
+      ->add_option("--sidelap", options.trajectory.side_overlap,
+                   "Overlap with the neighbouring line, 0 to 0.98")
+      ->capture_default_str();
+  command
+      ->add_option("--heading", arguments->heading_deg,
+                   "Direction of the first line, degrees clockwise from north")
+      ->capture_default_str();
+  command->add_option("--speed", options.trajectory.speed_mps, "Speed in m/s: the time between photos")
+      ->capture_default_str();
+  command
+      ->add_option("--tilt-deg", arguments->tilt_deg,
+                   "Every photo leans by up to this many degrees, any way, as from a camera without gimbal")
+      ->capture_default_str();
+  command
+      ->add_option("--yaw", options.trajectory.yaw_rule,
+                   "course: the image's top points ahead; fixed: always along the first line; any: at random")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, YawRule>{
+          {"course", YawRule::kAlongCourse}, {"fixed", YawRule::kFixed}, {"any", YawRule::kAnywhere}}));
+  command
+      ->add_option("--yaw-wander-deg", arguments->yaw_wander_deg,
+                   "How far the true yaw strays from that, 1-sigma")
+      ->capture_default_str();
+  command
+      ->add_option("--jitter-m", options.trajectory.position_jitter_m,
+                   "How far the true positions stray from the plan, 1-sigma in metres")
+      ->capture_default_str();
+  command
+      ->add_option("--height-wander-m", options.trajectory.height_wander_m,
+                   "How far the true height strays, 1-sigma")
+      ->capture_default_str();
+  command
+      ->add_option("--relief-m", options.world.relief_m, "Height of smooth hills in metres; 0 is flat ground")
+      ->capture_default_str();
+  command->add_flag("--boxes", options.world.has_boxes,
+                    "Buildings stand up instead of being painted on the ground");
+  command
+      ->add_option(
+          "--texture", options.world.texture,
+          "rich: fields, roads, farms; rows: crop rows everywhere (repetitive); bare: sand (little to match)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, TextureLevel>{
+          {"rich", TextureLevel::kRich}, {"rows", TextureLevel::kRows}, {"bare", TextureLevel::kBare}}));
+  command
+      ->add_option("--marks-m", options.world.mark_spacing_m,
+                   "Survey marks on the ground every so many metres; 0 is none")
+      ->capture_default_str();
+  command->add_option("--size", arguments->size, "Size of the photos in pixels")->capture_default_str();
+  command->add_option("--focal-px", arguments->focal_px,
+                      "Focal length in pixels (default: 0.75 of the width)");
+  command->add_option("--distortion", arguments->distortion, "Lens distortion k1 k2 p1 p2, as OpenCV has it")
+      ->expected(4);
+  command
+      ->add_option(
+          "--noise", options.noise,
+          "What the aircraft recorded: exact: the truth; xmp: a consumer drone (1.5 m, 0.6 deg tilt, 1.5 deg "
+          "yaw, 1% focal length); rtk: 2 cm; no-attitude; no-gps; no-pose")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, NoiseClass>{{"exact", NoiseClass::kExact},
+                                                                    {"xmp", NoiseClass::kXmpTypical},
+                                                                    {"rtk", NoiseClass::kRtk},
+                                                                    {"no-attitude", NoiseClass::kNoAttitude},
+                                                                    {"no-gps", NoiseClass::kNoGps},
+                                                                    {"no-pose", NoiseClass::kNoPose}}));
+  AddRecorderOptions(*command, *arguments);
+  command
+      ->add_option("--exposure-jitter", options.exposure_jitter,
+                   "Brightness differs from photo to photo, 1-sigma (0.1 is 10%)")
+      ->capture_default_str();
+  command->add_option("--vignetting", options.vignetting, "Share of light lost in the corners")
+      ->capture_default_str();
+  command
+      ->add_option("--shutter-ms", arguments->shutter_ms,
+                   "Exposure time in milliseconds; blurs by speed x time")
+      ->capture_default_str();
+  command
+      ->add_option("--readout-ms", arguments->readout_ms,
+                   "Milliseconds from reading a picture's first row to its last, while the camera flies on")
+      ->capture_default_str();
+  command->add_option("--pixel-noise", options.noise_counts, "Sensor noise in 8-bit counts, 1-sigma")
+      ->capture_default_str();
+  command
+      ->add_option("--seed", options.seed,
+                   "Another number, another world and flight; the same number, the same bytes")
+      ->capture_default_str();
+  command->add_flag("--no-world", arguments->no_world, "Skip truth/world.tif, which can be large");
+  command
+      ->add_option("--threads", options.threads,
+                   "Threads; 0 takes all cores. The bytes are the same with any number")
+      ->capture_default_str();
+  command->footer(
+      "Example:\n  skyquilt simulate -o demo --photos 30 --height 60\n  skyquilt stitch demo/photos -o map");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

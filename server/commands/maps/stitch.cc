@@ -1,0 +1,224 @@
+#include "server/commands/maps/stitch.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/digest.h"
+#include "core/base/printable.h"
+#include "server/commands/terminal_progress.h"
+#include "server/jobs/out_folder.h"
+#include "server/jobs/stitch_job.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct StitchArguments {
+  std::vector<std::filesystem::path> inputs;
+  std::filesystem::path out_dir;
+  StitchJobOptions job;
+  std::optional<double> gsd_m;
+  std::optional<double> readout_ms;
+  double max_memory_gib = 1.0;
+  std::string origin;
+  bool no_cog = false;
+  bool no_pmtiles = false;
+  bool utm = false;
+  bool kmz = false;
+  bool append = false;
+  bool overwrite = false;
+};
+
+[[noreturn]] void Fail(const Error& error) {
+  fmt::print(stderr, "skyquilt: {}\n", error.message);
+  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
+}
+
+void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
+  fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
+             report.photos_aligned, report.photos_pose_only, report.photos_left_out);
+  for (const flight::LeftOutPhoto& photo : report.left_out_photos)
+    fmt::print("  left out: {}\n", Printable(photo.name + ": " + photo.reason));
+  for (const std::string& warning : report.warnings) fmt::print("  note: {}\n", Printable(warning));
+  if (!report.is_placed)
+    fmt::print("  not placed: the map is whole, but nothing says where on Earth it lies\n");
+  fmt::print("{:.2f} ha at {:.1f} cm a pixel, zoom {} to {}, {} tiles\n", report.area_m2 / 1e4,
+             report.gsd_m * 100.0, report.min_zoom, report.max_zoom, report.tile_count);
+  fmt::print("{}\n", (out_dir / "mosaic.mbtiles").string());
+}
+
+// The files of the finished map, then the others; one that is given again counts once.
+void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::InputFile>& files) {
+  auto all = FilesOfMap(out_dir);
+  if (!all) Fail(all.error());
+  std::map<std::string, std::filesystem::path> finished;
+  for (const flight::InputFile& file : *all) {
+    finished[file.name] = file.path;
+    if (std::filesystem::exists(file.path)) continue;
+    Fail({ErrorCode::kNotFound,
+          file.path.string() + " is gone; a map can only be added to where its photos still are", ""});
+  }
+  for (flight::InputFile& file : files) {
+    const auto same = finished.find(file.name);
+    if (same == finished.end()) {
+      all->push_back(std::move(file));
+      continue;
+    }
+    const Result<Digest> was = DigestOfFile(same->second), is = DigestOfFile(file.path);
+    if (was && is && *was == *is) continue;
+    Fail({ErrorCode::kConflict,
+          file.path.string() + " has the name of a file of the finished map and other content; rename it",
+          ""});
+  }
+  files = *std::move(all);
+}
+
+void Run(StitchArguments& arguments) {
+  if (!arguments.origin.empty()) {
+    geo::LatLon origin;
+    char rest = 0;
+    if (std::sscanf(arguments.origin.c_str(), "%lf,%lf%c", &origin.lat_deg, &origin.lon_deg, &rest) != 2) {
+      Fail({ErrorCode::kInvalidArgument,
+            "--origin is '" + arguments.origin +
+                "'; write it as LAT,LON in degrees, like "
+                "46.80,7.10.",
+            ""});
+    }
+    arguments.job.mosaic.origin = origin;
+  }
+  if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
+  if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
+  arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
+  arguments.job.write_cog = !arguments.no_cog;
+  arguments.job.write_pmtiles = !arguments.no_pmtiles;
+  arguments.job.write_utm = arguments.utm;
+  arguments.job.write_kmz = arguments.kmz;
+  auto files = flight::ListInputFiles(arguments.inputs);
+  if (!files) Fail(files.error());
+  if (arguments.append) {
+    AddFinishedFiles(arguments.out_dir, *files);
+  } else if (arguments.overwrite) {
+    const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
+    if (!kept) Fail(kept.error());
+  } else {
+    const Result<void> free = CheckOutFolder(arguments.out_dir, *files);
+    if (!free) Fail(free.error());
+  }
+  if (arguments.job.mosaic.title.empty()) {
+    std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
+    if (!first.has_filename()) first = first.parent_path();
+    arguments.job.mosaic.title =
+        std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
+  }
+  Result<pipeline::MosaicReport> report = [&] {
+    TerminalProgress progress;
+    return StitchToDirectory(*files, arguments.job, arguments.out_dir, progress);
+  }();
+  if (!report) Fail(report.error());
+  PrintOutcome(*report, arguments.out_dir);
+}
+
+}  // namespace
+
+void AddStitchCommand(CLI::App& app) {
+  auto arguments = std::make_shared<StitchArguments>();
+  CLI::App* command = app.add_subcommand("stitch", "Make a map from drone photos and flight logs");
+  command->add_option("IN", arguments->inputs, "Photos, logs, or folders of them (an SD card's DCIM will do)")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command
+      ->add_option("-o,--out", arguments->out_dir,
+                   "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, "
+                   "cameras.json and geo.txt; made if missing")
+      ->required();
+  command->add_option("--gsd", arguments->gsd_m,
+                      "Ground size of a map pixel in metres (default: that of the photos)");
+  command->add_option(
+      "--readout-ms", arguments->readout_ms,
+      "Rolling shutter: milliseconds from the first row to the last (0: none; default: as known of "
+      "the camera). Undone where the photos or a log say how fast the aircraft flew");
+  command->add_option("--quality", arguments->job.mosaic.jpeg_quality, "JPEG or WebP quality, 1 to 100")
+      ->capture_default_str();
+  command
+      ->add_option("--format", arguments->job.mosaic.encoding,
+                   "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::TileEncoding>{
+          {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
+  command
+      ->add_option(
+          "--method", arguments->job.mosaic.method,
+          "auto: poses refined by image features, and where angles, heights or positions are missing or wrong "
+          "photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; "
+          "features: homographies chained from photo to photo, poses not looked at; "
+          "direct: recorded poses refined by comparing whole pictures")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, pipeline::AlignMethod>{{"auto", pipeline::AlignMethod::kAuto},
+                                                       {"images", pipeline::AlignMethod::kImages},
+                                                       {"imu", pipeline::AlignMethod::kImu},
+                                                       {"features", pipeline::AlignMethod::kFeatures},
+                                                       {"direct", pipeline::AlignMethod::kDirect}}));
+  command->add_option("--origin", arguments->origin,
+                      "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
+  command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
+                    "A flight without any position landed where it took off");
+  command
+      ->add_option("--dem", arguments->job.mosaic.dem_path,
+                   "GeoTIFF with the ground's heights (default: one among the files, else what the photos "
+                   "show)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--title", arguments->job.mosaic.title, "Name of the map (default: the folder's name)");
+  command
+      ->add_option("--threads", arguments->job.mosaic.threads,
+                   "Threads; 0 takes all cores. The map is the same with any number")
+      ->capture_default_str();
+  command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
+      ->capture_default_str();
+  CLI::Option* no_cog =
+      command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
+  command
+      ->add_flag("--utm", arguments->utm,
+                 "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
+      ->excludes(no_cog);
+  command
+      ->add_option(
+          "--layers", arguments->job.mosaic.layers,
+          "Also tilesets of their own, with layers.json: photo (which photo a pixel came from), error (how far "
+          "off it may lie), height (the ground's)")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, render::MapLayer>{{"photo", render::MapLayer::kPhoto},
+                                                  {"error", render::MapLayer::kError},
+                                                  {"height", render::MapLayer::kHeight}}));
+  command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
+  command->add_flag("--no-pmtiles", arguments->no_pmtiles,
+                    "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
+  CLI::Option* append = command->add_flag(
+      "--append", arguments->append,
+      "IN are photos more for the finished map in the folder: they are placed against it, and "
+      "only the tiles below them are made anew");
+  command
+      ->add_flag(
+          "--overwrite", arguments->overwrite,
+          "Replace whatever map the folder has. Without it the map of other photos stays, and nothing is done")
+      ->excludes(append);
+  command->add_flag(
+      "--fresh", arguments->job.is_fresh,
+      "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "
+      "and photos that did not change are not compared again");
+  command->footer(
+      "Example:\n"
+      "  skyquilt stitch /media/sd/DCIM -o map\n"
+      "  skyquilt stitch photos/ flight.BIN -o map\n"
+      "  skyquilt stitch more/ -o map --append\n"
+      "  gdalinfo map/mosaic.tif");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,98 @@
+#include "server/comparison/comparison_picture.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "api/tiles/map_window.h"
+#include "api/tiles/transcode_tile.h"
+#include "core/geo/bounds.h"
+#include "core/geo/web_mercator.h"
+#include "core/pyramid/picture_sheet.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr int kPanelPx = 480;
+
+struct Look {
+  Eigen::Vector2d middle_in_merc;
+  double pixel_m = 1.0;  // in merc
+};
+
+geo::Bounds2 BoundsOf(const MethodOutcome& outcome) {
+  geo::Bounds2 bounds;
+  bounds.Include(geo::MercFromLatLon({outcome.bounds_deg[1], outcome.bounds_deg[0]}));
+  bounds.Include(geo::MercFromLatLon({outcome.bounds_deg[3], outcome.bounds_deg[2]}));
+  return bounds;
+}
+
+Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const Look& look) {
+  api::MapWindow window;
+  window.width_px = window.height_px = kPanelPx;
+  window.pixel_m = look.pixel_m;
+  window.x_in_merc = [&](int column) {
+    return look.middle_in_merc.x() + (column + 0.5 - 0.5 * kPanelPx) * look.pixel_m;
+  };
+  window.y_in_merc = [&](int row) {
+    return look.middle_in_merc.y() - (row + 0.5 - 0.5 * kPanelPx) * look.pixel_m;
+  };
+  Result<api::Pixels> pixels = api::RenderWindow(tileset, window);
+  if (!pixels) return pixels.error();
+  pyramid::RgbaImage image{pixels->width, pixels->height, {pixels->rgba.begin(), pixels->rgba.end()}};
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      image.rgba[i + c] = static_cast<std::uint8_t>(image.rgba[i + c] * image.rgba[i + 3] / 255);
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
+  std::vector<const MethodOutcome*> drawn;
+  std::vector<storage::Tileset> tilesets;
+  geo::Bounds2 all;
+  for (const MethodOutcome& outcome : outcomes) {
+    if (!outcome.failure.empty()) continue;
+    auto reader = storage::MbtilesReader::Open(outcome.folder / "mosaic.mbtiles");
+    if (!reader) return reader.error();
+    storage::Tileset tileset;
+    tileset.reader = *std::move(reader);
+    tileset.revision.min_zoom = outcome.min_zoom;
+    tileset.revision.max_zoom = outcome.max_zoom;
+    tilesets.push_back(std::move(tileset));
+    drawn.push_back(&outcome);
+    all.Include(BoundsOf(outcome));
+  }
+  if (drawn.empty()) return Error{ErrorCode::kUnprocessable, "no method made a map", ""};
+  // The last method is the product's own: the middle of its map surely shows ground.
+  const MethodOutcome& best = *drawn.back();
+  const geo::Bounds2 of_best = BoundsOf(best);
+  const double lat_deg = 0.5 * (best.bounds_deg[1] + best.bounds_deg[3]);
+  const Look whole{0.5 * (all.min + all.max), std::max(all.Width(), all.Height()) / kPanelPx};
+  const Look detail{0.5 * (of_best.min + of_best.max), best.gsd_m / geo::GroundMetresPerMercMetre(lat_deg)};
+  std::vector<pyramid::SheetPicture> pictures;
+  for (const Look& look : {whole, detail}) {
+    for (std::size_t k = 0; k < drawn.size(); ++k) {
+      Result<pyramid::RgbaImage> image = Draw(tilesets[k], look);
+      if (!image) return image.error();
+      const MethodOutcome& outcome = *drawn[k];
+      std::string caption =
+          fmt::format("{}: {} of {} photos", outcome.method, outcome.placed, outcome.photos);
+      if (outcome.truth) caption += fmt::format(", CE90 {:.2f} m", outcome.truth->relative_ce90_m);
+      if (pictures.size() >= drawn.size()) {
+        caption = fmt::format("{}: the middle, {:.1f} cm a pixel", outcome.method, 100.0 * best.gsd_m);
+      }
+      pictures.push_back({std::move(caption), *std::move(image)});
+    }
+  }
+  const pyramid::RgbaImage sheet = pyramid::PictureSheet(pictures, static_cast<int>(drawn.size()));
+  return api::EncodeTile({sheet.width_px, sheet.height_px, {sheet.rgba.begin(), sheet.rgba.end()}},
+                         pyramid::TileFormat::kPng);
+}
+
+}  // namespace skyquilt::server

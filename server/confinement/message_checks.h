@@ -1,0 +1,26 @@
+// What the messages between processes of ours have in common (server/jobs/job_messages.h,
+// server/preview/preview_messages.h): the figures that a map or preview can have, and texts of bounded
+// length. Pure; any thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace skyquilt::server {
+
+// What came over the pipe is not what our own code would have sent.
+Error Untrue(std::string detail);
+
+bool IsWithin(double value, double least, double most);
+bool AreBounds(const std::array<double, 4>& bounds);  // west, south, east, north in degrees, on Earth
+bool AreZooms(int min_zoom, int max_zoom);
+// A stage's name, an id: 1 to `most` of a-z, 0-9, _ and -.
+bool IsWord(const std::string& text, std::size_t most);
+
+// Cut at the border of a character.
+std::string Shortened(std::string text, std::size_t max_bytes);
+
+}  // namespace skyquilt::server

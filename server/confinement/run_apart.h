@@ -1,0 +1,55 @@
+// RunApart: work on what others made, done by another process of this very program, so that whatever the
+// bytes talk a parser into harms that process alone: it has limits of memory and CPU time, its time on the
+// clock is counted from outside, and of what it says only so much is read. The parent's side is RunApart; the
+// child's side is BecomeApart, then the work, then TellParent.
+//
+// Blocking; any thread. The kernel ends the child when the thread that called RunApart ends.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "server/confinement/process_limits.h"
+
+namespace skyquilt::server {
+
+struct ApartTask {
+  std::string name;                // for the log: "verdict"
+  std::vector<std::string> words;  // what follows the program's name
+  std::string input = {};          // its standard input
+  std::chrono::milliseconds deadline{60'000};
+  std::size_t max_answer_bytes = std::size_t{16} << 20;
+  std::string refusal;  // the message of the error when it did not live to its end
+};
+
+// What the child told. Errors: those that the child told; kUnprocessable with the task's `refusal` where it
+// died, took too long or said too much; kUnavailable where no process could be started or the server stops.
+Result<std::string> RunApart(const ApartTask& task);
+
+// From now on no task is begun, and those that run are ended within a tenth of a second.
+void EndAllApart();
+
+// What the child needs of the machine; all else is taken from it.
+struct ApartNeeds {
+  ProcessLimits limits;
+  std::vector<std::filesystem::path> reads = {};                     // files and folders
+  std::optional<std::filesystem::path> writes_below = std::nullopt;  // nothing: writes no file
+};
+
+// The first thing a child does, before it has threads and before it looks at anything that others made. The
+// one place where a child gives up rights.
+void BecomeApart(const ApartNeeds& needs);
+
+// All of the standard input.
+std::string ReadInput();
+
+// The last thing it does.
+void TellParent(const Result<std::string>& answer);
+
+}  // namespace skyquilt::server

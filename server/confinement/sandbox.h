@@ -1,0 +1,21 @@
+// Confine: from now on this process may read the files it was given and what the system's libraries need
+// (shared objects, PROJ's and GDAL's data), write below the folders it was given, and compute; no sockets, no
+// other programs, no other processes, no way back. For processes that decode what others made: called before
+// the first foreign byte is read and before a second thread is started. Landlock holds the files where the
+// kernel has it (server/confinement/landlock.h), seccomp the rest everywhere
+// (server/confinement/system_calls.h). Error: kUnavailable; then the process must not go on.
+#pragma once
+
+#include <string>
+
+#include "core/base/result.h"
+#include "server/confinement/landlock.h"
+
+namespace skyquilt::server {
+
+Result<void> Confine(FileAccess access);
+
+// For people and logs: "seccomp and Landlock 7", or that the latter is missing.
+std::string ConfinementHere();
+
+}  // namespace skyquilt::server

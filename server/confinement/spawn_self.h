@@ -1,0 +1,24 @@
+// SpawnSelf: another process of this very binary. It starts with no signal blocked and none ignored, whatever
+// this process does with its own. Any thread, but the kernel tells a child of its parent's death by the
+// thread that made it. Error: kUnavailable.
+#pragma once
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace skyquilt::server {
+
+// `words`: what follows the program's name. `stdout_fd`, `stdin_fd`: what its standard output and input
+// become, where given.
+Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd = std::nullopt,
+                        std::optional<int> stdin_fd = std::nullopt);
+
+// "by signal 9 (Killed)", "with code 1": of a status that waitpid gave.
+std::string HowItEnded(int wait_status);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,256 @@
+#include "server/http/connection.h"
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <exception>
+#include <vector>
+
+#include "server/http/head_parser.h"
+#include "server/routing/request_log.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using SystemError = boost::system::error_code;
+
+constexpr std::size_t kDeadlineBytes = 128 * 1024;
+constexpr std::size_t kLingerSliceBytes = 128 * 1024;
+constexpr std::uint64_t kLingerBytes = 64 << 20;
+constexpr std::chrono::seconds kLingerTime{2};
+
+class SocketConnection : public Connection, public std::enable_shared_from_this<SocketConnection> {
+ public:
+  SocketConnection(net::io_context& io, net::ip::tcp::socket socket, std::string peer,
+                   const HttpSettings& settings)
+      : io_(io), stream_(std::move(socket)), settings_(settings), head_deadline_(io), rest_(io) {
+    peer_ = std::move(peer);
+  }
+
+  Awaitable<Head> ReadHead() override {
+    is_idle_ = true;
+    head_ = RequestHead();
+    bool has_begun = buffer_.size() > 0;
+    const bool is_due = has_begun || is_first_;
+    SetHeadDeadline(is_due ? settings_.header_deadline : settings_.idle_deadline);
+    HeadParser reading(settings_);
+    HeadState state = reading.Look(Buffered());
+    while (state == HeadState::kNeedsMore) {
+      SystemError error;
+      const std::size_t got = co_await stream_.async_read_some(
+          buffer_.prepare(4096), net::redirect_error(net::use_awaitable, error));
+      if (error && is_late_ && has_begun) co_return Refuse({408, "The request head came too slowly."});
+      if (error) co_return Head::kClosed;
+      buffer_.commit(got);
+      state = reading.Look(Buffered());
+      // Most heads come whole, and setting a timer that is sooner than all others costs a system call.
+      if (state == HeadState::kNeedsMore && !has_begun && !is_first_)
+        SetHeadDeadline(settings_.header_deadline);
+      has_begun = true;
+    }
+    // What is known of a refused head still shapes the answer to it.
+    head_ = std::move(reading.head());
+    if (state == HeadState::kRefused) co_return Refuse(reading.refusal());
+    EndHeadDeadline();
+    buffer_.consume(reading.size());
+    parser_ = reading.TakeParser();
+    since_deadline_ = kDeadlineBytes;
+    co_return Head::kRead;
+  }
+
+  bool KeepsAlive() const override { return parser_->get().keep_alive(); }
+  bool IsBodyRead() const override { return parser_->is_done(); }
+
+  Awaitable<BodySlice> ReadBody(std::span<std::uint8_t> into) override {
+    parser_->get().body().data = into.data();
+    parser_->get().body().size = into.size();
+    // One deadline for so many bytes, however many pieces they come in: dripping does not help.
+    if (since_deadline_ >= kDeadlineBytes) {
+      stream_.expires_after(settings_.slice_deadline);
+      since_deadline_ = 0;
+    }
+    SystemError error;
+    co_await http::async_read_some(stream_, buffer_, *parser_,
+                                   net::redirect_error(net::use_awaitable, error));
+    const std::size_t size = into.size() - parser_->get().body().size;
+    since_deadline_ += size;
+    if (!error || error == http::error::need_buffer) co_return BodySlice{.size = size};
+    if (error == http::error::body_limit) co_return BodySlice{.fault = BodySlice::Fault::kTooLarge};
+    const bool is_bad_http = error.category() == http::make_error_code(http::error::bad_chunk).category() &&
+                             error != http::error::partial_message && error != http::error::end_of_stream;
+    if (is_bad_http) co_return BodySlice{.fault = BodySlice::Fault::kNotHttp, .reason = error.message()};
+    has_failed_ = true;  // the client is gone, or too slow
+    co_return BodySlice{.fault = BodySlice::Fault::kConnection};
+  }
+
+  Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) override {
+    const std::array<net::const_buffer, 2> buffers = {net::buffer(head.data(), head.size()),
+                                                      net::buffer(body.data(), body.size())};
+    stream_.expires_after(settings_.slice_deadline);
+    SystemError error;
+    co_await net::async_write(stream_, buffers, net::redirect_error(net::use_awaitable, error));
+    if (error) has_failed_ = true;
+  }
+
+  Awaitable<RequestPool::Answer> AskPool(RequestPool& pool, const std::string& client,
+                                         std::function<void()> work) override {
+    co_return co_await Run(work, [&](auto run) { return pool.Submit(client, std::move(run)); });
+  }
+
+  Awaitable<void> OnPool(RequestPool& pool, std::function<void()> work) override {
+    co_await Run(work, [&](auto run) {
+      pool.Continue([run = std::move(run)] { run(false); });
+      return RequestPool::Answer::kTaken;
+    });
+  }
+
+  Awaitable<void> Rest(std::chrono::milliseconds time) override {
+    if (!is_woken_) {
+      rest_.expires_after(time);
+      SystemError error;
+      co_await rest_.async_wait(net::redirect_error(net::use_awaitable, error));
+    }
+    is_woken_ = false;
+  }
+
+  std::function<void()> Waker() override {
+    return [weak = weak_from_this(), &io = io_] {
+      net::post(io, [weak] {
+        if (const auto self = weak.lock()) self->Wake();
+      });
+    };
+  }
+
+  void WatchForEnd() override {
+    stream_.socket().async_wait(net::ip::tcp::socket::wait_read,
+                                [weak = weak_from_this()](const SystemError& error) {
+                                  const auto self = weak.lock();
+                                  if (self == nullptr || error == net::error::operation_aborted) return;
+                                  SystemError unknown;
+                                  const bool has_ended = self->stream_.socket().available(unknown) == 0;
+                                  if (error || unknown || has_ended) self->has_failed_ = true;
+                                  self->Wake();
+                                });
+  }
+
+  Awaitable<void> EndGently() override {
+    SystemError error;
+    stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, error);
+    stream_.expires_after(kLingerTime);
+    std::vector<std::uint8_t> slice(kLingerSliceBytes);
+    std::uint64_t dropped = 0;
+    while (!error && dropped < kLingerBytes) {
+      dropped += co_await stream_.async_read_some(net::buffer(slice),
+                                                  net::redirect_error(net::use_awaitable, error));
+    }
+  }
+
+  void CloseIfIdle() override {
+    if (is_idle_) stream_.close();
+    Wake();
+  }
+
+ private:
+  void Wake() {
+    is_woken_ = true;
+    rest_.cancel();
+  }
+
+  std::string_view Buffered() const {
+    const auto bytes = buffer_.data();
+    return {static_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+  // `hand_over` gives a pool what is to be run there, and says whether it was taken.
+  template <typename HandOver>
+  Awaitable<RequestPool::Answer> Run(const std::function<void()>& work, HandOver hand_over) {
+    using Answer = RequestPool::Answer;
+    co_return co_await net::async_initiate<const net::use_awaitable_t<>&, void(std::exception_ptr, Answer)>(
+        [this, &work, &hand_over](auto handler) {
+          auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+          const Answer answer = hand_over([this, &work, shared](bool is_late) {
+            std::exception_ptr failure;
+            try {
+              if (!is_late) work();
+            } catch (...) {
+              failure = std::current_exception();  // carried to the coroutine, which ends the connection
+            }
+            net::post(io_, [shared, failure, is_late] {
+              (*shared)(failure, is_late ? Answer::kFull : Answer::kTaken);
+            });
+          });
+          if (answer != Answer::kTaken) net::post(io_, [shared, answer] { (*shared)(nullptr, answer); });
+        },
+        net::use_awaitable);
+  }
+
+  // At the deadline the read is given up, but the socket stays: who sent a part of a head is told.
+  void SetHeadDeadline(std::chrono::seconds time) {
+    stream_.expires_never();
+    is_late_ = false;
+    head_deadline_.expires_after(time);
+    head_deadline_.async_wait([weak = weak_from_this(), round = ++deadline_round_](const SystemError& error) {
+      const std::shared_ptr<SocketConnection> self = weak.lock();
+      if (error || self == nullptr || round != self->deadline_round_) return;
+      self->is_late_ = true;
+      self->stream_.cancel();
+    });
+  }
+
+  void EndHeadDeadline() {
+    ++deadline_round_;  // one that has rung already, but was not heard, is too late
+    head_deadline_.cancel();
+    is_idle_ = false;
+    is_first_ = false;
+  }
+
+  Head Refuse(Refusal refusal) {
+    EndHeadDeadline();
+    refusal_ = std::move(refusal);
+    return Head::kRefused;
+  }
+
+  net::io_context& io_;
+  beast::tcp_stream stream_;
+  const HttpSettings& settings_;
+  beast::flat_buffer buffer_;
+  std::unique_ptr<RequestParser> parser_;
+  net::steady_timer head_deadline_;
+  net::steady_timer rest_;
+  bool is_woken_ = false;
+  int deadline_round_ = 0;
+  std::size_t since_deadline_ = 0;
+  bool is_late_ = false;
+  bool is_idle_ = true;
+  bool is_first_ = true;
+};
+
+}  // namespace
+
+std::shared_ptr<Connection> TakeConnection(net::io_context& io, int fd, std::string peer,
+                                           const HttpSettings& settings) {
+  net::ip::tcp::socket socket(io);
+  SystemError error;
+  socket.assign(net::ip::tcp::v4(), fd, error);
+  if (error) {
+    LogFailure("-", "accept", error.message());
+    return nullptr;
+  }
+  socket.set_option(net::ip::tcp::no_delay(true), error);
+  return std::make_shared<SocketConnection>(io, std::move(socket), std::move(peer), settings);
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,22 @@
+// VerdictApart: what is in a flight's files (core/pipeline/inspect_flight.h), found by a process of its own
+// (server/confinement/run_apart.h): its parsers read what others made. Blocking; any thread. Errors: those of
+// the inspection, kUnprocessable where it took more than it is given, kUnavailable.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/lists/input_file.h"
+
+namespace skyquilt::server {
+
+// `options`: the flight's, as JSON. Answers the verdict as JSON.
+Result<std::string> VerdictApart(const std::vector<flight::InputFile>& files, const std::string& options);
+
+// What that process does: reads the files' names and the options from standard input, and tells its parent.
+// `cpu_s`: what it may take.
+void VerdictHere(std::int64_t cpu_s);
+
+}  // namespace skyquilt::server

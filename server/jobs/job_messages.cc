@@ -1,0 +1,162 @@
+#include "server/jobs/job_messages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "server/confinement/message_checks.h"
+
+namespace skyquilt::server {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxStageBytes = 32;
+constexpr std::size_t kMaxStages = 64;
+constexpr std::size_t kMaxMessageChars = 500;
+constexpr std::size_t kMaxErrorBytes = 4 * 1024;
+// A byte that is no UTF-8 is sent as the three of the replacement character.
+constexpr std::size_t kMaxGrowth = 3;
+constexpr int kMaxPhotos = 10'000'000;
+
+// Texts of photos may hold any bytes: those that are no UTF-8 are replaced.
+std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+bool IsStage(const std::string& stage) { return IsWord(stage, kMaxStageBytes); }
+
+std::optional<Error> WhatIsWrong(const StitchOutcome& outcome) {
+  const storage::Revision& map = outcome.figures;
+  if (!AreBounds(map.bounds)) return Untrue("bounds that are not on Earth");
+  if (!AreZooms(map.min_zoom, map.max_zoom)) return Untrue("zooms that no map has");
+  if (!IsWithin(map.gsd_m, 0, 1e6)) return Untrue("a resolution that no map has");
+  for (const int count : {map.photos_total, map.photos_aligned, map.photos_pose_only, map.photos_left_out}) {
+    if (!IsWithin(count, 0, kMaxPhotos)) return Untrue("a number of photos that no flight has");
+  }
+  if (outcome.stages_s.size() > kMaxStages) return Untrue("too many stages");
+  for (const auto& [stage, wall_s] : outcome.stages_s) {
+    if (!IsStage(stage) || !IsWithin(wall_s, 0, 1e9)) return Untrue("a stage that is none");
+  }
+  return std::nullopt;
+}
+
+// A number beyond the range of int comes as -1, which no figure is.
+int CountOf(const Json& json) {
+  const double value = json;
+  return IsWithin(value, 0, kMaxPhotos) ? static_cast<int>(value) : -1;
+}
+
+StitchOutcome OutcomeOf(const Json& json) {
+  StitchOutcome outcome;
+  storage::Revision& map = outcome.figures;
+  map.bounds = json.at("bounds");
+  map.min_zoom = CountOf(json.at("min_zoom"));
+  map.max_zoom = CountOf(json.at("max_zoom"));
+  map.gsd_m = json.at("gsd_m");
+  map.photos_total = CountOf(json.at("photos_total"));
+  map.photos_aligned = CountOf(json.at("photos_aligned"));
+  map.photos_pose_only = CountOf(json.at("photos_pose_only"));
+  map.photos_left_out = CountOf(json.at("photos_left_out"));
+  outcome.stages_s = json.at("stages_s").get<std::vector<std::pair<std::string, double>>>();
+  return outcome;
+}
+
+Json JsonOf(const StitchOutcome& outcome) {
+  const storage::Revision& map = outcome.figures;
+  return {{"bounds", map.bounds},
+          {"min_zoom", map.min_zoom},
+          {"max_zoom", map.max_zoom},
+          {"gsd_m", map.gsd_m},
+          {"photos_total", map.photos_total},
+          {"photos_aligned", map.photos_aligned},
+          {"photos_pose_only", map.photos_pose_only},
+          {"photos_left_out", map.photos_left_out},
+          {"stages_s", outcome.stages_s}};
+}
+
+}  // namespace
+
+std::string ToText(const StitchTask& task) {
+  Json files = Json::array();
+  for (const flight::InputFile& file : task.files) files.push_back({file.name, file.path.string()});
+  return Dump({{"files", files},
+               {"files_dir", task.files_dir.string()},
+               {"previous_dir", task.previous_dir.string()},
+               {"out_dir", task.out_dir.string()},
+               {"options", task.options},
+               {"title", task.title},
+               {"memory_bytes", task.memory_bytes},
+               {"cpu_s", task.cpu_s}});
+}
+
+Result<StitchTask> ParseTask(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    StitchTask task;
+    for (const Json& file : json.at("files"))
+      task.files.push_back({file.at(0).get<std::string>(), file.at(1).get<std::string>()});
+    task.files_dir = json.at("files_dir").get<std::string>();
+    task.previous_dir = json.at("previous_dir").get<std::string>();
+    task.out_dir = json.at("out_dir").get<std::string>();
+    task.options = json.at("options");
+    task.title = json.at("title");
+    task.memory_bytes = json.at("memory_bytes");
+    task.cpu_s = json.at("cpu_s");
+    return task;
+  } catch (const Json::exception& broken) {
+    return Untrue(broken.what());
+  }
+}
+
+std::string ToText(const JobMessage& message) {
+  if (const auto* begun = std::get_if<StageBegun>(&message)) return Dump({{"stage", begun->stage}});
+  if (const auto* progress = std::get_if<StageProgress>(&message)) {
+    const double fraction =
+        std::isfinite(progress->fraction) ? std::clamp(progress->fraction, 0.0, 1.0) : 0.0;
+    return Dump({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
+  }
+  if (const auto* outcome = std::get_if<StitchOutcome>(&message)) return Dump({{"done", JsonOf(*outcome)}});
+  const Error& error = std::get<Error>(message);
+  return Dump({{"error",
+                {{"code", static_cast<int>(error.code)},
+                 {"message", Shortened(error.message, kMaxErrorBytes)},
+                 {"detail", Shortened(error.detail, kMaxErrorBytes)}}}});
+}
+
+Result<JobMessage> ParseJobMessage(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.contains("stage")) {
+      StageBegun begun{json.at("stage")};
+      if (!IsStage(begun.stage)) return Untrue("a stage that is none");
+      return JobMessage(std::move(begun));
+    }
+    if (json.contains("fraction")) {
+      StageProgress progress{json.at("fraction"), json.at("message")};
+      if (!IsWithin(progress.fraction, 0.0, 1.0) || progress.message.size() > kMaxGrowth * kMaxMessageChars)
+        return Untrue("no progress");
+      return JobMessage(std::move(progress));
+    }
+    if (json.contains("done")) {
+      StitchOutcome outcome = OutcomeOf(json.at("done"));
+      if (const auto wrong = WhatIsWrong(outcome)) return *wrong;
+      return JobMessage(std::move(outcome));
+    }
+    const Json& said = json.at("error");
+    const int code = CountOf(said.at("code"));
+    const auto known = std::find_if(kAllErrorCodes.begin(), kAllErrorCodes.end(),
+                                    [&](ErrorCode one) { return static_cast<int>(one) == code; });
+    Error error{ErrorCode::kInternal, said.at("message"), said.at("detail")};
+    if (known == kAllErrorCodes.end() || error.message.size() > kMaxGrowth * kMaxErrorBytes ||
+        error.detail.size() > kMaxGrowth * kMaxErrorBytes) {
+      return Untrue("an error that is none");
+    }
+    error.code = *known;
+    return JobMessage(std::move(error));
+  } catch (const Json::exception& broken) {
+    return Untrue(broken.what());
+  }
+}
+
+}  // namespace skyquilt::server

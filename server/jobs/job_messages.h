@@ -1,0 +1,49 @@
+// What a worker and the confined process that makes a map for it say to each other, as JSON texts. The
+// worker's words are a StitchTask; the other's are believed only so far: what ParseJobMessage lets through
+// has bounded lengths, is UTF-8, and holds figures that a map can have. Pure; any thread. Error:
+// kUnprocessable.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/lists/input_file.h"
+#include "storage/catalogue/catalogue.h"
+
+namespace skyquilt::server {
+
+struct StitchTask {
+  std::vector<flight::InputFile> files;
+  std::filesystem::path files_dir;     // where all of them are
+  std::filesystem::path previous_dir;  // of the map that is shown; empty: none
+  std::filesystem::path out_dir;       // is there, and empty or what a killed attempt left
+  std::string options;                 // as api::ParseJobOptions reads them
+  std::string title;
+  std::int64_t memory_bytes = 0;  // address space beyond the program's own
+  std::int64_t cpu_s = 0;
+};
+
+struct StageBegun {
+  std::string stage;  // up to 32 of a-z, 0-9, _ and -
+};
+struct StageProgress {
+  double fraction = 0.0;  // 0..1
+  std::string message;
+};
+struct StitchOutcome {
+  storage::Revision figures;  // without number and time
+  std::vector<std::pair<std::string, double>> stages_s;
+};
+using JobMessage = std::variant<StageBegun, StageProgress, StitchOutcome, Error>;
+
+std::string ToText(const StitchTask& task);
+Result<StitchTask> ParseTask(std::string_view text);
+std::string ToText(const JobMessage& message);
+Result<JobMessage> ParseJobMessage(std::string_view text);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,107 @@
+#include "server/jobs/job_progress.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "server/routing/request_log.h"
+
+namespace skyquilt::server {
+namespace {
+
+using storage::LeaseState;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kBeat{250};
+constexpr std::chrono::seconds kRenewEvery{3};
+
+}  // namespace
+
+StageShares UsualShares() {
+  return {{"read", 0.04},   {"check", 0.15},   {"pose", 0.01},   {"align", 0.26},
+          {"ground", 0.01}, {"plan", 0.01},    {"expose", 0.02}, {"seam", 0.04},
+          {"render", 0.34}, {"measure", 0.02}, {"export", 0.10}};
+}
+
+StageShares SharesOf(const storage::Expectation& expectation) {
+  StageShares shares;
+  for (const auto& [stage, usual] : UsualShares()) {
+    const auto measured = std::find_if(expectation.shares.begin(), expectation.shares.end(),
+                                       [&](const auto& share) { return share.first == stage; });
+    shares.emplace_back(stage, measured == expectation.shares.end() ? 0.0 : measured->second);
+  }
+  return shares;
+}
+
+double WholeJobFraction(const StageShares& shares, std::string_view stage, double stage_fraction) {
+  double before = 0.0;
+  for (const auto& [name, share] : shares) {
+    // The shares' sum is one but for rounding.
+    if (name == stage) return std::min(1.0, before + share * std::clamp(stage_fraction, 0.0, 1.0));
+    before += share;
+  }
+  return 0.0;
+}
+
+JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
+                         StageShares shares)
+    : queue_(queue),
+      lease_(std::move(lease)),
+      shares_(std::move(shares)),
+      is_stopping_(is_stopping),
+      thread_([this] { Beat(); }) {}
+
+JobProgress::~JobProgress() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ended_ = true;
+  }
+  end_.notify_all();
+  thread_.join();
+}
+
+void JobProgress::BeginStage(std::string_view stage) {
+  const std::lock_guard lock(mutex_);
+  latest_.stage = stage;
+  latest_.message.clear();
+  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(shares_, stage, 0.0));
+  is_changed_ = true;
+}
+
+void JobProgress::Report(double fraction, std::string_view message) {
+  const std::lock_guard lock(mutex_);
+  latest_.message = message;
+  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(shares_, latest_.stage, fraction));
+  is_changed_ = true;
+}
+
+bool JobProgress::IsCancelled() const { return is_stopping_ || state_ != LeaseState::kHeld; }
+
+void JobProgress::Beat() {
+  std::unique_lock lock(mutex_);
+  while (!is_ended_) {
+    end_.wait_for(lock, kBeat, [this] { return is_ended_; });
+    if (is_ended_) return;
+    const bool is_changed = std::exchange(is_changed_, false);
+    const storage::JobProgress progress = latest_;
+    lock.unlock();
+    const LeaseState state = TellQueue(is_changed, progress);
+    if (state != LeaseState::kHeld) state_ = state;
+    lock.lock();
+  }
+}
+
+LeaseState JobProgress::TellQueue(bool is_changed, const storage::JobProgress& progress) {
+  const bool is_due = Clock::now() - renewed_ >= kRenewEvery;
+  Result<LeaseState> told = is_due ? queue_.Renew(lease_, storage::Now()) : queue_.Look(lease_);
+  if (told && *told == LeaseState::kHeld && is_changed) told = queue_.ReportProgress(lease_, progress);
+  if (told) {
+    if (is_due) renewed_ = Clock::now();
+    return *told;
+  }
+  // A busy or full database is no reason to stop, until the lease may have gone to another.
+  LogFailure(lease_.job_id, "heartbeat", told.error().detail);
+  return Clock::now() - renewed_ < storage::kLeaseTime ? LeaseState::kHeld : LeaseState::kLost;
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,62 @@
+// JobProgress: the Progress of a job that a worker runs: writes stage and fraction into the queue (a few
+// times a second at most), renews the lease, and sees the wish to cancel, a lost lease and the worker's own
+// end. A thread of its own does the database's waiting; Report never does. Any thread may report.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::server {
+
+// The share of each stage in a job's time, in the order they come.
+using StageShares = std::vector<std::pair<std::string, double>>;
+// Of a flight of some hundred photos, where none has been measured.
+StageShares UsualShares();
+// As measured here.
+StageShares SharesOf(const storage::Expectation& expectation);
+
+// How much of a whole job lies behind when a stage is this far; a stage that is not known adds nothing.
+double WholeJobFraction(const StageShares& shares, std::string_view stage, double stage_fraction);
+
+class JobProgress final : public Progress {
+ public:
+  // `is_stopping` is the worker's own wish to end.
+  JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
+              StageShares shares = UsualShares());
+  ~JobProgress() override;
+
+  void BeginStage(std::string_view stage) override;
+  void Report(double fraction, std::string_view message) override;
+  bool IsCancelled() const override;
+
+  // Held: go on and publish. After the end of the work.
+  storage::LeaseState lease_state() const { return state_; }
+
+ private:
+  void Beat();
+  storage::LeaseState TellQueue(bool is_changed, const storage::JobProgress& progress);
+
+  storage::JobQueue& queue_;
+  const storage::Lease lease_;
+  const StageShares shares_;
+  const std::atomic<bool>& is_stopping_;
+  std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  bool is_ended_ = false;
+  bool is_changed_ = false;
+  storage::JobProgress latest_;
+  std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace skyquilt::server

@@ -1,0 +1,105 @@
+#include "server/jobs/out_folder.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+
+#include "core/base/digest.h"
+#include "core/pipeline/report/flight_facts.h"
+#include "core/render/map_layer.h"
+#include "storage/tilesets/map_keeper.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Every file that StitchToDirectory writes or removes.
+std::vector<std::string> ProductNames() {
+  std::vector<std::string> names = {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif",  "mosaic_utm.tif",
+                                    "mosaic.kmz",     "thumbnail.png",  "report.json", "photos.geojson",
+                                    "locate.json",    "cameras.json",   "geo.txt",     "layers.json"};
+  for (const render::MapLayer layer : render::kMapLayers) names.push_back(render::LayerFileName(layer));
+  return names;
+}
+
+std::optional<std::string> FirstProductIn(const fs::path& folder) {
+  std::error_code none;  // what cannot be looked at cannot be replaced either: writing it says why
+  for (const std::string& name : ProductNames()) {
+    if (fs::exists(fs::symlink_status(folder / name, none))) return name;
+  }
+  return std::nullopt;
+}
+
+// Photos that the map shows and nobody gave this time.
+std::vector<std::string> MissingPhotos(const pipeline::FlightFacts& facts,
+                                       const std::vector<flight::InputFile>& files) {
+  std::map<std::string, Digest> digest_of;
+  for (const pipeline::NamedDigest& input : facts.inputs) digest_of[input.file.name] = input.digest;
+  std::set<Digest> given;
+  for (const flight::InputFile& file : files) {
+    // One that cannot be read is no photo of the map; the run itself says what is wrong with it.
+    if (const Result<Digest> digest = DigestOfFile(file.path)) given.insert(*digest);
+  }
+  std::vector<std::string> missing;
+  for (const alignment::AlignedPhoto& shown : facts.flight.photos) {
+    const auto known = digest_of.find(shown.photo.name);
+    if (known == digest_of.end() || !given.contains(known->second)) missing.push_back(shown.photo.name);
+  }
+  return missing;
+}
+
+Error Refusal(const fs::path& out_dir, const std::string& what) {
+  return {ErrorCode::kConflict,
+          fmt::format(
+              "{} {} Nothing was changed. Choose another folder with -o, or say --overwrite to replace it.",
+              out_dir.string(), what),
+          ""};
+}
+
+}  // namespace
+
+Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {
+  const std::optional<std::string> product = FirstProductIn(out_dir);
+  if (!product) return {};
+  const Result<std::string> bytes = storage::MapKeeper::StatedFacts(out_dir);
+  if (!bytes) {
+    return Refusal(
+        out_dir,
+        fmt::format("has {} already, and no readable mosaic.state that says of which photos.", *product));
+  }
+  const Result<pipeline::FlightFacts> facts = pipeline::ParseFacts(*bytes);
+  if (!facts)
+    return Refusal(out_dir, "has a map whose mosaic.state cannot be read, so its photos are not known.");
+  const std::vector<std::string> missing = MissingPhotos(*facts, files);
+  if (missing.empty()) return {};
+  return Refusal(out_dir,
+                 fmt::format("has the finished map of other photos: {} of its {} photos are not among "
+                             "those given (first {}). To add photos to it, say --append.",
+                             missing.size(), facts->flight.photos.size(), missing.front()));
+}
+
+Result<void> CheckNoInputIsReplaced(const fs::path& out_dir, const std::vector<flight::InputFile>& files) {
+  // Beside a state of ours the products are ours too, whatever folder was given to read.
+  if (storage::MapKeeper::StatedFacts(out_dir)) return {};
+  const std::vector<std::string> names = ProductNames();
+  for (const flight::InputFile& file : files) {
+    for (const std::string& name : names) {
+      std::error_code none;  // a product that is not there yet replaces nothing
+      if (!fs::equivalent(file.path, out_dir / name, none)) continue;
+      return Error{
+          ErrorCode::kConflict,
+          fmt::format("{} is one of the files given and would be replaced by the map's own {}. Nothing "
+                      "was changed. Choose another folder with -o.",
+                      file.path.string(), name),
+          ""};
+    }
+  }
+  return {};
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,22 @@
+// CheckOutFolder: whether a folder may take the map of these files without a loss. A finished map of other
+// photos is not replaced by the way, nor is a file that only has the name of one of our products. What may go
+// on: an empty folder, what a killed run left, and a map all of whose photos are among the files (it is made
+// again, or grows). Reads the files' bytes when there is a map. Errors: kConflict, with what to do.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/flight/lists/input_file.h"
+
+namespace skyquilt::server {
+
+Result<void> CheckOutFolder(const std::filesystem::path& out_dir,
+                            const std::vector<flight::InputFile>& files);
+
+// Even where the user said to overwrite: no file that the map is to be made from. Errors: kConflict.
+Result<void> CheckNoInputIsReplaced(const std::filesystem::path& out_dir,
+                                    const std::vector<flight::InputFile>& files);
+
+}  // namespace skyquilt::server

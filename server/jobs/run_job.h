@@ -1,0 +1,28 @@
+// RunJob: one leased job from its files to a published revision. The products are made by a confined process
+// (server/jobs/stitch_apart.h) in a folder of the lease's own below work/, of which nothing but plain files
+// is taken, moved into the flight in one step, and shown only if the lease still holds. Whatever happens, the
+// job ends or goes back to the queue; the work folder is removed, unless the process died and another attempt
+// goes on from it. Blocking; any thread that lives as long.
+#pragma once
+
+#include <atomic>
+
+#include "server/jobs/job_limits.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/folder/data_dir.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::server {
+
+struct WorkerContext {
+  const storage::DataDir& dir;
+  storage::Catalogue& catalogue;
+  storage::JobQueue& queue;
+  storage::StageCosts& costs;
+  const std::atomic<bool>& is_stopping;
+  GivenLimits limits = {};
+};
+
+void RunJob(WorkerContext& context, const storage::Lease& lease);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,134 @@
+// The confined side of StitchApart.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "api/json/job_options.h"
+#include "server/confinement/confined_child.h"
+#include "server/confinement/process_limits.h"
+#include "server/confinement/sandbox.h"
+#include "server/jobs/stitch_apart.h"
+#include "server/jobs/stitch_job.h"
+
+namespace skyquilt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// More often nobody looks.
+constexpr std::chrono::milliseconds kTellEvery{100};
+// A map of the most pixels that are rendered (core/render/plan_mosaic) is smaller.
+constexpr std::int64_t kFileBytes = std::int64_t{1} << 40;
+
+class ToldProgress final : public Progress {
+ public:
+  explicit ToldProgress(MessageWriter& writer) : writer_(writer) {}
+
+  void BeginStage(std::string_view stage) override {
+    const std::lock_guard lock(mutex_);
+    told_ = {};
+    Tell(StageBegun{std::string(stage)});
+  }
+  void Report(double fraction, std::string_view message) override {
+    const std::lock_guard lock(mutex_);
+    const auto now = Clock::now();
+    if (now - told_ < kTellEvery) return;
+    told_ = now;
+    Tell(StageProgress{fraction, std::string(message)});
+  }
+  // Who wishes it to end, ends this process.
+  bool IsCancelled() const override { return false; }
+
+ private:
+  void Tell(const JobMessage& message) { writer_.Write(ToText(message)); }
+
+  MessageWriter& writer_;
+  std::mutex mutex_;
+  Clock::time_point told_;
+};
+
+// What SQLite and GDAL put down for a moment.
+void KeepTemporaryFilesIn(const std::filesystem::path& folder) {
+  for (const char* variable : {"TMPDIR", "SQLITE_TMPDIR", "CPL_TMPDIR"}) setenv(variable, folder.c_str(), 1);
+}
+
+// The folder may be that of an attempt that was killed a moment ago and is not quite dead: two must never
+// write into one. Held for the life of this process.
+bool TakeFolder(const std::filesystem::path& folder) {
+  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return false;
+  int failed = 0;
+  do {
+    failed = flock(fd, LOCK_EX);
+  } while (failed != 0 && errno == EINTR);
+  return failed == 0;
+}
+
+StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
+  StitchOutcome outcome;
+  outcome.figures.bounds = report.bounds;
+  outcome.figures.min_zoom = report.min_zoom;
+  outcome.figures.max_zoom = report.max_zoom;
+  outcome.figures.gsd_m = report.gsd_m;
+  outcome.figures.photos_total = report.photos_total;
+  outcome.figures.photos_aligned = report.photos_aligned;
+  outcome.figures.photos_pose_only = report.photos_pose_only;
+  outcome.figures.photos_left_out = report.photos_left_out;
+  for (const auto& timing : report.timings) outcome.stages_s.emplace_back(timing.stage, timing.wall_s);
+  return outcome;
+}
+
+Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
+  Result<pipeline::MosaicOptions> options = api::ParseJobOptions(task.options);
+  if (!options) return options.error();
+  options->title = task.title;
+  StitchJobOptions job;
+  job.mosaic = *std::move(options);
+  job.previous_dir = task.previous_dir;
+  const Result<pipeline::MosaicReport> report = StitchToDirectory(task.files, job, task.out_dir, progress);
+  if (!report) return report.error();
+  return OutcomeOf(*report);
+}
+
+Result<StitchOutcome> StitchTold(const std::string& text, MessageWriter& writer) {
+  const Result<StitchTask> task = ParseTask(text);
+  if (!task) return task.error();
+  if (!TakeFolder(task->out_dir))
+    return Error{ErrorCode::kIo, "The server could not use the folder of the job.", task->out_dir.string()};
+  KeepTemporaryFilesIn(task->out_dir);
+  LimitThisProcess(
+      {.more_memory_bytes = task->memory_bytes, .more_cpu_s = task->cpu_s, .file_bytes = kFileBytes});
+  FileAccess access{.reads = {task->files_dir}, .writes = {task->out_dir}};
+  if (!task->previous_dir.empty()) access.reads.push_back(task->previous_dir);
+  if (auto confined = Confine(std::move(access)); !confined) return confined.error();
+  ToldProgress progress(writer);
+  try {
+    return Stitch(*task, progress);
+  } catch (const std::exception& thrown) {
+    return Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
+                 thrown.what()};
+  }
+}
+
+}  // namespace
+
+int StitchConfined(int parent) {
+  auto writer = MeetParent(parent);
+  if (!writer) return 1;
+  MessageReader reader = ParentsMessages();
+  const std::optional<std::string> task = reader.Read(std::chrono::minutes(1));
+  if (!task) return 1;
+  Result<StitchOutcome> outcome = StitchTold(*task, *writer);
+  const JobMessage last = outcome ? JobMessage(*std::move(outcome)) : JobMessage(outcome.error());
+  return writer->Write(ToText(last)) ? 0 : 1;
+}
+
+}  // namespace skyquilt::server

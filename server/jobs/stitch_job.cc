@@ -1,0 +1,189 @@
+#include "server/jobs/stitch_job.h"
+
+#include <memory>
+#include <utility>
+
+#include "core/base/scoped_timer.h"
+#include "core/flight/photos/photo_decoder.h"
+#include "core/pipeline/build_mosaic.h"
+#include "core/pipeline/memory_budget.h"
+#include "core/pipeline/report/flight_facts.h"
+#include "core/pipeline/report/locate.h"
+#include "core/pipeline/report/odm_exports.h"
+#include "core/render/blocks/render_layers.h"
+#include "server/jobs/open_elevation_model.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/kmz_writer.h"
+#include "storage/exports/pmtiles_writer.h"
+#include "storage/exports/thumbnail_writer.h"
+#include "storage/exports/utm_writer.h"
+#include "storage/tilesets/map_keeper.h"
+#include "storage/tilesets/mbtiles_writer.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr int kThumbnailPx = 512;
+
+// A cancelled or failed flight leaves no product behind; what an earlier run made stays until it is replaced.
+Result<void> MakeFolder(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) {
+    return Error{ErrorCode::kIo, "cannot make the folder " + folder.string() + ": " + failed.message(), ""};
+  }
+  return {};
+}
+
+storage::TilesetMetadata MetadataOf(const pipeline::MosaicReport& report) {
+  storage::TilesetMetadata metadata;
+  metadata.name = report.title.empty() ? "Skyquilt map" : report.title;
+  metadata.description =
+      "Orthomosaic of " + std::to_string(report.photos_aligned + report.photos_pose_only) + " aerial photos";
+  metadata.bounds = report.bounds;
+  metadata.min_zoom = report.min_zoom;
+  metadata.max_zoom = report.max_zoom;
+  metadata.tile_size_px = report.tile_size_px;
+  metadata.generator = "Skyquilt";
+  return metadata;
+}
+
+// The tileset in the other formats that were asked for.
+Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
+                    const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
+                    Progress& progress) {
+  if (options.write_pmtiles) {
+    if (auto written = storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress); !written)
+      return written;
+  }
+  if (options.write_cog) {
+    const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
+    if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
+      return written;
+    if (auto written =
+            storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kThumbnailPx);
+        !written)
+      return written;
+  }
+  if (options.write_kmz) {
+    if (auto written = storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress); !written) return written;
+  }
+  if (options.write_utm) {
+    const auto& b = report.bounds;
+    const storage::UtmOptions utm{{0.5 * (b[1] + b[3]), 0.5 * (b[0] + b[2])},
+                                  options.mosaic.gsd_m.value_or(report.gsd_m),
+                                  options.mosaic.jpeg_quality,
+                                  options.mosaic.threads};
+    return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", out_dir / "mosaic_utm.tif", utm, progress);
+  }
+  return {};
+}
+
+// The layers that were asked for, each a tileset of its own, and what their colours mean. Those of an earlier
+// run of which nobody asked go.
+Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
+                         const std::filesystem::path& out_dir, Progress& progress) {
+  std::error_code gone;  // what cannot be removed shows up when it is written
+  for (const render::MapLayer layer : render::kMapLayers) {
+    std::filesystem::remove(out_dir / render::LayerFileName(layer), gone);
+  }
+  std::filesystem::remove(out_dir / "layers.json", gone);
+  if (options.layers.empty()) return {};
+  std::vector<std::unique_ptr<storage::MbtilesWriter>> writers;
+  std::vector<render::LayerSink> sinks;
+  for (const render::MapLayer layer : options.layers) {
+    auto writer = storage::MbtilesWriter::Create(out_dir / render::LayerFileName(layer));
+    if (!writer) return writer.error();
+    writers.push_back(*std::move(writer));
+    sinks.push_back({layer, *writers.back()});
+  }
+  const Result<render::HeightRange> heights = render::RenderLayers(
+      built.flight, built.ground, built.seams, built.plan, sinks, options.threads, progress);
+  if (!heights) return heights.error();
+  const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
+  for (std::size_t i = 0; i < sinks.size(); ++i) {
+    storage::TilesetMetadata metadata = MetadataOf(built.report);
+    metadata.name += std::string(", ") + render::NameOf(sinks[i].layer);
+    metadata.description = "Layer of the map; layers.json says what its colours mean";
+    metadata.min_zoom = zooms.min_zoom;
+    metadata.max_zoom = zooms.max_zoom;
+    metadata.tile_size_px = render::kLayerTilePx;
+    if (auto published = writers[i]->Publish(metadata); !published) return published;
+  }
+  std::vector<std::string> photo_names;
+  for (const alignment::AlignedPhoto& photo : built.flight.photos) photo_names.push_back(photo.photo.name);
+  return storage::WriteFileAtomically(out_dir / "layers.json",
+                                      render::LayersJson(options.layers, photo_names, *heights));
+}
+
+void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
+  std::error_code gone;  // what cannot be removed is of no use to the next run either
+  for (const char* name : {"mosaic.state", "mosaic.state.tmp", "mosaic.state.part"}) {
+    std::filesystem::remove(out_dir / name, gone);
+  }
+}
+
+}  // namespace
+
+Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir) {
+  const Result<std::string> bytes = storage::MapKeeper::FactsOf(out_dir);
+  if (!bytes) return bytes.error();
+  const Result<pipeline::FlightFacts> facts = pipeline::ParseFacts(*bytes);
+  if (!facts) return facts.error();
+  std::vector<flight::InputFile> files;
+  for (const pipeline::NamedDigest& input : facts->inputs) files.push_back(input.file);
+  return files;
+}
+
+Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
+                                                 const StitchJobOptions& options,
+                                                 const std::filesystem::path& out_dir, Progress& progress) {
+  if (auto made = MakeFolder(out_dir); !made) return made.error();
+  const std::filesystem::path mbtiles = out_dir / "mosaic.mbtiles";
+  if (options.is_fresh) ForgetEarlierRuns(out_dir);
+  auto keeper = storage::MapKeeper::Create(out_dir, options.previous_dir);
+  if (!keeper) return keeper.error();
+  const flight::FilePhotoSource photos(pipeline::MostDecodeBytes(options.mosaic));
+  const auto elevations = OpenElevationModel(options.mosaic.dem_path, files);
+  if (!elevations) return elevations.error();
+  Result<pipeline::BuiltMosaic> built = pipeline::BuildMosaic(
+      files, options.mosaic, photos, **keeper, progress, elevations->source.get(), keeper->get());
+  if (!built) return built.error();
+  built->report.warnings.insert(built->report.warnings.end(), elevations->warnings.begin(),
+                                elevations->warnings.end());
+  if (auto published = (*keeper)->Publish(MetadataOf(built->report)); !published) return published.error();
+  progress.BeginStage("export");
+  pipeline::StageTiming exported_in{"export", 0.0, 0.0};
+  {
+    ScopedTimer timer(exported_in.wall_s);
+    ScopedCpuTimer cpu_timer(exported_in.cpu_s);
+    if (auto exported = Export(mbtiles, options, built->report, out_dir, progress); !exported)
+      return exported.error();
+    if (auto written = WriteLayers(*built, options.mosaic, out_dir, progress); !written)
+      return written.error();
+  }
+  built->report.timings.push_back(exported_in);
+  if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",
+                                                  pipeline::PhotosGeoJson(built->flight, built->ground));
+      !written) {
+    return written.error();
+  }
+  for (const auto& [name, text] : {std::pair{"cameras.json", pipeline::OdmCamerasJson(built->flight)},
+                                   std::pair{"geo.txt", pipeline::OdmGeoTxt(built->flight)}}) {
+    if (auto written = storage::WriteFileAtomically(out_dir / name, text); !written) return written.error();
+  }
+  if (auto written = storage::WriteFileAtomically(out_dir / "locate.json",
+                                                  pipeline::LocateJson(built->flight, built->ground));
+      !written) {
+    return written.error();
+  }
+  if (auto written =
+          storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));
+      !written) {
+    return written.error();
+  }
+  return std::move(built->report);
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,40 @@
+// StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
+// mosaic.tif (COG) with thumbnail.png, mosaic_utm.tif, mosaic.kmz and layer_*.mbtiles with layers.json by
+// option, report.json, photos.geojson, and for OpenDroneMap cameras.json and geo.txt, each written under a
+// temporary name and published by rename. What both the `stitch` command and the worker run. Blocking; one
+// call at a time per process (it uses all the threads asked for). Errors: kUnprocessable (no photo could be
+// placed), kCancelled, kOutOfSpace, kIo.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/flight/read_flight.h"
+#include "core/pipeline/mosaic_options.h"
+#include "core/pipeline/report/mosaic_report.h"
+
+namespace skyquilt::server {
+
+struct StitchJobOptions {
+  pipeline::MosaicOptions mosaic;
+  bool write_cog = true;
+  bool write_pmtiles = true;
+  bool write_utm = false;  // needs write_cog
+  bool write_kmz = false;
+  bool is_fresh = false;  // nothing is taken from earlier runs
+  // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder
+  // itself.
+  std::filesystem::path previous_dir;
+};
+
+Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
+                                                 const StitchJobOptions& options,
+                                                 const std::filesystem::path& out_dir, Progress& progress);
+
+// The files of the finished map in a folder, to which others may be added. Errors: kNotFound (no map with a
+// memory), kCorrupt.
+Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir);
+
+}  // namespace skyquilt::server

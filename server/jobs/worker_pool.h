@@ -1,0 +1,54 @@
+// WorkerPool: the worker processes of a server, and one that draws previews: started from this very binary,
+// started again when they end, told to stop with the server. What a dead worker held is given back to the
+// queue at once, and its work folder removed. Used by the main thread alone: the kernel tells workers of
+// their parent's death by the thread that made them.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "storage/folder/data_dir.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::server {
+
+class WorkerPool {
+ public:
+  // `words`: options that every worker is started with.
+  WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue,
+             std::vector<std::string> words = {});
+
+  // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
+  // then.
+  void StartMissing();
+  // SIGTERM to all that run: they give their jobs back. They are started again by StartMissing.
+  void Interrupt();
+  // Collects the ended. Called on SIGCHLD.
+  void Reap();
+  // SIGTERM to all, then SIGKILL to who is left after `grace`.
+  void Stop(std::chrono::milliseconds grace);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Slot {
+    pid_t pid = 0;  // 0: none runs
+    bool draws_previews = false;
+    std::string name;
+    Clock::time_point started;
+    Clock::time_point not_before;
+  };
+  void Start(Slot& slot, int index);
+  void Ended(Slot& slot, int wait_status);
+
+  storage::DataDir dir_;
+  const std::vector<std::string> words_;
+  storage::JobQueue& queue_;
+  std::vector<Slot> slots_;
+  int starts_ = 0;
+  bool is_stopping_ = false;
+};
+
+}  // namespace skyquilt::server

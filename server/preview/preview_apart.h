@@ -1,0 +1,63 @@
+// PreviewApart: looks after the previews of flights that are uploading: photos that wait go to confined
+// processes, one a flight, which draw them (server/preview/preview_painter.h) and may read that flight's
+// photos and write its preview, nothing else; the rows of the catalogue are written here. A photo over which
+// such a process dies, or that takes more of the machine than one photo may, is passed over for good, and the
+// others go on. Blocking; one thread, which lives as long as this. Errors: kOutOfSpace, kUnavailable, kIo.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "server/confinement/confined_child.h"
+#include "server/preview/preview_messages.h"
+#include "storage/catalogue/previews.h"
+#include "storage/folder/data_dir.h"
+
+namespace skyquilt::server {
+
+// What drawing one photo may take.
+struct PhotoLimits {
+  double cpu_s = 60.0;
+  std::int64_t memory_bytes = std::int64_t{2560} << 20;
+};
+
+class PreviewApart {
+ public:
+  PreviewApart(const storage::DataDir& dir, storage::Previews& previews, const PhotoLimits& limits);
+  ~PreviewApart();
+
+  // Draws a few of the photos that wait. False: none waited.
+  Result<bool> Step();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // The process of a flight. Its folder goes with it unless the preview in it is shown.
+  class Session;
+  // What became of a request.
+  struct Answer {
+    std::optional<PreviewDrawn> drawn;
+    std::string culprit;  // stored name of the photo at which it ended; empty: at none
+    std::string why;
+  };
+  Result<Session*> SessionOf(const std::string& flight_id, const std::optional<storage::Preview>& preview);
+  Answer Ask(Session& session, const PreviewRequest& request) const;
+  Result<void> Show(const storage::PreviewWork& work, const PreviewRequest& request,
+                    const PreviewDrawn& drawn);
+  void EndIdle();
+
+  storage::DataDir dir_;
+  storage::Previews& previews_;
+  const PhotoLimits limits_;
+  std::map<std::string, std::unique_ptr<Session>> sessions_;  // by flight
+};
+
+// What such a process does: hears of its place and of photos on standard input, confines itself, draws, and
+// tells of it on standard output. The exit code.
+int PreviewConfined(int parent);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,17 @@
+// ClientAddress: who counts as one client when connections, requests and listeners are dealt out. The
+// connection's other end, or, where that is a proxy the operator trusts, the last address in X-Forwarded-For
+// that is none (those before it anybody can write). IPv6 counts by its first 64 bits, which one household has
+// to itself. Empty for this machine itself and for a trusted proxy that names nobody: they may stand for
+// many, and would be bounded as one. Pure; any thread.
+#pragma once
+
+#include <string>
+
+#include "api/http/http_message.h"
+#include "server/http/http_settings.h"
+
+namespace skyquilt::server {
+
+std::string ClientAddress(const std::string& peer, const api::Headers& headers, const HttpSettings& settings);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,133 @@
+#include "server/routing/origin_policy.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "server/routing/address_range.h"
+
+namespace skyquilt::server {
+namespace {
+
+// Of a request and of an answer, by the routes there are.
+constexpr const char* kMaySend =
+    "Authorization, Content-Type, Content-Digest, Idempotency-Key, If-Match, If-None-Match, If-Range, Last-Event-ID, "
+    "Range, Tus-Resumable, Upload-Checksum, Upload-Defer-Length, Upload-Length, Upload-Metadata, Upload-Offset, "
+    "X-HTTP-Method-Override, set-uuid";
+constexpr const char* kMayRead =
+    "Accept-Ranges, Content-Disposition, Content-Length, Content-Range, ETag, Idempotency-Replayed, Link, Location, "
+    "Retry-After, Tus-Checksum-Algorithm, Tus-Extension, Tus-Max-Size, Tus-Resumable, Tus-Version, Upload-Defer-Length, "
+    "Upload-Expires, Upload-Length, Upload-Metadata, Upload-Offset, WWW-Authenticate, X-Request-Id";
+
+std::string_view WithoutPort(std::string_view host) {
+  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
+  return host.substr(0, host.find(':'));
+}
+
+std::vector<AddressBytes> AddressesOfThisMachine() {
+  std::vector<AddressBytes> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr) continue;
+    const int family = one->ifa_addr->sa_family;
+    const void* bytes = nullptr;
+    if (family == AF_INET) bytes = &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr;
+    if (family == AF_INET6) bytes = &reinterpret_cast<const sockaddr_in6*>(one->ifa_addr)->sin6_addr;
+    if (bytes == nullptr || inet_ntop(family, bytes, text.data(), text.size()) == nullptr) continue;
+    if (const std::optional<AddressBytes> address = ParseAddress(text.data())) addresses.push_back(*address);
+  }
+  freeifaddrs(list);
+  return addresses;
+}
+
+// Networks come and go while the server runs; a few seconds are soon enough.
+bool IsAddressOfThisMachine(const AddressBytes& address) {
+  constexpr std::chrono::seconds kFreshFor{5};
+  static std::mutex mutex;
+  static std::vector<AddressBytes> known;
+  static std::optional<std::chrono::steady_clock::time_point> asked_at;
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex);
+  if (!asked_at || now - *asked_at > kFreshFor) {
+    known = AddressesOfThisMachine();
+    asked_at = now;
+  }
+  return std::find(known.begin(), known.end(), address) != known.end();
+}
+
+// What pages of this server have as their origin.
+std::string OwnOrigin(const RequestHead& head, const HttpSettings& settings) {
+  if (!settings.public_url.empty()) {
+    const std::size_t host = settings.public_url.find("://") + 3;
+    return settings.public_url.substr(0, settings.public_url.find('/', host));
+  }
+  // A proxy that speaks TLS for us says so; a page cannot make a browser say it.
+  const bool is_tls = api::EqualsIgnoringCase(head.headers.Find("X-Forwarded-Proto"), "https");
+  return (is_tls ? "https://" : "http://") + head.host;
+}
+
+}  // namespace
+
+bool IsOwnHost(std::string_view host, const HttpSettings& settings) {
+  if (IsLoopbackHost(host)) return true;
+  const std::string_view name = WithoutPort(host);
+  for (const std::string& known : settings.hosts) {
+    if (api::EqualsIgnoringCase(known, name) || api::EqualsIgnoringCase(known, host)) return true;
+  }
+  const std::optional<AddressBytes> asked = ParseAddress(name);
+  if (!asked) return false;
+  if (asked == ParseAddress(settings.address)) return true;
+  const bool is_any = settings.address == "0.0.0.0" || settings.address == "::";
+  return is_any && IsAddressOfThisMachine(*asked);
+}
+
+bool IsFromForeignPage(const RequestHead& head, const HttpSettings& settings) {
+  const std::string_view site = head.headers.Find("Sec-Fetch-Site");
+  if (!site.empty()) return site != "same-origin" && site != "none";
+  const std::string_view origin = head.headers.Find("Origin");
+  return !origin.empty() && !api::EqualsIgnoringCase(origin, OwnOrigin(head, settings));
+}
+
+bool IsOriginAllowed(std::string_view origin, const HttpSettings& settings, bool asks_for_token) {
+  if (settings.cors_origins.empty()) return asks_for_token;
+  return std::any_of(settings.cors_origins.begin(), settings.cors_origins.end(),
+                     [&](const std::string& known) { return api::EqualsIgnoringCase(known, origin); });
+}
+
+api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, bool asks_for_token) {
+  api::Headers cors;
+  const std::string_view origin = head.headers.Find("Origin");
+  const bool is_any = settings.cors_origins.empty();
+  if (!is_any) cors.Add("Vary", "Origin");
+  // Where any page may, all are told the same, so that caches need not tell them apart.
+  if (is_any ? !asks_for_token : origin.empty() || !IsOriginAllowed(origin, settings, asks_for_token))
+    return cors;
+  cors.Add("Access-Control-Allow-Origin", is_any ? "*" : std::string(origin));
+  cors.Add("Access-Control-Expose-Headers", kMayRead);
+  return cors;
+}
+
+void AddPreflightHeaders(const std::string& allow, api::Headers& cors) {
+  if (!cors.Has("Access-Control-Allow-Origin")) return;
+  cors.Add("Access-Control-Allow-Methods", allow);
+  cors.Add("Access-Control-Allow-Headers", kMaySend);
+  cors.Add("Access-Control-Max-Age", "86400");
+}
+
+bool IsOriginText(std::string_view text) {
+  const std::string_view scheme = text.starts_with("http://") ? "http://" : "https://";
+  if (!text.starts_with(scheme)) return false;
+  const std::string_view rest = text.substr(scheme.size());
+  return !rest.empty() && rest.find_first_of("/?#@ ,\"<>*") == std::string_view::npos;
+}
+
+}  // namespace skyquilt::server

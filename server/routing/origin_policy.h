@@ -1,0 +1,34 @@
+// Which names this server goes by, and what pages of other sites may do. A page can make a name of its own
+// point at this machine (DNS rebinding) and then speak to it as to itself: where no token is asked for, only
+// names that the server knows as its own are answered. Other pages may read answers, and send changes, where
+// tokens are asked for (a page has none unless it was given one) or where the operator named them. Pure but
+// for the list of this machine's addresses; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "api/http/http_message.h"
+#include "server/http/http_settings.h"
+#include "server/http/request_head.h"
+
+namespace skyquilt::server {
+
+// A host without its port: a loopback name, the address that is listened at (or any of this machine's where
+// that is 0.0.0.0 or ::), or one that the operator named.
+bool IsOwnHost(std::string_view host, const HttpSettings& settings);
+
+// A page that is not this server's sent this: by Sec-Fetch-Site where the browser says it, else by Origin,
+// whose scheme, host and port must be those that the request was sent to.
+bool IsFromForeignPage(const RequestHead& head, const HttpSettings& settings);
+
+// May pages of this origin read answers? Then what the answer says of it.
+bool IsOriginAllowed(std::string_view origin, const HttpSettings& settings, bool asks_for_token);
+api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, bool asks_for_token);
+// What a preflight is told besides: `allow` lists the methods of the path.
+void AddPreflightHeaders(const std::string& allow, api::Headers& cors);
+
+// "https://maps.example.org", "http://localhost:8081"; without a path.
+bool IsOriginText(std::string_view text);
+
+}  // namespace skyquilt::server

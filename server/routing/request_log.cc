@@ -1,0 +1,59 @@
+#include "server/routing/request_log.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+#include "api/json/json_codec.h"
+
+namespace skyquilt::server {
+namespace {
+
+// One write a line, so that lines of several processes do not mix.
+void WriteLine(std::string_view level,
+               std::initializer_list<std::pair<std::string_view, std::string>> members) {
+  std::string line =
+      fmt::format("{{\"time\":\"{}\",\"level\":\"{}\"", api::FormatTime(storage::Now()), level);
+  for (const auto& [name, value] : members) line += fmt::format(",\"{}\":{}", name, value);
+  line += "}\n";
+  // A log that cannot be written has nowhere to say so.
+  [[maybe_unused]] const ssize_t wrote = write(STDERR_FILENO, line.data(), line.size());
+}
+
+}  // namespace
+
+std::string NextRequestId() {
+  static const auto run =
+      static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+  static std::atomic<std::uint64_t> next{0};
+  return fmt::format("{:x}-{:x}", run & 0xffffffffffU, next.fetch_add(1, std::memory_order_relaxed));
+}
+
+void LogResponse(std::string_view request_id, std::string_view method, std::string_view path, int status) {
+  WriteLine("error", {{"request_id", api::JsonString(request_id)},
+                      {"method", api::JsonString(method)},
+                      {"path", api::JsonString(path)},
+                      {"status", std::to_string(status)}});
+}
+
+void LogFailure(std::string_view request_id, std::string_view where, std::string_view what) {
+  WriteLine("error", {{"request_id", api::JsonString(request_id)},
+                      {"where", api::JsonString(where)},
+                      {"what", api::JsonString(what)}});
+}
+
+void LogUncaught(const std::exception_ptr& failure) {
+  if (failure == nullptr) return;
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& known) {
+    LogFailure("-", "connection", known.what());
+  }
+}
+
+void LogEvent(std::string_view what) { WriteLine("info", {{"what", api::JsonString(what)}}); }
+
+}  // namespace skyquilt::server

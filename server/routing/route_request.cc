@@ -1,0 +1,97 @@
+#include "server/routing/route_request.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "api/http/problem.h"
+#include "api/http/target.h"
+#include "server/routing/origin_policy.h"
+
+namespace skyquilt::server {
+namespace {
+
+std::optional<api::Method> MethodFrom(std::string_view name) {
+  for (const api::Method method : {api::Method::kGet, api::Method::kPost, api::Method::kPut,
+                                   api::Method::kPatch, api::Method::kDelete, api::Method::kOptions}) {
+    if (name == api::MethodName(method)) return method;
+  }
+  return std::nullopt;
+}
+
+api::Response Options(const std::string& allow) {
+  api::Response response;
+  response.status = 204;
+  response.headers.Add("Allow", allow);
+  return response;
+}
+
+std::string BaseUrl(const RequestHead& head, const HttpSettings& settings) {
+  if (!settings.public_url.empty()) return settings.public_url;
+  return head.host.empty() ? std::string() : "http://" + head.host;
+}
+
+}  // namespace
+
+std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
+
+Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
+                    api::Service& service, const std::string& request_id) {
+  Routed routed;
+  const std::string path = PathOf(head.target);
+  const auto answer = [&](api::Response response) {
+    routed.route = nullptr;
+    routed.response = std::move(response);
+    return std::move(routed);
+  };
+  const auto problem = [&](ErrorCode code, const char* message) {
+    return api::Problem({code, message, ""}, path, request_id);
+  };
+  const bool asks_for_token = service.tokens.AsksForToken();
+  if ((!asks_for_token || settings.always_checks_host) && !head.host.empty() &&
+      !IsOwnHost(head.host, settings)) {
+    return answer(api::ProblemWithStatus(
+        421,
+        fmt::format("This server does not go by the name \"{}\". Its operator adds names with --host.",
+                    head.host),
+        path, request_id));
+  }
+  routed.cors = CorsHeaders(head, settings, asks_for_token);
+  if (head.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));
+  Result<api::Target> target = api::ParseTarget(head.target);
+  if (!target) return answer(api::Problem(target.error(), path, request_id));
+  const std::optional<api::Method> method = MethodFrom(head.method == "HEAD" ? "GET" : head.method);
+  if (!method) return answer(problem(ErrorCode::kNotImplemented, "This method is not known here."));
+  api::Router::Match match = router.Find(*method, target->segments);
+  if (*method == api::Method::kOptions) AddPreflightHeaders(router.Allowed(target->segments), routed.cors);
+  if (*method == api::Method::kOptions && match.route == nullptr) {
+    const std::string allowed = router.Allowed(target->segments);
+    return answer(allowed.empty() ? problem(ErrorCode::kNotFound, "There is nothing at this address.")
+                                  : Options(allowed));
+  }
+  const bool changes = *method != api::Method::kGet && *method != api::Method::kOptions;
+  if (changes && IsFromForeignPage(head, settings) &&
+      !IsOriginAllowed(head.headers.Find("Origin"), settings, asks_for_token)) {
+    return answer(problem(ErrorCode::kForbidden, "Pages of other sites may not change anything here."));
+  }
+  if (match.route == nullptr) {
+    if (match.allow.empty())
+      return answer(problem(ErrorCode::kNotFound, "There is nothing at this address."));
+    api::Response response = problem(ErrorCode::kMethodNotAllowed, "This address does not take this method.");
+    response.headers.Add("Allow", match.allow);
+    return answer(std::move(response));
+  }
+  routed.route = match.route;
+  routed.request.method = *method;
+  routed.request.path = path;
+  routed.request.parameters = std::move(match.parameters);
+  routed.request.query = std::move(target->query);
+  routed.request.content_length = head.content_length;
+  routed.request.base_url = BaseUrl(head, settings);
+  routed.request.request_id = request_id;
+  routed.request.headers = std::move(head.headers);
+  return routed;
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,139 @@
+#include "server/routing/static_files.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "api/downloads/send_file.h"
+#include "api/http/problem.h"
+#include "api/http/target.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, const char*>, 14> kTypes = {{
+    {".html", "text/html; charset=utf-8"},
+    {".css", "text/css; charset=utf-8"},
+    {".js", "text/javascript; charset=utf-8"},
+    {".mjs", "text/javascript; charset=utf-8"},
+    {".json", "application/json"},
+    {".geojson", "application/geo+json"},
+    {".webmanifest", "application/manifest+json"},
+    {".svg", "image/svg+xml"},
+    {".png", "image/png"},
+    {".jpg", "image/jpeg"},
+    {".webp", "image/webp"},
+    {".ico", "image/x-icon"},
+    {".woff2", "font/woff2"},
+    {".txt", "text/plain; charset=utf-8"},
+}};
+
+// Scripts and styles from here alone; tiles and previews of dropped photos as blob and data; a basemap from
+// where the operator says.
+std::string ContentSecurityPolicy(const std::string& basemap_origin) {
+  const std::string basemap = basemap_origin.empty() ? "" : " " + basemap_origin;
+  return "default-src 'self'; connect-src 'self'" + basemap + "; img-src 'self' data: blob:" + basemap +
+         "; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none';"
+         " form-action 'self'; frame-ancestors 'self'";
+}
+
+constexpr std::array kPageFolders = {"src", "styles", "vendor", "images", "fonts"};
+
+const char* TypeOf(std::string_view name) {
+  for (const auto& [extension, type] : kTypes) {
+    if (name.ends_with(extension)) return type;
+  }
+  return nullptr;
+}
+
+// Files of the page lie at the top or in its own folders; what builds the page does not belong to it.
+bool IsOfThePage(const std::vector<std::string>& segments) {
+  for (const std::string& segment : segments) {
+    if (segment.starts_with('.')) return false;
+  }
+  if (segments.size() > 1) {
+    for (const char* folder : kPageFolders) {
+      if (segments.front() == folder) return true;
+    }
+    return false;
+  }
+  const std::string_view name = segments.front();
+  return !name.ends_with(".json") && !name.ends_with(".txt");
+}
+
+// Changes with the file; links are not followed.
+std::optional<std::string> EtagOf(const std::filesystem::path& path) {
+  struct stat status {};
+  if (lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return fmt::format("\"{:x}-{:x}-{:x}\"", status.st_mtim.tv_sec, status.st_mtim.tv_nsec, status.st_size);
+}
+
+// The gzip beside a file that the build made, where the client takes it.
+bool TakesGzip(const api::Request& request) {
+  const std::string_view accepted = request.headers.Find("Accept-Encoding");
+  const std::size_t at = accepted.find("gzip");
+  if (at == std::string_view::npos) return false;
+  const std::string_view weight = accepted.substr(at, accepted.find(',', at) - at);
+  return weight.find("q=0") == std::string_view::npos || weight.find("q=0.") != std::string_view::npos;
+}
+
+Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request,
+                           const std::string& basemap_origin) {
+  const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
+  Result<api::Target> target = api::ParseTarget(request.path);
+  if (!target) return target.error();
+  std::vector<std::string> segments = std::move(target->segments);
+  if (segments.empty()) segments = {"index.html"};
+  const char* type = TypeOf(segments.back());
+  if (type == nullptr || !IsOfThePage(segments)) return missing;
+  std::filesystem::path path = folder;
+  for (const std::string& segment : segments) path /= segment;
+  std::optional<std::string> etag = EtagOf(path);
+  if (!etag) return missing;
+  const std::filesystem::path gzip_path = path.string() + ".gz";
+  const std::optional<std::string> gzip_etag = EtagOf(gzip_path);
+  const bool as_gzip = gzip_etag && TakesGzip(request);
+  if (as_gzip) {
+    path = gzip_path;
+    etag = gzip_etag;
+  }
+  Result<api::Response> sent = api::SendFile(request, path, type, *etag);
+  if (!sent) return sent.error();
+  if (as_gzip) sent->headers.Add("Content-Encoding", "gzip");
+  if (gzip_etag) sent->headers.Add("Vary", "Accept-Encoding");
+  sent->headers.Add("Cache-Control", "no-cache");
+  sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origin));
+  return sent;
+}
+
+}  // namespace
+
+api::Response ServePage(const std::filesystem::path& folder, const api::Request& request,
+                        const std::string& basemap_origin) {
+  Result<api::Response> found = Find(folder, request, basemap_origin);
+  return found ? *std::move(found) : api::Problem(found.error(), request);
+}
+
+std::optional<std::filesystem::path> FindPageFolder(const std::filesystem::path& given) {
+  std::vector<std::filesystem::path> candidates;
+  if (!given.empty()) {
+    candidates.push_back(given);
+  } else {
+    std::error_code unknown;  // without /proc only the other candidate is tried
+    const auto binary = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    if (!unknown) candidates.push_back(binary.parent_path() / ".." / "share" / "skyquilt" / "web");
+    candidates.emplace_back(SKYQUILT_WEB_DIR);
+  }
+  for (const auto& folder : candidates) {
+    std::error_code missing;
+    if (std::filesystem::is_regular_file(folder / "index.html", missing)) return folder;
+  }
+  return std::nullopt;
+}
+
+}  // namespace skyquilt::server

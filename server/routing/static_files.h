@@ -1,0 +1,23 @@
+// ServePage: the web page's own files, from one folder: index.html at "/", and what lies in it by its name.
+// Only kinds of files that a page needs, never a hidden one, a link, or anything of the build (package.json,
+// node_modules). Where NAME.gz lies beside NAME (the build makes it), clients that take gzip get that.
+// Answers carry the page's Content-Security-Policy. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "api/http/http_message.h"
+
+namespace skyquilt::server {
+
+// `basemap_origin`: "https://host" that the page may load basemap tiles from; empty for none.
+api::Response ServePage(const std::filesystem::path& folder, const api::Request& request,
+                        const std::string& basemap_origin = "");
+
+// The folder given, or else the one beside the binary (../share/skyquilt/web), or else the source tree's.
+// Absent when none has an index.html.
+std::optional<std::filesystem::path> FindPageFolder(const std::filesystem::path& given);
+
+}  // namespace skyquilt::server

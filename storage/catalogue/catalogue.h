@@ -1,0 +1,112 @@
+// Catalogue: which flights there are, which files belong to them, and which finished revision is shown.
+// Values in, values out; the files themselves are in PhotoStore. A flight in the trash
+// (storage/catalogue/trash.h) is to all of this as if it were not there, but where it says otherwise. Any
+// thread. Errors: kNotFound (no such flight or file), kConflict (a job is using it), kOutOfSpace,
+// kUnavailable, kIo.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/catalogue/flight_record.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/db/clock.h"
+
+namespace skyquilt::storage {
+
+struct Flight {
+  std::string id;
+  std::string name;
+  std::string options;  // JSON text
+  Time created;
+  std::int64_t file_count = 0;
+  std::int64_t bytes = 0;
+  std::optional<std::int64_t> active_revision;
+  std::string owner = {};  // id of the token that made it; empty without one
+};
+
+struct StoredFile {
+  std::string name;         // the user's
+  std::string stored_name;  // ours, below flights/<id>/files
+  std::int64_t bytes = 0;
+};
+
+// What a finished map says of itself.
+struct Revision {
+  std::int64_t revision = 0;
+  Time created;
+  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  int min_zoom = 0;
+  int max_zoom = 0;
+  double gsd_m = 0.0;
+  int photos_total = 0;
+  int photos_aligned = 0;
+  int photos_pose_only = 0;
+  int photos_left_out = 0;
+};
+
+struct FlightPage {
+  std::vector<Flight> flights;  // newest first
+  std::optional<std::string> next_cursor;
+};
+
+struct AddedFile {
+  bool replaced = false;
+  std::string replaced_stored_name;  // the caller removes this file now
+};
+
+class Catalogue {
+ public:
+  // `records`: where each change of a flight or its files is written down beside them as well, so that a
+  // catalogue that is lost can be made anew. Absent: nowhere (for whoever only reads, and tests).
+  explicit Catalogue(CatalogueDb& db, std::optional<FlightRecords> records = std::nullopt)
+      : db_(db), records_(std::move(records)) {}
+
+  // `owner`: id of a token; empty where nobody showed one.
+  Result<Flight> AddFlight(const std::string& name, const std::string& options, Time now,
+                           const std::string& owner = "");
+  // What the flights of an owner hold, with the uploads that are still coming.
+  Result<std::int64_t> BytesOf(const std::string& owner) const;
+  Result<std::string> OwnerOf(const std::string& flight_id) const;
+  Result<Flight> GetFlight(const std::string& id) const;
+  // Flights older than `cursor` (an id that an earlier page ended with), or the newest.
+  Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;
+  Result<void> RenameFlight(const std::string& id, const std::string& name);
+  Result<void> SetFlightOptions(const std::string& id, const std::string& options);
+  // For good, also from the trash. Files, revisions and jobs go with it; a worker that runs one of its jobs
+  // loses its lease.
+  Result<void> DeleteFlight(const std::string& id);
+  Result<bool> HasFlight(const std::string& id) const;
+  // With those in the trash: all whose files are to stay on the disk.
+  Result<std::vector<std::string>> FlightIds() const;
+
+  // Takes the place of a file of the same name; kConflict while a job reads the flight's files.
+  Result<AddedFile> AddFile(const std::string& flight_id, const StoredFile& file, Time now);
+  // Never replaces: picks "a (2).jpg" for a second "a.jpg" and says so in the answer's name. With
+  // `upload_id`, that resumable upload is done in the same transaction.
+  Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,
+                                          const std::optional<std::string>& upload_id = std::nullopt);
+  Result<StoredFile> RemoveFile(const std::string& flight_id, const std::string& name);
+  // Also of a flight in the trash, whose files are kept.
+  Result<std::vector<StoredFile>> ListFiles(const std::string& flight_id) const;
+
+  // All that a record has of a flight.
+  Result<FlightRecord> RecordOf(const std::string& flight_id) const;
+
+  Result<std::optional<Revision>> ActiveRevision(const std::string& flight_id) const;
+  // Also of a flight in the trash.
+  Result<std::vector<std::int64_t>> Revisions(const std::string& flight_id) const;
+
+ private:
+  // Before the commit: a file that the catalogue knows is in the record.
+  Result<void> Record(const std::string& flight_id, const StoredFile& file, Time now) const;
+
+  CatalogueDb& db_;
+  std::optional<FlightRecords> records_;
+};
+
+}  // namespace skyquilt::storage

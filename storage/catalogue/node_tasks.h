@@ -1,0 +1,38 @@
+// NodeTasks: which flight stands behind which task of the NodeODM-compatible node. A task goes with its
+// flight. Any thread. Errors: kNotFound (no such task), kConflict (the UUID is taken), kOutOfSpace,
+// kUnavailable, kIo.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/db/catalogue_db.h"
+
+namespace skyquilt::storage {
+
+struct NodeTask {
+  std::string uuid;
+  std::string flight_id;
+  std::string options;  // JSON list of {name, value}
+  std::int64_t created_ms = 0;
+  bool is_committed = false;
+};
+
+class NodeTasks {
+ public:
+  explicit NodeTasks(CatalogueDb& db) : db_(db) {}
+  Result<void> Add(const NodeTask& task);
+  Result<NodeTask> Find(const std::string& uuid) const;
+  // The committed ones, oldest first.
+  Result<std::vector<std::string>> List() const;
+  Result<void> Commit(const std::string& uuid);
+  // The task begins anew.
+  Result<void> Restart(const std::string& uuid, const std::string& options, std::int64_t created_ms);
+
+ private:
+  CatalogueDb& db_;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,142 @@
+#include "storage/catalogue/previews.h"
+
+#include <utility>
+
+#include "storage/db/ids.h"
+
+namespace skyquilt::storage {
+namespace {
+
+Result<std::vector<StoredFile>> FilesOf(Statement& query) {
+  std::vector<StoredFile> files;
+  while (true) {
+    const Result<bool> row = query.Step();
+    if (!row) return row.error();
+    if (!*row) return files;
+    files.push_back(
+        {std::string(query.ColumnText(0)), std::string(query.ColumnText(1)), query.ColumnInt64(2)});
+  }
+}
+
+}  // namespace
+
+Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
+  const auto db = db_.Lock();
+  {
+    // Whoever finds nothing only reads.
+    Result<Statement> look = db->Prepare(
+        "SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
+        " WHERE f.preview_state=0 AND t.deleted_us IS NULL)");
+    if (!look) return look.error();
+    const Result<bool> row = look->Step();
+    if (!row) return row.error();
+    if (look->ColumnInt64(0) == 0) return std::optional<PreviewWork>();
+  }
+  Result<Transaction> transaction = Transaction::Begin(*db);
+  if (!transaction) return transaction.error();
+  const Result<void> done = db->Exec(
+      "UPDATE file SET preview_state=2 WHERE preview_state=0"
+      " AND flight_id IN (SELECT id FROM flight WHERE active_revision IS NOT NULL)");
+  if (!done) return done.error();
+  std::optional<PreviewWork> work;
+  {
+    Result<Statement> choose = db->Prepare(
+        "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
+        " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
+        " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1");
+    if (!choose) return choose.error();
+    const Result<bool> row = choose->Step();
+    if (!row) return row.error();
+    if (*row) work = PreviewWork{std::string(choose->ColumnText(0)), {}, {}};
+  }
+  if (work) {
+    constexpr const char* kFiles =
+        "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND preview_state=";
+    Result<Statement> tried = db->Prepare(std::string(kFiles) + "1 ORDER BY created_us, name");
+    if (!tried) return tried.error();
+    tried->Bind(1, work->flight_id);
+    Result<std::vector<StoredFile>> before = FilesOf(*tried);
+    if (!before) return before.error();
+    work->tried = *std::move(before);
+    Result<Statement> fresh = db->Prepare(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?");
+    if (!fresh) return fresh.error();
+    fresh->Bind(1, work->flight_id).Bind(2, limit);
+    Result<std::vector<StoredFile>> found = FilesOf(*fresh);
+    if (!found) return found.error();
+    work->fresh = *std::move(found);
+    Result<Statement> mark = db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?");
+    if (!mark) return mark.error();
+    for (const StoredFile& file : work->fresh) {
+      const Result<void> marked = mark->Bind(1, file.stored_name).Run();
+      if (!marked) return marked.error();
+    }
+  }
+  const Result<void> committed = transaction->Commit();
+  if (!committed) return committed.error();
+  return work;
+}
+
+Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) const {
+  const auto db = db_.Read();
+  Result<Statement> query = db->Prepare(
+      "SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west, "
+      "changed_south,"
+      " changed_east, changed_north FROM preview WHERE flight_id=?");
+  if (!query) return query.error();
+  const Result<bool> row = query->Bind(1, flight_id).Step();
+  if (!row) return row.error();
+  if (!*row) return std::optional<Preview>();
+  Preview preview;
+  preview.flight_id = flight_id;
+  preview.folder = query->ColumnText(0);
+  preview.edition = query->ColumnInt64(1);
+  preview.photos = query->ColumnInt64(2);
+  preview.min_zoom = static_cast<int>(query->ColumnInt64(3));
+  preview.max_zoom = static_cast<int>(query->ColumnInt64(4));
+  for (int i = 0; i < 4; ++i) {
+    preview.bounds[static_cast<std::size_t>(i)] = query->ColumnDouble(5 + i);
+    preview.changed[static_cast<std::size_t>(i)] = query->ColumnDouble(9 + i);
+  }
+  return std::optional<Preview>(std::move(preview));
+}
+
+Result<void> Previews::Forgo(const std::vector<StoredFile>& files) {
+  const auto db = db_.Lock();
+  Result<Transaction> transaction = Transaction::Begin(*db);
+  if (!transaction) return transaction.error();
+  {
+    Result<Statement> mark = db->Prepare("UPDATE file SET preview_state=2 WHERE stored_name=?");
+    if (!mark) return mark.error();
+    for (const StoredFile& file : files) {
+      const Result<void> marked = mark->Bind(1, file.stored_name).Run();
+      if (!marked) return marked.error();
+    }
+  }
+  return transaction->Commit();
+}
+
+Result<bool> Previews::Show(const Preview& preview) {
+  const auto db = db_.Lock();
+  // A first edition begins a preview; a later one goes on with the very same, or comes to nothing.
+  Result<Statement> write = db->Prepare(
+      preview.edition == 1
+          ? "INSERT INTO preview SELECT ?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14 FROM flight"
+            " WHERE id=?1 AND active_revision IS NULL AND deleted_us IS NULL ON CONFLICT DO NOTHING"
+          : "UPDATE preview SET edition=?3, photos=?4, min_zoom=?5, max_zoom=?6, west=?7, south=?8, east=?9,"
+            " north=?10, changed_west=?11, changed_south=?12, changed_east=?13, changed_north=?14"
+            " WHERE flight_id=?1 AND folder=?2");
+  if (!write) return write.error();
+  write->Bind(1, preview.flight_id).Bind(2, preview.folder).Bind(3, preview.edition).Bind(4, preview.photos);
+  write->Bind(5, preview.min_zoom).Bind(6, preview.max_zoom);
+  for (int i = 0; i < 4; ++i) {
+    write->Bind(7 + i, preview.bounds[static_cast<std::size_t>(i)]);
+    write->Bind(11 + i, preview.changed[static_cast<std::size_t>(i)]);
+  }
+  const Result<void> written = write->Run();
+  if (!written) return written.error();
+  return db->Changes() > 0;
+}
+
+std::string NewPreviewFolder() { return kPreviewFolderPrefix + NewId(); }
+
+}  // namespace skyquilt::storage

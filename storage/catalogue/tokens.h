@@ -1,0 +1,74 @@
+// Tokens: who may use the server, by the SHA-256 of what they show. Made and revoked by the operator's
+// command, also while a server runs: it reads them again within a second. That a token was made is remembered
+// when none is left: the server then lets nobody in until LetEverybodyIn. Any thread. Errors: kConflict (the
+// name is taken), kNotFound, kUnavailable, kIo.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/db/clock.h"
+
+namespace skyquilt::storage {
+
+// Each may do what those before it may.
+enum class Scope { kRead, kUpload, kAdmin };
+const char* ScopeName(Scope scope);
+std::optional<Scope> ScopeFrom(std::string_view name);
+
+struct Token {
+  std::string id;
+  std::string name;
+  std::string hash;  // SHA-256, raw
+  Scope scope = Scope::kRead;
+  Time created;
+  std::optional<Time> expires = {};
+  std::optional<std::int64_t> max_bytes = {};  // of files stored
+  std::optional<std::int64_t> requests_per_minute = {};
+  std::string flight_id = {};  // the one flight that it opens, for reading; empty: every flight
+
+  bool HasEnded(Time now) const { return expires && *expires <= now; }
+};
+
+// All tokens, and whether the server asks for one at all.
+struct TokenSet {
+  bool asks_for_token = false;
+  std::vector<Token> tokens;  // those that have ended among them
+
+  bool HasLiveOne(Time now) const;
+};
+
+class Tokens {
+ public:
+  explicit Tokens(CatalogueDb& db) : db_(db) {}
+  Result<void> Add(const Token& token);
+  Result<void> Revoke(const std::string& name);
+  // A token of this flight alone; kNotFound for any other.
+  Result<void> RevokeShare(const std::string& flight_id, const std::string& id);
+  Result<TokenSet> Read() const;
+  // Until the next token is made, nobody needs one. What `serve --open` says where no token is left.
+  Result<void> LetEverybodyIn();
+  // The same, from memory where it is younger than a second: for every request.
+  Result<std::shared_ptr<const TokenSet>> Known();
+  // Whether the server asks for a token, as Known found it last; from memory but for the first time.
+  bool AsksForToken();
+
+ private:
+  CatalogueDb& db_;
+  std::mutex mutex_;
+  std::atomic<bool> has_changed_ = false;  // since known_ was read
+  std::atomic<bool> was_read_ = false;
+  std::atomic<bool> asks_for_token_ = true;
+  std::shared_ptr<const TokenSet> known_;
+  std::chrono::steady_clock::time_point read_at_;
+};
+
+}  // namespace skyquilt::storage

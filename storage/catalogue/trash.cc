@@ -1,0 +1,125 @@
+#include "storage/catalogue/trash.h"
+
+#include <fmt/format.h>
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kColumns =
+    "SELECT id, name, created_us, (SELECT count(*) FROM file WHERE flight_id=f.id),"
+    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), deleted_us, deleted_age_us, owner FROM flight f"
+    " WHERE deleted_us IS NOT NULL ";
+
+TrashedFlight FlightFrom(const Statement& row) {
+  TrashedFlight flight;
+  flight.id = row.ColumnText(0);
+  flight.name = row.ColumnText(1);
+  flight.created = FromUs(row.ColumnInt64(2));
+  flight.file_count = row.ColumnInt64(3);
+  flight.bytes = row.ColumnInt64(4);
+  flight.deleted = FromUs(row.ColumnInt64(5));
+  flight.deleted_age = FromUs(row.ColumnInt64(6));
+  flight.owner = row.ColumnText(7);
+  return flight;
+}
+
+Error NotInTrash(const std::string& id) {
+  return {ErrorCode::kNotFound,
+          fmt::format("There is no deleted flight {}. It may have been restored, or removed for good.", id),
+          ""};
+}
+
+}  // namespace
+
+// A record that cannot take it (the disk is full, and deleting is what mends that) must not keep the flight
+// where it is: a repair then brings the flight back out of the trash, or into it, and loses nothing.
+void Trash::Record(const std::string& flight_id, std::optional<Time> trashed) const {
+  if (records_) (void)records_->SetTrashed(flight_id, trashed).ok();
+}
+
+Result<void> Trash::Put(const std::string& flight_id, Time now) {
+  const auto db = db_.Lock();
+  Result<Transaction> transaction = Transaction::Begin(*db);
+  if (!transaction) return transaction.error();
+  const std::int64_t age = ToUs(db_.ages().Now());
+  {
+    Result<Statement> cancel = db->Prepare(
+        "UPDATE job SET cancel=1, finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
+        " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
+        " WHERE flight_id=?1 AND state IN ('accepted','running')");
+    if (!cancel) return cancel.error();
+    const Result<void> cancelled = cancel->Bind(1, flight_id).Bind(2, ToUs(now)).Run();
+    if (!cancelled) return cancelled.error();
+    for (const char* sql : {"DELETE FROM preview WHERE flight_id=?",
+                            "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
+      Result<Statement> forget = db->Prepare(sql);
+      if (!forget) return forget.error();
+      const Result<void> forgotten = forget->Bind(1, flight_id).Run();
+      if (!forgotten) return forgotten.error();
+    }
+    Result<Statement> put =
+        db->Prepare("UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL");
+    if (!put) return put.error();
+    const Result<void> done = put->Bind(1, flight_id).Bind(2, ToUs(now)).Bind(3, age).Run();
+    if (!done) return done.error();
+    if (db->Changes() == 0) {
+      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
+    }
+  }
+  const Result<void> done = transaction->Commit();
+  if (!done) return done.error();
+  Record(flight_id, now);
+  return {};
+}
+
+Result<void> Trash::Restore(const std::string& flight_id) {
+  const auto db = db_.Lock();
+  Result<Statement> update = db->Prepare(
+      "UPDATE flight SET deleted_us=NULL, deleted_age_us=NULL WHERE id=? AND deleted_us IS NOT NULL");
+  if (!update) return update.error();
+  const Result<void> done = update->Bind(1, flight_id).Run();
+  if (!done) return done.error();
+  if (db->Changes() == 0) return NotInTrash(flight_id);
+  Record(flight_id, std::nullopt);
+  return {};
+}
+
+Result<std::vector<TrashedFlight>> Trash::List() const {
+  const auto db = db_.Read();
+  Result<Statement> query = db->Prepare(std::string(kColumns) + "ORDER BY deleted_age_us DESC, id");
+  if (!query) return query.error();
+  std::vector<TrashedFlight> flights;
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return row.error();
+    if (!*row) return flights;
+    flights.push_back(FlightFrom(*query));
+  }
+}
+
+Result<TrashedFlight> Trash::Find(const std::string& flight_id) const {
+  const auto db = db_.Read();
+  Result<Statement> query = db->Prepare(std::string(kColumns) + "AND id=?");
+  if (!query) return query.error();
+  const Result<bool> row = query->Bind(1, flight_id).Step();
+  if (!row) return row.error();
+  if (!*row) return NotInTrash(flight_id);
+  return FlightFrom(*query);
+}
+
+Result<std::vector<std::string>> Trash::DeletedUntil(Time age) const {
+  const auto db = db_.Read();
+  Result<Statement> query = db->Prepare(
+      "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us");
+  if (!query) return query.error();
+  query->Bind(1, ToUs(age));
+  std::vector<std::string> ids;
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return row.error();
+    if (!*row) return ids;
+    ids.emplace_back(query->ColumnText(0));
+  }
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,49 @@
+// Webhooks: who is to be told of ended jobs and new maps, and what was not heard yet. Deliveries are rows
+// that the database's own triggers write (storage/schema). Any thread, any number of processes, of which one
+// delivers. Errors: kNotFound, kUnavailable, kOutOfSpace, kIo.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/db/clock.h"
+
+namespace skyquilt::storage {
+
+struct Webhook {
+  std::string id;
+  std::string url;
+  std::string secret;
+  Time created;
+};
+
+struct Delivery {
+  Webhook webhook;
+  std::int64_t event_seq = 0;
+  std::string body;
+  int attempts = 0;  // that failed
+};
+
+inline constexpr int kMaxDeliveryAttempts = 8;  // the last one some twenty minutes after the first
+
+class Webhooks {
+ public:
+  explicit Webhooks(CatalogueDb& db) : db_(db) {}
+  Result<Webhook> Add(const std::string& url, const std::string& secret, Time now);
+  Result<std::vector<Webhook>> List() const;
+  Result<void> Remove(const std::string& id);
+
+  // Oldest first.
+  Result<std::vector<Delivery>> Due(Time now, int limit) const;
+  Result<void> Heard(const Delivery& delivery);
+  // Tried again later, each time after twice as long; given up after kMaxDeliveryAttempts.
+  Result<void> NotHeard(const Delivery& delivery, Time now);
+
+ private:
+  CatalogueDb& db_;
+};
+
+}  // namespace skyquilt::storage

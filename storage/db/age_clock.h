@@ -1,0 +1,30 @@
+// AgeClock: the time by which what is stored grows old enough to be removed (uploads that nobody goes on
+// with, kept answers, the trash). It goes forward only while the machine runs, by the kernel's time since its
+// start, and is kept in the catalogue from one start to the next: setting the machine's clock, however wrong,
+// ages nothing. It stands still while the machine is off, so things are kept longer than promised, never
+// shorter. It started near the machine's clock but need not agree with it: what is shown to people goes
+// through OnTheWall. Any thread, any number of processes: all read the same. Errors: as SqliteDb.
+#pragma once
+
+#include "core/base/result.h"
+#include "storage/db/clock.h"
+#include "storage/db/sqlite_db.h"
+
+namespace skyquilt::storage {
+
+class AgeClock {
+ public:
+  static Result<AgeClock> Open(SqliteDb& db);
+
+  Time Now() const;
+  // What the machine's clock will show when this one shows `age`.
+  Time OnTheWall(Time age) const { return storage::Now() + (age - Now()); }
+  // So that a power cut takes back no more than what passed since.
+  Result<void> Save(SqliteDb& db) const;
+
+ private:
+  explicit AgeClock(Time at_boot) : at_boot_(at_boot) {}
+  Time at_boot_;  // what it would have shown when the machine started
+};
+
+}  // namespace skyquilt::storage

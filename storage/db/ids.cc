@@ -1,0 +1,54 @@
+#include "storage/db/ids.h"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <stdexcept>
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr std::string_view kAlphabet = "0123456789abcdefghjkmnpqrstvwxyz";
+constexpr std::size_t kTimeChars = 10;
+constexpr std::size_t kRandomChars = 16;
+constexpr std::size_t kOrderedChars = 18;  // that put ids of one millisecond in order
+
+}  // namespace
+
+std::string NewId() {
+  std::array<std::uint8_t, kRandomChars> random{};
+  if (getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+    throw std::runtime_error("the kernel gave no random bytes");
+  }
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  auto ms = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+  std::string id(kTimeChars + kRandomChars, '0');
+  for (std::size_t i = kTimeChars; i-- > 0; ms >>= 5) id[i] = kAlphabet[ms & 31];
+  for (std::size_t i = 0; i < kRandomChars; ++i) id[kTimeChars + i] = kAlphabet[random[i] & 31];
+
+  static std::mutex mutex;
+  static std::string last;
+  const std::lock_guard lock(mutex);
+  if (id.compare(0, kTimeChars, last, 0, kTimeChars) <= 0) {
+    // The same millisecond, or the clock was set back: the next number after the last one, its end random.
+    std::copy_n(last.begin(), kOrderedChars, id.begin());
+    for (std::size_t i = kOrderedChars; i-- > 0;) {
+      const std::size_t digit = kAlphabet.find(id[i]);
+      id[i] = kAlphabet[(digit + 1) % kAlphabet.size()];
+      if (digit + 1 < kAlphabet.size()) break;
+    }
+  }
+  last = id;
+  return id;
+}
+
+bool IsId(std::string_view text) {
+  return text.size() == kTimeChars + kRandomChars &&
+         text.find_first_not_of(kAlphabet) == std::string_view::npos;
+}
+
+}  // namespace skyquilt::storage

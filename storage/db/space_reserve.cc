@@ -1,0 +1,37 @@
+#include "storage/db/space_reserve.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+namespace skyquilt::storage {
+namespace {
+
+// What a start writes before it can serve: the write-ahead log and the memory it shares.
+constexpr std::int64_t kStartBytes = std::int64_t{1} << 20;
+
+std::int64_t FreeBytesAt(const std::filesystem::path& folder) {
+  struct statvfs disk {};
+  if (statvfs(folder.c_str(), &disk) != 0) return 0;
+  return static_cast<std::int64_t>(disk.f_bavail) * static_cast<std::int64_t>(disk.f_frsize);
+}
+
+}  // namespace
+
+void SpaceReserve::Fill() const {
+  struct stat status {};
+  if (stat(path_.c_str(), &status) == 0 && status.st_size >= kSpaceReserveBytes) return;
+  if (FreeBytesAt(path_.parent_path()) < 2 * kSpaceReserveBytes) return;
+  const int fd = open(path_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (fd < 0) return;
+  // A part of it would look whole to nobody: its size is set by the allocation.
+  if (posix_fallocate(fd, 0, kSpaceReserveBytes) != 0) unlink(path_.c_str());
+  close(fd);
+}
+
+bool SpaceReserve::Release() const { return unlink(path_.c_str()) == 0; }
+
+bool SpaceReserve::IsNeeded() const { return FreeBytesAt(path_.parent_path()) < kStartBytes; }
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,30 @@
+// SpaceReserve: room on the disk kept back for deleting. To delete, the catalogue has to write; on a full
+// disk it could not, and no space would ever be free again. The reserve is a file beside the catalogue that
+// holds nothing; it is given up when a deletion finds no room, and made whole again when there is plenty. Any
+// thread and process. Nothing here fails: without a reserve a full disk refuses deletions, as it would
+// anyway.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace skyquilt::storage {
+
+inline constexpr std::int64_t kSpaceReserveBytes = std::int64_t{8} << 20;
+
+class SpaceReserve {
+ public:
+  // Of the database `path`.
+  explicit SpaceReserve(const std::filesystem::path& path) : path_(path.string() + "-reserve") {}
+  // Made whole where the disk has room for it and as much again.
+  void Fill() const;
+  // False: there was none to give.
+  bool Release() const;
+  // Whether the disk is so full that even a start needs the reserve.
+  bool IsNeeded() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace skyquilt::storage

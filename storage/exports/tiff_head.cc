@@ -1,0 +1,254 @@
+#include "storage/exports/tiff_head.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::storage {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "the file is written in the byte order of the machine");
+
+enum Type : std::uint16_t { kAscii = 2, kShort = 3, kLong = 4, kDouble = 12, kLong8 = 16 };
+
+enum Tag : std::uint16_t {
+  kNewSubfileType = 254,
+  kImageWidth = 256,
+  kImageLength = 257,
+  kBitsPerSample = 258,
+  kCompression = 259,
+  kPhotometric = 262,
+  kSamplesPerPixel = 277,
+  kPlanarConfiguration = 284,
+  kTileWidth = 322,
+  kTileLength = 323,
+  kTileOffsets = 324,
+  kTileByteCounts = 325,
+  kExtraSamples = 338,
+  kSampleFormat = 339,
+  kYcbcrSubsampling = 530,
+  kModelPixelScale = 33550,
+  kModelTiepoint = 33922,
+  kGeoKeyDirectory = 34735,
+  kGeoAsciiParams = 34737,
+  kGdalMetadata = 42112,
+};
+
+constexpr std::uint16_t kReducedImage = 1, kMaskImage = 4;
+constexpr std::uint16_t kJpegCompression = 7, kDeflateCompression = 8, kWebpCompression = 50001;
+constexpr std::uint16_t kRgb = 2, kMaskPhotometric = 4, kYcbcr = 6;
+constexpr std::uint16_t kUnassociatedAlpha = 2;
+
+template <typename T>
+void Append(std::string& out, T value) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  out.append(raw, sizeof(T));
+}
+
+template <typename T>
+std::string Packed(std::initializer_list<T> values) {
+  std::string out;
+  for (const T value : values) Append(out, value);
+  return out;
+}
+
+template <typename T>
+void Overwrite(std::string& bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+// Tells GDAL's reader what it may rely on: it then finds a tile's size and mask without asking the
+// directories.
+std::string StructureNote(bool has_masks) {
+  std::string facts =
+      "LAYOUT=IFDS_BEFORE_DATA\nBLOCK_ORDER=ROW_MAJOR\nBLOCK_LEADER=SIZE_AS_UINT4\n"
+      "BLOCK_TRAILER=LAST_4_BYTES_REPEATED\nKNOWN_INCOMPATIBLE_EDITION=NO\n ";
+  if (has_masks) facts += "MASK_INTERLEAVED_WITH_IMAGERY=YES\n";
+  return fmt::format("GDAL_STRUCTURAL_METADATA_SIZE={:06} bytes\n{}", facts.size(), facts);
+}
+
+}  // namespace
+
+TiffHead::TiffHead(const std::vector<GridLevel>& grid, int tile_size_px, TiffTiles tiles, bool is_big)
+    : tile_size_px_(tile_size_px), tiles_(tiles), is_big_(is_big) {
+  bytes_ = "II";
+  if (is_big_) {
+    bytes_ += Packed<std::uint16_t>({43, 8, 0});
+    next_directory_at_ = bytes_.size();
+    Append<std::uint64_t>(bytes_, 0);
+  } else {
+    Append<std::uint16_t>(bytes_, 42);
+    next_directory_at_ = bytes_.size();
+    Append<std::uint32_t>(bytes_, 0);
+  }
+  const bool has_masks = tiles_ == TiffTiles::kJpeg;
+  bytes_ += StructureNote(has_masks);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    std::vector<Entry> image = ImageEntries(grid[i], i > 0);
+    if (i == 0) {
+      for (Entry& entry : GeoEntries(grid[0])) image.push_back(std::move(entry));
+    }
+    images_.push_back(AddDirectory(std::move(image)));
+    if (has_masks) masks_.push_back(AddDirectory(MaskEntries(grid[i], i > 0)));
+  }
+}
+
+void TiffHead::AddPlaces(const GridLevel& level, std::vector<Entry>& entries) const {
+  const auto count = static_cast<std::uint64_t>(level.CellCount());
+  entries.push_back({kImageWidth, kLong, 1, Packed({static_cast<std::uint32_t>(level.width_px)})});
+  entries.push_back({kImageLength, kLong, 1, Packed({static_cast<std::uint32_t>(level.height_px)})});
+  entries.push_back({kTileWidth, kShort, 1, Packed({static_cast<std::uint16_t>(tile_size_px_)})});
+  entries.push_back({kTileLength, kShort, 1, Packed({static_cast<std::uint16_t>(tile_size_px_)})});
+  entries.push_back({kTileOffsets, is_big_ ? kLong8 : kLong, count, std::string(count * OffsetSize(), '\0')});
+  entries.push_back({kTileByteCounts, kLong, count, std::string(count * 4, '\0')});
+  entries.push_back({kPlanarConfiguration, kShort, 1, Packed<std::uint16_t>({1})});
+}
+
+std::vector<TiffHead::Entry> TiffHead::ImageEntries(const GridLevel& level, bool is_overview) const {
+  const bool is_jpeg = tiles_ == TiffTiles::kJpeg;
+  const std::uint16_t samples = is_jpeg ? 3 : 4;
+  std::string bits, formats;
+  for (int i = 0; i < samples; ++i) {
+    Append<std::uint16_t>(bits, 8);
+    Append<std::uint16_t>(formats, 1);
+  }
+  std::vector<Entry> entries;
+  AddPlaces(level, entries);
+  if (is_overview) entries.push_back({kNewSubfileType, kLong, 1, Packed<std::uint32_t>({kReducedImage})});
+  entries.push_back({kBitsPerSample, kShort, samples, bits});
+  entries.push_back({kSampleFormat, kShort, samples, formats});
+  entries.push_back({kSamplesPerPixel, kShort, 1, Packed<std::uint16_t>({samples})});
+  entries.push_back(
+      {kCompression, kShort, 1, Packed<std::uint16_t>({is_jpeg ? kJpegCompression : kWebpCompression})});
+  entries.push_back({kPhotometric, kShort, 1, Packed<std::uint16_t>({is_jpeg ? kYcbcr : kRgb})});
+  if (is_jpeg) {
+    entries.push_back({kYcbcrSubsampling, kShort, 2, Packed<std::uint16_t>({2, 2})});
+  } else {
+    entries.push_back({kExtraSamples, kShort, 1, Packed<std::uint16_t>({kUnassociatedAlpha})});
+  }
+  return entries;
+}
+
+std::vector<TiffHead::Entry> TiffHead::MaskEntries(const GridLevel& level, bool is_overview) const {
+  const std::uint32_t kind = is_overview ? kMaskImage | kReducedImage : kMaskImage;
+  std::vector<Entry> entries;
+  AddPlaces(level, entries);
+  entries.push_back({kNewSubfileType, kLong, 1, Packed<std::uint32_t>({kind})});
+  entries.push_back({kBitsPerSample, kShort, 1, Packed<std::uint16_t>({1})});
+  entries.push_back({kSampleFormat, kShort, 1, Packed<std::uint16_t>({1})});
+  entries.push_back({kSamplesPerPixel, kShort, 1, Packed<std::uint16_t>({1})});
+  entries.push_back({kCompression, kShort, 1, Packed<std::uint16_t>({kDeflateCompression})});
+  entries.push_back({kPhotometric, kShort, 1, Packed<std::uint16_t>({kMaskPhotometric})});
+  return entries;
+}
+
+std::vector<TiffHead::Entry> TiffHead::GeoEntries(const GridLevel& level) const {
+  const double pixel_m = geo::PixelSizeInMercM(level.zoom, tile_size_px_);
+  const double tile_m = geo::TileSizeInMercM(level.zoom);
+  const double west_m = static_cast<double>(level.first_column) * tile_m - geo::kMercHalfWidthM;
+  const double north_m = geo::kMercHalfWidthM - static_cast<double>(level.first_row) * tile_m;
+  const std::string name = "WGS 84 / Pseudo-Mercator|";
+  // Version 1.1.0, then: projected (1), pixel is area (1), the name (1026), EPSG 3857, metres (9001).
+  const std::string keys = Packed<std::uint16_t>({1,
+                                                  1,
+                                                  0,
+                                                  5,  //
+                                                  1024,
+                                                  0,
+                                                  1,
+                                                  1,  //
+                                                  1025,
+                                                  0,
+                                                  1,
+                                                  1,  //
+                                                  1026,
+                                                  kGeoAsciiParams,
+                                                  static_cast<std::uint16_t>(name.size()),
+                                                  0,  //
+                                                  3072,
+                                                  0,
+                                                  1,
+                                                  3857,  //
+                                                  3076,
+                                                  0,
+                                                  1,
+                                                  9001});
+  // The zoom as the well-known scale set of 256-pixel tiles counts it.
+  const int zoom_of_256 = level.zoom + std::countr_zero(static_cast<unsigned>(tile_size_px_)) - 8;
+  const std::string metadata = fmt::format(
+      "<GDALMetadata>\n  <Item name=\"NAME\" domain=\"TILING_SCHEME\">GoogleMapsCompatible</Item>\n"
+      "  <Item name=\"ZOOM_LEVEL\" domain=\"TILING_SCHEME\">{}</Item>\n</GDALMetadata>\n",
+      zoom_of_256);
+  const auto text = [](Tag tag, const std::string& value) {
+    return Entry{tag, kAscii, value.size() + 1, value + '\0'};
+  };
+  return {{kModelPixelScale, kDouble, 3, Packed<double>({pixel_m, pixel_m, 0.0})},
+          {kModelTiepoint, kDouble, 6, Packed<double>({0.0, 0.0, 0.0, west_m, north_m, 0.0})},
+          {kGeoKeyDirectory, kShort, keys.size() / 2, keys},
+          text(kGeoAsciiParams, name),
+          text(kGdalMetadata, metadata)};
+}
+
+TiffHead::TileArrays TiffHead::AddDirectory(std::vector<Entry> entries) {
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.tag < b.tag; });
+  bytes_.resize((bytes_.size() + 1) / 2 * 2, '\0');
+  const std::size_t start = bytes_.size();
+  if (is_big_) {
+    Overwrite<std::uint64_t>(bytes_, next_directory_at_, start);
+    Append<std::uint64_t>(bytes_, entries.size());
+  } else {
+    Overwrite<std::uint32_t>(bytes_, next_directory_at_, static_cast<std::uint32_t>(start));
+    Append<std::uint16_t>(bytes_, static_cast<std::uint16_t>(entries.size()));
+  }
+  const auto inline_size = static_cast<std::size_t>(OffsetSize());
+  std::vector<std::size_t> value_at(entries.size());
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    Append<std::uint16_t>(bytes_, entries[i].tag);
+    Append<std::uint16_t>(bytes_, entries[i].type);
+    if (is_big_) Append<std::uint64_t>(bytes_, entries[i].count);
+    if (!is_big_) Append<std::uint32_t>(bytes_, static_cast<std::uint32_t>(entries[i].count));
+    value_at[i] = bytes_.size();
+    bytes_.append(inline_size, '\0');
+  }
+  next_directory_at_ = bytes_.size();
+  bytes_.append(inline_size, '\0');
+  TileArrays arrays;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (entries[i].value.size() > inline_size) {
+      bytes_.resize((bytes_.size() + 7) / 8 * 8, '\0');
+      if (is_big_) Overwrite<std::uint64_t>(bytes_, value_at[i], bytes_.size());
+      if (!is_big_) Overwrite<std::uint32_t>(bytes_, value_at[i], static_cast<std::uint32_t>(bytes_.size()));
+      value_at[i] = bytes_.size();
+      bytes_ += entries[i].value;
+    } else {
+      std::memcpy(bytes_.data() + value_at[i], entries[i].value.data(), entries[i].value.size());
+    }
+    if (entries[i].tag == kTileOffsets) arrays.offsets_at = value_at[i];
+    if (entries[i].tag == kTileByteCounts) arrays.sizes_at = value_at[i];
+  }
+  return arrays;
+}
+
+void TiffHead::Set(const TileArrays& arrays, std::int64_t cell, std::uint64_t offset, std::uint64_t size) {
+  const auto i = static_cast<std::size_t>(cell);
+  if (is_big_) Overwrite<std::uint64_t>(bytes_, arrays.offsets_at + 8 * i, offset);
+  if (!is_big_)
+    Overwrite<std::uint32_t>(bytes_, arrays.offsets_at + 4 * i, static_cast<std::uint32_t>(offset));
+  Overwrite<std::uint32_t>(bytes_, arrays.sizes_at + 4 * i, static_cast<std::uint32_t>(size));
+}
+
+void TiffHead::SetTile(std::size_t level, std::int64_t cell, std::uint64_t offset, std::uint64_t size) {
+  Set(images_[level], cell, offset, size);
+}
+
+void TiffHead::SetMask(std::size_t level, std::int64_t cell, std::uint64_t offset, std::uint64_t size) {
+  Set(masks_[level], cell, offset, size);
+}
+
+}  // namespace skyquilt::storage

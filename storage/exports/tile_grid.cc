@@ -1,0 +1,100 @@
+#include "storage/exports/tile_grid.h"
+
+#include <algorithm>
+
+namespace skyquilt::storage {
+namespace {
+
+struct Extent {
+  std::int64_t first_column = 0, last_column = 0, first_row = 0, last_row = 0;
+};
+
+// `turn` moves the place where columns begin to count, so that a map across the date line stays in one piece.
+Result<Extent> ExtentOf(SqliteDb& mbtiles, int zoom, std::int64_t turn) {
+  auto query = mbtiles.Prepare(
+      "SELECT min((tile_column + ?2) % ?3), max((tile_column + ?2) % ?3), min(tile_row), max(tile_row) "
+      "FROM tiles WHERE zoom_level = ?1");
+  if (!query) return query.error();
+  const std::int64_t side = std::int64_t{1} << zoom;
+  query->Bind(1, zoom).Bind(2, turn);
+  if (auto row = query->Bind(3, side).Step(); !row) return row.error();
+  return Extent{query->ColumnInt64(0) + turn, query->ColumnInt64(1) + turn, side - 1 - query->ColumnInt64(3),
+                side - 1 - query->ColumnInt64(2)};
+}
+
+// How many levels above the finest may share its corner for the price of an eighth of the map.
+int AlignedLevels(const Extent& extent, int levels) {
+  const std::int64_t tiles =
+      std::min(extent.last_column - extent.first_column, extent.last_row - extent.first_row) + 1;
+  int aligned = 0;
+  while (aligned < levels && (std::int64_t{16} << aligned) <= tiles) ++aligned;
+  // Tiles have at least 2^8 pixels: so many levels beyond, the corner still lies between whole pixels.
+  return std::max(aligned, levels - 8);
+}
+
+std::int64_t RoundUp(std::int64_t value, std::int64_t step) { return (value + step - 1) / step * step; }
+
+}  // namespace
+
+std::optional<geo::TileId> GridLevel::TileOf(std::int64_t cell, int east, int south) const {
+  const std::int64_t side = std::int64_t{1} << zoom;
+  const std::int64_t row = first_row + cell / columns + south;
+  if (row >= side) return std::nullopt;
+  return *geo::TileId::Make(zoom, (first_column + cell % columns + east) % side, row);
+}
+
+Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridAlignment alignment) {
+  int finest = 0, coarsest = 0;
+  {
+    auto zooms = mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM tiles");
+    if (!zooms) return zooms.error();
+    if (auto row = zooms->Step(); !row) return row.error();
+    if (zooms->IsNull(0)) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
+    finest = static_cast<int>(zooms->ColumnInt64(0));
+    coarsest = static_cast<int>(zooms->ColumnInt64(1));
+  }
+  const std::int64_t half = finest > 0 ? std::int64_t{1} << (finest - 1) : 0;
+  auto extent = ExtentOf(mbtiles, finest, 0);
+  if (!extent) return extent.error();
+  if (finest >= 2 && extent->last_column - extent->first_column >= half) {
+    auto turned = ExtentOf(mbtiles, finest, half);
+    if (!turned) return turned.error();
+    if (turned->last_column - turned->first_column < half) extent = turned;
+  }
+
+  int levels = 0;
+  while (finest - levels > coarsest) {
+    const bool is_small = (extent->last_column >> levels) - (extent->first_column >> levels) < 3 &&
+                          (extent->last_row >> levels) - (extent->first_row >> levels) < 3;
+    if (is_small) break;
+    ++levels;
+  }
+  const int aligned = alignment == GridAlignment::kAllLevels ? levels : AlignedLevels(*extent, levels);
+  const std::int64_t first_column = extent->first_column >> aligned << aligned;
+  const std::int64_t first_row = extent->first_row >> aligned << aligned;
+  // Whole pixels at every level: the width is a multiple of the coarsest level's pixel.
+  const std::int64_t coarsest_pixel_px = std::int64_t{1} << levels;
+  const std::int64_t width_px =
+      RoundUp((extent->last_column + 1 - first_column) * tile_size_px, coarsest_pixel_px);
+  const std::int64_t height_px =
+      RoundUp((extent->last_row + 1 - first_row) * tile_size_px, coarsest_pixel_px);
+  std::vector<GridLevel> grid;
+  for (int level = 0; level <= levels; ++level) {
+    const std::int64_t left_px = first_column * tile_size_px >> level;
+    const std::int64_t top_px = first_row * tile_size_px >> level;
+    GridLevel made;
+    made.zoom = finest - level;
+    made.first_column = left_px / tile_size_px;
+    made.first_row = top_px / tile_size_px;
+    made.shift_x_px = static_cast<int>(left_px % tile_size_px);
+    made.shift_y_px = static_cast<int>(top_px % tile_size_px);
+    made.width_px = width_px >> level;
+    made.height_px = height_px >> level;
+    made.columns = (made.width_px + tile_size_px - 1) / tile_size_px;
+    made.rows = (made.height_px + tile_size_px - 1) / tile_size_px;
+    grid.push_back(made);
+  }
+  return grid;
+}
+
+}  // namespace skyquilt::storage

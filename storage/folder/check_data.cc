@@ -1,0 +1,97 @@
+#include "storage/folder/check_data.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <system_error>
+
+#include "storage/catalogue/catalogue.h"
+#include "storage/catalogue/previews.h"
+#include "storage/db/ids.h"
+#include "storage/folder/disk_flights.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+void CompareFiles(const std::string& flight_id, const std::vector<StoredFile>& known, const DiskFlight& disk,
+                  DataCheck& check) {
+  std::map<std::string, std::int64_t> there;
+  for (const DiskFile& file : disk.files) there[file.stored_name] = file.bytes;
+  for (const StoredFile& file : known) {
+    ++check.files;
+    check.bytes += file.bytes;
+    const auto found = there.find(file.stored_name);
+    if (found == there.end()) {
+      check.missing.push_back(
+          fmt::format("flights/{}/files/{} ({})", flight_id, file.stored_name, file.name));
+      continue;
+    }
+    if (found->second != file.bytes) {
+      check.missing.push_back(fmt::format("flights/{}/files/{} ({}): {} bytes instead of {}", flight_id,
+                                          file.stored_name, file.name, found->second, file.bytes));
+    }
+    there.erase(found);
+  }
+  for (const auto& [stored_name, bytes] : there) {
+    check.unknown.push_back(fmt::format("flights/{}/files/{} ({} bytes)", flight_id, stored_name, bytes));
+  }
+}
+
+void CompareMaps(const std::string& flight_id, const std::vector<std::int64_t>& known, const DiskFlight& disk,
+                 DataCheck& check) {
+  std::set<std::int64_t> there(disk.revisions.begin(), disk.revisions.end());
+  for (const std::int64_t revision : known) {
+    ++check.maps;
+    if (there.erase(revision) == 0) {
+      check.missing.push_back(fmt::format("flights/{}/{} (a map)", flight_id, RevisionFolderName(revision)));
+    }
+  }
+  for (const std::int64_t revision : there) {
+    check.unknown.push_back(fmt::format("flights/{}/{} (a map)", flight_id, RevisionFolderName(revision)));
+  }
+}
+
+}  // namespace
+
+Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db) {
+  const Catalogue catalogue(db);
+  const Result<std::vector<std::string>> ids = catalogue.FlightIds();
+  if (!ids) return ids.error();
+  std::map<std::string, DiskFlight> disk;
+  for (DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
+    std::string id = flight.id;
+    disk.emplace(std::move(id), std::move(flight));
+  }
+  DataCheck check;
+  for (const std::string& id : *ids) {
+    ++check.flights;
+    const Result<std::vector<StoredFile>> files = catalogue.ListFiles(id);
+    if (!files) return files.error();
+    const Result<std::vector<std::int64_t>> revisions = catalogue.Revisions(id);
+    if (!revisions) return revisions.error();
+    const auto found = disk.find(id);
+    const DiskFlight on_disk = found == disk.end() ? DiskFlight{} : found->second;
+    CompareFiles(id, *files, on_disk, check);
+    CompareMaps(id, *revisions, on_disk, check);
+    if (found != disk.end()) disk.erase(found);
+  }
+  for (const auto& [id, flight] : disk) {
+    check.unknown.push_back(
+        fmt::format("flights/{} ({} files, {} maps)", id, flight.files.size(), flight.revisions.size()));
+  }
+  std::error_code none;  // a folder that is not there holds nothing
+  for (const auto& entry : fs::directory_iterator(dir.Flights(), none)) {
+    const std::string name = entry.path().filename().string();
+    std::error_code gone;
+    if (!IsId(name) || !entry.is_directory(gone)) check.unknown.push_back("flights/" + name);
+  }
+  std::sort(check.unknown.begin(), check.unknown.end());
+  check.lost = ListLost(dir);
+  return check;
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,29 @@
+// CheckData: does a data folder hold what its catalogue says, and does the catalogue know all that the folder
+// holds? Reads names and sizes, changes nothing. For a folder that no server uses at the moment.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/folder/data_dir.h"
+#include "storage/folder/lost_folder.h"
+
+namespace skyquilt::storage {
+
+struct DataCheck {
+  int flights = 0;  // in the catalogue
+  int files = 0;
+  int maps = 0;
+  std::int64_t bytes = 0;
+  std::vector<std::string> missing;  // in the catalogue, not (or not whole) on disk; a line each
+  std::vector<std::string> unknown;  // on disk, not in the catalogue; a line each
+  std::vector<LostItem> lost;
+
+  bool IsWell() const { return missing.empty() && unknown.empty() && lost.empty(); }
+};
+
+Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db);
+
+}  // namespace skyquilt::storage

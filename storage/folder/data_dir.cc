@@ -1,0 +1,110 @@
+#include "storage/folder/data_dir.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "core/base/check.h"
+#include "storage/db/ids.h"
+
+namespace skyquilt::storage {
+
+std::string RevisionFolderName(std::int64_t revision) { return fmt::format("r{}", revision); }
+
+DataDir DataDir::At(const std::filesystem::path& root, const std::string& id) {
+  return {std::filesystem::absolute(root).lexically_normal(), id};
+}
+
+Result<DataDir> DataDir::Open(const std::filesystem::path& root, const std::string& id) {
+  std::error_code error;
+  DataDir dir = At(root, id);
+  const auto fail = [&](const std::filesystem::path& folder) {
+    const bool is_full = error == std::errc::no_space_on_device;
+    return Error{is_full ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
+                 fmt::format("The folder {} cannot be made: {}.", folder.string(), error.message()), ""};
+  };
+  if (!std::filesystem::exists(dir.root(), error)) {
+    const std::filesystem::path named = dir.root().has_filename() ? dir.root() : dir.root().parent_path();
+    std::filesystem::create_directories(named.parent_path(), error);
+    if (error) return fail(named.parent_path());
+    if (mkdir(named.c_str(), 0700) != 0 && errno != EEXIST) {
+      error.assign(errno, std::system_category());
+      return fail(named);
+    }
+  }
+  // One level at a time: a root that goes away meanwhile is not made anew.
+  for (const auto& folder : {dir.Flights(), dir.Uploads(), dir.Incoming(), dir.Work()}) {
+    std::filesystem::create_directory(folder, error);
+    if (error) return fail(folder);
+  }
+  return dir;
+}
+
+std::string DataDir::NewTemporaryName(const std::string& kind) const {
+  return fmt::format("{}-{}-{}", kind, id_, NewId());
+}
+
+bool DataDir::IsTemporaryName(const std::string& kind, const std::string& name) const {
+  const std::string prefix = fmt::format("{}-{}-", kind, id_);
+  return !id_.empty() && name.starts_with(prefix) && IsId(std::string_view(name).substr(prefix.size()));
+}
+
+std::filesystem::path DataDir::Flight(const std::string& flight_id) const {
+  SKYQUILT_CHECK(IsId(flight_id), "an unchecked id came near a path");
+  return Flights() / flight_id;
+}
+
+std::filesystem::path DataDir::Files(const std::string& flight_id) const {
+  return Flight(flight_id) / "files";
+}
+
+std::filesystem::path DataDir::Revision(const std::string& flight_id, std::int64_t revision) const {
+  return Flight(flight_id) / RevisionFolderName(revision);
+}
+
+Result<DataDirLock> DataDirLock::Take(const DataDir& dir) {
+  const std::string path = dir.root().string();
+  const int fd = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) {
+    return Error{ErrorCode::kIo,
+                 fmt::format("The data folder {} cannot be opened: {}.", path, std::strerror(errno)), ""};
+  }
+  const int old_fd = open((dir.root() / "server.lock").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  DataDirLock lock(fd, old_fd);
+  for (const int each : {fd, old_fd}) {
+    if (each < 0 || flock(each, LOCK_EX | LOCK_NB) == 0) continue;
+    if (errno == EWOULDBLOCK) {
+      return Error{ErrorCode::kConflict,
+                   "Another server or \"skyquilt data\" uses " + path +
+                       " already. Stop it, or use another --data folder.",
+                   ""};
+    }
+    return Error{
+        ErrorCode::kIo,
+        fmt::format(
+            "The data folder {} cannot be locked ({}), so that two servers could write to it at once. "
+            "Use a folder on a local disk.",
+            path, std::strerror(errno)),
+        ""};
+  }
+  return lock;
+}
+
+DataDirLock::~DataDirLock() {
+  for (const int fd : {fd_, old_fd_}) {
+    if (fd >= 0) close(fd);
+  }
+}
+
+DataDirLock::DataDirLock(DataDirLock&& other) noexcept
+    : fd_(std::exchange(other.fd_, -1)), old_fd_(std::exchange(other.old_fd_, -1)) {}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,83 @@
+// DataDir: where everything of one Skyquilt installation lies on disk. Only this file knows the names:
+//   skyquilt-data.json              the marker: whose folder this is (storage/folder/data_marker)
+//   catalogue.db                    flights, files, revisions, jobs
+//   flights/<id>/flight.jsonl       the flight's record: its facts and the user's file names
+//   (storage/catalogue/flight_record) flights/<id>/files/<ours>       uploaded bytes, under names we made
+//   flights/<id>/r<revision>/       a finished map: mosaic.mbtiles, mosaic.tif, report.json, photos.geojson
+//   uploads/                        resumable uploads that are not complete
+//   incoming/                       uploads on their way in
+//   work/                           jobs on their way, and what is being deleted
+//   lost/<time>/                    what was found and belonged nowhere, under the path it had
+//   (storage/folder/lost_folder)
+// What is temporary below incoming/ and work/ carries the folder's id in its name: only that is removed after
+// a crash. A value; any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace skyquilt::storage {
+
+class DataDir {
+ public:
+  // Makes the folders that are missing; the root, if it must be made, for its owner alone. `id`: the
+  // folder's, from its marker; empty for a folder without one, such as that of an archive being unpacked.
+  // Errors: kIo, kOutOfSpace.
+  static Result<DataDir> Open(const std::filesystem::path& root, const std::string& id = "");
+  // The same names, without touching the disk.
+  static DataDir At(const std::filesystem::path& root, const std::string& id = "");
+
+  const std::filesystem::path& root() const { return root_; }
+  const std::string& id() const { return id_; }
+  std::filesystem::path Marker() const { return root_ / "skyquilt-data.json"; }
+  std::filesystem::path Catalogue() const { return root_ / "catalogue.db"; }
+  std::filesystem::path Flights() const { return root_ / "flights"; }
+  std::filesystem::path Flight(const std::string& flight_id) const;
+  std::filesystem::path Files(const std::string& flight_id) const;
+  std::filesystem::path Revision(const std::string& flight_id, std::int64_t revision) const;
+  std::filesystem::path Uploads() const { return root_ / "uploads"; }
+  std::filesystem::path Incoming() const { return root_ / "incoming"; }
+  std::filesystem::path Work() const { return root_ / "work"; }
+  std::filesystem::path Lost() const { return root_ / "lost"; }
+
+  // A new name for something temporary below incoming/ or work/, such as "upload-<folder's id>-<new id>".
+  std::string NewTemporaryName(const std::string& kind) const;
+  // True for what NewTemporaryName gave for this kind in this very folder.
+  bool IsTemporaryName(const std::string& kind, const std::string& name) const;
+
+ private:
+  DataDir(std::filesystem::path root, std::string id) : root_(std::move(root)), id_(std::move(id)) {}
+  std::filesystem::path root_;
+  std::string id_;
+};
+
+// Kinds of temporary names.
+inline constexpr const char* kUploadKind = "upload";
+inline constexpr const char* kUnpackKind = "unpack";
+inline constexpr const char* kDeletedKind = "deleted";
+
+// Holds the data folder for one server or one repair at a time: a lock on the folder itself, since a file in
+// it could be removed and made anew. Let go by the kernel when the process ends, however it ends.
+class DataDirLock {
+ public:
+  // kConflict when another has it; kIo where the folder cannot be opened or its file system has no locks.
+  static Result<DataDirLock> Take(const DataDir& dir);
+  ~DataDirLock();
+  DataDirLock(DataDirLock&& other) noexcept;
+  DataDirLock& operator=(DataDirLock&&) = delete;
+  DataDirLock(const DataDirLock&) = delete;
+  DataDirLock& operator=(const DataDirLock&) = delete;
+
+ private:
+  DataDirLock(int fd, int old_fd) : fd_(fd), old_fd_(old_fd) {}
+  int fd_;
+  int old_fd_;  // server.lock, which versions before the marker lock; -1 where there is none
+};
+
+// Names a revision folder, "r7".
+std::string RevisionFolderName(std::int64_t revision);
+
+}  // namespace skyquilt::storage

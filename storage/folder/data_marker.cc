@@ -1,0 +1,80 @@
+#include "storage/folder/data_marker.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "storage/db/ids.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kFormat = 1;
+constexpr std::size_t kMaxMarkerBytes = 4096;
+
+}  // namespace
+
+Result<std::string> ParseMarker(std::string_view text) {
+  const Error damaged{ErrorCode::kCorrupt, "The marker skyquilt-data.json is damaged.", ""};
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || !json.contains("format") || !json["format"].is_number_integer()) return damaged;
+  if (json["format"].get<std::int64_t>() > kFormat) {
+    return Error{ErrorCode::kConflict,
+                 "This data folder was written by a newer Skyquilt. Use that version, or another folder.",
+                 ""};
+  }
+  if (!json.contains("id") || !json["id"].is_string() || !IsId(json["id"].get<std::string>())) return damaged;
+  return json["id"].get<std::string>();
+}
+
+Result<std::optional<std::string>> ReadMarker(const DataDir& dir) {
+  std::error_code error;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(dir.Marker(), error))) {
+    if (error && error != std::errc::no_such_file_or_directory) {
+      return Error{ErrorCode::kIo,
+                   fmt::format("{} cannot be read: {}.", dir.Marker().string(), error.message()), ""};
+    }
+    return std::optional<std::string>();
+  }
+  std::ifstream file(dir.Marker(), std::ios::binary);
+  std::string text(kMaxMarkerBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad() || !file.is_open()) {
+    return Error{ErrorCode::kIo, dir.Marker().string() + " cannot be read. Does it belong to another user?",
+                 ""};
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  const Result<std::string> id = ParseMarker(text);
+  if (!id) return Error{id.error().code, dir.root().string() + ": " + id.error().message, id.error().detail};
+  return std::optional<std::string>(*id);
+}
+
+Result<void> WriteMarker(const DataDir& dir, const std::string& id) {
+  return WriteFileAtomically(
+      dir.Marker(),
+      fmt::format(
+          "{{\"format\": {}, \"id\": \"{}\", \"about\": \"Data folder of a Skyquilt server. Keep this file.\"}}\n",
+          kFormat, id));
+}
+
+Result<std::optional<std::string>> CatalogueId(SqliteDb& db) {
+  Result<Statement> query = db.Prepare("SELECT id FROM data_dir");
+  if (!query) return query.error();
+  const Result<bool> row = query->Step();
+  if (!row) return row.error();
+  if (!*row) return std::optional<std::string>();
+  return std::optional<std::string>(query->ColumnText(0));
+}
+
+Result<void> SetCatalogueId(SqliteDb& db, const std::string& id) {
+  Result<Statement> insert =
+      db.Prepare("INSERT INTO data_dir(one, id) VALUES(1, ?) ON CONFLICT(one) DO UPDATE SET id=excluded.id");
+  if (!insert) return insert.error();
+  return insert->Bind(1, id).Run();
+}
+
+}  // namespace skyquilt::storage

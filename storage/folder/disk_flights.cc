@@ -1,0 +1,136 @@
+#include "storage/folder/disk_flights.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
+
+#include "storage/db/ids.h"
+#include "storage/tilesets/mbtiles_reader.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+Time ChangedAt(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return {};
+  return FromUs(std::int64_t{status.st_mtim.tv_sec} * 1'000'000 + status.st_mtim.tv_nsec / 1000);
+}
+
+// "r7".
+std::optional<std::int64_t> RevisionOfName(const std::string& name) {
+  if (name.size() < 2 || name.front() != 'r') return std::nullopt;
+  std::int64_t number = 0;
+  const char* end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + 1, end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end || number < 1 || RevisionFolderName(number) != name)
+    return std::nullopt;
+  return number;
+}
+
+DiskFlight LookAt(const fs::path& folder) {
+  DiskFlight flight;
+  flight.id = folder.filename().string();
+  flight.folder = folder;
+  std::error_code none;  // what cannot be read is not there for us, and stays where it is
+  for (const auto& entry : fs::directory_iterator(folder / "files", none)) {
+    const std::string name = entry.path().filename().string();
+    std::error_code gone;
+    if (!IsId(name) || !entry.is_regular_file(gone)) continue;
+    const auto bytes = static_cast<std::int64_t>(entry.file_size(gone));
+    if (!gone && bytes > 0) flight.files.push_back({name, bytes, ChangedAt(entry.path())});
+  }
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const auto number = RevisionOfName(entry.path().filename().string());
+    std::error_code gone;
+    if (number && fs::is_regular_file(entry.path() / "mosaic.mbtiles", gone))
+      flight.revisions.push_back(*number);
+  }
+  std::sort(flight.files.begin(), flight.files.end(),
+            [](const DiskFile& a, const DiskFile& b) { return a.stored_name < b.stored_name; });
+  std::sort(flight.revisions.begin(), flight.revisions.end());
+  return flight;
+}
+
+// report.json; empty where it is missing or none.
+Json ReportIn(const fs::path& folder) {
+  std::ifstream file(folder / "report.json", std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  return json.is_object() ? json : Json::object();
+}
+
+int IntOr(const Json& json, const char* key, int fallback) {
+  return json.is_object() && json.contains(key) && json[key].is_number_integer() ? json[key].get<int>()
+                                                                                 : fallback;
+}
+
+int NumberIn(const std::map<std::string, std::string>& metadata, const char* key, int fallback) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return fallback;
+  int number = fallback;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
+  return number;
+}
+
+}  // namespace
+
+std::vector<DiskFlight> FlightsOnDisk(const fs::path& flights_folder) {
+  std::vector<DiskFlight> flights;
+  std::error_code none;  // a folder that is not there has no flights
+  for (const auto& entry : fs::directory_iterator(flights_folder, none)) {
+    std::error_code gone;
+    if (IsId(entry.path().filename().string()) && entry.is_directory(gone))
+      flights.push_back(LookAt(entry.path()));
+  }
+  std::sort(flights.begin(), flights.end(),
+            [](const DiskFlight& a, const DiskFlight& b) { return a.id < b.id; });
+  return flights;
+}
+
+Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t number) {
+  const fs::path tiles = revision_folder / "mosaic.mbtiles";
+  const auto reader = MbtilesReader::Open(tiles);
+  if (!reader) return reader.error();
+  const auto& metadata = (*reader)->metadata();
+  Revision revision;
+  revision.revision = number;
+  revision.created = ChangedAt(tiles);
+  revision.bounds = {-180.0, -85.0, 180.0, 85.0};
+  if (const auto bounds = metadata.find("bounds"); bounds != metadata.end()) {
+    auto& b = revision.bounds;
+    std::array<double, 4> read{};
+    if (std::sscanf(bounds->second.c_str(), "%lf,%lf,%lf,%lf", &read[0], &read[1], &read[2], &read[3]) == 4)
+      b = read;
+  }
+  const Json report = ReportIn(revision_folder);
+  if (report.contains("bounds") && report["bounds"].is_array() && report["bounds"].size() == 4) {
+    std::array<double, 4> read{};
+    bool is_number = true;
+    for (std::size_t i = 0; i < 4; ++i) {
+      is_number = is_number && report["bounds"][i].is_number();
+      if (is_number) read[i] = report["bounds"][i].get<double>();
+    }
+    if (is_number) revision.bounds = read;
+  }
+  revision.min_zoom = IntOr(report, "min_zoom", NumberIn(metadata, "minzoom", 0));
+  revision.max_zoom = IntOr(report, "max_zoom", NumberIn(metadata, "maxzoom", 22));
+  if (report.contains("gsd_m") && report["gsd_m"].is_number()) revision.gsd_m = report["gsd_m"].get<double>();
+  const Json photos = report.contains("photos") ? report["photos"] : Json::object();
+  revision.photos_total = IntOr(photos, "total", 0);
+  revision.photos_aligned = IntOr(photos, "aligned", 0);
+  revision.photos_pose_only = IntOr(photos, "pose_only", 0);
+  revision.photos_left_out = IntOr(photos, "left_out", 0);
+  return revision;
+}
+
+}  // namespace skyquilt::storage

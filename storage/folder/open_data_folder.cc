@@ -1,0 +1,353 @@
+#include "storage/folder/open_data_folder.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <set>
+#include <system_error>
+
+#include "storage/catalogue/catalogue.h"
+#include "storage/db/ids.h"
+#include "storage/folder/data_marker.h"
+#include "storage/folder/disk_flights.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsEmptyFolder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error) && fs::directory_iterator(path, error) == fs::directory_iterator() &&
+         !error;
+}
+
+// A record or files in a folder named by an id: nobody else has such.
+bool LooksLikeAFlight(const DiskFlight& flight) {
+  std::error_code none;
+  return HoldsAnything(flight) || fs::exists(flight.folder / kFlightRecordName, none);
+}
+
+Error OfOthers(const DataDir& dir, const FolderSurvey& survey) {
+  std::string names;
+  constexpr std::size_t kNamed = 3;
+  for (std::size_t i = 0; i < std::min(survey.strangers.size(), kNamed); ++i) {
+    names += (i == 0 ? "" : ", ") + survey.strangers[i];
+  }
+  if (survey.strangers.size() > kNamed)
+    names += fmt::format(" and {} more", survey.strangers.size() - kNamed);
+  return {
+      ErrorCode::kConflict,
+      fmt::format(
+          "{} is not a data folder of Skyquilt: it has no skyquilt-data.json, but holds other things ({}). "
+          "Choose a new or an empty folder with --data. Nothing in this one was changed.",
+          dir.root().string(), names),
+      ""};
+}
+
+Result<std::unique_ptr<CatalogueDb>> MakeCatalogue(const DataDir& dir, const std::string& id, int readers) {
+  // Whole or not at all: under a name of its own until it is closed.
+  const fs::path unfinished = dir.Catalogue().string() + ".new";
+  {
+    const Result<std::unique_ptr<CatalogueDb>> db = CatalogueDb::Open(unfinished, 0);
+    if (!db) return db.error();
+    const Result<void> marked = SetCatalogueId(*(*db)->Lock(), id);
+    if (!marked) return marked.error();
+  }
+  std::error_code none;  // its reserve, where the disk had room for one
+  fs::rename(unfinished.string() + "-reserve", dir.Catalogue().string() + "-reserve", none);
+  const Result<void> published = PublishFile(unfinished, dir.Catalogue());
+  if (!published) return published.error();
+  return CatalogueDb::OpenExisting(dir.Catalogue(), readers);
+}
+
+// Errors with what to do about them.
+Result<std::unique_ptr<CatalogueDb>> OpenCatalogue(const DataDir& dir, int readers = 2) {
+  Result<std::unique_ptr<CatalogueDb>> db = CatalogueDb::OpenExisting(dir.Catalogue(), readers);
+  if (!db && db.error().code == ErrorCode::kNotFound) {
+    return Error{
+        ErrorCode::kConflict,
+        fmt::format("The catalogue {} is missing or empty. {}", dir.Catalogue().string(), RepairAdvice(dir)),
+        ""};
+  }
+  if (!db && db.error().code == ErrorCode::kCorrupt) {
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("The catalogue {} is damaged. {}", dir.Catalogue().string(), RepairAdvice(dir)),
+                 db.error().detail};
+  }
+  return db;
+}
+
+}  // namespace
+
+Result<void> CheckWhole(const DataDir& dir, CatalogueDb& db) {
+  const auto access = db.Lock();
+  Result<Statement> query = access->Prepare("PRAGMA quick_check(1)");
+  if (!query) return query.error();
+  const Result<bool> row = query->Step();
+  if (row && *row && query->ColumnText(0) == "ok") return {};
+  return Error{ErrorCode::kCorrupt,
+               fmt::format("The catalogue {} is damaged. {}", dir.Catalogue().string(), RepairAdvice(dir)),
+               row ? std::string(query->ColumnText(0)) : row.error().detail};
+}
+
+namespace {
+
+// What a catalogue says of a flight, as far as it tells an older one apart.
+struct KnownFlight {
+  std::int64_t next_revision = 1;
+  std::set<std::string> stored_names;
+};
+
+Result<std::map<std::string, KnownFlight>> KnownFlights(CatalogueDb& db) {
+  const auto access = db.Lock();
+  std::map<std::string, KnownFlight> flights;
+  Result<Statement> query = access->Prepare("SELECT id, next_revision FROM flight");
+  if (!query) return query.error();
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return row.error();
+    if (!*row) break;
+    flights[std::string(query->ColumnText(0))].next_revision = query->ColumnInt64(1);
+  }
+  Result<Statement> files = access->Prepare("SELECT flight_id, stored_name FROM file");
+  if (!files) return files.error();
+  while (true) {
+    const Result<bool> row = files->Step();
+    if (!row) return row.error();
+    if (!*row) return flights;
+    flights[std::string(files->ColumnText(0))].stored_names.emplace(files->ColumnText(1));
+  }
+}
+
+// Files that the flight's record knows and the catalogue does not.
+int UnknownFiles(const DiskFlight& flight, const KnownFlight& known) {
+  std::vector<std::string> unknown;
+  for (const DiskFile& file : flight.files) {
+    if (!known.stored_names.contains(file.stored_name)) unknown.push_back(file.stored_name);
+  }
+  if (unknown.empty()) return 0;
+  const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight.folder);
+  if (!record || !*record) return 0;
+  return static_cast<int>(std::count_if(unknown.begin(), unknown.end(), [&](const std::string& name) {
+    const auto found = (*record)->files.find(name);
+    return found != (*record)->files.end() && !found->second.is_removed;
+  }));
+}
+
+// No crash leaves a flight with files that the catalogue never heard of (it is in the catalogue before its
+// first file, and its record says so when it is deleted), nor a map with a number that was not given out, nor
+// two files in records that are not in the catalogue (one is recorded at a time, just before it is
+// committed). A catalogue from an older backup does, and what it does not know would be taken for lost.
+Result<void> CheckIsLatest(const DataDir& dir, CatalogueDb& db) {
+  const Result<std::map<std::string, KnownFlight>> known = KnownFlights(db);
+  if (!known) return known.error();
+  int flights = 0, files = 0, maps = 0;
+  for (const DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
+    const auto found = known->find(flight.id);
+    if (found != known->end()) {
+      maps += static_cast<int>(
+          std::count_if(flight.revisions.begin(), flight.revisions.end(),
+                        [&](std::int64_t revision) { return revision >= found->second.next_revision; }));
+      files += UnknownFiles(flight, found->second);
+      continue;
+    }
+    if (!HoldsAnything(flight)) continue;
+    const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight.folder);
+    if (record && *record && ((*record)->is_deleted || (*record)->is_deleting)) continue;
+    ++flights;
+  }
+  if (flights + maps == 0 && files < 2) return {};
+  return Error{
+      ErrorCode::kConflict,
+      fmt::format(
+          "The catalogue {} is older than what is on disk, or of another folder: {} flights, {} files of "
+          "other flights and {} maps on disk are not in it. {}",
+          dir.Catalogue().string(), flights, files, maps, RepairAdvice(dir)),
+      ""};
+}
+
+// Flights of versions that wrote no records get theirs while the catalogue still knows their names.
+Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
+  const FlightRecords records(dir);
+  const Catalogue catalogue(db);
+  const Result<std::vector<std::string>> ids = catalogue.FlightIds();
+  if (!ids) return ids.error();
+  int written = 0;
+  for (const std::string& id : *ids) {
+    if (!IsId(id) || records.Has(id)) continue;
+    const Result<FlightRecord> record = catalogue.RecordOf(id);
+    if (!record) return record.error();
+    const Result<void> begun = records.Begin(id, *record);
+    if (!begun) return begun.error();
+    ++written;
+  }
+  return written;
+}
+
+Result<OpenedDataFolder> MakeNew(const DataDir& at, int readers) {
+  const std::string id = NewId();
+  Result<DataDir> dir = DataDir::Open(at.root(), id);
+  if (!dir) return dir.error();
+  Result<DataDirLock> lock = DataDirLock::Take(*dir);
+  if (!lock) return lock.error();
+  // The marker last: a folder that has one has had a catalogue.
+  Result<std::unique_ptr<CatalogueDb>> db = MakeCatalogue(*dir, id, readers);
+  if (!db) return db.error();
+  const Result<void> marked = WriteMarker(*dir, id);
+  if (!marked) return marked.error();
+  return OpenedDataFolder{*std::move(dir), std::optional(*std::move(lock)), *std::move(db), {}};
+}
+
+}  // namespace
+
+std::string RepairAdvice(const DataDir& dir) {
+  return fmt::format(
+      "Put back a good copy of it, or run \"skyquilt data repair --data {}\", which makes the catalogue anew "
+      "from the flights on disk. Nothing was changed or removed.",
+      dir.root().string());
+}
+
+Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
+  const std::string root = dir.root().string();
+  FolderSurvey survey;
+  std::error_code error;
+  const fs::file_status status = fs::status(dir.root(), error);
+  if (status.type() == fs::file_type::not_found) {
+    if (fs::is_symlink(fs::symlink_status(dir.root(), error))) {
+      return Error{
+          ErrorCode::kNotFound,
+          root +
+              " is a link to a folder that does not exist. Is a disk not mounted? Mount it, or mend the link.",
+          ""};
+    }
+    survey.is_new = true;
+    return survey;
+  }
+  if (!fs::is_directory(status)) {
+    return Error{ErrorCode::kConflict, root + " is not a folder. Give a folder with --data.",
+                 error.message()};
+  }
+  if (access(dir.root().c_str(), R_OK | W_OK | X_OK) != 0) {
+    return Error{
+        ErrorCode::kIo,
+        fmt::format(
+            "The data folder {} cannot be used by this user: {}. Change its owner or mode, or choose another "
+            "with --data.",
+            root, std::strerror(errno)),
+        ""};
+  }
+  survey.exists = true;
+  survey.is_new = true;
+  const std::set<fs::path> folders = {dir.Flights(), dir.Uploads(), dir.Incoming(), dir.Work(), dir.Lost()};
+  const std::set<std::string> files = {
+      "skyquilt-data.json",   "skyquilt-data.json.tmp", "catalogue.db",     "catalogue.db-wal",
+      "catalogue.db-shm",     "catalogue.db-reserve",   "catalogue.db.new", "catalogue.db.new-reserve",
+      "catalogue.db.new-wal", "catalogue.db.new-shm",   "server.lock"};
+  for (const auto& entry : fs::directory_iterator(dir.root(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (name == "lost+found") continue;  // what a file system makes at its root
+    const bool is_folder_of_ours = folders.contains(entry.path());
+    if (!is_folder_of_ours && !files.contains(name)) survey.strangers.push_back(name);
+    if (is_folder_of_ours && !IsEmptyFolder(entry.path())) survey.is_new = false;
+  }
+  if (error)
+    return Error{ErrorCode::kIo, fmt::format("The folder {} cannot be read: {}.", root, error.message()), ""};
+  std::sort(survey.strangers.begin(), survey.strangers.end());
+  for (const DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
+    survey.has_flights = survey.has_flights || LooksLikeAFlight(flight);
+  }
+  const std::uintmax_t bytes = fs::file_size(dir.Catalogue(), error);
+  survey.has_catalogue = !error && bytes > 0;
+  if (survey.has_catalogue || !survey.strangers.empty()) survey.is_new = false;
+  return survey;
+}
+
+Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers) {
+  const DataDir at = DataDir::At(root);
+  const Result<FolderSurvey> survey = SurveyFolder(at);
+  if (!survey) return survey.error();
+  Result<std::optional<std::string>> marker = ReadMarker(at);
+  if (!marker && marker.error().code == ErrorCode::kCorrupt) {
+    return Error{ErrorCode::kCorrupt, marker.error().message + " " + RepairAdvice(at), ""};
+  }
+  if (!marker) return marker.error();
+  if (!*marker && survey->is_new) return MakeNew(at, readers);
+  if (!*marker && !survey->has_catalogue && !survey->has_flights) {
+    FolderSurvey others = *survey;
+    if (others.strangers.empty()) others.strangers = {"flights, uploads or work that are not Skyquilt's"};
+    return OfOthers(at, others);
+  }
+  Result<DataDirLock> lock = DataDirLock::Take(at);
+  if (!lock) return lock.error();
+  Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at, readers);
+  if (!db && !*marker && !survey->has_flights && db.error().code != ErrorCode::kIo) {
+    FolderSurvey others = *survey;  // a catalogue.db of another program
+    others.strangers.push_back("catalogue.db");
+    return OfOthers(at, others);
+  }
+  if (!db) return db.error();
+  if (const Result<void> whole = CheckWhole(at, **db); !whole) return whole.error();
+  const Result<std::optional<std::string>> owner = CatalogueId(*(*db)->Lock());
+  if (!owner) return owner.error();
+  if (*marker && *owner && **marker != **owner) {
+    return Error{ErrorCode::kConflict,
+                 fmt::format("The catalogue {} belongs to another data folder ({} instead of {}). {}",
+                             at.Catalogue().string(), **owner, **marker, RepairAdvice(at)),
+                 ""};
+  }
+  if (const Result<void> known = CheckIsLatest(at, **db); !known) return known.error();
+  std::vector<std::string> notes;
+  const std::string id = *marker ? **marker : *owner ? **owner : NewId();
+  if (!*owner) {
+    const Result<void> set = SetCatalogueId(*(*db)->Lock(), id);
+    if (!set) return set.error();
+  }
+  if (!*marker) {
+    const Result<void> marked = WriteMarker(at, id);
+    if (!marked) return marked.error();
+    notes.push_back("the data folder had no marker; its catalogue knows the flights in it, so it got one");
+  }
+  Result<DataDir> dir = DataDir::Open(root, id);
+  if (!dir) return dir.error();
+  const Result<int> written = WriteMissingRecords(*dir, **db);
+  if (!written) return written.error();
+  if (*written > 0)
+    notes.push_back(fmt::format("{} flights of an earlier version got their record, flight.jsonl", *written));
+  return OpenedDataFolder{*std::move(dir), std::optional(*std::move(lock)), *std::move(db), std::move(notes)};
+}
+
+Result<OpenedDataFolder> JoinDataFolder(const fs::path& root) {
+  const DataDir at = DataDir::At(root);
+  const Result<std::optional<std::string>> marker = ReadMarker(at);
+  if (!marker) return marker.error();
+  if (!*marker) {
+    return Error{ErrorCode::kNotFound,
+                 at.root().string() +
+                     " is not a data folder of Skyquilt: it has no skyquilt-data.json. A server makes one.",
+                 ""};
+  }
+  Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at);
+  if (!db) return db.error();
+  const Result<std::optional<std::string>> owner = CatalogueId(*(*db)->Lock());
+  if (!owner) return owner.error();
+  if (*owner != *marker) {
+    return Error{ErrorCode::kConflict, "The catalogue belongs to another data folder. " + RepairAdvice(at),
+                 ""};
+  }
+  return OpenedDataFolder{DataDir::At(root, **marker), std::nullopt, *std::move(db), {}};
+}
+
+Result<OpenedDataFolder> OpenOrJoinDataFolder(const fs::path& root) {
+  const DataDir at = DataDir::At(root);
+  const Result<std::optional<std::string>> marker = ReadMarker(at);
+  if (marker && *marker && !DataDirLock::Take(at)) return JoinDataFolder(root);
+  return OpenDataFolder(root);
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,53 @@
+// Opening a data folder, and refusing one that is not ours or not whole, before anything in it is changed:
+//   new or empty                              it is made ours: marker and catalogue
+//   things of others, no marker               kConflict
+//   marker and catalogue of one id            opened
+//   catalogue of a version without markers    adopted, where it knows the flights on disk
+//   catalogue missing, empty, damaged, of another folder, or older than the flights on disk
+//                                             kConflict or kCorrupt, naming "skyquilt data repair"
+// Each message says what to do. Nothing is ever removed. Other errors: kIo, kOutOfSpace.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/folder/data_dir.h"
+
+namespace skyquilt::storage {
+
+struct OpenedDataFolder {
+  DataDir dir;
+  std::optional<DataDirLock> lock;  // absent for who joined
+  std::unique_ptr<CatalogueDb> db;
+  std::vector<std::string> notes;  // what was done to the folder, for the log
+};
+
+// For its one server. kConflict also where another has it. `readers`: as of CatalogueDb::Open.
+Result<OpenedDataFolder> OpenDataFolder(const std::filesystem::path& root, int readers = 2);
+// For a process beside the server, which made the folder what it is: nothing is made or adopted.
+Result<OpenedDataFolder> JoinDataFolder(const std::filesystem::path& root);
+// As its server where there is none at the moment, else beside it.
+Result<OpenedDataFolder> OpenOrJoinDataFolder(const std::filesystem::path& root);
+
+// "Run "skyquilt data repair --data DIR"...": what helps where the catalogue and the flights do not agree.
+std::string RepairAdvice(const DataDir& dir);
+// kCorrupt where the catalogue's pages do not fit together.
+Result<void> CheckWhole(const DataDir& dir, CatalogueDb& db);
+
+struct FolderSurvey {
+  bool exists = false;
+  bool is_new = false;                 // nothing in it that matters
+  bool has_flights = false;            // folders in it look like flights of ours
+  bool has_catalogue = false;          // a file of that name that is not empty
+  std::vector<std::string> strangers;  // names in the folder that are none of ours
+};
+// What is in a folder that may not be ours. Errors: kNotFound (a link to nothing), kConflict (no folder), kIo
+// (not to be read or written by this user).
+Result<FolderSurvey> SurveyFolder(const DataDir& dir);
+
+}  // namespace skyquilt::storage

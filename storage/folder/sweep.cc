@@ -1,0 +1,160 @@
+#include "storage/folder/sweep.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "storage/db/ids.h"
+#include "storage/folder/lost_folder.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> EntriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code missing;  // a folder that is not there has nothing to sweep
+  for (const auto& entry : fs::directory_iterator(folder, missing)) entries.push_back(entry.path());
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+// Counts what is really gone.
+int RemoveAll(const fs::path& path) {
+  std::error_code error;
+  fs::remove_all(path, error);
+  return error ? 0 : 1;
+}
+
+bool IsPreviewName(const std::string& name) {
+  const std::string_view prefix = kPreviewFolderPrefix;
+  return name.starts_with(prefix) && IsId(std::string_view(name).substr(prefix.size()));
+}
+
+Result<void> TakeUnknown(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id,
+                         LostFolder& lost, SweepReport& report) {
+  const Result<std::vector<std::int64_t>> known = catalogue.Revisions(flight_id);
+  if (!known) return known.error();
+  std::set<std::string> keep = {"files", kFlightRecordName};
+  for (const std::int64_t revision : *known) keep.insert(RevisionFolderName(revision));
+  for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
+    const std::string name = entry.filename().string();
+    if (!keep.contains(name) && !IsPreviewName(name)) {
+      report.moved.push_back(lost.Take(entry, "is no map that its flight shows"));
+    }
+  }
+  return {};
+}
+
+// A work folder of a job that the catalogue knows and that has ended.
+Result<bool> IsOfEndedJob(const JobQueue& queue, const std::string& work_name) {
+  const std::string id = JobOfWorkName(work_name);
+  if (!IsId(id)) return false;
+  const Result<Job> job = queue.Get(id);
+  if (!job && job.error().code == ErrorCode::kNotFound) return false;
+  if (!job) return job.error();
+  return job->finished.has_value();
+}
+
+Result<SweepReport> SweepWorkTo(const DataDir& dir, const JobQueue& queue, Time now, LostFolder& lost) {
+  // Listed before the leases are read: a folder that a new lease makes meanwhile is not in the list.
+  const std::vector<fs::path> entries = EntriesOf(dir.Work());
+  const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
+  if (!leases) return leases.error();
+  std::set<std::string> live;
+  for (const auto& lease : *leases) live.insert(lease.work_name);
+  // What a dead attempt left lets the next one go on from there.
+  const Result<std::vector<std::string>> unfinished = queue.UnfinishedJobs();
+  if (!unfinished) return unfinished.error();
+  const std::set<std::string> jobs(unfinished->begin(), unfinished->end());
+  SweepReport report;
+  for (const fs::path& entry : entries) {
+    const std::string name = entry.filename().string();
+    if (live.contains(name) || jobs.contains(JobOfWorkName(name))) continue;
+    const Result<bool> is_ended = IsOfEndedJob(queue, name);
+    if (!is_ended) return is_ended.error();
+    if (*is_ended || dir.IsTemporaryName(kDeletedKind, name)) {
+      report.removed += RemoveAll(entry);
+    } else {
+      report.moved.push_back(lost.Take(entry, "is of no job in the catalogue"));
+    }
+  }
+  return report;
+}
+
+}  // namespace
+
+Result<SweepReport> SweepRevisions(const DataDir& dir, const Catalogue& catalogue,
+                                   const std::string& flight_id, Time now) {
+  LostFolder lost(dir, now);
+  SweepReport report;
+  const Result<void> taken = TakeUnknown(dir, catalogue, flight_id, lost, report);
+  if (!taken) return taken.error();
+  return report;
+}
+
+int SweepPreviews(const DataDir& dir, const std::string& flight_id, const std::string& keep) {
+  int removed = 0;
+  for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
+    const std::string name = entry.filename().string();
+    if (IsPreviewName(name) && name != keep) removed += RemoveAll(entry);
+  }
+  return removed;
+}
+
+Result<SweepReport> SweepWork(const DataDir& dir, const JobQueue& queue, Time now) {
+  LostFolder lost(dir, now);
+  return SweepWorkTo(dir, queue, now, lost);
+}
+
+Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue,
+                          const Previews& previews, Time now) {
+  const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
+  if (!leases) return leases.error();
+  const Result<std::vector<std::string>> ids = catalogue.FlightIds();
+  if (!ids) return ids.error();
+  std::set<std::string> live_flights;
+  for (const auto& lease : *leases) live_flights.insert(lease.flight_id);
+  LostFolder lost(dir, now);
+  SweepReport report;
+  const Result<SweepReport> work = SweepWorkTo(dir, queue, now, lost);
+  if (!work) return work.error();
+  report.Add(*work);
+  for (const fs::path& entry : EntriesOf(dir.Incoming())) {
+    const std::string name = entry.filename().string();
+    if (dir.IsTemporaryName(kUploadKind, name) || dir.IsTemporaryName(kUnpackKind, name)) {
+      report.removed += RemoveAll(entry);
+    } else {
+      report.moved.push_back(lost.Take(entry, "is no upload of this server"));
+    }
+  }
+  const std::set<std::string> flights(ids->begin(), ids->end());
+  for (const fs::path& entry : EntriesOf(dir.Flights())) {
+    if (!flights.contains(entry.filename().string())) {
+      report.moved.push_back(lost.Take(entry, "is no flight in the catalogue"));
+    }
+  }
+  for (const std::string& id : *ids) {
+    const Result<std::optional<Preview>> preview = previews.Find(id);
+    if (!preview) return preview.error();
+    report.removed += SweepPreviews(dir, id, *preview ? (*preview)->folder : "");
+    if (live_flights.contains(id)) continue;
+    const Result<std::vector<StoredFile>> files = catalogue.ListFiles(id);
+    if (!files) return files.error();
+    std::set<std::string> keep;
+    for (const StoredFile& file : *files) keep.insert(file.stored_name);
+    for (const fs::path& entry : EntriesOf(dir.Files(id))) {
+      if (!keep.contains(entry.filename().string())) {
+        report.moved.push_back(lost.Take(entry, "is no file of its flight"));
+      }
+    }
+    const Result<void> revisions = TakeUnknown(dir, catalogue, id, lost, report);
+    if (!revisions) return revisions.error();
+  }
+  return report;
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,45 @@
+#include "storage/jobs/job_rows.h"
+
+#include "core/base/check.h"
+
+namespace skyquilt::storage {
+namespace {
+
+JobState StateFrom(std::string_view name) {
+  for (const JobState state : {JobState::kAccepted, JobState::kRunning, JobState::kSuccessful,
+                               JobState::kFailed, JobState::kDismissed}) {
+    if (name == JobStateName(state)) return state;
+  }
+  SKYQUILT_CHECK(false, "the schema allows no other job state");
+}
+
+std::optional<Time> TimeFrom(const Statement& row, int column) {
+  if (row.IsNull(column)) return std::nullopt;
+  return FromUs(row.ColumnInt64(column));
+}
+
+}  // namespace
+
+Job JobFrom(const Statement& row) {
+  Job job;
+  job.id = row.ColumnText(0);
+  job.flight_id = row.ColumnText(1);
+  job.options = row.ColumnText(2);
+  job.state = StateFrom(row.ColumnText(3));
+  job.stage = row.ColumnText(4);
+  job.progress = row.ColumnDouble(5);
+  job.message = row.ColumnText(6);
+  job.attempts = static_cast<int>(row.ColumnInt64(7));
+  job.cancel_requested = row.ColumnInt64(8) != 0;
+  if (!row.IsNull(9)) job.error = JobError{std::string(row.ColumnText(9)), std::string(row.ColumnText(10))};
+  job.created = FromUs(row.ColumnInt64(11));
+  job.started = TimeFrom(row, 12);
+  job.attempt_started = TimeFrom(row, 13);
+  job.finished = TimeFrom(row, 14);
+  job.priority = static_cast<int>(row.ColumnInt64(15));
+  if (!row.IsNull(16))
+    job.expected = Expectation{row.ColumnDouble(16), row.ColumnDouble(17), row.ColumnDouble(18), {}};
+  return job;
+}
+
+}  // namespace skyquilt::storage

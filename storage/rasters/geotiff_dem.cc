@@ -1,0 +1,160 @@
+#include "storage/rasters/geotiff_dem.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <fmt/format.h>
+#include <gdal_frmts.h>
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "core/geo/geoid.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr std::int64_t kCacheBytes = std::int64_t{64} << 20;
+// GDAL reads a raster by its blocks, whole; four of them lie around a point.
+constexpr std::int64_t kMaxBlockBytes = kCacheBytes / 4;
+constexpr int kMaxBands = 16;
+
+// The one driver that is needed, and no look at files beside the one given.
+void RegisterGeotiffOnce() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+    CPLSetConfigOption("GTIFF_VIRTUAL_MEM_IO", "NO");
+    CPLSetConfigOption("GDAL_NUM_THREADS", "1");
+    OSRSetPROJEnableNetwork(0);
+    GDALSetCacheMax64(kCacheBytes);
+    GDALRegister_GTiff();
+  });
+}
+
+double MetresPerUnit(std::string_view unit) {
+  if (unit == "ft" || unit == "foot") return 0.3048;
+  if (unit == "US survey foot" || unit == "us-ft" || unit == "ftUS") return 1200.0 / 3937.0;
+  return 1.0;
+}
+
+struct DropTransform {
+  void operator()(OGRCoordinateTransformation* transform) const {
+    OGRCoordinateTransformation::DestroyCT(transform);
+  }
+};
+
+}  // namespace
+
+struct GeotiffDem::Raster {
+  bool is_ellipsoidal = false;  // a three-dimensional system without a vertical one of its own
+  std::unique_ptr<GDALDataset> dataset;
+  std::unique_ptr<OGRCoordinateTransformation, DropTransform> model_from_wgs84;
+  std::array<double, 6> pixel_from_model{};
+  std::optional<double> hole;
+  double scale_m = 1.0;
+  double offset_m = 0.0;
+};
+
+GeotiffDem::GeotiffDem(std::unique_ptr<Raster> raster) : raster_(std::move(raster)) {}
+GeotiffDem::~GeotiffDem() = default;
+
+Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path& path) {
+  RegisterGeotiffOnce();
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(path, missing)) {
+    return Error{ErrorCode::kNotFound, "there is no elevation model " + path.string(), ""};
+  }
+  const auto refuse = [&](const std::string& why) {
+    return Error{ErrorCode::kUnsupportedFormat,
+                 "the elevation model " + path.string() + " " + why + "; give a GeoTIFF of heights in metres",
+                 ""};
+  };
+  auto raster = std::make_unique<Raster>();
+  const char* const drivers[] = {"GTiff", nullptr};
+  // What is wrong with it is told by our own words, not by GDAL's on the standard error output.
+  CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
+  raster->dataset.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers));
+  if (!raster->dataset || raster->dataset->GetRasterCount() < 1) return refuse("cannot be read");
+  if (raster->dataset->GetRasterCount() > kMaxBands)
+    return refuse(fmt::format("has more than {} bands", kMaxBands));
+  int block_width = 0;
+  int block_height = 0;
+  raster->dataset->GetRasterBand(1)->GetBlockSize(&block_width, &block_height);
+  const std::int64_t block_bytes =
+      std::int64_t{block_width} * block_height *
+      GDALGetDataTypeSizeBytes(raster->dataset->GetRasterBand(1)->GetRasterDataType()) *
+      raster->dataset->GetRasterCount();
+  if (block_bytes > kMaxBlockBytes) {
+    return refuse(
+        fmt::format("is stored in blocks of {} MiB, of which at most {} are read at once (gdal_translate "
+                    "-co TILED=YES -co COMPRESS=DEFLATE stores it in small ones)",
+                    block_bytes >> 20, kMaxBlockBytes >> 20));
+  }
+  std::array<double, 6> model_from_pixel{};
+  const OGRSpatialReference* system = raster->dataset->GetSpatialRef();
+  if (system == nullptr || raster->dataset->GetGeoTransform(model_from_pixel.data()) != CE_None ||
+      !GDALInvGeoTransform(model_from_pixel.data(), raster->pixel_from_model.data())) {
+    return refuse("does not say where on Earth it lies");
+  }
+  raster->is_ellipsoidal = system->IsGeographic() && system->GetAxesCount() == 3;
+  OGRSpatialReference horizontal(*system);
+  if (horizontal.IsCompound()) horizontal.StripVertical();
+  horizontal.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  OGRSpatialReference wgs84;
+  wgs84.importFromEPSG(4326);
+  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  raster->model_from_wgs84.reset(OGRCreateCoordinateTransformation(&wgs84, &horizontal));
+  if (!raster->model_from_wgs84) return refuse("lies in an unknown coordinate system");
+  GDALRasterBand* band = raster->dataset->GetRasterBand(1);
+  int has_hole = 0;
+  const double hole = band->GetNoDataValue(&has_hole);
+  if (has_hole != 0) raster->hole = hole;
+  const double unit_m = MetresPerUnit(band->GetUnitType());
+  raster->scale_m = unit_m * band->GetScale();
+  raster->offset_m = unit_m * band->GetOffset();
+  return std::unique_ptr<GeotiffDem>(new GeotiffDem(std::move(raster)));
+}
+
+std::optional<double> GeotiffDem::GroundHeightM(const geo::LatLon& position) const {
+  double x = position.lon_deg;
+  double y = position.lat_deg;
+  if (!raster_->model_from_wgs84->Transform(1, &x, &y)) return std::nullopt;
+  const std::array<double, 6>& t = raster_->pixel_from_model;
+  // GDAL counts from the outer corner of the first pixel, the heights stand at the middles.
+  const double column = t[0] + t[1] * x + t[2] * y - 0.5;
+  const double row = t[3] + t[4] * x + t[5] * y - 0.5;
+  const int width = raster_->dataset->GetRasterXSize();
+  const int height = raster_->dataset->GetRasterYSize();
+  if (!(column >= -0.5 && row >= -0.5 && column <= width - 0.5 && row <= height - 0.5)) return std::nullopt;
+  double sum = 0.0;
+  double weight = 0.0;
+  for (int corner = 0; corner < 4; ++corner) {
+    const int c = std::clamp(static_cast<int>(std::floor(column)) + corner % 2, 0, width - 1);
+    const int r = std::clamp(static_cast<int>(std::floor(row)) + corner / 2, 0, height - 1);
+    const double across = column - std::floor(column);
+    const double down = row - std::floor(row);
+    const double w = (corner % 2 == 1 ? across : 1.0 - across) * (corner / 2 == 1 ? down : 1.0 - down);
+    double value = 0.0;
+    if (raster_->dataset->GetRasterBand(1)->RasterIO(GF_Read, c, r, 1, 1, &value, 1, 1, GDT_Float64, 0, 0) !=
+        CE_None) {
+      return std::nullopt;
+    }
+    // A hole beside solid ground: what is left of the four cells says it.
+    if (!std::isfinite(value) || (raster_->hole && value == *raster_->hole)) continue;
+    sum += w * value;
+    weight += w;
+  }
+  if (weight < 0.25) return std::nullopt;
+  const double height_m = raster_->scale_m * sum / weight + raster_->offset_m;
+  return raster_->is_ellipsoidal ? height_m - geo::GeoidHeightM(position).value_or(0.0) : height_m;
+}
+
+}  // namespace skyquilt::storage

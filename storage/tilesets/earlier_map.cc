@@ -1,0 +1,72 @@
+#include "storage/tilesets/earlier_map.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kTilesOfLevel =
+    "SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level = ?1 "
+    "AND tile_column BETWEEN ?2 AND ?3 AND tile_row BETWEEN ?4 AND ?5 ORDER BY tile_column, tile_row";
+
+}  // namespace
+
+Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool is_finished) {
+  auto earlier = std::make_unique<EarlierMap>();
+  // A file of a killed run is first rolled back to its last commit, which needs writing.
+  const OpenMode mode = is_finished ? OpenMode::kReadOnlyImmutable : OpenMode::kReadWriteCreate;
+  for (const auto& [db, path] :
+       {std::pair{&earlier->tiles, &paths.tiles}, std::pair{&earlier->state, &paths.state}}) {
+    auto opened = SqliteDb::Open(*path, mode);
+    if (!opened) return opened.error();
+    *db = *std::move(opened);
+  }
+  const auto prepare = [](SqliteDb& db, const char* sql, Statement& statement) -> Result<void> {
+    auto prepared = db.Prepare(sql);
+    if (!prepared) return prepared.error();
+    statement = *std::move(prepared);
+    return {};
+  };
+  Statement count, facts, digests;
+  for (const auto& [db, sql, statement] :
+       {std::tuple{&earlier->tiles, kTilesOfLevel, &earlier->select_tiles},
+        std::tuple{&earlier->tiles, "SELECT count(*) FROM tiles_shallow", &count},
+        std::tuple{
+            &earlier->state,
+            "SELECT levels, tiles, base_tiles, covered_pixels, west, south, east, north, half FROM blocks "
+            "WHERE zoom = ?1 AND column = ?2 AND row = ?3",
+            &earlier->select_block},
+        std::tuple{&earlier->state, "SELECT name, bytes FROM facts", &facts},
+        std::tuple{&earlier->state, "SELECT zoom, column, row, digest FROM blocks", &digests}}) {
+    if (auto prepared = prepare(*db, sql, *statement); !prepared) return prepared.error();
+  }
+  const Error other_map{ErrorCode::kCorrupt, "the memory of the map belongs to another map", ""};
+  if (auto counted = count.Step(); !counted) return counted.error();
+  std::string tiles;
+  while (true) {
+    const Result<bool> row = facts.Step();
+    if (!row) return row.error();
+    if (!*row) break;
+    const auto bytes = facts.ColumnBlob(1);
+    std::string& fact = facts.ColumnText(0) == "flight" ? earlier->facts : tiles;
+    fact.assign(bytes.begin(), bytes.end());
+  }
+  if (is_finished && tiles != std::to_string(count.ColumnInt64(0))) return other_map;
+  while (true) {
+    const Result<bool> row = digests.Step();
+    if (!row) return row.error();
+    if (!*row) break;
+    const auto tile =
+        geo::TileId::Make(digests.ColumnInt64(0), digests.ColumnInt64(1), digests.ColumnInt64(2));
+    const auto bytes = digests.ColumnBlob(3);
+    Digest digest;
+    if (!tile || bytes.size() != digest.size()) return other_map;
+    std::copy(bytes.begin(), bytes.end(), digest.begin());
+    earlier->digests[*tile] = digest;
+  }
+  return earlier;
+}
+
+}  // namespace skyquilt::storage

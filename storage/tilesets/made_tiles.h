@@ -1,0 +1,80 @@
+// MadeTiles: tiles in another format or size than the one they are stored in, kept in memory within a budget
+// of bytes; those not asked for longest go first. Each is made once, also when many ask for it at the same
+// time: the others wait for the one who makes it. A key names the revision, so that a newer map has other
+// keys. Any thread. Errors: those of making it, which all who wait are told.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "core/base/result.h"
+#include "core/geo/tile_id.h"
+#include "core/pyramid/tile_sink.h"
+
+namespace skyquilt::storage {
+
+struct MadeTileKey {
+  std::string flight_id;
+  std::int64_t revision = 0;
+  geo::TileId tile;
+  pyramid::TileFormat format = pyramid::TileFormat::kPng;
+  int scale = 1;
+
+  std::string Text() const;
+};
+
+struct MadeTile {
+  std::string bytes;
+  std::uint64_t digest = 0;  // of the bytes; for an ETag
+};
+
+class MadeTiles {
+ public:
+  static constexpr std::size_t kUsualBudgetBytes = std::size_t{64} << 20;
+
+  explicit MadeTiles(std::size_t budget_bytes = kUsualBudgetBytes) : budget_bytes_(budget_bytes) {}
+  // Before the first use.
+  void SetBudget(std::size_t bytes) { budget_bytes_ = bytes; }
+
+  // Null: nobody has made it yet, or it has gone.
+  std::shared_ptr<const MadeTile> Find(const MadeTileKey& key);
+  Result<std::shared_ptr<const MadeTile>> Get(const MadeTileKey& key,
+                                              const std::function<Result<std::string>()>& make);
+
+  struct Kept {
+    std::size_t tiles = 0;
+    std::size_t bytes = 0;
+  };
+  Kept kept() const;
+
+ private:
+  struct Making {
+    bool is_done = false;
+    Result<std::shared_ptr<const MadeTile>> outcome{std::shared_ptr<const MadeTile>()};
+  };
+  struct Entry {
+    std::string key;
+    std::shared_ptr<const MadeTile> tile;
+  };
+  class Maker;
+  std::shared_ptr<const MadeTile> Touch(const std::string& key);
+  void Keep(const std::string& key, std::shared_ptr<const MadeTile> tile);
+
+  std::size_t budget_bytes_;
+  mutable std::mutex mutex_;
+  std::condition_variable made_;
+  std::list<Entry> entries_;  // the latest asked for first
+  std::unordered_map<std::string, std::list<Entry>::iterator> places_;
+  std::unordered_map<std::string, std::shared_ptr<Making>> making_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,258 @@
+#include "storage/tilesets/map_keeper.h"
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "storage/db/sqlite_db.h"
+#include "storage/tilesets/earlier_map.h"
+#include "storage/tilesets/map_files.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using pyramid::KeptBlock;
+
+constexpr const char* kSchema = R"sql(
+PRAGMA journal_mode = DELETE;
+PRAGMA synchronous = OFF;
+BEGIN;
+CREATE TABLE blocks (zoom INTEGER NOT NULL, column INTEGER NOT NULL, row INTEGER NOT NULL, levels INTEGER NOT NULL,
+  digest BLOB NOT NULL, tiles INTEGER NOT NULL, base_tiles INTEGER NOT NULL, covered_pixels INTEGER NOT NULL,
+  west REAL, south REAL, east REAL, north REAL, half BLOB NOT NULL, PRIMARY KEY (zoom, column, row));
+CREATE TABLE facts (name TEXT NOT NULL PRIMARY KEY, bytes BLOB NOT NULL);
+)sql";
+constexpr int kBlocksACommit = 8;
+
+pyramid::TileFormat FormatOf(std::span<const std::uint8_t> bytes) {
+  if (!bytes.empty() && bytes[0] == 0x89) return pyramid::TileFormat::kPng;
+  if (!bytes.empty() && bytes[0] == 'R') return pyramid::TileFormat::kWebp;
+  return pyramid::TileFormat::kJpeg;
+}
+
+}  // namespace
+
+struct MapKeeper::State {
+  fs::path folder;
+  std::unique_ptr<MbtilesWriter> writer;
+  SqliteDb db;
+  Statement keep, remember;
+  std::vector<std::unique_ptr<EarlierMap>> earlier;  // the most recent first
+  std::int64_t tiles = 0;
+  int uncommitted = 0;
+  bool is_published = false;
+
+  EarlierMap* Of(const geo::TileId& block) const {
+    for (const auto& one : earlier) {
+      if (one->digests.contains(block)) return one.get();
+    }
+    return nullptr;
+  }
+
+  // Tiles first: a block that is remembered has its tiles.
+  Result<void> Commit() {
+    uncommitted = 0;
+    if (auto committed = writer->Commit(); !committed) return committed;
+    return db.Exec("COMMIT; BEGIN;");
+  }
+
+  void CloseState() {
+    keep = Statement();
+    remember = Statement();
+  }
+};
+
+MapKeeper::MapKeeper(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+MapKeeper::~MapKeeper() {
+  if (state_->is_published) return;
+  state_->CloseState();
+  state_->db = SqliteDb();
+  state_->writer.reset();
+  state_->earlier.clear();
+  RemoveMap(TemporaryMap(state_->folder));
+  RemoveMap(LeftOverMap(state_->folder));
+}
+
+Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, const fs::path& previous) {
+  auto state = std::make_unique<State>();
+  state->folder = folder;
+  SetMapAside(folder);
+  const auto look = [&](const MapFiles& paths, bool is_finished) {
+    std::error_code none;
+    if (!fs::exists(paths.state, none) || !fs::exists(paths.tiles, none)) return;
+    // One that cannot be read is as good as none: everything is rendered anew.
+    if (auto earlier = OpenEarlierMap(paths, is_finished)) state->earlier.push_back(*std::move(earlier));
+  };
+  look(LeftOverMap(folder), false);
+  look(FinishedMap(previous.empty() ? folder : previous), true);
+  auto writer = MbtilesWriter::Create(folder / "mosaic.mbtiles");
+  if (!writer) return writer.error();
+  state->writer = *std::move(writer);
+  const fs::path temporary = TemporaryMap(folder).state;
+  std::error_code removed;
+  fs::remove(temporary, removed);
+  fs::remove(JournalOf(temporary), removed);
+  auto db = SqliteDb::Open(temporary, OpenMode::kReadWriteCreate);
+  if (!db) return db.error();
+  state->db = *std::move(db);
+  if (auto made = state->db.Exec(kSchema); !made) return made.error();
+  auto keep = state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)");
+  if (!keep) return keep.error();
+  state->keep = *std::move(keep);
+  auto remember = state->db.Prepare("INSERT OR REPLACE INTO facts VALUES (?1, ?2)");
+  if (!remember) return remember.error();
+  state->remember = *std::move(remember);
+  return std::unique_ptr<MapKeeper>(new MapKeeper(std::move(state)));
+}
+
+Result<std::string> MapKeeper::FactsOf(const fs::path& folder) {
+  const auto earlier = OpenEarlierMap(FinishedMap(folder), true);
+  if (!earlier || (*earlier)->facts.empty()) {
+    return Error{
+        ErrorCode::kNotFound,
+        folder.string() + " has no map that can be added to: mosaic.mbtiles and mosaic.state are needed",
+        earlier ? "" : earlier.error().message};
+  }
+  return std::move((*earlier)->facts);
+}
+
+Result<std::string> MapKeeper::StatedFacts(const fs::path& folder) {
+  std::error_code none;
+  fs::path path = FinishedMap(folder).state;
+  const MapFiles temporary = TemporaryMap(folder);
+  if (!fs::exists(path, none) && !fs::exists(temporary.tiles, none)) path = temporary.state;
+  const Error unknown{ErrorCode::kNotFound, folder.string() + " has no mosaic.state that can be read", ""};
+  if (!fs::exists(path, none)) return unknown;
+  auto state = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
+  if (!state) return unknown;
+  auto query = state->Prepare("SELECT bytes FROM facts WHERE name='flight'");
+  if (!query) return unknown;
+  const Result<bool> row = query->Step();
+  if (!row || !*row) return unknown;
+  const auto bytes = query->ColumnBlob(0);
+  return std::string(bytes.begin(), bytes.end());
+}
+
+Result<void> MapKeeper::Put(const geo::TileId& tile, pyramid::TileFormat format,
+                            std::span<const std::uint8_t> bytes) {
+  ++state_->tiles;
+  return state_->writer->Put(tile, format, bytes);
+}
+
+std::optional<Digest> MapKeeper::DigestOf(const geo::TileId& block) const {
+  const EarlierMap* earlier = state_->Of(block);
+  if (earlier == nullptr) return std::nullopt;
+  return earlier->digests.at(block);
+}
+
+Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
+  EarlierMap& earlier = *state_->Of(block);
+  Statement& row = earlier.select_block;
+  row.Bind(1, block.z())
+      .Bind(2, static_cast<std::int64_t>(block.x()))
+      .Bind(3, static_cast<std::int64_t>(block.y()));
+  const Result<bool> found = row.Step();
+  if (!found) return found.error();
+  KeptBlock kept;
+  kept.levels = static_cast<int>(row.ColumnInt64(0));
+  kept.tiles = row.ColumnInt64(1);
+  kept.base_tiles = row.ColumnInt64(2);
+  kept.covered_pixels = row.ColumnInt64(3);
+  if (!row.IsNull(4)) {
+    kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(4), row.ColumnDouble(5)));
+    kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(6), row.ColumnDouble(7)));
+  }
+  const auto half = row.ColumnBlob(8);
+  kept.half.assign(half.begin(), half.end());
+  row.Reset();
+  std::int64_t tiles = 0;
+  for (int level = 0; level <= kept.levels; ++level) {
+    const int zoom = block.z() + level;
+    const std::int64_t side = std::int64_t{1} << level;
+    const std::int64_t first_column = std::int64_t{block.x()} * side;
+    const std::int64_t first_row = std::int64_t{block.TmsRow()} * side;
+    Statement& select = earlier.select_tiles;
+    select.Bind(1, zoom).Bind(2, first_column).Bind(3, first_column + side - 1);
+    select.Bind(4, first_row).Bind(5, first_row + side - 1);
+    while (true) {
+      const Result<bool> more = select.Step();
+      if (!more) return more.error();
+      if (!*more) break;
+      const auto tile = geo::TileId::Make(zoom, select.ColumnInt64(0),
+                                          (std::int64_t{1} << zoom) - 1 - select.ColumnInt64(1));
+      if (!tile) return tile.error();
+      const auto bytes = select.ColumnBlob(2);
+      if (auto put = Put(*tile, FormatOf(bytes), bytes); !put) return put.error();
+      ++tiles;
+    }
+    select.Reset();
+  }
+  if (tiles != kept.tiles) {
+    return Error{ErrorCode::kCorrupt, "the memory of the map is damaged; delete mosaic.state and start again",
+                 ""};
+  }
+  if (auto again = Keep(block, earlier.digests.at(block), kept); !again) return again.error();
+  return kept;
+}
+
+Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, const KeptBlock& kept) {
+  Statement& row = state_->keep;
+  row.Bind(1, block.z())
+      .Bind(2, static_cast<std::int64_t>(block.x()))
+      .Bind(3, static_cast<std::int64_t>(block.y()));
+  row.Bind(4, kept.levels).Bind(5, std::span<const std::uint8_t>(digest));
+  row.Bind(6, kept.tiles).Bind(7, kept.base_tiles).Bind(8, kept.covered_pixels);
+  if (kept.covered_in_merc.IsEmpty()) {
+    for (int column = 9; column <= 12; ++column) row.BindNull(column);
+  } else {
+    row.Bind(9, kept.covered_in_merc.min.x()).Bind(10, kept.covered_in_merc.min.y());
+    row.Bind(11, kept.covered_in_merc.max.x()).Bind(12, kept.covered_in_merc.max.y());
+  }
+  row.Bind(13, std::span<const std::uint8_t>(kept.half));
+  if (auto kept_row = row.Run(); !kept_row) return kept_row;
+  if (++state_->uncommitted < kBlocksACommit) return {};
+  return state_->Commit();
+}
+
+const std::string& MapKeeper::Recall() const {
+  static const std::string kNothing;
+  for (const auto& earlier : state_->earlier) {
+    if (!earlier->facts.empty()) return earlier->facts;
+  }
+  return kNothing;
+}
+
+Result<void> MapKeeper::Remember(std::string_view facts) {
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(facts.data()), facts.size());
+  if (auto stored = state_->remember.Bind(1, "flight").Bind(2, bytes).Run(); !stored) return stored;
+  return state_->Commit();
+}
+
+Result<void> MapKeeper::Publish(const TilesetMetadata& metadata) {
+  const std::string tiles = std::to_string(state_->tiles);
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(tiles.data()), tiles.size());
+  if (auto stored = state_->remember.Bind(1, "tiles").Bind(2, bytes).Run(); !stored) return stored;
+  state_->CloseState();
+  if (auto committed = state_->db.Exec("COMMIT"); !committed) return committed;
+  if (auto closed = state_->db.Close(); !closed) return closed;
+  // A map never lies beside the state of another.
+  const MapFiles finished = FinishedMap(state_->folder);
+  std::error_code gone;
+  fs::remove(finished.state, gone);
+  if (gone)
+    return Error{ErrorCode::kIo, "cannot replace " + finished.state.string() + ": " + gone.message(), ""};
+  if (auto published = state_->writer->Publish(metadata); !published) return published;
+  if (auto published = PublishFile(TemporaryMap(state_->folder).state, finished.state); !published)
+    return published;
+  state_->is_published = true;
+  state_->earlier.clear();
+  RemoveMap(LeftOverMap(state_->folder));
+  return {};
+}
+
+}  // namespace skyquilt::storage

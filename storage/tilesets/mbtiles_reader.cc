@@ -1,0 +1,152 @@
+#include "storage/tilesets/mbtiles_reader.h"
+
+#include <xxhash.h>
+
+#include <utility>
+
+#include "storage/db/sqlite_db.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kFindId =
+    "SELECT tile_data_id FROM tiles_shallow WHERE zoom_level=? AND tile_column=? AND tile_row=?";
+constexpr const char* kLoadById = "SELECT tile_data FROM tiles_data WHERE tile_data_id=?";
+constexpr const char* kFindBytes =
+    "SELECT tile_data FROM tiles WHERE zoom_level=? AND tile_column=? AND tile_row=? LIMIT 1";
+
+// Integer keys only: a text key (as other tools have it) takes the general way.
+constexpr const char* kHasIntegerKeys =
+    "SELECT (SELECT count(*) FROM pragma_table_info('tiles_shallow') WHERE name IN"
+    " ('zoom_level','tile_column','tile_row') OR (name='tile_data_id' AND upper(type)='INTEGER'))"
+    " + (SELECT count(*) FROM pragma_table_info('tiles_data') WHERE name='tile_data'"
+    " OR (name='tile_data_id' AND upper(type)='INTEGER' AND pk=1))";
+constexpr int kColumnsOfIntegerKeys = 6;
+
+std::string BlobOf(const Statement& row) {
+  const auto blob = row.ColumnBlob(0);
+  return std::string(reinterpret_cast<const char*>(blob.data()), blob.size());
+}
+
+}  // namespace
+
+struct MbtilesReader::Connection {
+  SqliteDb db;
+  Statement find;  // kFindId or kFindBytes
+  Statement load;  // kLoadById, or nothing
+};
+
+MbtilesReader::MbtilesReader(std::filesystem::path path) : path_(std::move(path)) {}
+MbtilesReader::~MbtilesReader() = default;
+
+Result<std::shared_ptr<MbtilesReader>> MbtilesReader::Open(const std::filesystem::path& path) {
+  std::shared_ptr<MbtilesReader> reader(new MbtilesReader(path));
+  Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
+  if (!db) return db.error();
+  {
+    Result<Statement> columns = db->Prepare(kHasIntegerKeys);
+    if (!columns) return columns.error();
+    const Result<bool> row = columns->Step();
+    if (!row) return row.error();
+    reader->is_deduplicated_ = columns->ColumnInt64(0) == kColumnsOfIntegerKeys;
+    Result<Statement> metadata = db->Prepare("SELECT name, value FROM metadata");
+    if (!metadata) return Error{ErrorCode::kCorrupt, "This is not an MBTiles file.", metadata.error().detail};
+    while (true) {
+      const Result<bool> more = metadata->Step();
+      if (!more) return more.error();
+      if (!*more) break;
+      reader->metadata_[std::string(metadata->ColumnText(0))] = std::string(metadata->ColumnText(1));
+    }
+  }
+  Result<std::unique_ptr<Connection>> first = reader->Connect();
+  if (!first) return first.error();
+  reader->idle_.push_back(*std::move(first));
+  return reader;
+}
+
+Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Connect() const {
+  Result<SqliteDb> db = SqliteDb::Open(path_, OpenMode::kReadOnlyImmutable);
+  if (!db) return db.error();
+  auto connection = std::make_unique<Connection>();
+  connection->db = *std::move(db);
+  Result<Statement> find = connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes);
+  if (!find) return find.error();
+  connection->find = *std::move(find);
+  if (is_deduplicated_) {
+    Result<Statement> load = connection->db.Prepare(kLoadById);
+    if (!load) return load.error();
+    connection->load = *std::move(load);
+  }
+  return connection;
+}
+
+Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Take() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      std::unique_ptr<Connection> connection = std::move(idle_.back());
+      idle_.pop_back();
+      return connection;
+    }
+  }
+  return Connect();
+}
+
+void MbtilesReader::GiveBack(std::unique_ptr<Connection> connection) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(connection));
+}
+
+// A connection for one call: back in the pool, its statements reset, however the call ends.
+class MbtilesReader::Borrowed {
+ public:
+  Borrowed(MbtilesReader& owner, std::unique_ptr<Connection> connection)
+      : owner_(owner), connection_(std::move(connection)) {}
+  ~Borrowed() {
+    connection_->find.Reset();
+    connection_->load.Reset();
+    owner_.GiveBack(std::move(connection_));
+  }
+  Borrowed(const Borrowed&) = delete;
+  Borrowed& operator=(const Borrowed&) = delete;
+  Connection* operator->() { return connection_.get(); }
+
+ private:
+  MbtilesReader& owner_;
+  std::unique_ptr<Connection> connection_;
+};
+
+Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
+  Result<std::unique_ptr<Connection>> taken = Take();
+  if (!taken) return taken.error();
+  Borrowed connection(*this, *std::move(taken));
+  Statement& find = connection->find;
+  find.Bind(1, tile.z()).Bind(2, static_cast<std::int64_t>(tile.x()));
+  const Result<bool> row = find.Bind(3, static_cast<std::int64_t>(tile.TmsRow())).Step();
+  if (!row) return row.error();
+  if (!*row) return std::optional<FoundTile>();
+  FoundTile found;
+  if (is_deduplicated_) {
+    found.content_id = static_cast<std::uint64_t>(find.ColumnInt64(0));
+  } else {
+    found.bytes = BlobOf(find);
+    found.content_id = XXH3_64bits(found.bytes->data(), found.bytes->size());
+  }
+  return std::optional<FoundTile>(std::move(found));
+}
+
+Result<std::string> MbtilesReader::Load(FoundTile tile) {
+  if (tile.bytes) return *std::move(tile.bytes);
+  Result<std::unique_ptr<Connection>> taken = Take();
+  if (!taken) return taken.error();
+  Borrowed connection(*this, *std::move(taken));
+  const Result<bool> row = connection->load.Bind(1, static_cast<std::int64_t>(tile.content_id)).Step();
+  if (!row) return row.error();
+  if (!*row) {
+    return Error{ErrorCode::kCorrupt, "The tileset lacks the bytes of a tile. Stitch the flight again.",
+                 path_.string()};
+  }
+  return BlobOf(connection->load);
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,166 @@
+#include "storage/tilesets/mbtiles_writer.h"
+
+#include <fmt/core.h>
+#include <xxhash.h>
+
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "storage/db/sqlite_db.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kSchema = R"sql(
+PRAGMA page_size = 4096;
+PRAGMA journal_mode = DELETE;
+PRAGMA synchronous = OFF;
+PRAGMA locking_mode = EXCLUSIVE;
+PRAGMA application_id = 0x4d504258;
+BEGIN;
+CREATE TABLE metadata (name TEXT NOT NULL UNIQUE, value TEXT);
+CREATE TABLE tiles_shallow (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL,
+  tile_data_id INTEGER NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row)) WITHOUT ROWID;
+CREATE TABLE tiles_data (tile_data_id INTEGER PRIMARY KEY, tile_data BLOB NOT NULL);
+CREATE VIEW tiles AS SELECT s.zoom_level AS zoom_level, s.tile_column AS tile_column, s.tile_row AS tile_row,
+  d.tile_data AS tile_data FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id;
+)sql";
+
+}  // namespace
+
+struct MbtilesWriter::State {
+  std::filesystem::path path;
+  std::filesystem::path temporary;
+  SqliteDb db;
+  Statement find_bytes;
+  Statement add_bytes;
+  Statement add_tile;
+  std::map<pyramid::TileFormat, std::int64_t> formats;
+  std::int64_t tiles = 0;
+  bool is_published = false;
+};
+
+MbtilesWriter::MbtilesWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+MbtilesWriter::~MbtilesWriter() {
+  if (state_->is_published) return;
+  state_->find_bytes = Statement();
+  state_->add_bytes = Statement();
+  state_->add_tile = Statement();
+  state_->db = SqliteDb();
+  std::error_code gone;  // nothing to do about a temporary file that will not go; the next run overwrites it
+  std::filesystem::remove(state_->temporary, gone);
+  std::filesystem::remove(state_->temporary.string() + "-journal", gone);
+}
+
+Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesystem::path& path) {
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->temporary = path;
+  state->temporary += ".tmp";
+  std::error_code removed;
+  std::filesystem::remove(state->temporary, removed);
+  std::filesystem::remove(state->temporary.string() + "-journal", removed);
+  auto db = SqliteDb::Open(state->temporary, OpenMode::kReadWriteCreate);
+  if (!db) return db.error();
+  state->db = *std::move(db);
+  if (auto made = state->db.Exec(kSchema); !made) return made.error();
+  const auto prepare = [&](Statement& statement, const char* sql) -> Result<void> {
+    auto prepared = state->db.Prepare(sql);
+    if (!prepared) return prepared.error();
+    statement = *std::move(prepared);
+    return {};
+  };
+  for (const auto& [statement, sql] :
+       {std::pair{&state->find_bytes, "SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"},
+        std::pair{&state->add_bytes, "INSERT INTO tiles_data VALUES (?1, ?2)"},
+        std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4)"}}) {
+    if (auto prepared = prepare(*statement, sql); !prepared) return prepared.error();
+  }
+  return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
+}
+
+Result<void> MbtilesWriter::Put(const geo::TileId& tile, pyramid::TileFormat format,
+                                std::span<const std::uint8_t> bytes) {
+  // 63 bits, so that the id is a positive SQLite rowid; a collision of different bytes moves on to the next
+  // id.
+  auto id = static_cast<std::int64_t>(XXH3_64bits(bytes.data(), bytes.size()) >> 1);
+  while (true) {
+    state_->find_bytes.Bind(1, id);
+    const Result<bool> found = state_->find_bytes.Step();
+    if (!found) return found.error();
+    if (!*found) {
+      state_->find_bytes.Reset();
+      if (auto added = state_->add_bytes.Bind(1, id).Bind(2, bytes).Run(); !added) return added;
+      break;
+    }
+    const std::span<const std::uint8_t> known = state_->find_bytes.ColumnBlob(0);
+    const bool is_same =
+        known.size() == bytes.size() && std::memcmp(known.data(), bytes.data(), bytes.size()) == 0;
+    state_->find_bytes.Reset();
+    if (is_same) break;
+    id = (id + 1) & 0x7fffffffffffffff;
+  }
+  ++state_->formats[format];
+  ++state_->tiles;
+  return state_->add_tile.Bind(1, tile.z())
+      .Bind(2, static_cast<std::int64_t>(tile.x()))
+      .Bind(3, static_cast<std::int64_t>(tile.TmsRow()))
+      .Bind(4, id)
+      .Run();
+}
+
+Result<void> MbtilesWriter::Commit() { return state_->db.Exec("COMMIT; BEGIN;"); }
+
+Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
+  // Readers take the format as the kind of most tiles; the fringe is PNG whatever it says. A map all of
+  // fringe is PNG.
+  const char* format = state_->formats.contains(pyramid::TileFormat::kWebp)   ? "webp"
+                       : state_->formats.contains(pyramid::TileFormat::kJpeg) ? "jpg"
+                                                                              : "png";
+  const auto& b = metadata.bounds;
+  const std::vector<std::pair<std::string, std::string>> rows = {
+      {"name", metadata.name},
+      {"format", format},
+      {"bounds", fmt::format("{:.12f},{:.12f},{:.12f},{:.12f}", b[0], b[1], b[2], b[3])},
+      {"center", fmt::format("{:.8f},{:.8f},{}", 0.5 * (b[0] + b[2]), 0.5 * (b[1] + b[3]),
+                             std::max(metadata.min_zoom, metadata.max_zoom - 4))},
+      {"minzoom", std::to_string(metadata.min_zoom)},
+      {"maxzoom", std::to_string(metadata.max_zoom)},
+      {"tile_size", std::to_string(metadata.tile_size_px)},
+      {"type", "overlay"},
+      {"version", metadata.version},
+      {"description", metadata.description},
+      {"attribution", metadata.attribution},
+      {"generator", metadata.generator},
+  };
+  {
+    auto add = state_->db.Prepare("INSERT INTO metadata VALUES (?1, ?2)");
+    if (!add) return add.error();
+    for (const auto& [name, value] : rows) {
+      if (value.empty()) continue;
+      if (auto added = add->Bind(1, name).Bind(2, value).Run(); !added) return added;
+    }
+  }
+  state_->find_bytes = Statement();
+  state_->add_bytes = Statement();
+  state_->add_tile = Statement();
+  if (auto committed = state_->db.Exec("COMMIT"); !committed) return committed;
+  {
+    auto check = state_->db.Prepare("SELECT count(*) FROM tiles");
+    if (!check) return check.error();
+    if (auto row = check->Step(); !row) return row.error();
+    if (check->ColumnInt64(0) != state_->tiles) {
+      return Error{ErrorCode::kCorrupt, "the tileset lost tiles while it was written; try again",
+                   state_->temporary};
+    }
+  }
+  if (auto closed = state_->db.Close(); !closed) return closed;
+  if (auto published = PublishFile(state_->temporary, state_->path); !published) return published;
+  state_->is_published = true;
+  return {};
+}
+
+}  // namespace skyquilt::storage

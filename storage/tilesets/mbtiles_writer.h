@@ -1,0 +1,49 @@
+// MbtilesWriter: a TileSink that builds one MBTiles 1.3 file. Tiles are stored once however often they occur;
+// the key of the bytes is also their ETag. Written under `<path>.tmp` and published by
+// rename after fsync, so a crash leaves no half file under the final name; what a killed process leaves under
+// the temporary one is whole up to the last Commit. One thread at a time. Format:
+// https://github.com/mapbox/mbtiles-spec 1.3 (rows counted from the south); deduplicated as tiles_shallow +
+// tiles_data behind a view `tiles`. Errors: kOutOfSpace, kIo.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/pyramid/tile_sink.h"
+
+namespace skyquilt::storage {
+
+struct TilesetMetadata {
+  std::string name;
+  std::string description;
+  std::string attribution;
+  std::array<double, 4> bounds{};  // west, south, east, north, degrees
+  int min_zoom = 0;
+  int max_zoom = 0;
+  int tile_size_px = 256;
+  std::string version = "1";
+  std::string generator;
+};
+
+class MbtilesWriter final : public pyramid::TileSink {
+ public:
+  static Result<std::unique_ptr<MbtilesWriter>> Create(const std::filesystem::path& path);
+  ~MbtilesWriter() override;  // removes the temporary file unless Publish succeeded
+
+  Result<void> Put(const geo::TileId& tile, pyramid::TileFormat format,
+                   std::span<const std::uint8_t> bytes) override;
+  // Tiles put so far survive the process.
+  Result<void> Commit();
+  // Writes the metadata, checks the file and gives it its name.
+  Result<void> Publish(const TilesetMetadata& metadata);
+
+ private:
+  struct State;
+  explicit MbtilesWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace skyquilt::storage

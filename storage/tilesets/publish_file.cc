@@ -1,0 +1,54 @@
+#include "storage/tilesets/publish_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+namespace skyquilt::storage {
+
+Error FileError(const std::string& what, const std::filesystem::path& path, int number) {
+  const ErrorCode code = number == ENOSPC || number == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
+  return {code, what + " " + path.string() + ": " + std::strerror(number), ""};
+}
+
+namespace {
+
+Result<void> SyncPath(const std::filesystem::path& path, int flags) {
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+  if (fd < 0) return FileError("cannot open", path, errno);
+  const int failed = ::fsync(fd);
+  const int number = errno;
+  ::close(fd);
+  if (failed != 0) return FileError("cannot write", path, number);
+  return {};
+}
+
+}  // namespace
+
+Result<void> SyncFolder(const std::filesystem::path& folder) {
+  return SyncPath(folder, O_RDONLY | O_DIRECTORY);
+}
+
+Result<void> PublishFile(const std::filesystem::path& temporary, const std::filesystem::path& path) {
+  if (auto synced = SyncPath(temporary, O_RDONLY); !synced) return synced;
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return FileError("cannot publish", path, errno);
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  return SyncPath(folder, O_RDONLY | O_DIRECTORY);
+}
+
+Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
+  std::filesystem::path temporary = path;
+  temporary += ".tmp";
+  errno = 0;
+  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) return FileError("cannot write", temporary, errno != 0 ? errno : EIO);
+  return PublishFile(temporary, path);
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,213 @@
+#include "storage/uploads/photo_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "core/base/check.h"
+#include "storage/db/ids.h"
+
+namespace skyquilt::storage {
+namespace {
+
+// Kept free so that the catalogue can still be written when uploads have filled the disk.
+constexpr std::uint64_t kReservedBytes = std::uint64_t{32} << 20;
+
+Error OsError(const std::string& what, int code) {
+  const ErrorCode kind = code == ENOSPC || code == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
+  return {kind,
+          kind == ErrorCode::kOutOfSpace ? "The server's disk is full. Free some space and try again."
+                                         : "The server could not store the file.",
+          what + ": " + std::strerror(code)};
+}
+
+Result<void> SyncFolder(const std::filesystem::path& folder) {
+  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return OsError("open " + folder.string(), errno);
+  const int synced = fsync(fd);
+  const int code = errno;
+  close(fd);
+  if (synced != 0) return OsError("fsync " + folder.string(), code);
+  return {};
+}
+
+Error FolderGone() {
+  return {ErrorCode::kUnavailable,
+          "The server's data folder is gone: it was removed or is not mounted. Try again when it is back.",
+          ""};
+}
+
+// The flight's folders, but never those above: a data folder that went away meanwhile must not be made anew.
+Result<void> MakeFilesFolder(const DataDir& dir, const std::string& flight_id) {
+  for (const auto& folder : {dir.Flight(flight_id), dir.Files(flight_id)}) {
+    if (mkdir(folder.c_str(), 0755) == 0 || errno == EEXIST) continue;
+    const int code = errno;
+    if (code == ENOENT && access(dir.Flights().c_str(), F_OK) != 0) return FolderGone();
+    return OsError("make " + folder.string(), code);
+  }
+  return {};
+}
+
+}  // namespace
+
+bool IsValidUtf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const int follow = lead < 0x80         ? 0
+                       : (lead >> 5) == 6  ? 1
+                       : (lead >> 4) == 14 ? 2
+                       : (lead >> 3) == 30 ? 3
+                                           : -1;
+    if (follow < 0 || i + static_cast<std::size_t>(follow) >= text.size()) return false;
+    std::uint32_t point = follow == 0 ? lead : lead & (0x3fu >> follow);
+    for (int k = 1; k <= follow; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + static_cast<std::size_t>(k)]);
+      if ((next >> 6) != 2) return false;
+      point = (point << 6) | (next & 0x3fu);
+    }
+    constexpr std::uint32_t kSmallest[] = {0, 0x80, 0x800, 0x10000};  // a longer form than needed is refused
+    if (point < kSmallest[follow] || point > 0x10ffff || (point >= 0xd800 && point <= 0xdfff)) return false;
+    i += static_cast<std::size_t>(follow) + 1;
+  }
+  return true;
+}
+
+Result<void> CheckFileName(std::string_view name) {
+  const auto refuse = [](const char* why) {
+    return Error{ErrorCode::kInvalidArgument, fmt::format("This file name cannot be used: {}.", why), ""};
+  };
+  if (name.empty()) return refuse("it is empty");
+  if (name.size() > 255) return refuse("it is longer than 255 bytes");
+  if (!IsValidUtf8(name)) return refuse("it is not UTF-8");
+  if (name == "." || name == "..") return refuse("it means a folder");
+  for (const char c : name) {
+    if (c == '/' || c == '\\') return refuse("it has a slash in it; send the name alone, without folders");
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return refuse("it has a control character in it");
+  }
+  return {};
+}
+
+Upload::Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder)
+    : fd_(fd), temporary_(std::move(temporary)), folder_(std::move(folder)), stored_name_(NewId()) {}
+
+Upload::~Upload() {
+  if (fd_ >= 0) close(fd_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+Upload::Upload(Upload&& other) noexcept
+    : fd_(std::exchange(other.fd_, -1)),
+      bytes_(other.bytes_),
+      temporary_(std::exchange(other.temporary_, {})),
+      folder_(std::move(other.folder_)),
+      stored_name_(std::move(other.stored_name_)) {}
+
+Upload& Upload::operator=(Upload&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(temporary_, other.temporary_);
+  std::swap(folder_, other.folder_);
+  std::swap(stored_name_, other.stored_name_);
+  return *this;
+}
+
+Result<void> Upload::Write(std::span<const std::uint8_t> bytes) {
+  if (bytes_ + static_cast<std::int64_t>(bytes.size()) > kMaxFileBytes) {
+    return Error{ErrorCode::kTooLarge, "This file is larger than 4 GiB, more than the server takes.", ""};
+  }
+  while (!bytes.empty()) {
+    const ssize_t wrote = write(fd_, bytes.data(), bytes.size());
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0) return OsError("write " + temporary_.string(), errno);
+    bytes_ += wrote;
+    bytes = bytes.subspan(static_cast<std::size_t>(wrote));
+  }
+  return {};
+}
+
+Result<std::string> Upload::Finish() {
+  if (bytes_ == 0) {
+    return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
+  }
+  if (fsync(fd_) != 0) return OsError("fsync " + temporary_.string(), errno);
+  close(std::exchange(fd_, -1));
+  const std::filesystem::path published = folder_ / stored_name_;
+  // The flight may have been deleted meanwhile; then its folder is gone and this fails, as it should.
+  if (rename(temporary_.c_str(), published.c_str()) != 0) {
+    const int code = errno;
+    if (access(folder_.parent_path().parent_path().c_str(), F_OK) != 0) return FolderGone();
+    if (code == ENOENT) return Error{ErrorCode::kNotFound, "The flight was deleted during the upload.", ""};
+    errno = code;
+    return OsError("rename to " + published.string(), errno);
+  }
+  temporary_.clear();
+  const Result<void> synced = SyncFolder(folder_);
+  if (!synced) return synced.error();
+  return stored_name_;
+}
+
+Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
+  if (declared_bytes > kMaxFileBytes) {
+    return Error{ErrorCode::kTooLarge, "This file is larger than 4 GiB, more than the server takes.", ""};
+  }
+  struct statvfs disk {};
+  if (statvfs(dir_.root().c_str(), &disk) != 0)
+    return errno == ENOENT ? FolderGone() : OsError("statvfs", errno);
+  const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+  if (free_bytes < kReservedBytes + static_cast<std::uint64_t>(declared_bytes)) {
+    return Error{ErrorCode::kOutOfSpace,
+                 "The server's disk has no room for this file. Free some space first.", ""};
+  }
+  return {};
+}
+
+Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::filesystem::path& path) const {
+  const Result<void> made = MakeFilesFolder(dir_, flight_id);
+  if (!made) return made.error();
+  const std::string stored_name = NewId();
+  const std::filesystem::path stored = dir_.Files(flight_id) / stored_name;
+  if (link(path.c_str(), stored.c_str()) != 0) return OsError("link " + stored.string(), errno);
+  const Result<void> synced = SyncFolder(dir_.Files(flight_id));
+  if (!synced) return synced.error();
+  return stored_name;
+}
+
+Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
+  const Result<void> fits = CheckSpace(declared_bytes);
+  if (!fits) return fits.error();
+  const Result<void> made = MakeFilesFolder(dir_, flight_id);
+  if (!made) return made.error();
+  const std::filesystem::path folder = dir_.Files(flight_id);
+  const std::filesystem::path temporary = dir_.Incoming() / dir_.NewTemporaryName(kUploadKind);
+  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
+  if (fd < 0) return OsError("open " + temporary.string(), errno);
+  return Upload(fd, temporary, folder);
+}
+
+std::filesystem::path PhotoStore::PathOf(const std::string& flight_id, const std::string& stored_name) const {
+  SKYQUILT_CHECK(IsId(stored_name), "an unchecked name came near a path");
+  return dir_.Files(flight_id) / stored_name;
+}
+
+void PhotoStore::Remove(const std::string& flight_id, const std::string& stored_name) const {
+  // A file that stays (a failing disk) the next start moves to lost/.
+  unlink(PathOf(flight_id, stored_name).c_str());
+}
+
+void PhotoStore::RemoveFlight(const std::string& flight_id) const {
+  // Out of sight in one step, then gone piece by piece; what a crash leaves in work/ the sweep removes: its
+  // name says that it was deleted.
+  const std::filesystem::path trash = dir_.Work() / dir_.NewTemporaryName(kDeletedKind);
+  std::error_code ignored;
+  std::filesystem::rename(dir_.Flight(flight_id), trash, ignored);
+  std::filesystem::remove_all(trash, ignored);
+}
+
+}  // namespace skyquilt::storage

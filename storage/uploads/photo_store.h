@@ -1,0 +1,70 @@
+// PhotoStore: the uploaded bytes. An upload streams into incoming/, is fsynced and renamed to a name of ours
+// below the flight; the name the user gave is data and never a path. What was not finished is removed when
+// the Upload goes out of scope, and by Sweep after a crash: its name says that it is temporary and ours. Any
+// thread; one Upload is used by one thread at a time. Errors: kInvalidArgument (a name that is a path),
+// kUnprocessable (no bytes), kTooLarge, kOutOfSpace, kIo.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/folder/data_dir.h"
+
+namespace skyquilt::storage {
+
+inline constexpr std::int64_t kMaxFileBytes = std::int64_t{4} << 30;
+
+// 1 to 255 bytes of UTF-8 without slashes, backslashes, control characters; not "." or "..".
+Result<void> CheckFileName(std::string_view name);
+bool IsValidUtf8(std::string_view text);
+
+class Upload {
+ public:
+  ~Upload();
+  Upload(Upload&& other) noexcept;
+  Upload& operator=(Upload&& other) noexcept;
+  Upload(const Upload&) = delete;
+  Upload& operator=(const Upload&) = delete;
+
+  Result<void> Write(std::span<const std::uint8_t> bytes);
+  std::int64_t bytes() const { return bytes_; }
+  // Durable in the flight's folder; answers the stored name. The caller then tells the catalogue.
+  Result<std::string> Finish();
+
+ private:
+  friend class PhotoStore;
+  Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder);
+  int fd_ = -1;
+  std::int64_t bytes_ = 0;
+  std::filesystem::path temporary_;  // empty once published
+  std::filesystem::path folder_;
+  std::string stored_name_;
+};
+
+class PhotoStore {
+ public:
+  explicit PhotoStore(DataDir dir) : dir_(std::move(dir)) {}
+
+  // `declared_bytes`: 0 when unknown.
+  Result<Upload> Begin(const std::string& flight_id, std::int64_t declared_bytes) const;
+  // Held against the file limit and the free space of the disk.
+  Result<void> CheckSpace(std::int64_t declared_bytes) const;
+  // A second name for a file of ours, in the flight's folder and durable; answers the stored name.
+  Result<std::string> Adopt(const std::string& flight_id, const std::filesystem::path& path) const;
+  std::filesystem::path PathOf(const std::string& flight_id, const std::string& stored_name) const;
+  void Remove(const std::string& flight_id, const std::string& stored_name) const;
+  // Files and maps of a flight that the catalogue no longer knows.
+  void RemoveFlight(const std::string& flight_id) const;
+  const DataDir& dir() const { return dir_; }
+
+ private:
+  DataDir dir_;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,116 @@
+// UploadSpool: uploads that go on after a break of either side. Bytes are appended to a file below uploads/;
+// what the catalogue calls the offset has been fsynced, so that even a power cut loses nothing that was
+// promised. A complete upload becomes a file of its flight in one transaction. One writer at a time: whoever
+// comes later takes over (its predecessor's connection is dead as a rule). Any thread. Errors: kNotFound (no
+// such upload or flight, or expired), kConflict (another offset; taken over by another request), kTooLarge,
+// kOutOfSpace, kUnprocessable, kIo.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/uploads/photo_store.h"
+
+namespace skyquilt::storage {
+
+inline constexpr std::chrono::hours kUploadLifetime{24};  // from its last byte on, by the AgeClock
+
+struct SpooledUpload {
+  std::string id;
+  std::string flight_id;
+  std::string name;
+  std::string metadata;
+  std::optional<std::int64_t> length;
+  std::int64_t offset = 0;
+  bool is_done = false;
+  Time expires;
+  std::string owner;               // id of the token that began it; empty without one
+  std::optional<StoredFile> file;  // what it became, in the answer to whoever completed it
+};
+
+class UploadSpool {
+ public:
+  UploadSpool(CatalogueDb& db, Catalogue& catalogue, const PhotoStore& store)
+      : db_(db), catalogue_(catalogue), store_(store) {}
+
+  class Append;
+
+  // `now` here and below: by the AgeClock.
+  Result<SpooledUpload> Create(const SpooledUpload& wish, Time now);
+  // kNotFound for an upload that another token began: to all others it is not there.
+  Result<void> CheckOwner(const std::string& id, const std::string& asker, Time now) const;
+  // Stops a writer that is under way, so that the offset holds until the next one.
+  Result<SpooledUpload> Find(const std::string& id, Time now);
+  // Takes bytes from `offset` on, which must be the upload's. With `all_or_nothing` they count only at
+  // Commit.
+  Result<std::unique_ptr<Append>> Begin(const std::string& id, std::int64_t offset, bool all_or_nothing,
+                                        Time now);
+  // Only where it was not known; kConflict else, kTooLarge beyond the file limit or below the offset.
+  Result<void> DeclareLength(const std::string& id, std::int64_t length, Time now);
+  Result<void> Remove(const std::string& id, Time now);
+
+  // Makes files of the uploads that were complete when a server died. At the start.
+  Result<std::vector<SpooledUpload>> FinishComplete(Time now);
+  // Expired uploads, with what is left of finished ones.
+  Result<int> RemoveExpired(Time now);
+  // Files of no upload that the catalogue knows. At the start, when none is being made.
+  Result<std::vector<std::filesystem::path>> StrayFiles() const;
+
+ private:
+  // What the writers of one upload share in this process.
+  struct Turn {
+    std::mutex mutex;
+    Append* writer = nullptr;  // whose turn it is
+  };
+  // Ends a writer's turn; what it has written is kept. The caller holds the turn's mutex.
+  static Result<void> TakeOver(Turn& turn, Time now);
+  std::shared_ptr<Turn> TurnOf(const std::string& id);
+  Result<SpooledUpload> Read(const std::string& id, Time now) const;
+  Result<void> SaveOffset(const std::string& id, std::int64_t offset, Time now) const;
+  Result<void> MakeFile(SpooledUpload& upload) const;
+  std::filesystem::path PathOf(const std::string& id) const;
+
+  CatalogueDb& db_;
+  Catalogue& catalogue_;
+  const PhotoStore& store_;
+  std::mutex mutex_;
+  std::map<std::string, std::weak_ptr<Turn>> turns_;
+};
+
+// One request's bytes. Destroyed without Commit: what came is kept, unless all-or-nothing. One thread at a
+// time.
+class UploadSpool::Append {
+ public:
+  ~Append();
+  Append(const Append&) = delete;
+  Append& operator=(const Append&) = delete;
+  Result<void> Write(std::span<const std::uint8_t> bytes);
+  const std::string& flight_id() const { return upload_.flight_id; }
+  bool has_length() const { return upload_.length.has_value(); }
+  std::int64_t saved_offset() const;  // what the catalogue has
+  // Durable; the upload as it is now. The last bytes make it a file of its flight.
+  Result<SpooledUpload> Commit(Time now);
+
+ private:
+  friend class UploadSpool;
+  Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd, bool all_or_nothing);
+  Result<void> Sync(Time now);
+
+  UploadSpool& spool_;
+  std::shared_ptr<Turn> turn_;
+  SpooledUpload upload_;  // offset: what the catalogue has
+  std::int64_t written_;  // offset of the next byte
+  int fd_;
+  bool all_or_nothing_;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,64 @@
+#include "core/alignment/matching/verified_pair.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace skyquilt::alignment {
+namespace {
+
+// Two photos of one ground, 80 m wide; matches of the second lie around the first's by `miss`.
+struct Matched {
+  PhotoFeatures features;
+  std::vector<GroundKeypoint> first, second;
+  std::vector<KeypointMatch> matches;
+
+  template <typename Miss>
+  Matched(int count, const Miss& miss) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> place(0.0, 80.0);
+    for (int i = 0; i < count; ++i) {
+      const std::complex<double> at(place(random), place(random));
+      first.push_back({at, 0.0F, 0.0F, true});
+      second.push_back({at + miss(random), 0.0F, 0.0F, true});
+      matches.push_back({i, i});
+    }
+  }
+  std::optional<VerifiedPair> Fit(const LinkOptions& options) const {
+    return VerifyPair({&features, &first}, {&features, &second}, matches, options);
+  }
+};
+
+// A window of 4.5 m after a first correction, cameras 30 m apart.
+LinkOptions NarrowWindow() {
+  LinkOptions options;
+  options.first_tolerance_m = 2.2;
+  options.last_tolerance_m = 1.0;
+  options.baseline_m = {30.0, 0.0};
+  options.search_area_m2 = 64.0;
+  options.min_matches = 8;
+  return options;
+}
+
+TEST(VerifyPair, FollowsAgreeingMatchesInANarrowWindowBetweenDistantCameras) {
+  std::normal_distribution<double> noise(0.0, 0.4);
+  const Matched matched(200, [&](std::mt19937& random) {
+    return std::complex<double>(3.0 + noise(random), -1.0 + noise(random));
+  });
+  const auto link = matched.Fit(NarrowWindow());
+  ASSERT_TRUE(link.has_value());
+  EXPECT_GT(link->matches.size(), 180u);
+  EXPECT_LT(
+      std::abs(link->second_from_first * std::complex<double>(40.0, 40.0) - std::complex<double>(43.0, 39.0)),
+      0.2);
+}
+
+TEST(VerifyPair, RefusesMatchesThatFillTheWindowByChance) {
+  std::uniform_real_distribution<double> anywhere(-4.0, 4.0);
+  const Matched matched(
+      300, [&](std::mt19937& random) { return std::complex<double>(anywhere(random), anywhere(random)); });
+  EXPECT_FALSE(matched.Fit(NarrowWindow()).has_value());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

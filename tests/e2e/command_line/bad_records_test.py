@@ -1,0 +1,132 @@
+"""Flights whose records are missing, in part or all, through the real program as it is: every photo on the map, and the
+report says which of them their records placed and which what they show."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY, DATA  # noqa: E402
+
+PHOTOS = 12
+
+
+def without_metadata(jpeg):
+    """The picture alone: no EXIF, no XMP, nothing that a camera wrote beside it."""
+    kept, at = [jpeg[:2]], 2
+    while jpeg[at + 1] != 0xDA:
+        size = 2 + int.from_bytes(jpeg[at + 2:at + 4], "big")
+        if not 0xE1 <= jpeg[at + 1] <= 0xEF:
+            kept.append(jpeg[at:at + size])
+        at += size
+    return b"".join(kept) + jpeg[at:]
+
+
+class BadRecords(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_bad_records_"))
+        # The same flight twice: recorded as a consumer drone does, and not at all.
+        for noise in ("xmp", "no-pose"):
+            subprocess.run([BINARY, "simulate", "-o", cls.scratch / noise, "--photos", str(PHOTOS), "--size", "800x600",
+                            "--relief-m", "2", "--noise", noise, "--no-world"], check=True, capture_output=True)
+        poses = [json.loads((cls.scratch / noise / "truth" / "poses.json").read_text())["photos"] for noise in ("xmp", "no-pose")]
+        assert [photo["camera_center_in_enu"] for photo in poses[0]] == [photo["camera_center_in_enu"] for photo in poses[1]]
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.scratch)
+
+    def stitch(self, photos, *arguments):
+        out = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
+        subprocess.run([BINARY, "stitch", photos, "-o", out, "--no-cog", "--no-pmtiles", *arguments], check=True, capture_output=True)
+        self.report = json.loads((out / "report.json").read_text())
+        return self.report
+
+    def assert_whole(self, count):
+        self.assertEqual(self.report["photos"], {"total": count, "aligned": count, "pose_only": 0, "left_out": 0})
+        self.assertEqual(self.report["alignment"]["pieces"], 1)
+        self.assertGreater(self.report["tile_count"], 0)
+
+    def placed_by(self):
+        return {photo["name"]: photo["placed_by"] for photo in self.report["alignment"]["photo_reports"]}
+
+    def test_good_records_hold(self):
+        alignment = self.stitch(self.scratch / "xmp" / "photos")["alignment"]
+        self.assert_whole(PHOTOS)
+        self.assertEqual(alignment["placed_by"], "records")
+        self.assertEqual(set(self.placed_by().values()), {"records"})
+        self.assertEqual(alignment["second_leg"]["pairs_compared"], 0)
+        self.assertIn("the recorded poses hold", alignment["second_leg"]["outcome"])
+
+    def assert_not_georeferenced(self):
+        self.assert_whole(PHOTOS)
+        self.assertFalse(self.report["is_placed"])
+        self.assertEqual(self.report["alignment"]["placed_by"], "images")
+        self.assertEqual(set(self.placed_by().values()), {"images"})
+        self.assertIn("no usable position or height", self.report["alignment"]["second_leg"]["why"])
+        self.assertIn("NOT GEOREFERENCED", self.report["warnings"][0])
+
+    def test_without_any_position_the_map_is_whole_and_not_georeferenced(self):
+        self.stitch(self.scratch / "no-pose" / "photos")
+        self.assert_not_georeferenced()
+
+    def test_so_it_is_with_bare_pictures(self):
+        bare = self.scratch / "bare"
+        bare.mkdir()
+        for photo in (self.scratch / "xmp" / "photos").iterdir():
+            (bare / photo.name).write_bytes(without_metadata(photo.read_bytes()))
+        self.stitch(bare)
+        self.assert_not_georeferenced()
+
+    def test_a_few_photos_without_position_join_the_others(self):
+        mixed = self.scratch / "mixed"
+        shutil.copytree(self.scratch / "xmp" / "photos", mixed)
+        names = sorted(photo.name for photo in mixed.iterdir())
+        lost = {names[4], names[5]}
+        for name in lost:
+            shutil.copy(self.scratch / "no-pose" / "photos" / name, mixed / name)
+        alignment = self.stitch(mixed)["alignment"]
+        self.assert_whole(PHOTOS)
+        self.assertTrue(self.report["is_placed"])
+        self.assertEqual(alignment["placed_by"], "records")
+        self.assertEqual({name for name, by in self.placed_by().items() if by == "images"}, lost)
+
+    def test_photos_of_nothing_in_common_are_refused_with_the_reason(self):
+        single = self.scratch / "single"
+        single.mkdir()
+        first = sorted((self.scratch / "no-pose" / "photos").iterdir())[0]
+        shutil.copy(first, single / first.name)
+        refused = subprocess.run([BINARY, "stitch", single, "-o", self.scratch / "none"], capture_output=True, text=True)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("no photo records where it was taken", refused.stderr)
+
+    def real(self, name):
+        folder = DATA / name
+        if not folder.is_dir():
+            self.skipTest(f"{name} is not here")
+        return folder
+
+    def test_a_climb_without_angles_is_one_block(self):
+        self.stitch(self.real("caliterra_75"))
+        self.assert_whole(75)
+        self.assertLess(self.report["alignment"]["residual_rms_px"], 0.6)
+        self.assertLess(self.report["seams"]["median_gsd"], 1.0)
+        # Its receiver is far worse than it says, which must not pass in silence.
+        self.assertIn("CONTRADICT", self.report["warnings"][0])
+
+    def test_a_kites_flight_without_positions_is_a_map(self):
+        photos = self.scratch / "kite"
+        shutil.copytree(self.real("copr_41") / "images", photos)
+        self.stitch(photos)
+        self.assertGreaterEqual(self.report["photos"]["aligned"], 38)
+        self.assertEqual(self.report["alignment"]["pieces"], 1)
+        self.assertFalse(self.report["is_placed"])
+        self.assertIn("NOT GEOREFERENCED", self.report["warnings"][0])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,86 @@
+"""The layers beside a map: asked for by a job's options, served as tilesets of their own, explained by layers.json."""
+import json
+import pathlib
+import sqlite3
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import ServerTestCase, path_of, tile_of  # noqa: E402
+
+LAYERS = ["photo", "error", "height"]
+
+
+class Layers(ServerTestCase):
+    def map_of(self, server, options):
+        status, answer = server.upload(self.photos, name="Layers", options=json.dumps(options))
+        self.assertEqual(status, 202, answer)
+        flight_id, job_id = answer["flight"]["id"], answer["job"]["id"]
+        job = server.wait_for_job(job_id)
+        self.assertEqual(job["state"], "successful", job)
+        return flight_id
+
+    def test_each_is_a_tileset_of_its_own(self):
+        server = self.serve()
+        flight_id = self.map_of(server, {"layers": LAYERS})
+        _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
+        self.assertEqual([layer["id"] for layer in tilejson["layers"]], LAYERS)
+        west, south, east, north = tilejson["bounds"]
+        for layer in tilejson["layers"]:
+            status, document = server.json("GET", path_of(layer["tilejson"]))
+            self.assertEqual(status, 200, document)
+            self.assertEqual(document["bounds"], tilejson["bounds"])
+            self.assertLess(document["maxzoom"], tilejson["maxzoom"])
+            self.assertEqual(document.get("encoding"), "terrarium" if layer["id"] == "height" else None)
+            zoom = document["maxzoom"]
+            x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+            url = path_of(document["tiles"][0].format(z=zoom, x=x, y=y))
+            status, headers, tile = server.request("GET", url)
+            self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
+            self.assertIn("immutable", headers["Cache-Control"])
+            self.assertEqual(server.request("GET", url, headers={"If-None-Match": headers["ETag"]})[0], 304)
+
+            status, headers, file = server.request("GET", f"/api/v1/flights/{flight_id}/layer_{layer['id']}.mbtiles")
+            self.assertEqual(status, 200)
+            with tempfile.TemporaryDirectory() as folder:
+                path = pathlib.Path(folder, "layer.mbtiles")
+                path.write_bytes(file)
+                with sqlite3.connect(path) as layer_file:
+                    found = layer_file.execute(
+                        "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
+                        (zoom, x, 2 ** zoom - 1 - y)).fetchone()
+            self.assertEqual(bytes(found[0]), tile)
+        _, legends = server.json("GET", f"/api/v1/flights/{flight_id}/layers.json")
+        self.assertEqual(sorted(legends), sorted(LAYERS))
+        self.assertEqual(sorted(entry["photo"] for entry in legends["photo"]["colours"]),
+                         sorted(name for name, _ in self.photos))
+        least_m, most_m = legends["height"]["range_m"]
+        self.assertLessEqual(least_m, most_m)
+        self.assertEqual(server.request("GET", f"/api/v1/flights/{flight_id}/thumbnail.png")[2][:4], b"\x89PNG")
+
+    def test_a_map_without_them_says_how_to_get_them(self):
+        server = self.serve()
+        flight_id = self.map_of(server, {"layers": ["error"]})
+        _, tilejson = server.json("GET", f"/tiles/{flight_id}.json")
+        self.assertEqual([layer["id"] for layer in tilejson["layers"]], ["error"])
+        status, problem = server.json("GET", f"/tiles/{flight_id}/height.json")
+        self.assertEqual(status, 404)
+        self.assertIn('"layers": ["height"]', problem["detail"])
+        for path in (f"/tiles/{flight_id}/depth.json", f"/tiles/{flight_id}/depth/1/0/0", f"/tiles/{flight_id}/error",
+                     f"/tiles/{flight_id}/height/1/0/0"):
+            self.assertEqual(server.request("GET", path)[0], 404, path)
+        for path in (f"/tiles/{flight_id}/error/1/0/0.jpg", f"/tiles/{flight_id}/error/1/0/0@2x.png",
+                     f"/tiles/{flight_id}/error/1/0/x"):
+            self.assertEqual(server.request("GET", path)[0], 400, path)
+
+    def test_what_is_no_list_of_layers_is_refused(self):
+        server = self.serve()
+        for layers in ("photo", ["photo", "photo"], ["depth"], [1], {"photo": True}):
+            status, answer = server.upload(self.photos[:1], options=json.dumps({"layers": layers}))
+            self.assertEqual(status, 422, answer)
+            self.assertIn("layers", answer["detail"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,220 @@
+"""Photos without GPS and a flight log, through the real program: every photo placed, the camera's clock found, poses
+held against the simulated truth; and the short hop without any GNSS that the source paper flies."""
+import datetime
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY as PROGRAM  # noqa: E402
+from server_support import Server
+
+CLOCK_AHEAD_S = 3607.3
+RADIUS_M = 6371000.0
+
+
+def run(*arguments):
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def rms(values):
+    return math.sqrt(sum(v * v for v in values) / len(values))
+
+
+class Result:
+    """One map beside the truth of its flight."""
+
+    def __init__(self, flight, out):
+        self.report = json.loads((out / "report.json").read_text())
+        self.poses = self.report["poses"]
+        truth = {p["name"]: p for p in json.loads((flight / "truth/poses.json").read_text())["photos"]}
+        photos = [f["properties"] for f in json.loads((out / "photos.geojson").read_text())["features"]]
+        self.across, self.height, self.turn, self.radius = [], [], [], []
+        for photo in photos:
+            true = truth[photo["name"]]
+            north = math.radians(photo["camera_lat"] - true["lat_deg"]) * RADIUS_M
+            east = math.radians(photo["camera_lon"] - true["lon_deg"]) * RADIUS_M * math.cos(math.radians(true["lat_deg"]))
+            self.across.append(math.hypot(north, east))
+            self.height.append(photo["camera_height_above_ground_m"] - true["camera_center_in_enu"][2])
+            self.radius.append(photo["error_radius_m"])
+            # The image's top: the camera's -y axis in enu, from the truth's cam_from_enu.
+            w, x, y, z = true["cam_from_enu_wxyz"]
+            top_e, top_n = -2 * (x * y + w * z), -(1 - 2 * (x * x + z * z))
+            heading = math.degrees(math.atan2(top_e, top_n))
+            self.turn.append((photo["yaw_deg"] - heading + 180) % 360 - 180)
+        self.count = len(photos)
+
+    def print(self, name):
+        ahead = self.poses["camera_ahead_of_utc_s"]
+        print(f"{name}: {self.count} photos, {rms(self.across):.2f} m across, {rms(self.height):.2f} m in height, "
+              f"yaw {rms(self.turn):.2f} deg, clock {'not found' if ahead is None else f'{ahead:.3f} s ahead'}, "
+              f"stated radius {sorted(self.radius)[self.count // 2]:.2f} m")
+
+
+class LoggedFlightTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        cls.flight = cls.folder / "flight"
+        run("simulate", "-o", cls.flight, "--photos", 60, "--size", "640x480", "--height", 60, "--noise", "no-pose",
+            "--log", "dataflash", "ulog", "csv", "--clock-offset-s", CLOCK_AHEAD_S, "--clock-seconds", "--no-world",
+            "--seed", 5)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def stitch(self, log, *more):
+        out = self.folder / ("map_" + log)
+        run("stitch", self.flight / "photos", self.flight / "logs" / log, "-o", out, "--no-cog", *more)
+        result = Result(self.flight, out)
+        result.print(log)
+        return result
+
+    def check(self, result):
+        self.assertEqual(result.count, 60)
+        self.assertEqual(result.report["photos"]["left_out"], 0)
+        self.assertTrue(result.report["is_placed"])
+        self.assertAlmostEqual(result.poses["camera_ahead_of_utc_s"], CLOCK_AHEAD_S, delta=0.05)
+        # GNSS wanders by 1 m east and north and 1.8 m up; a flight is a few draws of it.
+        self.assertLess(rms(result.across), 3.0)
+        self.assertLess(rms(result.height), 2.0)
+        self.assertLess(rms(result.turn), 1.0)
+        within = sum(a <= 3 * r for a, r in zip(result.across, result.radius))
+        self.assertGreaterEqual(within, 59)
+
+    def test_places_photos_by_a_dataflash_log(self):
+        self.check(self.stitch("flight.BIN", "--method", "imu"))
+
+    def test_places_photos_by_a_ulog(self):
+        self.check(self.stitch("flight.ulg", "--method", "imu"))
+
+    def test_places_photos_by_csv(self):
+        self.check(self.stitch("flight.csv", "--method", "imu"))
+
+    def test_refines_them_by_their_pictures(self):
+        result = self.stitch("flight.BIN", "--max-memory", "0.5")
+        self.assertGreaterEqual(result.report["photos"]["aligned"], 55)
+        self.assertLess(rms(result.across), 3.0)
+
+    def test_says_what_is_missing_without_the_log(self):
+        done = subprocess.run([PROGRAM, "stitch", self.flight / "photos", "-o", self.folder / "nothing"],
+                              capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("flight log", done.stderr)
+
+    def test_tells_in_inspection_what_the_log_holds(self):
+        verdict = json.loads(run("inspect", self.flight / "photos", self.flight / "logs/flight.BIN", "--json"))
+        self.assertEqual(verdict["photos_placeable"], 60)
+        (log,) = verdict["logs"]
+        self.assertEqual(log["format"], "dataflash")
+        self.assertGreater(log["series"]["imu"]["rate_hz"], 40)
+        self.assertAlmostEqual(verdict["poses"]["camera_ahead_of_utc_s"], CLOCK_AHEAD_S, delta=0.05)
+
+
+    def test_takes_the_log_with_an_upload(self):
+        files = [(path.name, path.read_bytes()) for path in sorted((self.flight / "photos").iterdir())]
+        files.append(("flight.BIN", (self.flight / "logs/flight.BIN").read_bytes()))
+        server = Server(tempfile.mkdtemp(dir=self.folder))
+        try:
+            status, made = server.upload(files, options='{"method": "imu"}')
+            self.assertEqual(status, 202)
+            flight = made["flight"]["id"]
+            status, verdict = server.json("GET", f"/api/v1/flights/{flight}/verdict")
+            self.assertEqual((status, verdict["photos_placeable"]), (200, 60))
+            self.assertEqual(verdict["logs"][0]["format"], "dataflash")
+            job = server.wait_for_job(made["job"]["id"])
+            self.assertEqual(job["state"], "successful", job)
+            placed = server.json("GET", f"/api/v1/flights/{flight}")[1]["photos"]
+            self.assertEqual(placed["left_out"], 0)
+        finally:
+            server.stop()
+
+
+class ExposureLogTest(unittest.TestCase):
+    """A consumer drone's photos beside the exposure log (MRK) of an RTK receiver."""
+
+    def test_surveyed_positions_overrule_those_of_the_photos(self):
+        with tempfile.TemporaryDirectory() as folder:
+            flight = pathlib.Path(folder)
+            run("simulate", "-o", flight, "--photos", 24, "--size", "320x240", "--noise", "xmp", "--no-world", "--seed", 4)
+            start = datetime.datetime(2024, 6, 1, 10, tzinfo=datetime.timezone.utc).timestamp()
+            rows = []
+            for row, photo in enumerate(json.loads((flight / "truth/poses.json").read_text())["photos"], 1):
+                gps_s = start + photo["t_s"] - 315964800 + 18  # GPS time began in 1980 and knows no leap seconds
+                rows.append(f"{row}\t{gps_s % 604800:.6f}\t[{int(gps_s // 604800)}]\t     0,N\t     0,E\t   190,V\t"
+                            f"{photo['lat_deg']:.9f},Lat\t{photo['lon_deg']:.9f},Lon\t"
+                            f"{photo['height_ellipsoid_m']:.3f},Ellh\t0.010000, 0.010000, 0.020000\t50,Q\n")
+            (flight / "photos/flight_Timestamp.MRK").write_text("".join(rows))
+            run("stitch", flight / "photos", "-o", flight / "map", "--method", "imu", "--no-cog")
+            result = Result(flight, flight / "map")
+            result.print("MRK")
+            self.assertEqual(result.count, 24)
+            self.assertLess(max(result.across), 0.01)
+            # The barometer sets the common zero; against each other the heights are the receiver's.
+            self.assertLess(max(result.height) - min(result.height), 0.02)
+
+
+class HopWithoutGnssTest(unittest.TestCase):
+    """20 m high, no GNSS, a marker at take-off, a range finder; the source paper's case."""
+
+    SEEDS = range(1, 6)
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        for seed in cls.SEEDS:
+            run("simulate", "-o", cls.folder / f"hop_{seed}", "--photos", 8, "--size", "640x480", "--height", 20,
+                "--speed", 4, "--overlap", 0.7, "--sidelap", 0.6, "--noise", "no-pose", "--log", "dataflash",
+                "--log-without-gnss", "--log-range", "--no-world", "--seed", seed)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def stitch(self, name, seed, *more):
+        flight = self.folder / f"hop_{seed}"
+        out = self.folder / f"{name}_{seed}"
+        run("stitch", flight / "photos", flight / "logs/flight.BIN", "-o", out, "--no-cog", "--method", "imu", *more)
+        result = Result(flight, out)
+        result.print(out.name)
+        return result
+
+    def reckon_all(self, name, *more):
+        results = []
+        for seed in self.SEEDS:
+            start = json.loads((self.folder / f"hop_{seed}/truth/poses.json").read_text())["origin"]
+            results.append(self.stitch(name, seed, "--origin", f"{start['lat_deg']},{start['lon_deg']}", *more))
+        # The radius is one sigma of both directions together: 1.73 of it hold 95 %.
+        photos = [photo for result in results for photo in zip(result.across, result.radius)]
+        within = sum(error <= 1.73 * radius for error, radius in photos)
+        self.assertGreaterEqual(within, 0.95 * len(photos))
+        for result in results:
+            self.assertEqual(result.count, 8)
+            self.assertTrue(result.report["is_placed"])
+            self.assertGreater(result.report["tile_count"], 0)
+            self.assertLess(rms(result.height), 0.5)
+        return sum(rms(result.across) for result in results) / len(results)
+
+    def test_reckons_from_the_start_marker(self):
+        self.assertLess(self.reckon_all("start"), 1.3 * 14.0)
+
+    def test_does_better_when_it_landed_where_it_started(self):
+        self.assertLess(self.reckon_all("loop", "--landed-at-start"), 1.3 * 2.1)
+
+    def test_says_that_it_is_not_placed_without_an_origin(self):
+        result = self.stitch("unplaced", 1)
+        self.assertFalse(result.report["is_placed"])
+        self.assertTrue(any("--origin" in warning for warning in result.report["warnings"]))
+        self.assertGreater(result.report["tile_count"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

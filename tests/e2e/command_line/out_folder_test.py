@@ -1,0 +1,115 @@
+"""A finished map and files of others in the folder of -o are replaced only by those who say so."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY  # noqa: E402
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+class OutFolder(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_out_"))
+        for name, seed in (("one", "1"), ("other", "2")):
+            subprocess.run([BINARY, "simulate", "-o", cls.scratch / f"sim_{name}", "--photos", "4", "--size", "400x300",
+                            "--seed", seed, "--no-world"], check=True, capture_output=True)
+            shutil.copytree(cls.scratch / f"sim_{name}" / "photos", cls.scratch / name)
+        cls.map = cls.scratch / "map"
+        done = cls.stitch(cls.scratch / "one", cls.map)
+        assert done.returncode == 0, done.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.scratch)
+
+    @staticmethod
+    def stitch(photos, out, *arguments):
+        return subprocess.run([BINARY, "stitch", photos, "-o", out, "--method", "imu", "--no-cog", "--no-pmtiles", *arguments],
+                              capture_output=True, text=True)
+
+    def copy_of_map(self, name):
+        out = self.scratch / name
+        shutil.copytree(self.map, out)
+        return out
+
+    def check_refused(self, out, done, *words):
+        self.assertEqual(done.returncode, 1, done.stderr)
+        for word in words:
+            self.assertIn(word, done.stderr)
+
+    def test_a_map_of_other_photos_stays(self):
+        out = self.copy_of_map("kept")
+        before = contents(out)
+        done = self.stitch(self.scratch / "other", out)
+        self.check_refused(out, done, "finished map of other photos", "--append", "--overwrite")
+        self.assertEqual(contents(out), before)
+        # With the word it is replaced.
+        done = self.stitch(self.scratch / "other", out, "--overwrite")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotEqual(contents(out)["mosaic.mbtiles"], before["mosaic.mbtiles"])
+
+    def test_the_same_photos_are_stitched_again_wherever_they_lie(self):
+        out = self.copy_of_map("again")
+        elsewhere = self.scratch / "elsewhere"
+        shutil.copytree(self.scratch / "one", elsewhere)
+        done = self.stitch(elsewhere, out, "--quality", "60")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_more_photos_with_all_of_the_map_make_it_grow(self):
+        out = self.copy_of_map("grown")
+        both = self.scratch / "both"
+        both.mkdir()
+        for name in ("one", "other"):
+            for photo in (self.scratch / name).iterdir():
+                shutil.copy(photo, both / f"{name}_{photo.name}")
+        done = self.stitch(both, out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads((out / "report.json").read_text())["photos"]["total"], 8)
+        fewer = self.stitch(self.scratch / "one", out)
+        self.check_refused(out, fewer, "4 of its 8 photos")
+
+    def test_a_map_that_does_not_say_of_which_photos_stays(self):
+        out = self.copy_of_map("unknown")
+        (out / "mosaic.state").unlink()
+        before = contents(out)
+        done = self.stitch(self.scratch / "one", out)
+        self.check_refused(out, done, "mosaic.mbtiles", "mosaic.state", "--overwrite")
+        self.assertEqual(contents(out), before)
+        (out / "mosaic.state").write_bytes(b"no database at all")
+        self.check_refused(out, self.stitch(self.scratch / "one", out), "--overwrite")
+        self.assertEqual(self.stitch(self.scratch / "one", out, "--overwrite").returncode, 0)
+
+    def test_files_of_others_are_not_taken_for_products(self):
+        for name in ("geo.txt", "report.json", "layers.json", "mosaic.tif"):
+            out = self.scratch / f"others_{name}"
+            out.mkdir()
+            (out / name).write_text("mine")
+            self.check_refused(out, self.stitch(self.scratch / "one", out), name, "--overwrite")
+            self.assertEqual(contents(out), {name: b"mine"})
+        # Files with names of their own are no hindrance, and stay.
+        out = self.scratch / "with_notes"
+        out.mkdir()
+        (out / "notes.txt").write_text("mine")
+        self.assertEqual(self.stitch(self.scratch / "one", out).returncode, 0)
+        self.assertEqual((out / "notes.txt").read_text(), "mine")
+
+    def test_a_file_that_is_read_is_never_replaced(self):
+        photos = self.scratch / "with_geo"
+        shutil.copytree(self.scratch / "one", photos)
+        (photos / "geo.txt").write_text("EPSG:4326\n")
+        self.check_refused(photos, self.stitch(photos, photos), "geo.txt")
+        self.check_refused(photos, self.stitch(photos, photos, "--overwrite"), "geo.txt", "one of the files given")
+        self.assertEqual((photos / "geo.txt").read_text(), "EPSG:4326\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,64 @@
+"""report.json keeps to its schema, whatever was stitched, and its counts agree with the map and the footprints."""
+import json
+import pathlib
+import shutil
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import jsonschema
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY  # noqa: E402
+
+SCHEMA = json.loads(pathlib.Path(__file__).resolve().parents[3].joinpath("core", "pipeline", "report.schema.json").read_text())
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_report_"))
+        subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "5", "--size", "640x480",
+                        "--no-world"], check=True, capture_output=True)
+        (cls.scratch / "sim" / "photos" / "notes.jpg").write_text("no picture")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.scratch)
+
+    def stitch(self, *arguments):
+        out = self.scratch / ("out" + "".join(arguments))
+        subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, "--no-cog", *arguments],
+                       check=True, capture_output=True)
+        report = json.loads((out / "report.json").read_text())
+        jsonschema.validate(report, SCHEMA)
+        photos = report["photos"]
+        self.assertEqual(photos["total"], photos["aligned"] + photos["pose_only"] + photos["left_out"])
+        self.assertEqual(photos["total"], 6)
+        self.assertEqual([photo["name"] for photo in report["left_out_photos"]], ["notes.jpg"])
+        footprints = json.loads((out / "photos.geojson").read_text())["features"]
+        self.assertEqual(len(footprints), photos["aligned"] + photos["pose_only"])
+        with sqlite3.connect(out / "mosaic.mbtiles") as mbtiles:
+            self.assertEqual(mbtiles.execute("SELECT count(*) FROM tiles").fetchone()[0], report["tile_count"])
+        return report
+
+    def test_the_default_way(self):
+        self.assertEqual(self.stitch()["photos"]["aligned"], 5)
+
+    def test_a_size_of_pixels_that_none_can_have_is_refused(self):
+        for size in ("nan", "0", "-1"):
+            refused = subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", self.scratch / "none", f"--gsd={size}"],
+                                     capture_output=True, text=True)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn("gsd_m is", refused.stderr)
+            self.assertFalse((self.scratch / "none" / "mosaic.mbtiles").exists())
+
+    def test_by_poses_alone(self):
+        report = self.stitch("--method=imu")
+        self.assertEqual((report["photos"]["pose_only"], report["alignment"]), (5, None))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,41 @@
+#include "storage/exports/thumbnail_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "storage/exports/cog_writer.h"
+#include "tests/storage/painted_tileset.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+TEST(WriteThumbnail, ShowsTheMapSmallAndTransparentOutside) {
+  const ScratchDir dir;
+  test::WritePaintedTileset(dir.path() / "map.mbtiles",
+                            {.first_column = 512, .first_row = 512, .columns = 8, .rows = 4});
+  SilentProgress progress;
+  ASSERT_TRUE(WriteCog(dir.path() / "map.mbtiles", dir.path() / "map.tif", {85, 1}, progress));
+  ASSERT_TRUE(WriteThumbnail(dir.path() / "map.tif", dir.path() / "small.png", 300));
+  const cv::Mat picture = cv::imread((dir.path() / "small.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.type(), CV_8UC4);
+  EXPECT_EQ(std::max(picture.cols, picture.rows), 300);
+  int covered = 0, open = 0;
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const auto alpha = picture.at<cv::Vec4b>(y, x)[3];
+      covered += alpha == 255, open += alpha == 0;
+    }
+  }
+  EXPECT_GT(covered, 5000);
+  EXPECT_GT(open, 1000);
+}
+
+TEST(WriteThumbnail, SaysWhatIsMissing) {
+  const ScratchDir dir;
+  EXPECT_FALSE(WriteThumbnail(dir.path() / "none.tif", dir.path() / "small.png", 300));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

@@ -1,0 +1,280 @@
+// The open flight in the panel: its name, what is happening to it (upload, job, failure), and its report.
+/** @import { Flight, Job } from '../shared/types.js' */
+/** @import { Stage } from '../map/stage.js' */
+import { announce, showError } from '../shared/announce.js';
+import { ApiError, getFlight, getReport, startJob } from '../shared/api.js';
+import { h, put } from '../shared/dom.js';
+import { flightFacts, mayChange, stateChip } from './flight_list.js';
+import { followFlight } from './follow_flight.js';
+import { icon } from '../shared/icons.js';
+import { isOver, watchJob } from './job_watch.js';
+import { jobView } from './job_view.js';
+import { linksView } from './links_view.js';
+import { reportView } from './report_view.js';
+import { strings } from '../shared/strings.js';
+import { uploadOf } from '../upload/uploads.js';
+import { uploadView } from '../upload/upload_view.js';
+
+/**
+ * @typedef {object} FlightActions
+ * @property {(flight: Flight) => void} rename
+ * @property {(flight: Flight) => void} remove
+ * @property {(flight: Flight) => void} share
+ * @property {() => void} add_photos
+ * @property {(flight: Flight) => void} on_flight called with each new state of the flight
+ */
+
+export class FlightView {
+  /** @type {Flight|null} */
+  flight = null;
+  element = h('div', { class: 'flight-view' });
+  #head = h('div', { class: 'flight-head' });
+  #work = h('div', { class: 'work' });
+  #result = h('div', { class: 'result' });
+  #abort = new AbortController();
+  /** @type {(() => void)[]} */
+  #closers = [];
+  #shown_revision = '';
+  /** @type {(() => void)|null} */
+  #endFollowing = null;
+
+  /**
+   * @param {string} id
+   * @param {Stage} stage
+   * @param {FlightActions} actions
+   */
+  constructor(id, stage, actions) {
+    this.id = id;
+    this.stage = stage;
+    this.actions = actions;
+    this.element.append(
+      h('a', { class: 'back-link', href: '#/' }, icon('back'), strings.flights.back),
+      this.#head,
+      this.#work,
+      this.#result,
+    );
+  }
+
+  close() {
+    this.#abort.abort();
+    this.#endWork();
+    this.#endFollowing?.();
+  }
+
+  // Until there is a map, its preview grows.
+  #followUntilMap() {
+    if (this.flight?.tilejson) {
+      this.#endFollowing?.();
+      this.#endFollowing = null;
+      return;
+    }
+    this.#endFollowing ??= followFlight(this.id, {
+      on_preview: (growth) => {
+        const flight = this.flight;
+        if (!flight || flight.tilejson) return;
+        flight.preview = { ...growth, tilejson: flight.preview?.tilejson ?? `/tiles/${this.id}.json?rev=preview` };
+        this.stage.grow(flight, growth.changed).catch(showError);
+      },
+      on_map: () => void this.refresh(),
+    });
+  }
+
+  #endWork() {
+    for (const close of this.#closers) close();
+    this.#closers = [];
+  }
+
+  /** Loads the flight anew and shows what it is at. */
+  async refresh() {
+    try {
+      const flight = await getFlight(this.id, this.#abort.signal);
+      if (this.#abort.signal.aborted) return;
+      this.flight = flight;
+      this.actions.on_flight(flight);
+      this.drawHead(flight);
+      this.#drawWork(flight);
+      this.#followUntilMap();
+      await this.#drawResult(flight);
+    } catch (error) {
+      if (this.#abort.signal.aborted) return;
+      const gone = error instanceof ApiError && (error.status === 404 || error.status === 400);
+      this.#say(gone ? strings.flights.gone : error instanceof Error ? error.message : String(error), () => this.refresh(), !gone);
+    }
+  }
+
+  /** @param {string} text @param {() => void} again @param {boolean} can_retry */
+  #say(text, again, can_retry) {
+    put(
+      this.#work,
+      h('div', { class: 'callout callout-error', role: 'alert' }, h('p', {}, text),
+        can_retry && h('button', { type: 'button', class: 'button small', on: { click: again } }, icon('retry'), strings.errors.retry)),
+    );
+  }
+
+  /** @param {Flight} flight */
+  drawHead(flight) {
+    const words = strings.flights;
+    const button = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) =>
+      h('button', { type: 'button', class: 'icon-button', id, 'aria-label': label, title: label, on: { click: run } }, icon(name));
+    const focused = this.#head.contains(document.activeElement) ? document.activeElement?.id : '';
+    document.title = `${flight.name} · Skyquilt`;
+    put(
+      this.#head,
+      h(
+        'div',
+        { class: 'row between top' },
+        h('h1', { class: 'flight-title', id: 'flight-title', tabindex: -1 }, flight.name),
+        h(
+          'div',
+          { class: 'head-actions no-print' },
+          ...(mayChange(flight)
+            ? [
+                button('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
+                button('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
+                button('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
+                button('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
+              ]
+            : []),
+        ),
+      ),
+      h('p', { class: 'flight-facts' }, stateChip(flight), ' ', flightFacts(flight)),
+    );
+    if (focused) document.getElementById(focused)?.focus();
+  }
+
+  /** @param {Flight} flight */
+  #drawChip(flight) {
+    this.#head.querySelector('.chip')?.replaceWith(stateChip(flight));
+  }
+
+  /** @param {Flight} flight */
+  #drawWork(flight) {
+    this.#endWork();
+    const upload = uploadOf(flight.id);
+    if (upload) {
+      const view = uploadView(upload);
+      const done = () => void this.refresh();
+      const drawChip = () => this.#drawChip(flight);
+      upload.addEventListener('job', done);
+      upload.addEventListener('change', drawChip);
+      this.#closers.push(view.close, () => {
+        upload.removeEventListener('job', done);
+        upload.removeEventListener('change', drawChip);
+      });
+      put(this.#work, view.element);
+      return;
+    }
+    const job = flight.job;
+    if (job && !isOver(job)) {
+      this.#followJob(flight, job);
+      return;
+    }
+    // An older map stays when a later job fails: the state is 'ready' then, with an error.
+    if (flight.state === 'failed' || flight.error) {
+      this.#drawFailure(flight);
+      return;
+    }
+    if (flight.state === 'empty' || flight.state === 'uploaded') {
+      this.#drawWaiting(flight);
+      return;
+    }
+    put(this.#work);
+  }
+
+  /** @param {Flight} flight @param {Job} job */
+  #followJob(flight, job) {
+    const view = jobView(job.id);
+    const abort = new AbortController();
+    this.#closers.push(() => abort.abort());
+    view.update(job);
+    put(this.#work, view.element);
+    const listener = {
+      on_job: (/** @type {Job} */ next) => {
+        view.update(next);
+        if (!isOver(next)) {
+          Object.assign(flight, { job: next, state: next.state === 'accepted' ? 'queued' : 'processing' });
+          this.#drawChip(flight);
+          return;
+        }
+        announce(next.state === 'successful' ? strings.job.ready(flight.name) : next.state === 'failed' ? strings.job.failed : strings.job.cancelled);
+        void this.refresh();
+      },
+      on_lost: () => view.lost(),
+      on_gone: () => void this.refresh(),
+    };
+    watchJob(job.id, listener, abort.signal).catch(showError);
+  }
+
+  /** @param {Flight} flight */
+  #drawFailure(flight) {
+    const error = flight.error ?? flight.job?.error ?? null;
+    const text = typeof error === 'string' ? error : (error?.message ?? '');
+    put(
+      this.#work,
+      h(
+        'div',
+        { class: 'callout callout-error', role: 'alert', id: 'failure' },
+        h('p', { class: 'callout-title' }, icon('warning'), strings.job.failed),
+        text && h('p', {}, text),
+        mayChange(flight) && h('div', { class: 'row' }, this.#startButton(flight, strings.job.again), this.#addButton()),
+      ),
+    );
+  }
+
+  /** @param {Flight} flight */
+  #drawWaiting(flight) {
+    const cancelled = flight.job?.state === 'dismissed';
+    const hint = cancelled ? strings.job.cancelled : flight.state === 'uploaded' ? strings.upload.start_hint : strings.drop.resume_hint;
+    put(
+      this.#work,
+      h(
+        'div',
+        { class: 'callout', id: 'waiting' },
+        h('p', {}, hint),
+        flight.state === 'uploaded' && h('p', { class: 'muted' }, strings.drop.resume_hint),
+        mayChange(flight) && h('div', { class: 'row' }, flight.state === 'uploaded' && this.#startButton(flight, strings.upload.start), this.#addButton()),
+      ),
+    );
+  }
+
+  #addButton() {
+    return h('button', { type: 'button', class: 'button small', on: { click: this.actions.add_photos } }, icon('folder'), strings.drop.more);
+  }
+
+  /** @param {Flight} flight @param {string} label */
+  #startButton(flight, label) {
+    const button = h('button', { type: 'button', class: 'button small primary', id: 'start-job' }, icon('play'), label);
+    button.addEventListener('click', async () => {
+      button.disabled = true;
+      try {
+        await startJob(flight.id);
+      } catch (error) {
+        showError(error);
+      }
+      await this.refresh();
+    });
+    return button;
+  }
+
+  /** @param {Flight} flight */
+  async #drawResult(flight) {
+    const revision = String(flight.revision);
+    const is_new = Boolean(flight.tilejson) && revision !== this.#shown_revision;
+    // The report does not wait for the map: a slow graphics card must not hide the figures.
+    const report = is_new ? getReport(flight.id, this.#abort.signal).catch((error) => error) : null;
+    const shown = await this.stage.show(flight);
+    if (this.#abort.signal.aborted) return;
+    if (!flight.tilejson) put(this.#result);
+    if (!shown || !report) return;
+    this.#shown_revision = revision;
+    const found = await report;
+    if (this.#abort.signal.aborted) return;
+    if (found instanceof Error) showError(found);
+    put(
+      this.#result,
+      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos),
+      linksView(flight, shown.tilejson),
+    );
+    await shown.drawn;
+  }
+}

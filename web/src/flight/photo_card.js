@@ -1,0 +1,98 @@
+// The card of a photo: its record, stepping through all photos that see the clicked place, and opening them there.
+/** @import { PhotoRecord } from '../shared/types.js' */
+import { announce } from '../shared/announce.js';
+import { formatCoordinates } from '../map/coordinates.js';
+import { h, put } from '../shared/dom.js';
+import { formatDate, formatLength } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { openPhoto } from './photo_viewer.js';
+import { strings } from '../shared/strings.js';
+
+/** @param {string} name @param {string} label @param {() => void} run */
+const iconButton = (name, label, run) =>
+  h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: label, on: { click: run } }, icon(name));
+
+/**
+ * @param {PhotoRecord} record
+ * @returns {[string, string][]}
+ */
+function facts(record) {
+  const words = strings.photo;
+  const known = (/** @type {unknown} */ value) => typeof value === 'number' && Number.isFinite(value);
+  const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${Number(value).toFixed(1)}°` : '–');
+  /** @type {[string, string][]} */
+  const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
+  if (record.reason) rows.push([words.reason, record.reason]);
+  if (known(record.error_radius_m)) rows.push([words.error, `± ${formatLength(Number(record.error_radius_m))}`]);
+  if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
+  rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
+  if (known(record.camera_height_above_ground_m)) rows.push([words.height, formatLength(Number(record.camera_height_above_ground_m))]);
+  if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(', ')]);
+  return rows;
+}
+
+/**
+ * A photo of the card: its record, where its bytes are, and the pixel that shows the place where it is known.
+ * @typedef {{record: PhotoRecord, url: string, pixel: {x: number, y: number}|null}} SeenPhoto
+ */
+
+/**
+ * @param {{on_show: (record: PhotoRecord|null) => void}} listener
+ * @returns {{element: HTMLElement, show: (photos: SeenPhoto[]) => void, close: () => void}}
+ */
+export function photoCard(listener) {
+  const words = strings.photo;
+  const element = h('section', { class: 'photo-card floating', 'aria-label': words.placement, id: 'photo-card', hidden: true });
+  /** @type {SeenPhoto[]} */
+  let photos = [];
+  let shown = 0;
+
+  const close = () => {
+    if (element.hidden) return;
+    element.hidden = true;
+    photos = [];
+    listener.on_show(null);
+  };
+  const step = (/** @type {number} */ by) => {
+    shown = (shown + by + photos.length) % photos.length;
+    draw();
+    /** @type {HTMLElement|null} */ (element.querySelector(by > 0 ? '.step-next' : '.step-back'))?.focus();
+  };
+  const draw = () => {
+    const { record, url, pixel } = photos[shown];
+    const back = iconButton('back', words.previous, () => step(-1));
+    const next = iconButton('next', words.next, () => step(1));
+    back.classList.add('step-back');
+    next.classList.add('step-next');
+    put(
+      element,
+      h(
+        'div',
+        { class: 'row between card-head' },
+        h('h2', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
+        iconButton('close', words.close, close),
+      ),
+      h('dl', { class: 'record' }, ...facts(record).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
+      h('button', { type: 'button', class: 'button small', id: 'photo-open', on: { click: () => openPhoto({ name: record.name, url, pixel }) } },
+        icon('photo'), pixel ? words.open_here : words.open),
+      photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
+    );
+    element.hidden = false;
+    element.setAttribute('aria-label', record.name);
+    listener.on_show(record);
+    announce(record.name);
+  };
+  element.addEventListener('keydown', (event) => {
+    if (event.key === 'Escape') close();
+  });
+  return {
+    element,
+    show(next_photos) {
+      photos = next_photos;
+      shown = 0;
+      if (photos.length > 0) draw();
+      else close();
+    },
+    close,
+  };
+}

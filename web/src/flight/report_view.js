@@ -1,0 +1,91 @@
+// What was made and how good it is, in plain words first, then in pictures.
+/** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
+import { h } from '../shared/dom.js';
+import { formatArea, formatBytes, formatGsd } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
+import { strings } from '../shared/strings.js';
+import { drawThumbnail } from './thumbnail.js';
+import { reasonList } from '../upload/upload_view.js';
+
+/**
+ * @param {PhotoCounts} photos
+ * @returns {HTMLElement} one bar of three parts with its legend
+ */
+function placementBar(photos) {
+  const bar = h('div', { class: 'stack', 'aria-hidden': 'true' });
+  const legend = h('ul', { class: 'legend' });
+  for (const kind of /** @type {const} */ (['aligned', 'pose_only', 'left_out'])) {
+    if (photos[kind] === 0) continue;
+    const part = h('span', { class: `stack-${kind}` });
+    part.style.flexGrow = String(photos[kind]);
+    bar.append(part);
+    legend.append(h('li', {}, h('span', { class: `dot dot-${kind}` }), `${strings.placement[kind]} `, h('strong', {}, photos[kind])));
+  }
+  return h('div', {}, bar, legend);
+}
+
+/** @param {string} term @param {string} value */
+const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
+
+/**
+ * The map itself for the printed report, since the live map is not printed.
+ * @param {Flight} flight
+ * @returns {HTMLElement}
+ */
+function mapPicture(flight) {
+  const canvas = h('canvas', { class: 'map-picture', width: 420, height: 420, 'aria-hidden': 'true' });
+  drawThumbnail(flight, canvas).catch((error) => console.debug('no picture of the map', error));
+  return h('div', { class: 'picture print-only' }, canvas);
+}
+
+/**
+ * @param {Flight} flight
+ * @param {Report} report
+ * @param {PhotoCollection|null} photos
+ * @returns {HTMLElement}
+ */
+export function reportView(flight, report, photos) {
+  const words = strings.report;
+  const left_out = report.left_out_photos ?? [];
+  const warnings = report.warnings ?? [];
+  const placed = report.photos.aligned + report.photos.pose_only;
+  return h(
+    'section',
+    { class: 'block report', 'aria-labelledby': 'report-heading', id: 'report' },
+    h(
+      'div',
+      { class: 'row between' },
+      h('h2', { id: 'report-heading' }, words.heading),
+      h('button', { type: 'button', class: 'icon-button no-print', 'aria-label': words.print, title: words.print, on: { click: () => print() } }, icon('print')),
+    ),
+    h(
+      'dl',
+      { class: 'facts' },
+      fact(words.photos, `${placed} / ${report.photos.total}`),
+      fact(words.gsd, formatGsd(report.gsd_m)),
+      fact(words.area, formatArea(report.area_m2)),
+      fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
+    ),
+    placementBar(report.photos),
+    warnings.length > 0 &&
+      h(
+        'div',
+        { class: 'callout callout-warning' },
+        h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
+        h('ul', { class: 'warnings' }, ...warnings.map((text) => h('li', {}, text))),
+      ),
+    left_out.length > 0
+      ? h('details', { class: 'left-out', open: left_out.length <= 5 }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out))
+      : h('p', { class: 'good' }, icon('check'), words.all_placed),
+    h(
+      'div',
+      { class: 'pictures' },
+      mapPicture(flight),
+      photos && coveragePicture(photos),
+      photos && errorPicture(photos),
+      timingPicture(report),
+    ),
+    report.peak_memory_bytes > 0 && h('p', { class: 'muted fine' }, `${words.memory} ${formatBytes(report.peak_memory_bytes)}`),
+  );
+}

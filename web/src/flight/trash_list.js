@@ -1,0 +1,61 @@
+// The flights that were deleted and can still be taken back, folded away below the list of flights.
+/** @import { TrashedFlight } from '../shared/types.js' */
+import { h, put } from '../shared/dom.js';
+import { formatBytes, formatDate } from '../shared/format.js';
+import { strings } from '../shared/strings.js';
+
+/**
+ * @param {{restore: (flight: TrashedFlight) => void, remove: (flight: TrashedFlight) => void}} actions
+ * @returns {{element: HTMLElement, update: (flights: TrashedFlight[]) => void}}
+ */
+export function trashList(actions) {
+  const element = h('div', { class: 'trash', hidden: true });
+  const list = h('ul', { class: 'trash-flights', id: 'trash' });
+  const summary = h('summary', {}, strings.trash.heading);
+  const folded = h('details', { id: 'trash-fold' }, summary, list);
+  let shown = '';
+
+  const button = (/** @type {string} */ label, /** @type {string} */ name, /** @type {() => void} */ run) =>
+    h('button', { type: 'button', class: 'button small', 'aria-label': `${label}: ${name}`, on: { click: run } }, label);
+
+  /** @param {TrashedFlight} flight */
+  const row = (flight) =>
+    h(
+      'li',
+      {},
+      h('span', { class: 'flight-name' }, flight.name),
+      h(
+        'span',
+        { class: 'flight-facts' },
+        [strings.trash.deleted(formatDate(flight.deleted_at)), strings.flights.files(flight.file_count),
+          flight.bytes > 0 ? formatBytes(flight.bytes) : '', strings.trash.left(flight.days_left)]
+          .filter(Boolean)
+          .join(' · '),
+      ),
+      h(
+        'span',
+        { class: 'row' },
+        button(strings.trash.restore, flight.name, () => actions.restore(flight)),
+        button(strings.trash.remove, flight.name, () => actions.remove(flight)),
+      ),
+    );
+
+  return {
+    element,
+    update(flights) {
+      const picture = JSON.stringify(flights);
+      if (picture === shown) return;
+      shown = picture;
+      const had_focus = element.contains(document.activeElement);
+      summary.textContent = `${strings.trash.heading} (${flights.length})`;
+      put(list, ...flights.map(row));
+      element.hidden = flights.length === 0;
+      if (flights.length === 0) {
+        put(element);
+        folded.open = false;
+      } else if (!folded.isConnected) put(element, folded);
+      // What had the keyboard's focus went away with its row.
+      if (had_focus) (flights.length > 0 ? summary : document.getElementById('flights-heading'))?.focus();
+    },
+  };
+}

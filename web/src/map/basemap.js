@@ -1,0 +1,82 @@
+// What lies below the maps: nothing, the outlines of the land that came with the page, or the basemap that the server's
+// operator chose. The choice stays in this browser.
+/** @import { TileJson } from '../shared/types.js' */
+/** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
+import { authorization } from '../shared/access.js';
+
+/** @typedef {'none'|'land'|'server'} BasemapKind */
+
+const kKey = 'skyquilt.basemap';
+// Close up the coarse outline would be wrong by kilometres.
+const kLandUpTo = 10;
+
+/** @type {Promise<TileJson & {pmtiles?: string, attribution?: string}|null>|null} */
+let offered = null;
+
+/** What the server's operator chose; null for nothing. Asked once. */
+export function offeredBasemap() {
+  offered ??= fetch('/basemap.json', { headers: authorization() }).then(
+    async (response) => {
+      const tilejson = response.ok ? await response.json() : { tiles: [] };
+      return tilejson.pmtiles || tilejson.tiles.length > 0 ? tilejson : null;
+    },
+    () => null,  // without an answer there is none to offer
+  );
+  return offered;
+}
+
+/** @returns {BasemapKind} */
+export function chosenBasemap() {
+  const kept = localStorage.getItem(kKey);
+  return kept === 'none' || kept === 'server' ? kept : 'land';
+}
+
+/**
+ * What the operator wrote is text; the map's attribution control reads markup.
+ * @param {string} text
+ */
+function asMarkup(text) {
+  const element = document.createElement('span');
+  element.textContent = text;
+  return element.innerHTML;
+}
+
+/** @param {BasemapKind} kind */
+export const keepBasemap = (kind) => localStorage.setItem(kKey, kind);
+
+/**
+ * @param {BasemapKind} kind
+ * @returns {Promise<{source: SourceSpecification, layers: LayerSpecification[]}|null>}
+ */
+export async function basemapParts(kind) {
+  if (kind === 'none') return null;
+  if (kind === 'land') {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
+    const fading = (/** @type {number} */ full) => /** @type {any} */ (['interpolate', ['linear'], ['zoom'], kLandUpTo - 2, full, kLandUpTo, 0]);
+    return {
+      source: { type: 'geojson', data: new URL('../../vendor/land.geojson', import.meta.url).href, attribution: 'Natural Earth' },
+      layers: [
+        { id: 'basemap-land', type: 'fill', source: 'basemap', maxzoom: kLandUpTo, paint: { 'fill-color': colour('--land'), 'fill-opacity': fading(1) } },
+        { id: 'basemap-coast', type: 'line', source: 'basemap', maxzoom: kLandUpTo, paint: { 'line-color': colour('--line-strong'), 'line-opacity': fading(0.7) } },
+      ],
+    };
+  }
+  const tilejson = await offeredBasemap();
+  if (!tilejson) return null;
+  /** @type {any} */
+  const source = { type: 'raster', tileSize: 256, attribution: asMarkup(tilejson.attribution ?? '') };
+  if (tilejson.pmtiles) {
+    // Neither library may come with the first view: this module does.
+    const [{ PMTiles, Protocol }, { addProtocol }] = await Promise.all([import('../../vendor/pmtiles.mjs'), import('../../vendor/maplibre-gl.mjs')]);
+    const protocol = new Protocol();
+    const archive = new PMTiles(new URL(tilejson.pmtiles, location.href).href);
+    protocol.add(archive);
+    addProtocol('pmtiles', protocol.tile);
+    const { minZoom, maxZoom } = await archive.getHeader();
+    Object.assign(source, { url: `pmtiles://${archive.source.getKey()}`, minzoom: minZoom, maxzoom: maxZoom });
+  } else {
+    source.tiles = tilejson.tiles;
+  }
+  return { source, layers: [{ id: 'basemap-tiles', type: 'raster', source: 'basemap' }] };
+}

@@ -1,0 +1,134 @@
+// Two flights of one place over each other: swipe between them, or fade one into the other.
+// A second map lies on the first, moves with it, and is clipped (swipe) or made translucent (fade).
+/** @import { Flight } from '../shared/types.js' */
+/** @import { MapView } from './map_view.js' */
+import { h } from '../shared/dom.js';
+import { formatDate } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { strings } from '../shared/strings.js';
+
+/**
+ * Do two maps show common ground?
+ * @param {Flight} a
+ * @param {Flight} b
+ * @returns {boolean}
+ */
+export function overlap(a, b) {
+  if (!a.bounds || !b.bounds) return false;
+  const [aw, as, ae, an] = a.bounds;
+  const [bw, bs, be, bn] = b.bounds;
+  return aw < be && bw < ae && as < bn && bs < an;
+}
+
+/**
+ * @param {MapView} below
+ * @param {MapView} above
+ * @param {{left: Flight, right: Flight, on_close: () => void}} options
+ * @returns {{element: HTMLElement, close: () => void}}
+ */
+export function compareView(below, above, options) {
+  const words = strings.compare;
+  /** @type {'swipe'|'fade'} */
+  let mode = 'swipe';
+  const line = h('div', { class: 'swipe-line', 'aria-hidden': 'true' });
+  const slider = h('input', { type: 'range', id: 'compare-slider', min: 0, max: 100, step: 1, value: 50, 'aria-label': words.position });
+
+  const draw = () => {
+    const value = Number(slider.value);
+    const style = above.container.style;
+    if (mode === 'swipe') {
+      style.setProperty('clip-path', `inset(0 0 0 ${value}%)`);
+      style.removeProperty('opacity');
+      line.style.setProperty('left', `${value}%`);
+    } else {
+      style.removeProperty('clip-path');
+      style.setProperty('opacity', String(value / 100));
+    }
+    line.hidden = mode !== 'swipe';
+    slider.setAttribute('aria-label', mode === 'swipe' ? words.position : words.strength);
+  };
+  slider.addEventListener('input', draw);
+
+  const radio = (/** @type {'swipe'|'fade'} */ value, /** @type {string} */ label) => {
+    const input = h('input', { type: 'radio', name: 'compare-mode', value, checked: value === mode, id: `compare-${value}` });
+    input.addEventListener('change', () => {
+      mode = value;
+      draw();
+    });
+    return h('label', { class: 'check', for: input.id }, input, h('span', {}, label));
+  };
+  const side = (/** @type {string} */ which, /** @type {Flight} */ flight) =>
+    h('div', { class: `side side-${which}` }, h('strong', {}, flight.name), h('span', { class: 'muted' }, formatDate(flight.created_at)));
+
+  // Whichever map is moved, the other follows.
+  let following = false;
+  const follow = (/** @type {MapView} */ from, /** @type {MapView} */ to) => () => {
+    if (following) return;
+    following = true;
+    to.map.jumpTo({ center: from.map.getCenter(), zoom: from.map.getZoom(), bearing: from.map.getBearing() });
+    following = false;
+  };
+  const down = follow(below, above);
+  const up = follow(above, below);
+  below.map.on('move', down);
+  above.map.on('move', up);
+  down();
+
+  // The divide can be dragged as well.
+  line.addEventListener('pointerdown', (event) => {
+    line.setPointerCapture(event.pointerId);
+    event.preventDefault();
+  });
+  line.addEventListener('pointermove', (event) => {
+    if (!line.hasPointerCapture(event.pointerId)) return;
+    const box = below.container.getBoundingClientRect();
+    slider.value = String(Math.round(((event.clientX - box.left) / box.width) * 100));
+    draw();
+  });
+
+  const bar = h(
+    'section',
+    { class: 'compare-bar floating', id: 'compare-bar', 'aria-label': words.heading },
+    side('left', options.left),
+    h('div', { class: 'compare-middle' }, h('div', { class: 'row modes', role: 'radiogroup', 'aria-label': words.heading }, radio('swipe', words.swipe), radio('fade', words.fade)), slider),
+    side('right', options.right),
+    h('button', { type: 'button', class: 'icon-button', 'aria-label': words.close, title: words.close, on: { click: options.on_close } }, icon('close')),
+  );
+  const element = h('div', { class: 'compare' }, line, bar);
+  draw();
+  return {
+    element,
+    close() {
+      below.map.off('move', down);
+      above.map.off('move', up);
+      element.remove();
+    },
+  };
+}
+
+/**
+ * Asks which flight to put beside this one.
+ * @param {Flight[]} others
+ * @param {(flight: Flight) => void} on_choose
+ * @returns {HTMLElement}
+ */
+export function compareChooser(others, on_choose) {
+  const list = h('ul', { class: 'chooser' });
+  const element = h(
+    'section',
+    { class: 'layers-card floating', id: 'compare-chooser', 'aria-label': strings.compare.with },
+    h('div', { class: 'row between' }, h('h2', { class: 'card-title' }, strings.compare.with),
+      h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.photo.close, on: { click: () => element.remove() } }, icon('close'))),
+    others.length === 0 ? h('p', { class: 'muted' }, strings.compare.none) : list,
+  );
+  for (const other of others) {
+    list.append(
+      h('li', {}, h('button', { type: 'button', class: 'choice', on: { click: () => on_choose(other) } },
+        h('strong', {}, other.name), h('span', { class: 'muted' }, formatDate(other.created_at)))),
+    );
+  }
+  element.addEventListener('keydown', (event) => {
+    if (event.key === 'Escape') element.remove();
+  });
+  return element;
+}

@@ -1,0 +1,181 @@
+// What the map draws, as MapLibre style parts: a plain ground (no basemap, so nothing is fetched from elsewhere),
+// the mosaic, the photos' footprints and cameras, the flight path, the measured line.
+/** @import { PhotoCollection } from '../shared/types.js' */
+/** @import { LayerSpecification, StyleSpecification, ExpressionSpecification } from '@maplibre/maplibre-gl-style-spec' */
+
+export const kAlignedColour = '#1f77d0';
+export const kPoseOnlyColour = '#f28e1c';
+const kErrorColours = ['#2b83ba', '#ffd34d', '#d7301f'];
+
+/** @typedef {'placement'|'error'} ColourBy */
+
+export const photo_layers = ['photos-fill', 'photos-line', 'cameras'];
+export const path_layers = ['flight-path-casing', 'flight-path'];
+
+/** @returns {string} the page's ground colour, of the light or the dark scheme */
+export function groundColour() {
+  return getComputedStyle(document.documentElement).getPropertyValue('--ground').trim() || '#e3e6e3';
+}
+
+/** @returns {StyleSpecification} */
+export function emptyStyle() {
+  return {
+    version: 8,
+    sources: {},
+    layers: [{ id: 'ground', type: 'background', paint: { 'background-color': groundColour() } }],
+  };
+}
+
+/**
+ * @param {ColourBy} by
+ * @param {number} worst_error_m
+ * @returns {ExpressionSpecification}
+ */
+export function photoColour(by, worst_error_m) {
+  if (by === 'placement') return ['match', ['get', 'placement'], 'aligned', kAlignedColour, kPoseOnlyColour];
+  const top = Math.max(worst_error_m, 1e-3);
+  return [
+    'interpolate',
+    ['linear'],
+    ['coalesce', ['get', 'error_radius_m'], top],
+    ...kErrorColours.flatMap((colour, i) => [(top * i) / (kErrorColours.length - 1), colour]),
+  ];
+}
+
+/** @type {ExpressionSpecification} */
+const is_selected = ['boolean', ['feature-state', 'selected'], false];
+
+/**
+ * Layers of the photos, bottom up.
+ * @param {ExpressionSpecification} colour
+ * @returns {LayerSpecification[]}
+ */
+export function photoLayers(colour) {
+  return [
+    {
+      id: 'photos-fill',
+      type: 'fill',
+      source: 'photos',
+      paint: { 'fill-color': colour, 'fill-opacity': ['case', is_selected, 0.22, 0] },
+    },
+    {
+      id: 'photos-line',
+      type: 'line',
+      source: 'photos',
+      paint: {
+        'line-color': colour,
+        'line-width': ['case', is_selected, 3, 1.2],
+        // Close up the ground is what one looks at: the lines step back.
+        'line-opacity': [
+          'interpolate',
+          ['linear'],
+          ['zoom'],
+          18.5,
+          ['case', is_selected, 1, 0.75],
+          20.5,
+          ['case', is_selected, 1, 0.18],
+        ],
+      },
+    },
+    {
+      id: 'flight-path-casing',
+      type: 'line',
+      source: 'flight-path',
+      layout: { 'line-join': 'round' },
+      paint: { 'line-color': '#10201c', 'line-opacity': 0.55, 'line-width': 3 },
+    },
+    {
+      id: 'flight-path',
+      type: 'line',
+      source: 'flight-path',
+      layout: { 'line-join': 'round' },
+      paint: { 'line-color': '#ffffff', 'line-width': 1.4 },
+    },
+    {
+      id: 'cameras',
+      type: 'circle',
+      source: 'cameras',
+      paint: {
+        'circle-radius': ['interpolate', ['linear'], ['zoom'], 14, 2.5, 19, 5],
+        'circle-color': colour,
+        'circle-stroke-color': '#ffffff',
+        'circle-stroke-width': ['case', is_selected, 3, 1.5],
+      },
+    },
+  ];
+}
+
+/** @returns {LayerSpecification[]} */
+export function measureLayers() {
+  return [
+    {
+      id: 'measure-fill',
+      type: 'fill',
+      source: 'measure',
+      filter: ['==', ['geometry-type'], 'Polygon'],
+      paint: { 'fill-color': '#ffffff', 'fill-opacity': 0.25 },
+    },
+    {
+      id: 'measure-casing',
+      type: 'line',
+      source: 'measure',
+      filter: ['==', ['geometry-type'], 'LineString'],
+      paint: { 'line-color': '#10201c', 'line-width': 5, 'line-opacity': 0.8 },
+    },
+    {
+      id: 'measure-line',
+      type: 'line',
+      source: 'measure',
+      filter: ['==', ['geometry-type'], 'LineString'],
+      paint: { 'line-color': '#ffe14d', 'line-width': 2.5 },
+    },
+    {
+      id: 'measure-points',
+      type: 'circle',
+      source: 'measure',
+      filter: ['==', ['geometry-type'], 'Point'],
+      paint: { 'circle-radius': 4.5, 'circle-color': '#ffe14d', 'circle-stroke-color': '#10201c', 'circle-stroke-width': 2 },
+    },
+  ];
+}
+
+/**
+ * @param {PhotoCollection} photos
+ * @returns {GeoJSON.FeatureCollection} where the cameras were, with the records of the photos
+ */
+export function cameraPoints(photos) {
+  return {
+    type: 'FeatureCollection',
+    features: photos.features.map(({ properties }) => ({
+      type: 'Feature',
+      properties: { ...properties },
+      geometry: { type: 'Point', coordinates: [properties.camera_lon, properties.camera_lat] },
+    })),
+  };
+}
+
+/**
+ * @param {PhotoCollection} photos
+ * @returns {GeoJSON.FeatureCollection} the cameras joined in order of time (of name where no time is known)
+ */
+export function flightPath(photos) {
+  const records = photos.features.map(({ properties }) => properties);
+  records.sort((a, b) => {
+    const [x, y] = [a.captured_at ?? '', b.captured_at ?? ''];
+    if (x !== y) return x < y ? -1 : 1;
+    return a.name < b.name ? -1 : 1;
+  });
+  return {
+    type: 'FeatureCollection',
+    features:
+      records.length < 2
+        ? []
+        : [
+            {
+              type: 'Feature',
+              properties: {},
+              geometry: { type: 'LineString', coordinates: records.map((r) => [r.camera_lon, r.camera_lat]) },
+            },
+          ],
+  };
+}

@@ -1,0 +1,218 @@
+// What floats over the map: the tool column, the layers card with its legend, and the coordinates.
+/** @import { MapView } from './map_view.js' */
+/** @import { CoordinateForm } from './coordinates.js' */
+import { showNote } from '../shared/announce.js';
+import { getLegends, getTileJson } from '../shared/api.js';
+import { chosenBasemap, keepBasemap, offeredBasemap } from './basemap.js';
+import { coordinate_forms, formatCoordinates } from './coordinates.js';
+import { h, put } from '../shared/dom.js';
+import { formatLength } from '../shared/format.js';
+import { compassNeedle, icon } from '../shared/icons.js';
+import { overlayLegend } from './map_layers.js';
+import { strings } from '../shared/strings.js';
+import { ownHost } from './tile_addresses.js';
+
+/**
+ * @param {MapView} view
+ * @param {{fit: () => void, measure: (kind: 'distance'|'area') => void, compare: () => void}} actions
+ */
+export function mapTools(view, actions) {
+  const words = strings.map;
+  const tool = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, id = '') =>
+    h('button', { type: 'button', class: 'tool', id: id || null, 'aria-label': label, title: label, on: { click: run } }, picture);
+
+  const needle = compassNeedle();
+  const layers_button = tool(icon('layers'), words.layers, () => toggleLayers(), 'tool-layers');
+  const distance = tool(icon('ruler'), words.distance, () => actions.measure('distance'), 'tool-distance');
+  const area = tool(icon('area'), words.area, () => actions.measure('area'), 'tool-area');
+  const compare = tool(icon('compare'), words.compare, () => actions.compare(), 'tool-compare');
+  const column = h(
+    'div',
+    { class: 'tools', role: 'group', 'aria-label': words.layers },
+    h(
+      'div',
+      { class: 'tool-group' },
+      tool(icon('plus'), words.zoom_in, () => view.map.zoomIn()),
+      tool(icon('minus'), words.zoom_out, () => view.map.zoomOut()),
+      tool(needle, words.north, () => view.map.resetNorth()),
+      tool(icon('fit'), words.fit, actions.fit, 'tool-fit'),
+    ),
+    h('div', { class: 'tool-group' }, layers_button, distance, area, compare),
+  );
+  const turn = () => needle.style.setProperty('transform', `rotate(${-view.map.getBearing()}deg)`);
+  view.map.on('rotate', turn);
+
+  const card = layersCard(view);
+  const toggleLayers = (open = card.element.hidden) => {
+    card.element.hidden = !open;
+    layers_button.setAttribute('aria-expanded', String(open));
+    if (open) card.draw();
+  };
+  layers_button.setAttribute('aria-expanded', 'false');
+  layers_button.setAttribute('aria-controls', card.element.id);
+  card.element.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    toggleLayers(false);
+    layers_button.focus();
+  });
+
+  return {
+    column,
+    layers: card.element,
+    coordinates: coordinateReadout(view),
+    drawLayers: card.draw,
+    closeLayers: () => toggleLayers(false),
+    /** @param {'distance'|'area'|null} kind */
+    showMeasuring(kind) {
+      distance.setAttribute('aria-pressed', String(kind === 'distance'));
+      area.setAttribute('aria-pressed', String(kind === 'area'));
+    },
+  };
+}
+
+/** @param {MapView} view */
+function layersCard(view) {
+  const words = strings.map;
+  const check = (/** @type {string} */ label, /** @type {string} */ id, /** @type {boolean} */ checked, /** @type {(on: boolean) => void} */ set) => {
+    const input = h('input', { type: 'checkbox', id, checked });
+    input.addEventListener('change', () => set(input.checked));
+    return h('label', { class: 'check', for: id }, input, h('span', {}, label));
+  };
+  const opacity = h('input', { type: 'range', id: 'opacity', min: 0, max: 100, step: 1, value: Math.round(view.opacity * 100) });
+  opacity.addEventListener('input', () => view.setOpacity(Number(opacity.value) / 100));
+  const by = h(
+    'select',
+    { id: 'colour-by', class: 'field' },
+    h('option', { value: 'placement' }, words.by_placement),
+    h('option', { value: 'error' }, words.by_error),
+  );
+  const legend = h('div', { class: 'map-legend' });
+  const draw = () => {
+    if (view.colour_by === 'placement') {
+      const entry = (/** @type {'aligned'|'pose_only'} */ kind) => h('li', {}, h('span', { class: `dot dot-${kind}` }), strings.placement[kind]);
+      put(legend, h('ul', { class: 'legend' }, entry('aligned'), entry('pose_only')));
+    } else {
+      put(
+        legend,
+        h('div', { class: 'error-ramp', 'aria-hidden': 'true' }),
+        h('div', { class: 'row between muted' }, h('span', {}, '0 m'), h('span', {}, formatLength(view.worstError()))),
+      );
+    }
+  };
+  by.addEventListener('change', () => {
+    view.setColourBy(/** @type {any} */ (by.value));
+    draw();
+  });
+  const basemap = h('select', { id: 'basemap', class: 'field' });
+  const drawBasemaps = async () => {
+    const kinds = /** @type {const} */ (['none', 'land', ...((await offeredBasemap()) ? ['server'] : [])]);
+    put(basemap, ...kinds.map((kind) => h('option', { value: kind }, words.basemaps[/** @type {'none'|'land'|'server'} */ (kind)])));
+    basemap.value = chosenBasemap();
+  };
+  basemap.addEventListener('change', () => {
+    const kind = /** @type {import('./basemap.js').BasemapKind} */ (basemap.value);
+    keepBasemap(kind);
+    void view.setBasemap(kind);
+  });
+  const overlay = overlayChooser(view);
+  const element = h(
+    'section',
+    { class: 'layers-card floating', id: 'layers-card', 'aria-label': words.layers, hidden: true },
+    h('label', { for: 'opacity', class: 'small-label' }, words.opacity),
+    opacity,
+    overlay.element,
+    check(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on)),
+    check(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
+    h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
+    by,
+    legend,
+    h('label', { for: 'basemap', class: 'small-label' }, words.basemap),
+    basemap,
+  );
+  return {
+    element,
+    draw: () => {
+      draw();
+      overlay.draw();
+      void drawBasemaps();
+    },
+  };
+}
+
+/**
+ * Which of the map's layers lies over it, and what its colours mean. Not there where the map has none.
+ * @param {MapView} view
+ */
+function overlayChooser(view) {
+  const words = strings.map;
+  const choice = h('select', { id: 'overlay', class: 'field' });
+  const legend = h('div', { class: 'map-legend' });
+  const element = h('div', { class: 'overlay-choice', hidden: true }, h('label', { for: 'overlay', class: 'small-label' }, words.overlay), choice, legend);
+  let turn = 0;
+  choice.addEventListener('change', async () => {
+    const own_turn = (turn += 1);
+    const layer = view.layers.find(({ id }) => id === choice.value);
+    view.hideOverlay();
+    put(legend);
+    if (!layer) return;
+    try {
+      const [tilejson, legends] = await Promise.all([getTileJson(ownHost(layer.tilejson)), getLegends(ownHost(layer.legends))]);
+      // Another choice, or another map, meanwhile.
+      if (own_turn !== turn || !view.layers.includes(layer)) return;
+      view.showOverlay(layer.id, tilejson, legends);
+      put(legend, ...overlayLegend(layer.id, legends));
+    } catch (error) {
+      choice.value = 'none';
+      showNote(/** @type {Error} */ (error).message, { is_error: true });
+    }
+  });
+  return {
+    element,
+    draw() {
+      element.hidden = view.layers.length === 0;
+      const kinds = /** @type {const} */ (['none', ...view.layers.map(({ id }) => id)]);
+      put(choice, ...kinds.map((kind) => h('option', { value: kind }, words.overlays[kind])));
+      choice.value = view.overlay || 'none';
+      if (!view.overlay) put(legend);
+    },
+  };
+}
+
+/**
+ * Coordinates under the cursor, or of the centre where there is no cursor; a click changes their form.
+ * @param {MapView} view
+ */
+function coordinateReadout(view) {
+  const words = strings.map;
+  /** @type {CoordinateForm} */
+  let form = /** @type {CoordinateForm} */ (localStorage.getItem('skyquilt.coordinates') ?? 'decimal');
+  if (!coordinate_forms.includes(form)) form = 'decimal';
+  /** @type {{lng: number, lat: number}|null} */
+  let cursor = null;
+  const text = h('span', { class: 'mono', id: 'coordinates' });
+  const zoom = h('span', { class: 'muted mono' });
+  const origin = h('span', { class: 'visually-hidden' });
+  const element = h('button', { type: 'button', class: 'coordinates', title: words.format }, origin, text, zoom);
+  const draw = () => {
+    const place = cursor ?? view.map.getCenter();
+    text.textContent = formatCoordinates(place.lng, place.lat, form);
+    zoom.textContent = `z ${view.map.getZoom().toFixed(1)}`;
+    origin.textContent = `${cursor ? words.cursor : words.centre} `;
+  };
+  view.map.on('mousemove', (event) => {
+    cursor = event.lngLat;
+    draw();
+  });
+  view.map.on('mouseout', () => {
+    cursor = null;
+    draw();
+  });
+  view.map.on('move', draw);
+  element.addEventListener('click', () => {
+    form = coordinate_forms[(coordinate_forms.indexOf(form) + 1) % coordinate_forms.length];
+    localStorage.setItem('skyquilt.coordinates', form);
+    draw();
+  });
+  draw();
+  return element;
+}

@@ -1,0 +1,297 @@
+// MapView: one MapLibre map with a flight's mosaic and photos on a plain ground. Knows nothing of panels.
+// The container's data-map-state says 'empty', 'loading' or 'idle' (everything drawn).
+/** @import { Bounds, LayerLegends, MapLayer, PhotoCollection, PhotoRecord, TileJson } from '../shared/types.js' */
+/** @import { LayerKind } from './map_layers.js' */
+/** @import { ColourBy } from './map_style.js' */
+import * as maplibre from '../../vendor/maplibre-gl.mjs';
+import { authorization } from '../shared/access.js';
+import { basemapParts, chosenBasemap } from './basemap.js';
+import { isInside } from './geodesy.js';
+import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
+import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { strings } from '../shared/strings.js';
+import { ownHost, tilesIn } from './tile_addresses.js';
+
+maplibre.setWorkerUrl(new URL('../../vendor/maplibre-gl-worker.mjs', import.meta.url).href);
+
+export const kMaxZoom = 24;
+
+export class MapView {
+  /** @type {PhotoCollection|null} */
+  photos = null;
+  /** @type {Bounds|null} */
+  bounds = null;
+  /** @type {MapLayer[]} that the map has beside it */
+  layers = [];
+  /** @type {LayerKind|''} which of them is shown */
+  overlay = '';
+  /** @type {ColourBy} */
+  colour_by = 'placement';
+  opacity = 1;
+  shows_footprints = true;
+  shows_path = false;
+  #selected = '';
+  #mosaic = '';
+  #mosaics = 0;
+  #basemap_turn = 0;
+  /** @type {[number, number]} of the mosaic */
+  #zooms = [0, 0];
+  is_moved = false;  // by the user, since the flight was opened
+
+  /**
+   * @param {HTMLElement} container
+   * @param {string} [label] what screen readers call the map
+   */
+  constructor(container, label = strings.map.label) {
+    this.container = container;
+    this.map = new maplibre.Map({
+      container,
+      style: emptyStyle(),
+      attributionControl: false,
+      transformRequest: (url) => ({ url, headers: new URL(url, location.href).origin === location.origin ? authorization() : {} }),
+      maxZoom: kMaxZoom,
+      maxPitch: 0,
+      pitchWithRotate: false,
+      renderWorldCopies: false,
+      fadeDuration: 120,
+      locale: { 'Map.Title': label },
+    });
+    this.map.addControl(new maplibre.ScaleControl({ maxWidth: 130, unit: 'metric' }), 'bottom-left');
+    // Shows whom the sources in sight name: the makers of the basemap.
+    this.map.addControl(new maplibre.AttributionControl({ compact: false, customAttribution: [] }), 'bottom-left');
+    container.dataset.mapState = 'empty';
+    this.map.on('movestart', (event) => {
+      if (event.originalEvent) this.is_moved = true;
+    });
+    this.map.on('dataloading', () => this.#setState('loading'));
+    this.map.on('movestart', () => this.#setState('loading'));
+    this.map.on('idle', () => this.#setState('idle'));
+    // A missing tile is a hole, not a fault; anything else should be seen by whoever looks for it.
+    this.map.on('error', (event) => console.debug('map:', event.error?.message));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      this.map.setPaintProperty('ground', 'background-color', groundColour());
+      void this.setBasemap(chosenBasemap());
+    });
+    this.ready = new Promise((resolve) => this.map.once('load', () => resolve(undefined)));
+    void this.ready.then(() => this.setBasemap(chosenBasemap()));
+  }
+
+  /** @param {'loading'|'idle'} state */
+  #setState(state) {
+    const shown = this.bounds ? state : 'empty';
+    if (this.container.dataset.mapState !== shown) this.container.dataset.mapState = shown;
+  }
+
+  /**
+   * Shows a mosaic, replacing the one before.
+   * @param {TileJson} tilejson
+   * @param {Bounds} bounds
+   * @param {boolean} [grows] it will reach further than it does now
+   */
+  async showMosaic(tilejson, bounds, grows = false) {
+    await this.ready;
+    // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
+    const old = this.#mosaic;
+    this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
+    this.bounds = bounds;
+    this.hideOverlay();
+    this.layers = tilejson.layers ?? [];
+    this.map.addSource(this.#mosaic, {
+      type: 'raster',
+      tiles: tilejson.tiles.map(ownHost),
+      // Half the size on fine screens: one tile pixel then fills one screen pixel there as well.
+      tileSize: (tilejson.tileSize ?? 256) / (devicePixelRatio > 1.5 ? 2 : 1),
+      minzoom: tilejson.minzoom ?? 0,
+      maxzoom: tilejson.maxzoom ?? 22,
+      ...(grows ? {} : { bounds }),
+    });
+    this.#zooms = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
+    const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old && !id.startsWith('basemap-'))?.id;
+    this.map.addLayer(
+      {
+        id: this.#mosaic,
+        type: 'raster',
+        source: this.#mosaic,
+        paint: { 'raster-opacity': this.opacity, 'raster-fade-duration': 120 },
+      },
+      above,
+    );
+    this.#setState('loading');
+    if (old) this.map.once('idle', () => this.#remove(old, [old]));
+  }
+
+  /**
+   * The mosaic shown has grown: what changed is loaded again, behind what is seen until it is there.
+   * @param {Bounds} bounds
+   * @param {Bounds} changed
+   */
+  growMosaic(bounds, changed) {
+    this.bounds = bounds;
+    if (this.#mosaic) this.map.refreshTiles(this.#mosaic, tilesIn(changed, ...this.#zooms));
+  }
+
+  /**
+   * Lays one of the map's layers over it.
+   * @param {LayerKind} kind
+   * @param {TileJson} tilejson
+   * @param {LayerLegends} legends
+   */
+  showOverlay(kind, tilejson, legends) {
+    this.hideOverlay();
+    this.overlay = kind;
+    const { source, layer } = overlayParts(kind, tilejson, legends, this.opacity);
+    this.map.addSource(kOverlay, source);
+    const above = this.map.getStyle().layers.find(({ id }) => photo_layers.includes(id) || path_layers.includes(id))?.id;
+    this.map.addLayer(layer, above);
+  }
+
+  hideOverlay() {
+    this.#remove(kOverlay, [kOverlay]);
+    this.overlay = '';
+  }
+
+  /** @param {import('./basemap.js').BasemapKind} kind what lies below everything else */
+  async setBasemap(kind) {
+    const turn = (this.#basemap_turn += 1);
+    const parts = await basemapParts(kind);
+    await this.ready;
+    if (turn !== this.#basemap_turn) return;
+    this.#remove('basemap', this.map.getStyle().layers.filter(({ id }) => id.startsWith('basemap-')).map(({ id }) => id));
+    if (!parts) return;
+    this.map.addSource('basemap', parts.source);
+    const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground')?.id;
+    for (const layer of parts.layers) this.map.addLayer(layer, above);
+  }
+
+  /** @param {PhotoCollection} photos */
+  async showPhotos(photos) {
+    await this.ready;
+    this.#remove('photos', ['photos-fill', 'photos-line']);
+    this.#remove('cameras', ['cameras']);
+    this.#remove('flight-path', path_layers);
+    this.photos = photos;
+    this.#selected = '';
+    this.map.addSource('photos', { type: 'geojson', data: /** @type {any} */ (photos), promoteId: 'name' });
+    this.map.addSource('cameras', { type: 'geojson', data: cameraPoints(photos), promoteId: 'name' });
+    this.map.addSource('flight-path', { type: 'geojson', data: flightPath(photos) });
+    for (const layer of photoLayers(photoColour(this.colour_by, this.worstError()))) this.map.addLayer(layer);
+    this.setFootprints(this.shows_footprints);
+    this.setPath(this.shows_path);
+  }
+
+  /** Removes everything of the flight. */
+  async clear() {
+    await this.ready;
+    this.#remove(this.#mosaic, [this.#mosaic]);
+    this.#mosaic = '';
+    this.hideOverlay();
+    this.layers = [];
+    this.#remove('photos', ['photos-fill', 'photos-line']);
+    this.#remove('cameras', ['cameras']);
+    this.#remove('flight-path', path_layers);
+    this.photos = null;
+    this.bounds = null;
+    this.is_moved = false;
+    this.#selected = '';
+    this.container.dataset.mapState = 'empty';
+  }
+
+  /** @param {string} source @param {string[]} layers */
+  #remove(source, layers) {
+    for (const layer of layers) if (this.map.getLayer(layer)) this.map.removeLayer(layer);
+    if (this.map.getSource(source)) this.map.removeSource(source);
+  }
+
+  /** @returns {number} metres */
+  worstError() {
+    return Math.max(0, ...(this.photos?.features ?? []).map(({ properties }) => properties.error_radius_m ?? 0));
+  }
+
+  /**
+   * Moves so that the whole mosaic is seen.
+   * @param {{top: number, right: number, bottom: number, left: number}} padding px covered by other things
+   * @param {boolean} animated
+   */
+  fit(padding, animated) {
+    if (!this.bounds) return;
+    const reduced = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    this.map.fitBounds(this.bounds, { padding, animate: animated && !reduced, duration: 500, bearing: 0, maxZoom: kMaxZoom });
+  }
+
+  /** @param {number} opacity 0..1 */
+  setOpacity(opacity) {
+    this.opacity = opacity;
+    if (this.#mosaic) this.map.setPaintProperty(this.#mosaic, 'raster-opacity', opacity);
+    if (this.overlay) this.map.setPaintProperty(kOverlay, overlayOpacity(this.overlay), opacity);
+  }
+
+  /** @param {boolean} visible */
+  setFootprints(visible) {
+    this.shows_footprints = visible;
+    this.#setVisible(photo_layers, visible);
+  }
+
+  /** @param {boolean} visible */
+  setPath(visible) {
+    this.shows_path = visible;
+    this.#setVisible(path_layers, visible);
+  }
+
+  /** @param {string[]} layers @param {boolean} visible */
+  #setVisible(layers, visible) {
+    for (const layer of layers) {
+      if (this.map.getLayer(layer)) this.map.setLayoutProperty(layer, 'visibility', visible ? 'visible' : 'none');
+    }
+  }
+
+  /** @param {ColourBy} by */
+  setColourBy(by) {
+    this.colour_by = by;
+    if (!this.map.getLayer('cameras')) return;
+    const colour = photoColour(by, this.worstError());
+    this.map.setPaintProperty('photos-fill', 'fill-color', colour);
+    this.map.setPaintProperty('photos-line', 'line-color', colour);
+    this.map.setPaintProperty('cameras', 'circle-color', colour);
+  }
+
+  /** @param {string} name of a photo; '' for none */
+  select(name) {
+    if (!this.map.getSource('photos')) return;
+    for (const source of ['photos', 'cameras']) {
+      if (this.#selected) this.map.setFeatureState({ source, id: this.#selected }, { selected: false });
+      if (name) this.map.setFeatureState({ source, id: name }, { selected: true });
+    }
+    this.#selected = name;
+  }
+
+  /**
+   * The photos whose footprint holds a place, the nearest to being straight above first.
+   * @param {{lng: number, lat: number}} place
+   * @returns {PhotoRecord[]}
+   */
+  photosAt(place) {
+    const squeeze = Math.cos((place.lat * Math.PI) / 180);
+    const distance = (/** @type {PhotoRecord} */ r) => Math.hypot((r.camera_lon - place.lng) * squeeze, r.camera_lat - place.lat);
+    return (this.photos?.features ?? [])
+      .filter(({ geometry }) => geometry && isInside([place.lng, place.lat], geometry.coordinates[0]))
+      .map(({ properties }) => properties)
+      .sort((a, b) => distance(a) - distance(b));
+  }
+
+  /** @param {string[]} names @returns {PhotoRecord[]} in the order of the names */
+  recordsOf(names) {
+    const by_name = new Map((this.photos?.features ?? []).map(({ properties }) => [properties.name, properties]));
+    return names.flatMap((name) => by_name.get(name) ?? []);
+  }
+
+  /** @param {maplibre.Point} point of the pointer @returns {PhotoRecord|null} the camera drawn there */
+  cameraAt(point) {
+    if (!this.map.getLayer('cameras') || !this.shows_footprints) return null;
+    const box = /** @type {[[number, number], [number, number]]} */ ([
+      [point.x - 6, point.y - 6],
+      [point.x + 6, point.y + 6],
+    ]);
+    const hit = this.map.queryRenderedFeatures(box, { layers: ['cameras'] })[0]?.properties.name;
+    return this.recordsOf(hit ? [hit] : [])[0] ?? null;
+  }
+}

@@ -1,0 +1,317 @@
+// The large part of the window: the map of the open flight with everything that floats over it. The map library is
+// loaded when the first map is wanted, so that the first view is light.
+/** @import { Bounds, Flight, PhotoCollection, TileJson } from '../shared/types.js' */
+/** @import { MapView } from './map_view.js' */
+import { showNote } from '../shared/announce.js';
+import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
+import { byId, h, put } from '../shared/dom.js';
+import { go } from '../shared/router.js';
+import { compareChooser, compareView, overlap } from './compare_view.js';
+import { mapTools } from './map_tools.js';
+import { measureTool } from './measure_tool.js';
+import { photoCard } from '../flight/photo_card.js';
+import { strings } from '../shared/strings.js';
+import { uploadOf } from '../upload/uploads.js';
+
+const kPreview = 'preview';
+
+/**
+ * @typedef {object} Shown
+ * @property {string} id
+ * @property {string} revision
+ */
+
+export class Stage {
+  /** @type {MapView|null} */
+  #view = null;
+  /** @type {Shown|null} */
+  #shown = null;
+  /** @type {{fit: (animated: boolean) => void, card: ReturnType<typeof photoCard>, measure: ReturnType<typeof measureTool>, tools: ReturnType<typeof mapTools>}|null} */
+  #parts = null;
+  /** @type {Flight|null} */
+  #flight = null;
+  /** @type {(() => void)|null} */
+  #endCompare = null;
+  #turn = 0;
+  #place_turn = 0;
+
+  constructor() {
+    this.area = byId('map-area');
+    this.note = h('div', { class: 'stage-note', hidden: true });
+    this.preview_note = h('p', { class: 'preview-note', id: 'preview-note', hidden: true });
+    this.area.append(this.note, this.preview_note);
+  }
+
+  /** Fetches what draws maps while the server is still being asked for a flight. */
+  prepare() {
+    import('./map_view.js').catch(() => undefined);  // #map() tells of it
+  }
+
+  /** @returns {Promise<MapView|null>} null when this browser cannot draw maps */
+  async #map() {
+    if (this.#view) return this.#view;
+    const container = h('div', { class: 'map', id: 'map' });
+    try {
+      const { MapView } = await import('./map_view.js');
+      if (this.#view) return this.#view;  // two callers waited for the import
+      this.area.prepend(container);
+      this.#view = new MapView(container);
+    } catch (error) {
+      console.error(error);
+      container.remove();
+      this.say(strings.map.failed);
+      return null;
+    }
+    const view = this.#view;
+    this.#addParts(view);
+    Object.assign(window, { skyquilt: { map: view.map } });
+    return view;
+  }
+
+  /** @param {MapView} view */
+  #addParts(view) {
+    const fit = (/** @type {boolean} */ animated) => view.fit(this.#padding(), animated);
+    const card = photoCard({ on_show: (record) => view.select(record?.name ?? '') });
+    const measure = measureTool(view, {
+      on_change: (kind) => {
+        tools.showMeasuring(kind);
+        if (kind) card.close();
+      },
+    });
+    const tools = mapTools(view, {
+      fit: () => fit(true),
+      measure: (kind) => {
+        tools.closeLayers();
+        measure.start(kind);
+      },
+      compare: () => this.#chooseCompare(),
+    });
+    this.#parts = { fit, card, measure, tools };
+    this.area.append(measure.cross, tools.column, tools.layers, card.element, measure.element, tools.coordinates);
+
+    view.map.on('click', (event) => {
+      if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
+      else void this.#showPlace(view, event.lngLat, event.point);
+    });
+    view.map.getCanvas().addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') {
+        measure.end();
+        card.close();
+      }
+      if (event.key !== 'Enter') return;
+      const centre = view.map.getCenter();
+      if (measure.kind) {
+        measure.add([centre.lng, centre.lat]);
+        return;
+      }
+      void this.#showPlace(view, centre).then((count) => {
+        if (count === 0) showNote(strings.photo.none, { duration_ms: 3000 });
+      });
+    });
+  }
+
+  /**
+   * Shows the card of the photos that see a place.
+   * @param {MapView} view
+   * @param {{lng: number, lat: number}} place
+   * @param {import('maplibre-gl').Point} [point] of the pointer: a camera there comes first
+   * @returns {Promise<number>} how many photos see it
+   */
+  async #showPlace(view, place, point) {
+    const flight = this.#flight;
+    const turn = (this.#place_turn += 1);
+    if (!flight) return 0;
+    // The server knows lens and ground; without its answer the footprints tell which photos, but not where in them.
+    const sightings = await getSightings(flight.id, place.lng, place.lat).catch(() => null);
+    if (turn !== this.#place_turn || flight !== this.#flight) return 0;
+    const pixels = new Map((sightings ?? []).map(({ name, x, y }) => [name, { x, y }]));
+    const records = sightings ? view.recordsOf([...pixels.keys()]) : view.photosAt(place);
+    const camera = point ? view.cameraAt(point) : null;
+    const ordered = camera ? [camera, ...records.filter((record) => record !== camera)] : records;
+    this.#parts?.card.show(
+      ordered.map((record) => ({ record, url: photoPath(flight.id, record.name), pixel: pixels.get(record.name) ?? null })),
+    );
+    return ordered.length;
+  }
+
+  /** Room that the tools take from the map. */
+  #padding() {
+    return { top: 28, left: 28, right: 64, bottom: 48 };
+  }
+
+  /**
+   * @param {string} text shown in place of a map; '' shows the map
+   * @param {boolean} [is_coming] a map is on its way
+   */
+  say(text, is_coming = false) {
+    put(this.note, h('div', { class: is_coming ? 'quilt quilt-coming' : 'quilt', 'aria-hidden': 'true' }, ...Array.from({ length: 9 }, () => h('span'))), h('p', {}, text));
+    this.note.hidden = text === '';
+  }
+
+  /**
+   * Shows the map of a flight, when it has one.
+   * @param {Flight} flight
+   * @returns {Promise<{tilejson: TileJson, photos: PhotoCollection|null, drawn: Promise<void>}|null>} null when
+   *   there is no map to show; `drawn` when the map holds it
+   */
+  async show(flight) {
+    const turn = (this.#turn += 1);
+    this.#flight = flight;
+    this.area.hidden = false;
+    this.#notePreview(flight);
+    if (!flight.tilejson && flight.preview) {
+      this.say('');
+      const view = await this.#map();
+      // A server that was started anew begins its previews anew: for a moment there is none.
+      const tilejson = await getTileJson(flight.preview.tilejson).catch((error) => {
+        if (error instanceof ApiError && error.status === 404) return null;
+        throw error;
+      });
+      if (view && tilejson && turn === this.#turn) await this.#draw(view, flight, tilejson, null);
+      return null;
+    }
+    if (!flight.tilejson || !flight.bounds) {
+      if (flight.state === 'failed') this.say(strings.stage.failed);
+      else this.say(strings.stage.coming, flight.state !== 'empty' || uploadOf(flight.id) !== undefined);
+      await this.clear();
+      return null;
+    }
+    this.say('');
+    const map = this.#map();
+    const [tilejson, photos] = await Promise.all([
+      getTileJson(flight.tilejson),
+      getPhotos(flight.id).catch((error) => {
+        showNote(error.message, { is_error: true });  // the map is worth showing without its photos
+        return null;
+      }),
+    ]);
+    if (turn !== this.#turn) return null;
+    const drawn = map.then((view) => (view && turn === this.#turn ? this.#draw(view, flight, tilejson, photos) : undefined));
+    return { tilejson, photos, drawn };
+  }
+
+  /**
+   * The preview of the flight that is shown has changed.
+   * @param {Flight} flight
+   * @param {Bounds} changed where
+   */
+  async grow(flight, changed) {
+    if (this.#flight?.id !== flight.id || !flight.preview) return;
+    if (this.#shown?.id !== flight.id || this.#shown.revision !== kPreview || !this.#view) {
+      await this.show(flight);
+      return;
+    }
+    this.#notePreview(flight);
+    this.#view.growMosaic(flight.preview.bounds, changed);
+    if (!this.#view.is_moved) this.#parts?.fit(true);
+  }
+
+  /** @param {Flight} flight */
+  #notePreview(flight) {
+    const preview = flight.tilejson ? null : flight.preview;
+    this.preview_note.hidden = !preview;
+    this.preview_note.textContent = preview ? strings.stage.preview(preview.photos) : '';
+  }
+
+  /**
+   * @param {MapView} view
+   * @param {Flight} flight
+   * @param {TileJson} tilejson
+   * @param {PhotoCollection|null} photos
+   */
+  async #draw(view, flight, tilejson, photos) {
+    const revision = flight.tilejson ? String(flight.revision ?? '') : kPreview;
+    // The preview may have given way to the map since the flight was asked for: then this is the map's document.
+    const is_preview = !flight.tilejson && tilejson.version?.startsWith('0.') === true;
+    const bounds = is_preview ? flight.preview?.bounds : (flight.bounds ?? tilejson.bounds);
+    const is_new = this.#shown?.id !== flight.id;
+    if (!bounds || (!is_new && this.#shown?.revision === revision)) return;
+    const was_preview = !is_new && this.#shown?.revision === kPreview;
+    this.#shown = { id: flight.id, revision };
+    this.endCompare();
+    this.#parts?.card.close();
+    if (is_new) this.#parts?.measure.end();
+    await view.showMosaic(tilejson, bounds, is_preview);
+    if (photos) await view.showPhotos(photos);
+    this.#parts?.tools.drawLayers();
+    view.map.resize();
+    if (is_new) this.#parts?.fit(false);
+    // The last photos may have come to the map without having been in the preview.
+    else if (was_preview && !view.is_moved) this.#parts?.fit(true);
+  }
+
+  async clear() {
+    this.endCompare();
+    this.#parts?.card.close();
+    this.#parts?.measure.end();
+    this.#shown = null;
+    if (this.#view) await this.#view.clear();
+  }
+
+  hide() {
+    this.#turn += 1;
+    this.#flight = null;
+    this.area.hidden = true;
+    this.preview_note.hidden = true;
+    void this.clear();
+  }
+
+  /** The panel or the window changed its size. */
+  resize() {
+    this.#view?.map.resize();
+  }
+
+  async #chooseCompare() {
+    const flight = this.#flight;
+    if (!flight) return;
+    byIdOrNull('compare-chooser')?.remove();
+    this.#parts?.tools.closeLayers();
+    const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
+    const chooser = compareChooser(others, (other) => {
+      chooser.remove();
+      go({ view: 'compare', id: flight.id, other: other.id });
+    });
+    this.area.append(chooser);
+    /** @type {HTMLElement|null} */ (chooser.querySelector('button'))?.focus();
+  }
+
+  /**
+   * @param {Flight} left shown already
+   * @param {Flight} right
+   */
+  async compare(left, right) {
+    this.endCompare();
+    if (!this.#view || !right.tilejson || !right.bounds) return;
+    const { MapView } = await import('./map_view.js');
+    const tilejson = await getTileJson(right.tilejson);
+    const container = h('div', { class: 'map map-above', id: 'map-above' });
+    this.#view.container.after(container);
+    const above = new MapView(container, `${strings.compare.right}: ${right.name}`);
+    const comparison = compareView(this.#view, above, { left, right, on_close: () => go({ view: 'flight', id: left.id }) });
+    this.area.append(comparison.element);
+    this.area.classList.add('comparing');
+    this.#parts?.card.close();
+    // Footprints belong to one of the two flights and would hide what differs.
+    const below = this.#view;
+    const shown = { footprints: below.shows_footprints, path: below.shows_path };
+    below.setFootprints(false);
+    below.setPath(false);
+    this.#endCompare = () => {
+      below.setFootprints(shown.footprints);
+      below.setPath(shown.path);
+      comparison.close();
+      above.map.remove();
+      container.remove();
+      this.area.classList.remove('comparing');
+    };
+    await above.showMosaic(tilejson, right.bounds);
+  }
+
+  endCompare() {
+    this.#endCompare?.();
+    this.#endCompare = null;
+  }
+}
+
+/** @param {string} id */
+const byIdOrNull = (id) => document.getElementById(id);

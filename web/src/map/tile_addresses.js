@@ -1,0 +1,44 @@
+// Which tile lies where, and under what address.
+/** @import { Bounds } from '../shared/types.js' */
+
+/**
+ * Web Mercator position in tiles of a zoom level.
+ * @param {number} lon_deg
+ * @param {number} lat_deg
+ * @param {number} zoom
+ * @returns {{x: number, y: number}}
+ */
+export function tilePosition(lon_deg, lat_deg, zoom) {
+  const sin = Math.sin((lat_deg * Math.PI) / 180);
+  const n = 2 ** zoom;
+  return { x: ((lon_deg + 180) / 360) * n, y: (0.5 - Math.atanh(sin) / (2 * Math.PI)) * n };
+}
+
+/**
+ * Tile addresses of the own host only: whatever name the server believes to have, the page asks where it came from.
+ * @param {string} template
+ * @returns {string}
+ */
+export function ownHost(template) {
+  const braces = template.replaceAll('{', '%7B').replaceAll('}', '%7D');
+  const url = new URL(braces, location.href);
+  return (location.origin + url.pathname + url.search).replaceAll('%7B', '{').replaceAll('%7D', '}');
+}
+
+/**
+ * @param {Bounds} bounds
+ * @param {number} min_zoom
+ * @param {number} max_zoom
+ * @returns {{z: number, x: number, y: number}[]} the tiles of these zooms that touch the bounds
+ */
+export function tilesIn([west, south, east, north], min_zoom, max_zoom) {
+  const tiles = [];
+  for (let z = min_zoom; z <= max_zoom; z += 1) {
+    const from = tilePosition(west, north, z);
+    const to = tilePosition(east, south, z);
+    for (let x = Math.floor(from.x); x <= Math.floor(to.x); x += 1) {
+      for (let y = Math.floor(from.y); y <= Math.floor(to.y); y += 1) tiles.push({ z, x, y });
+    }
+  }
+  return tiles;
+}

@@ -1,0 +1,72 @@
+// The whole window takes files: dropped anywhere, or chosen by the buttons of the welcome and of the flight.
+/** @import { Selection } from './drop_files.js' */
+import { showError, showNote } from '../shared/announce.js';
+import { byId, h, put } from '../shared/dom.js';
+import { filesOfDrop, filesOfInput, selectFiles } from './drop_files.js';
+import { icon } from '../shared/icons.js';
+import { strings } from '../shared/strings.js';
+
+/**
+ * @param {(selection: Selection) => void} on_files
+ * @returns {{choose_folder: () => void, choose_files: () => void}}
+ */
+export function dropZone(on_files) {
+  const cover = byId('drop-cover');
+  put(cover, h('div', { class: 'drop-cover-inner' }, icon('upload'), h('p', {}, strings.drop.drop_here)));
+  // dragenter and dragleave also come from every element inside; the cover goes when none is left.
+  let depth = 0;
+  const holdsFiles = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files') ?? false;
+  const showCover = (/** @type {boolean} */ visible) => {
+    cover.hidden = !visible;
+    if (!visible) depth = 0;
+  };
+  addEventListener('dragenter', (event) => {
+    if (!holdsFiles(event)) return;
+    depth += 1;
+    showCover(true);
+  });
+  addEventListener('dragleave', (event) => {
+    if (!holdsFiles(event)) return;
+    depth -= 1;
+    if (depth <= 0) showCover(false);
+  });
+  addEventListener('dragover', (event) => {
+    if (!holdsFiles(event) || !event.dataTransfer) return;
+    event.preventDefault();
+    event.dataTransfer.dropEffect = 'copy';
+  });
+  addEventListener('drop', (event) => {
+    if (!event.dataTransfer || !holdsFiles(event)) return;
+    event.preventDefault();
+    showCover(false);
+    take(filesOfDrop(event.dataTransfer));
+  });
+
+  /** @param {Promise<import('./drop_files.js').FoundFile[]>|import('./drop_files.js').FoundFile[]} found */
+  const take = async (found) => {
+    const close = showNote(strings.drop.reading, { duration_ms: 600_000 });
+    try {
+      const selection = await selectFiles(await found);
+      close();
+      if (selection.chosen.length > 0) on_files(selection);
+      else showNote([strings.drop.nothing, ...new Set(selection.ignored.map(({ reason }) => reason))].join(' '), { is_error: true });
+    } catch (error) {
+      close();
+      showError(error);
+    }
+  };
+
+  const input = (/** @type {boolean} */ is_folder) => {
+    const element = h('input', { type: 'file', multiple: true, hidden: true, id: is_folder ? 'folder-input' : 'files-input', webkitdirectory: is_folder });
+    element.addEventListener('change', () => {
+      const found = filesOfInput(element.files ?? new DataTransfer().files);
+      element.value = '';
+      if (found.length > 0) void take(found);
+    });
+    document.body.append(element);
+    return element;
+  };
+  const folder_input = input(true);
+  const files_input = input(false);
+  return { choose_folder: () => folder_input.click(), choose_files: () => files_input.click() };
+}

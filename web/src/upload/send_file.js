@@ -1,0 +1,55 @@
+// One file to the server, by tus 1.0, the protocol of resumable uploads: what has arrived stays, and after a
+// broken connection, a reload of the page or a restart of the server the same file goes on where it stopped.
+import { DetailedError, Upload } from '../../vendor/tus.mjs';
+import { authorization } from '../shared/access.js';
+import { ApiError, problem } from '../shared/api.js';
+import { strings } from '../shared/strings.js';
+
+// Smaller files go with the request that announces them; larger ones after it, so that a cut loses nothing.
+const kSmallFile_bytes = 512 * 1024;
+
+/**
+ * @param {string} flight_id
+ * @param {string} name
+ * @param {File|Blob} file
+ * @param {(sent_bytes: number) => void} on_progress
+ * @param {AbortSignal} signal stops the sending; the server keeps what it has
+ * @returns {Promise<void>}
+ */
+export function sendFile(flight_id, name, file, on_progress, signal) {
+  return new Promise((resolve, reject) => {
+    const when = file instanceof File ? file.lastModified : 0;
+    const upload = new Upload(file, {
+      endpoint: '/api/v1/uploads',
+      headers: authorization(),
+      metadata: { flight: flight_id, filename: name },
+      fingerprint: async () => ['skyquilt', flight_id, name, file.size, when].join('|'),
+      uploadDataDuringCreation: file.size <= kSmallFile_bytes,
+      removeFingerprintOnSuccess: true,
+      retryDelays: null,  // the queue knows best when to try again
+      onProgress: on_progress,
+      onError: (error) => reject(asApiError(error)),
+      onSuccess: () => resolve(),
+    });
+    signal.addEventListener(
+      'abort',
+      () => {
+        upload.abort().catch(() => {});  // nothing was under way yet
+        reject(new DOMException('upload stopped', 'AbortError'));
+      },
+      { once: true },
+    );
+    upload.findPreviousUploads().then((earlier) => {
+      if (signal.aborted) return;
+      if (earlier.length > 0) upload.resumeFromPreviousUpload(earlier[0]);
+      upload.start();
+    }, reject);
+  });
+}
+
+/** @param {Error} error @returns {Error} */
+function asApiError(error) {
+  if (!(error instanceof DetailedError)) return error;
+  const answer = error.originalResponse;
+  return answer ? problem(answer.getStatus(), answer.getBody()) : new ApiError(0, strings.errors.unreachable);
+}

@@ -1,0 +1,130 @@
+// An upload under way: the whole, the files being sent, what failed and why.
+/** @import { UploadSession } from './uploads.js' */
+/** @import { UploadItem } from './upload_queue.js' */
+import { announce } from '../shared/announce.js';
+import { h, put } from '../shared/dom.js';
+import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { strings } from '../shared/strings.js';
+import { verdictView } from './verdict_view.js';
+
+/**
+ * @param {UploadSession} session
+ * @returns {{element: HTMLElement, close: () => void}}
+ */
+export function uploadView(session) {
+  const words = strings.upload;
+  const queue = session.queue;
+  const bar = h('progress', { class: 'bar', max: 1, value: 0, 'aria-label': words.total, id: 'upload-progress' });
+  const percent = h('strong', { class: 'big-number' });
+  const counts = h('span', { class: 'muted', id: 'upload-counts' });
+  const pace = h('p', { class: 'muted pace' });
+  const sending = h('ul', { class: 'sending' });
+  const verdict = h('div');
+  const failures = h('div', { id: 'upload-failures' });
+  const pause = h('button', { type: 'button', class: 'button small', id: 'upload-pause' });
+  const stop = h('button', { type: 'button', class: 'button small quiet', on: { click: () => session.stop() } }, words.stop);
+  pause.addEventListener('click', () => (queue.picture.state === 'paused' ? queue.start() : queue.pause()));
+
+  /** @type {Map<UploadItem, {row: HTMLLIElement, bar: HTMLProgressElement}>} */
+  const rows = new Map();
+  const drawSending = () => {
+    const active = queue.items.filter((item) => item.state === 'sending');
+    for (const [item, { row }] of rows) {
+      if (item.state !== 'sending') {
+        row.remove();
+        rows.delete(item);
+      }
+    }
+    for (const item of active) {
+      let entry = rows.get(item);
+      if (!entry) {
+        const file_bar = h('progress', { class: 'bar thin', max: 1, value: 0, 'aria-label': words.file_progress(item.name) });
+        const row = h('li', {}, h('span', { class: 'file-name' }, item.name), h('span', { class: 'muted' }, formatBytes(item.bytes)), file_bar);
+        entry = { row, bar: file_bar };
+        rows.set(item, entry);
+        sending.append(row);
+      }
+      entry.bar.value = item.bytes ? item.sent_bytes / item.bytes : 0;
+    }
+  };
+
+  let shown_verdict = /** @type {typeof session.verdict} */ (null);
+  let shown_failures = '';
+  const drawFailures = () => {
+    const failed = queue.items.filter((item) => item.state === 'failed');
+    const finished = queue.picture.state === 'finished';
+    const key = JSON.stringify([failed.map(({ name, reason }) => [name, reason]), finished, session.ignored.length]);
+    if (key === shown_failures) return;
+    shown_failures = key;
+    put(
+      failures,
+      failed.length > 0 &&
+        h(
+          'div',
+          { class: 'callout callout-warning' },
+          h('p', { class: 'callout-title' }, icon('warning'), words.failed(failed.length)),
+          reasonList(failed),
+          h(
+            'div',
+            { class: 'row' },
+            h('button', { type: 'button', class: 'button small primary', on: { click: () => queue.retryFailed() } }, icon('retry'), words.retry),
+            finished &&
+              queue.picture.done > 0 &&
+              h('button', { type: 'button', class: 'button small', on: { click: () => session.startJob() } }, words.go_on_without),
+          ),
+        ),
+      session.ignored.length > 0 &&
+        h('details', { class: 'ignored' }, h('summary', {}, words.ignored(session.ignored.length)), reasonList(session.ignored)),
+    );
+  };
+
+  const draw = () => {
+    const picture = queue.picture;
+    const fraction = picture.bytes ? picture.sent_bytes / picture.bytes : 0;
+    bar.value = fraction;
+    percent.textContent = formatPercent(fraction);
+    counts.textContent = words.of(picture.done, picture.files);
+    pace.textContent = [
+      picture.state === 'paused' ? words.paused : '',
+      `${formatBytes(picture.sent_bytes)} / ${formatBytes(picture.bytes)}`,
+      picture.bytes_per_s > 0 && picture.state === 'running' ? words.speed(formatBytes(picture.bytes_per_s)) : '',
+      picture.left_s !== null ? words.left(formatDuration(picture.left_s)) : '',
+      picture.was_there > 0 ? words.skipped(picture.was_there) : '',
+    ]
+      .filter(Boolean)
+      .join(' · ');
+    const label = picture.state === 'paused' ? words.resume : words.pause;
+    if (pause.textContent !== label) put(pause, icon(picture.state === 'paused' ? 'play' : 'pause'), label);
+    pause.hidden = picture.state === 'finished' || picture.state === 'stopped';
+    if (session.verdict !== shown_verdict && session.verdict) put(verdict, verdictView(session.verdict));
+    shown_verdict = session.verdict;
+    drawSending();
+    drawFailures();
+    announce(`${words.heading} ${percent.textContent}`, { is_progress: true });
+  };
+  session.addEventListener('change', draw);
+  draw();
+
+  const element = h(
+    'section',
+    { class: 'block card', 'aria-labelledby': 'upload-heading', id: 'upload' },
+    h('div', { class: 'row between' }, h('h2', { id: 'upload-heading' }, words.heading), counts),
+    h('div', { class: 'progress-row' }, percent, bar),
+    pace,
+    verdict,
+    sending,
+    failures,
+    h('div', { class: 'row' }, pause, stop),
+  );
+  return { element, close: () => session.removeEventListener('change', draw) };
+}
+
+/** @param {{name: string, reason: string}[]} entries */
+export function reasonList(entries) {
+  return h(
+    'ul',
+    { class: 'reasons' },
+    ...entries.map(({ name, reason }) => h('li', {}, h('span', { class: 'file-name' }, name), h('span', { class: 'muted' }, reason))),
+  );
+}
