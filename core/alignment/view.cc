@@ -31,10 +31,10 @@ bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& p
 
 std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
                                             const Relief& relief) {
-  std::vector<GroundKeypoint> laid(features.keypoints.size());
+  std::vector<GroundKeypoint> projected(features.keypoints.size());
   const Eigen::Vector3d center = view.CenterInEnu();
   const Eigen::Quaterniond enu_from_cam = view.cam_from_enu.rotation.conjugate();
-  for (std::size_t i = 0; i < laid.size(); ++i) {
+  for (std::size_t i = 0; i < projected.size(); ++i) {
     const Keypoint& keypoint = features.keypoints[i];
     const Eigen::Vector3d ray_in_cam = view.intrinsics.Unproject({keypoint.x_px, keypoint.y_px});
     Eigen::Vector3d point;
@@ -48,12 +48,12 @@ std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const
     if (beside_ray.z() > -0.05) continue;
     const Eigen::Vector3d beside = center + ((point.z() - center.z()) / beside_ray.z()) * beside_ray;
     const Eigen::Vector2d step = (beside - point).head<2>();
-    laid[i].place = {point.x(), point.y()};
-    laid[i].angle_rad = static_cast<float>(std::atan2(step.y(), step.x()));
-    laid[i].log2_scale = static_cast<float>(std::log2(std::max(1e-6, step.norm())));
-    laid[i].is_on_ground = true;
+    projected[i].place = {point.x(), point.y()};
+    projected[i].angle_rad = static_cast<float>(std::atan2(step.y(), step.x()));
+    projected[i].log2_scale = static_cast<float>(std::log2(std::max(1e-6, step.norm())));
+    projected[i].is_on_ground = true;
   }
-  return laid;
+  return projected;
 }
 
 }  // namespace skyquilt::alignment

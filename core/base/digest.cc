@@ -40,12 +40,12 @@ Digest Hasher::Finish() const {
 }
 
 Result<Digest> DigestOfFile(const std::filesystem::path& path) {
-  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
   std::ifstream file(path, std::ios::binary);
-  std::vector<char> piece(kPiece);
+  std::vector<char> chunk(kChunkBytes);
   Hasher hasher;
-  while (file.read(piece.data(), kPiece) || file.gcount() > 0) {
-    hasher.AddBytes(piece.data(), static_cast<std::size_t>(file.gcount()));
+  while (file.read(chunk.data(), kChunkBytes) || file.gcount() > 0) {
+    hasher.AddBytes(chunk.data(), static_cast<std::size_t>(file.gcount()));
   }
   if (!file.eof()) return Error{ErrorCode::kIo, "cannot read " + path.string(), ""};
   return hasher.Finish();

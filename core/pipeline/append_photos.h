@@ -16,7 +16,7 @@
 namespace skyquilt::pipeline {
 
 // `posed`: the whole flight as recorded, finished and new photos. `known` gives the placed ones, which come
-// first in the outcome. What comes back has no thumbnails, inputs or look for the new ones.
+// first in the outcome. What comes back has no thumbnails, inputs or appearance for the new ones.
 Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const poses::PosedFlight& posed,
                                                 const MosaicOptions& options,
                                                 const flight::PhotoSource& source, Progress& progress);

@@ -74,12 +74,13 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   FlightFacts& facts = placed->facts;
   const alignment::AlignedFlight& aligned = facts.flight;
   const ground::GroundSurface& ground = facts.ground;
-  // A killed run goes on from here; the look of the map is added before it is rendered.
+  // A killed run goes on from here; the appearance of the map is added before it is rendered.
   if (memory != nullptr) {
     if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
   }
 
-  const std::optional<double> gsd_m = options.gsd_m || !facts.look ? options.gsd_m : facts.look->gsd_m;
+  const std::optional<double> gsd_m =
+      options.gsd_m || !facts.appearance ? options.gsd_m : facts.appearance->gsd_m;
   render::PlanOptions plan_options = PlanWithin(options);
   plan_options.gsd_m = gsd_m;
   auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); });
@@ -87,20 +88,22 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const RenderBudget budget = BudgetFor(options, *plan);
 
   const render::ExposureModel exposure = stages.Run("expose", [&] {
-    if (facts.look) return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.look->tones);
+    if (facts.appearance)
+      return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.appearance->tones);
     return render::EstimateExposure(aligned, ground, facts.thumbnails);
   });
   render::SeamMap seams = stages.Run("seam", [&] {
     render::SeamOptions seam_options;
     seam_options.threads = options.threads;
     std::optional<render::KnownLabels> known;
-    if (facts.look) known = {facts.look->grid, facts.look->labels, facts.look->tones.size()};
+    if (facts.appearance)
+      known = {facts.appearance->grid, facts.appearance->labels, facts.appearance->tones.size()};
     if (known) seam_options.known = &*known;
     return render::BuildSeamMap(aligned, ground, *plan, exposure, facts.thumbnails, seam_options);
   });
-  const std::size_t finished = facts.look ? facts.look->tones.size() : 0;
+  const std::size_t finished = facts.appearance ? facts.appearance->tones.size() : 0;
   if (memory != nullptr) {
-    facts.look = FlightLook{gsd_m.value_or(plan->gsd_m), exposure.photos, seams.grid, seams.labels};
+    facts.appearance = MapAppearance{gsd_m.value_or(plan->gsd_m), exposure.photos, seams.grid, seams.labels};
     if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
   }
   render::PhotoCache cache(photo_source, budget.cache_bytes);

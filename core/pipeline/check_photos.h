@@ -16,7 +16,7 @@ namespace skyquilt::pipeline {
 
 struct CheckedFlight {
   flight::Flight flight;                      // without the damaged photos, which are in left_out
-  std::vector<render::Thumbnail> thumbnails;  // one a photo
+  std::vector<render::Thumbnail> thumbnails;  // one per photo
   alignment::FoundFeatures features;
 };
 

@@ -77,10 +77,10 @@ void DescribeCoverage(const alignment::AlignedFlight& flight, FlightVerdict& ver
   // Cells of a fiftieth of a photo: the union of the footprints. Larger where there are very many, or where
   // footprints are so thin that their boxes are nearly empty.
   constexpr double kMaxCells = 2e6;
-  constexpr double kMaxLooks = 10e6;
+  constexpr double kMaxPasses = 10e6;
   const double cell_m = std::max(
       {0.5, std::sqrt(sum_m2 / static_cast<double>(std::max<std::size_t>(1, footprints.size()))) / 50.0,
-       std::sqrt(sum_m2 / kMaxCells), std::sqrt(boxes_m2 / kMaxLooks)});
+       std::sqrt(sum_m2 / kMaxCells), std::sqrt(boxes_m2 / kMaxPasses)});
   std::set<std::pair<long, long>> cells;
   for (const auto& polygon : footprints) {
     if (polygon.empty()) continue;

@@ -29,8 +29,8 @@ constexpr double kTurningSpread = 0.2;  // of the flight's extent: points nearer
 constexpr double kMaxStretch = 0.05;
 constexpr double kMaxTurnRad = 0.05;
 constexpr double kSurveyM = 0.02;
-constexpr double kMaxMissGsds = 4.0;  // of points after the move
-constexpr double kNoMoveGsds = 0.02;  // less is not worth another map
+constexpr double kMaxResidualGsds = 4.0;  // of points after the move
+constexpr double kNoMoveGsds = 0.02;      // less is not worth another map
 
 struct Tied {
   Complex now, surveyed;
@@ -158,14 +158,14 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   }
   double square_m2 = 0.0;
   for (const Tied& one : tied) {
-    const Complex miss = move * one.now - one.surveyed;
-    if (std::abs(miss) > kSurveyM + kMaxMissGsds * gsd_m) return std::nullopt;
-    square_m2 += std::norm(miss);
+    const Complex residual = move * one.now - one.surveyed;
+    if (std::abs(residual) > kSurveyM + kMaxResidualGsds * gsd_m) return std::nullopt;
+    square_m2 += std::norm(residual);
     alignment::ControlReport& told = reports[one.report];
     told.is_used = true;
-    told.miss_east_m = miss.real();
-    told.miss_north_m = miss.imag();
-    told.residual_px = std::abs(miss) / gsd_m;
+    told.miss_east_m = residual.real();
+    told.miss_north_m = residual.imag();
+    told.residual_px = std::abs(residual) / gsd_m;
   }
   for (const alignment::ControlReport& point : reports) {
     if (point.is_used) continue;
@@ -179,14 +179,14 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   const double max_moved_m = std::abs(shift) + std::abs(move.turn_and_scale - 1.0) * ExtentM(known);
   if (max_moved_m < kNoMoveGsds * gsd_m) return moved;
 
-  moved.look.reset();
+  moved.appearance.reset();
   moved.ground = Moved(known.ground, move);
   for (AlignedPhoto& photo : moved.flight.photos) Move(move, known.ground.MeanHeight(), photo);
   // A single point has nothing to be checked against: the flight is better placed, but no more certain.
   if (tied.size() > 1) {
-    const double miss_m = std::max(kSurveyM, std::sqrt(square_m2 / static_cast<double>(tied.size())));
+    const double residual_m = std::max(kSurveyM, std::sqrt(square_m2 / static_cast<double>(tied.size())));
     for (AlignedPhoto& photo : moved.flight.photos) {
-      if (photo.placement == alignment::Placement::kAligned) photo.error_radius_m = miss_m;
+      if (photo.placement == alignment::Placement::kAligned) photo.error_radius_m = residual_m;
     }
   }
   moved.flight.warnings.push_back(fmt::format(

@@ -13,8 +13,8 @@
 
 namespace skyquilt::pipeline {
 
-// `known` is a flight aligned by features, with the photos' names. What comes back has no look: its seams lie
-// elsewhere on the map now.
+// `known` is a flight aligned by features, with the photos' names. What comes back has no appearance: its
+// seams lie elsewhere on the map now.
 std::optional<FlightFacts> MoveToControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists);
 
 }  // namespace skyquilt::pipeline

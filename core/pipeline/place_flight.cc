@@ -70,7 +70,8 @@ std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOpt
 // photos, or has photos that no record places: the new ones may be like them.
 bool MayAppend(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
   if (recalled.facts.is_by_images) return false;
-  if (!recalled.facts.look || 2 * recalled.added.size() > recalled.facts.flight.photos.size()) return false;
+  if (!recalled.facts.appearance || 2 * recalled.added.size() > recalled.facts.flight.photos.size())
+    return false;
   if (options.method != AlignMethod::kAuto && options.method != AlignMethod::kImu) return false;
   std::set<std::string> photos;
   for (const flight::Photo& photo : read.photos) photos.insert(photo.name);

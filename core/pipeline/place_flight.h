@@ -16,7 +16,7 @@
 namespace skyquilt::pipeline {
 
 struct PlacedFlight {
-  FlightFacts facts;            // `look` is an earlier run's: of its photos, which come first
+  FlightFacts facts;            // `appearance` is an earlier run's: of its photos, which come first
   std::vector<Digest> digests;  // of the photos' files; only with a memory
 };
 

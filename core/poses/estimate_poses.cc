@@ -11,7 +11,7 @@
 #include "core/base/median.h"
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/heights/flight_heights.h"
-#include "core/poses/heights/lay_on_dem.h"
+#include "core/poses/heights/ground_from_dem.h"
 #include "core/poses/heights/takeoff.h"
 #include "core/poses/photo_rows.h"
 #include "core/poses/place_by_log.h"
@@ -178,18 +178,19 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
 }
 
 // Heights above take-off become heights above the ground below each photo.
-void TakeElevations(const DemLay& lay, DemZero zero, bool knows_takeoff, PosedFlight& posed) {
+void TakeElevations(const DemGround& dem_ground, DemZero zero, bool knows_takeoff, PosedFlight& posed) {
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     PosedPhoto& photo = posed.photos[i];
-    if (!lay.ground_z_in_enu_m[i]) continue;
-    photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - *lay.ground_z_in_enu_m[i];
+    if (!dem_ground.ground_z_in_enu_m[i]) continue;
+    photo.height_above_ground_m =
+        photo.cam_from_enu.TargetOriginInSource().z() - *dem_ground.ground_z_in_enu_m[i];
   }
-  posed.ground_z_in_enu_m = lay.median_ground_z_in_enu_m;
-  posed.dem_zero_m = lay.zero_m;
+  posed.ground_z_in_enu_m = dem_ground.median_ground_z_in_enu_m;
+  posed.dem_zero_m = dem_ground.zero_m;
   if (zero == DemZero::kSeaLevel) return;
-  posed.report.height_rule +=
-      fmt::format("; the elevation model puts the ground {:+.1f} m from {}", lay.median_ground_z_in_enu_m,
-                  knows_takeoff ? "take-off" : "the first photo, taken for take-off");
+  posed.report.height_rule += fmt::format("; the elevation model puts the ground {:+.1f} m from {}",
+                                          dem_ground.median_ground_z_in_enu_m,
+                                          knows_takeoff ? "take-off" : "the first photo, taken for take-off");
 }
 
 // Photos that mostly stand on or below the ground say that the ground was put at the wrong height: take-off
@@ -338,10 +339,10 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out);
   }
   if (options.dem != nullptr && posed.is_placed) {
-    if (const auto lay = LayOnDem(*options.dem, posed, takeoff, dem_zero)) {
-      TakeElevations(*lay, dem_zero, takeoff.has_value(), posed);
+    if (const auto dem_ground = GroundFromDem(*options.dem, posed, takeoff, dem_zero)) {
+      TakeElevations(*dem_ground, dem_zero, takeoff.has_value(), posed);
     } else {
-      posed.warnings.push_back(lay.error().message);
+      posed.warnings.push_back(dem_ground.error().message);
     }
   }
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());

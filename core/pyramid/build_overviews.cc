@@ -57,16 +57,16 @@ void OverviewBuilder::AddTo(int parent_zoom, const geo::TileId& child, const Rgb
     parent.tile = child.Parent();
   }
   const int half_px = tile_size_px_ / 2;
-  Piece piece{static_cast<int>(child.x() & 1u) * half_px, static_cast<int>(child.y() & 1u) * half_px, {}};
-  piece.image = tile_size_px_ < kTrimmedTilePx ? child_half : Trimmed(child_half, piece.x, piece.y);
-  parent.pieces.push_back(std::move(piece));
+  Quarter quarter{static_cast<int>(child.x() & 1u) * half_px, static_cast<int>(child.y() & 1u) * half_px, {}};
+  quarter.image = tile_size_px_ < kTrimmedTilePx ? child_half : Trimmed(child_half, quarter.x, quarter.y);
+  parent.quarters.push_back(std::move(quarter));
 }
 
 void OverviewBuilder::Close(int zoom) {
   OpenParent closed = std::exchange(open_[static_cast<std::size_t>(zoom)], {});
   RgbaImage image = RgbaImage::Transparent(tile_size_px_, tile_size_px_);
-  for (const Piece& piece : closed.pieces) Paste(piece.image, piece.x, piece.y, image);
-  closed.pieces.clear();
+  for (const Quarter& quarter : closed.quarters) Paste(quarter.image, quarter.x, quarter.y, image);
+  closed.quarters.clear();
   emit_(closed.tile, image);
   if (zoom > min_zoom_) AddTo(zoom - 1, closed.tile, reduce_(image));
 }

@@ -27,14 +27,14 @@ class OverviewBuilder {
   void Finish();
 
  private:
-  struct Piece {  // of a parent, from a pixel on
+  struct Quarter {  // of a parent, from a pixel on
     int x = 0, y = 0;
     RgbaImage image;
   };
   struct OpenParent {
     bool is_open = false;
     geo::TileId tile;
-    std::vector<Piece> pieces;
+    std::vector<Quarter> quarters;
   };
   void AddTo(int parent_zoom, const geo::TileId& child, const RgbaImage& child_half);
   void Close(int zoom);

@@ -45,23 +45,24 @@ geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
       rotation, start.TargetOriginInSource() + Eigen::Vector3d(pose[3], pose[4], pose[5]));
 }
 
-// Half of all observations miss by less, in their sigmas.
+// Median reprojection error in sigmas.
 double MedianMissSigmas(const std::vector<View>& views, const std::vector<Track>& tracks) {
-  std::vector<double> misses;
+  std::vector<double> residuals;
   for (const Track& track : tracks) {
     for (const Observation& seen : track.observations) {
-      misses.push_back(ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu) / seen.sigma_px);
+      residuals.push_back(ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu) / seen.sigma_px);
     }
   }
-  if (misses.empty()) return 1.0;
-  return Median(std::move(misses));
+  if (residuals.empty()) return 1.0;
+  return Median(std::move(residuals));
 }
 
 // Drops what lies too far off, and points that then hang on one ray; returns the number dropped.
 int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Track>& tracks) {
   int dropped = 0;
-  // Where the others agree better than was assumed of keypoints, a miss that was assumed usual is none. Not
-  // less than this: photos that are less sharp than the others miss by more and are needed all the same.
+  // Where the others agree better than was assumed of keypoints, an error assumed usual is an outlier. Not
+  // less than this: photos that are less sharp than the others have larger errors and are needed all the
+  // same.
   constexpr double kMinSpread = 0.7;
   constexpr double kMedianOfNormalPlane = 1.177;
   const double spread = std::clamp(MedianMissSigmas(views, tracks) / kMedianOfNormalPlane, kMinSpread, 1.0);
@@ -357,8 +358,8 @@ BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options)
   for (Track& track : problem.tracks) {
     track.angle_rad = WidestAngle(views, track);
     for (const Observation& seen : track.observations) {
-      const double miss = ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu);
-      square += miss * miss;
+      const double residual = ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu);
+      square += residual * residual;
       ++summary.observations;
     }
   }

@@ -95,17 +95,18 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
   for (BundleControl& tied : problem.control) tied.surveyed_in_enu.z() -= shift.z();
   shift.z() = 0.0;
   if (problem.control.size() >= kEnoughToVote) {
-    std::vector<double> misses;
+    std::vector<double> residuals;
     for (const BundleControl& tied : problem.control) {
-      misses.push_back((tied.surveyed_in_enu - tied.track.point_in_enu - shift).head<2>().norm());
+      residuals.push_back((tied.surveyed_in_enu - tied.track.point_in_enu - shift).head<2>().norm());
     }
-    const double limit_m = kFarOffM + kFarOffMads * Median(misses);
+    const double limit_m = kFarOffM + kFarOffMads * Median(residuals);
     std::size_t k = 0;
     std::erase_if(problem.control, [&](const BundleControl& tied) {
-      const double miss_m = misses[k++];
-      if (miss_m <= limit_m) return false;
-      reports[tied.report].reason = fmt::format(
-          "lies {:.1f} m from where the other points put it: check its coordinates and its marks", miss_m);
+      const double residual_m = residuals[k++];
+      if (residual_m <= limit_m) return false;
+      reports[tied.report].reason =
+          fmt::format("lies {:.1f} m from where the other points put it: check its coordinates and its marks",
+                      residual_m);
       return true;
     });
   }
@@ -127,10 +128,10 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
     ControlReport& told = reports[tied.report];
     Track seen = tied.track;  // where the photos alone say the point is
     if (!Triangulate(views, seen)) continue;
-    const Eigen::Vector3d miss = seen.point_in_enu - tied.surveyed_in_enu;
-    told.miss_east_m = miss.x();
-    told.miss_north_m = miss.y();
-    told.miss_up_m = tied.has_height ? miss.z() : 0.0;
+    const Eigen::Vector3d residual = seen.point_in_enu - tied.surveyed_in_enu;
+    told.miss_east_m = residual.x();
+    told.miss_north_m = residual.y();
+    told.miss_up_m = tied.has_height ? residual.z() : 0.0;
     double square = 0.0;
     for (const Observation& one : tied.track.observations) {
       square += std::pow(ReprojectionErrorPx(views[one.photo], one, tied.surveyed_in_enu), 2);

@@ -15,7 +15,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kLooks = 2;
+constexpr int kPasses = 2;
 
 }  // namespace
 
@@ -44,8 +44,8 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
   BundleOptions once;
   once.cuts_px = {0.0};
   once.adjust_lens = false;  // one shift a pair says nothing of it
-  for (int look = 0; look < kLooks && !progress.IsCancelled(); ++look) {
-    progress.Report(0.8 + 0.1 * look, "comparing photos");
+  for (int pass = 0; pass < kPasses && !progress.IsCancelled(); ++pass) {
+    progress.Report(0.8 + 0.1 * pass, "comparing photos");
     const std::vector<CandidatePair> pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
     report.pairs_tried = static_cast<int>(pairs.size());
     {

@@ -22,15 +22,15 @@ constexpr double kMaxGrowth = 6.0;         // of a photo's area in the mosaic: m
 
 // Keypoints in the plane of the picture itself, so that matching knows of nothing but their looks.
 std::vector<GroundKeypoint> LayInPicture(const PhotoFeatures& features) {
-  std::vector<GroundKeypoint> laid;
-  laid.reserve(features.keypoints.size());
+  std::vector<GroundKeypoint> projected;
+  projected.reserve(features.keypoints.size());
   for (const Keypoint& keypoint : features.keypoints) {
-    laid.push_back({{keypoint.x_px, keypoint.y_px},
-                    keypoint.angle_rad,
-                    std::log2(std::max(1e-3F, keypoint.scale_px)),
-                    true});
+    projected.push_back({{keypoint.x_px, keypoint.y_px},
+                         keypoint.angle_rad,
+                         std::log2(std::max(1e-3F, keypoint.scale_px)),
+                         true});
   }
-  return laid;
+  return projected;
 }
 
 class Chain {

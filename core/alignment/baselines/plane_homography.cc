@@ -31,8 +31,8 @@ std::optional<Eigen::Matrix3d> Normaliser(const std::vector<PlacePair>& pairs, R
   return normaliser;
 }
 
-std::vector<int> Followers(const std::vector<PlacePair>& pairs, const Eigen::Matrix3d& to_from,
-                           double tolerance) {
+std::vector<int> FindInliers(const std::vector<PlacePair>& pairs, const Eigen::Matrix3d& to_from,
+                             double tolerance) {
   std::vector<int> inliers;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto mapped = MapPlace(to_from, pairs[k].from);
@@ -97,7 +97,7 @@ std::optional<RobustFit> RobustHomography(const std::vector<PlacePair>& pairs, d
     }
     const auto tried = FitHomography(Chosen(pairs, {chosen.begin(), chosen.end()}));
     if (!tried) continue;
-    std::vector<int> inliers = Followers(pairs, *tried, tolerance);
+    std::vector<int> inliers = FindInliers(pairs, *tried, tolerance);
     if (inliers.size() <= best.inliers.size()) continue;
     best = {*tried, std::move(inliers)};
     const double share = static_cast<double>(best.inliers.size()) / count;
@@ -107,7 +107,7 @@ std::optional<RobustFit> RobustHomography(const std::vector<PlacePair>& pairs, d
   for (int round = 0; round < kRefinements && best.inliers.size() >= 4; ++round) {
     const auto refined = FitHomography(Chosen(pairs, best.inliers));
     if (!refined) break;
-    std::vector<int> inliers = Followers(pairs, *refined, tolerance);
+    std::vector<int> inliers = FindInliers(pairs, *refined, tolerance);
     if (inliers.size() < best.inliers.size()) break;
     best = {*refined, std::move(inliers)};
   }

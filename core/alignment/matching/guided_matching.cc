@@ -62,12 +62,14 @@ SKYQUILT_VECTOR_CLONES void MarkWanted(const ByCell& cells, std::size_t first, s
 
 class CellIndex {
  public:
-  CellIndex(const std::vector<GroundKeypoint>& laid, int count, double cell_m)
-      : members_(static_cast<std::size_t>(std::count_if(
-            laid.begin(), laid.begin() + count, [](const GroundKeypoint& one) { return one.is_on_ground; }))),
+  CellIndex(const std::vector<GroundKeypoint>& projected, int count, double cell_m)
+      : members_(static_cast<std::size_t>(
+            std::count_if(projected.begin(), projected.begin() + count,
+                          [](const GroundKeypoint& one) { return one.is_on_ground; }))),
         is_wanted_(members_.index.size()) {
     for (int i = 0; i < count; ++i) {
-      if (laid[i].is_on_ground) bounds_.Include(Eigen::Vector2d(laid[i].place.real(), laid[i].place.imag()));
+      if (projected[i].is_on_ground)
+        bounds_.Include(Eigen::Vector2d(projected[i].place.real(), projected[i].place.imag()));
     }
     if (bounds_.IsEmpty()) return;
     cell_m_ = std::max({cell_m, bounds_.Width() / 64.0, bounds_.Height() / 64.0, 1e-6});
@@ -75,15 +77,15 @@ class CellIndex {
     rows_ = static_cast<int>(bounds_.Height() / cell_m_) + 1;
     starts_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
     for (int i = 0; i < count; ++i) {
-      if (laid[i].is_on_ground) ++starts_[CellOf(laid[i].place) + 1];
+      if (projected[i].is_on_ground) ++starts_[CellOf(projected[i].place) + 1];
     }
     for (std::size_t c = 1; c < starts_.size(); ++c) starts_[c] += starts_[c - 1];
     std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
     for (int i = 0; i < count; ++i) {
-      if (!laid[i].is_on_ground) continue;
-      const std::size_t k = next[CellOf(laid[i].place)]++;
-      members_.east[k] = laid[i].place.real(), members_.north[k] = laid[i].place.imag();
-      members_.angle_rad[k] = laid[i].angle_rad, members_.log2_scale[k] = laid[i].log2_scale;
+      if (!projected[i].is_on_ground) continue;
+      const std::size_t k = next[CellOf(projected[i].place)]++;
+      members_.east[k] = projected[i].place.real(), members_.north[k] = projected[i].place.imag();
+      members_.angle_rad[k] = projected[i].angle_rad, members_.log2_scale[k] = projected[i].log2_scale;
       members_.index[k] = i;
     }
   }
@@ -150,13 +152,13 @@ struct BestTwo {
 std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,
                                          const GroundSimilarity& second_from_first,
                                          const MatchWindow& window) {
-  const std::vector<GroundKeypoint>& laid_first = *first.laid;
-  const std::vector<GroundKeypoint>& laid_second = *second.laid;
-  const int count_first = std::min<int>(window.max_features, static_cast<int>(laid_first.size()));
-  const int count_second = std::min<int>(window.max_features, static_cast<int>(laid_second.size()));
+  const std::vector<GroundKeypoint>& projected_first = *first.projected;
+  const std::vector<GroundKeypoint>& projected_second = *second.projected;
+  const int count_first = std::min<int>(window.max_features, static_cast<int>(projected_first.size()));
+  const int count_second = std::min<int>(window.max_features, static_cast<int>(projected_second.size()));
   const bool anywhere = !std::isfinite(window.radius_m);
   const double radius_m = anywhere ? 1e9 : window.radius_m;
-  CellIndex index(laid_second, count_second, anywhere ? 1e9 : 0.5 * window.radius_m);
+  CellIndex index(projected_second, count_second, anywhere ? 1e9 : 0.5 * window.radius_m);
   const double turned = std::arg(second_from_first.turn_and_scale);
   const double grown = std::log2(std::abs(second_from_first.turn_and_scale));
   const auto is_same_of = [](const PhotoFeatures& features) {
@@ -170,8 +172,8 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
   const auto same_of_first = is_same_of(*first.features), same_of_second = is_same_of(*second.features);
   std::vector<BestTwo> of_first(count_first), of_second(count_second);
   for (int i = 0; i < count_first; ++i) {
-    if (!laid_first[i].is_on_ground) continue;
-    const GroundKeypoint& one = laid_first[i];
+    if (!projected_first[i].is_on_ground) continue;
+    const GroundKeypoint& one = projected_first[i];
     const Wanted wanted{second_from_first * one.place, radius_m * radius_m,   one.angle_rad + turned,
                         one.log2_scale + grown,        window.max_log2_scale, window.max_turn_rad};
     index.ForEach(wanted, [&](int j) {

@@ -1,6 +1,6 @@
-// MatchOnGround: which keypoints of two photos may be the same thing. Both are laid on the ground first, so
-// the search is a circle there; direction and size must agree, the best must stand out from the second best
-// inside the circle (which refuses repetitive texture), and both sides must choose each other. Pure; any
+// MatchOnGround: which keypoints of two photos may be the same thing. Both are projected to the ground first,
+// so the search is a circle there; direction and size must agree, the best must stand out from the second
+// best inside the circle (which refuses repetitive texture), and both sides must choose each other. Pure; any
 // thread.
 #pragma once
 
@@ -42,7 +42,7 @@ struct KeypointMatch {
 // What a search needs of one photo.
 struct GroundView {
   const PhotoFeatures* features = nullptr;
-  const std::vector<GroundKeypoint>* laid = nullptr;
+  const std::vector<GroundKeypoint>* projected = nullptr;
 };
 
 std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundView& second,

@@ -32,25 +32,25 @@ std::vector<VerifiedPair> Collect(std::vector<std::optional<VerifiedPair>>& foun
 }  // namespace
 
 ProjectedKeypoints ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads) {
-  ProjectedKeypoints laid;
-  laid.keypoints.resize(input.views.size());
-  laid.views.resize(input.views.size());
+  ProjectedKeypoints projected;
+  projected.keypoints.resize(input.views.size());
+  projected.views.resize(input.views.size());
   ParallelFor(input.views.size(), threads, [&](std::size_t i) {
     if (!input.features[i]) return;
-    laid.keypoints[i] = ProjectToGround(*input.features[i], input.views[i], relief);
-    laid.views[i] = {input.features[i], &laid.keypoints[i]};
+    projected.keypoints[i] = ProjectToGround(*input.features[i], input.views[i], relief);
+    projected.views[i] = {input.features[i], &projected.keypoints[i]};
   });
-  return laid;
+  return projected;
 }
 
-std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& laid,
+std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& projected,
                                          const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
                                          int threads) {
   std::vector<std::optional<VerifiedPair>> found(pairs.size());
   ParallelFor(pairs.size(), threads, [&](std::size_t p) {
     const int i = pairs[p].first;
     const int j = pairs[p].second;
-    if (!laid.views[i].features || !laid.views[j].features) return;
+    if (!projected.views[i].features || !projected.views[j].features) return;
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const double sigma_turn = std::hypot(input.sigma_turn_rad[i], input.sigma_turn_rad[j]);
     const double turned_away_m = 0.3 * width_m * std::min(1.5, sigma_turn);
@@ -62,13 +62,13 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     window.max_turn_rad =
         pass.sigmas > 0.0 ? std::max(pass.max_turn_rad, 3.0 * sigma_turn + 0.3) : pass.max_turn_rad;
     window.max_distance_ratio = pass.max_distance_ratio;
-    std::vector<KeypointMatch> matches = MatchOnGround(laid.views[i], laid.views[j], {}, window);
+    std::vector<KeypointMatch> matches = MatchOnGround(projected.views[i], projected.views[j], {}, window);
     if (!pass.fit_motion) {
       if (static_cast<int>(matches.size()) < pass.min_matches) return;
       found[p] = VerifiedPair{i, j, {}, std::move(matches), 0.0};
       return;
     }
-    LinkOptions options;
+    VerificationOptions options;
     options.first_tolerance_m =
         std::max(pass.tolerance_share * width_m, 0.5 * std::min(window.radius_m, 0.1 * width_m));
     options.last_tolerance_m = pass.tolerance_share * width_m;
@@ -77,7 +77,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     options.search_area_m2 = std::numbers::pi * window.radius_m * window.radius_m;
     options.any_turn = window.max_turn_rad > 1.5;
     options.min_matches = pass.min_matches;
-    found[p] = VerifyPair(laid.views[i], laid.views[j], matches, options);
+    found[p] = VerifyPair(projected.views[i], projected.views[j], matches, options);
     if (found[p]) {
       found[p]->first = i;
       found[p]->second = j;
@@ -86,7 +86,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
   return Collect(found);
 }
 
-std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& laid,
+std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& projected,
                                           const std::vector<CandidatePair>& tried,
                                           const std::vector<VerifiedPair>& links, int threads) {
   const int count = static_cast<int>(input.views.size());
@@ -140,15 +140,16 @@ std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const Proj
     MatchWindow window;
     window.max_features = kLostFeatures;
     window.max_distance_ratio = 0.8;
-    const std::vector<KeypointMatch> matches = MatchOnGround(laid.views[i], laid.views[j], {}, window);
-    LinkOptions options;
+    const std::vector<KeypointMatch> matches =
+        MatchOnGround(projected.views[i], projected.views[j], {}, window);
+    VerificationOptions options;
     options.first_tolerance_m = 0.07 * width_m;
     options.last_tolerance_m = 0.02 * width_m;
     options.baseline_m = 0.0;  // not to be trusted here
     options.search_area_m2 = width_m * width_m;
     options.any_turn = true;
     options.min_matches = kLostMinMatches;
-    found[p] = VerifyPair(laid.views[i], laid.views[j], matches, options);
+    found[p] = VerifyPair(projected.views[i], projected.views[j], matches, options);
     if (found[p]) {
       found[p]->first = i;
       found[p]->second = j;

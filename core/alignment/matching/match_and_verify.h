@@ -33,15 +33,15 @@ struct ProjectedKeypoints {
   std::vector<GroundView> views;
 };
 
-// Lays every photo's keypoints on the ground.
+// Projects every photo's keypoints to the ground.
 ProjectedKeypoints ProjectAllToGround(const MatchingInput& input, const Relief& relief, int threads);
 
-std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& laid,
+std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const ProjectedKeypoints& projected,
                                          const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
                                          int threads);
 
 // `tried` are pairs already looked at in vain, `links` those found.
-std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& laid,
+std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& projected,
                                           const std::vector<CandidatePair>& tried,
                                           const std::vector<VerifiedPair>& links, int threads);
 

@@ -21,10 +21,10 @@ constexpr double kToleranceShare = 0.015;  // of a photo's width: what links may
 // Recorded tilts distort the ground by more than that.
 constexpr double kFirstToleranceFactor = 2.0;
 
-const MatchingPass kFirstLook{};
+const MatchingPass kFirstPass{};
 // From where the photos are now: narrow for those that are linked, as wide as the records proved bad for the
 // others.
-const MatchingPass kNextLook{.min_radius_share = 0.05,
+const MatchingPass kNextPass{.min_radius_share = 0.05,
                              .sigmas = 3.0,
                              .max_turn_rad = 0.45,
                              .tolerance_share = 0.012,
@@ -152,26 +152,26 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     }
   };
 
-  ProjectedKeypoints laid;
+  ProjectedKeypoints projected;
   std::vector<VerifiedPair> links;
-  const auto look_first = [&] {
+  const auto match_first_pass = [&] {
     linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
-    laid = ProjectAllToGround(input, flat, threads);
-    links = MatchAndVerify(input, laid, linked.pairs, kFirstLook, threads);
-    for (VerifiedPair& link : MatchLostPhotos(input, laid, linked.pairs, links, threads)) {
+    projected = ProjectAllToGround(input, flat, threads);
+    links = MatchAndVerify(input, projected, linked.pairs, kFirstPass, threads);
+    for (VerifiedPair& link : MatchLostPhotos(input, projected, linked.pairs, links, threads)) {
       links.push_back(std::move(link));
     }
   };
-  look_first();
+  match_first_pass();
   mount_turn_rad = CommonQuarterTurn(recorded, links);
   if (mount_turn_rad != 0.0) {
     for (std::size_t i = 0; i < count; ++i) {
       total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
       input.views[i].cam_from_enu = CorrectPose(posed.photos[i], recorded[i], total[i]).start_cam_from_enu;
     }
-    look_first();
+    match_first_pass();
   }
-  GroundGraph graph = SolveGroundGraph(recorded, links, laid.views, kFirstToleranceFactor * tolerance_m);
+  GroundGraph graph = SolveGroundGraph(recorded, links, projected.views, kFirstToleranceFactor * tolerance_m);
   ReportRejected(graph, links, posed, report);
   linked.links = KeepHolding(graph, links);
   total = graph.corrections;
@@ -182,15 +182,15 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
     move_views();
     linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
-    laid = ProjectAllToGround(input, flat, threads);
-    links = MatchAndVerify(input, laid, linked.pairs, kNextLook, threads);
+    projected = ProjectAllToGround(input, flat, threads);
+    links = MatchAndVerify(input, projected, linked.pairs, kNextPass, threads);
     // From here a photo is expected where it now lies.
     std::vector<GroundPrior> expected = MakeGroundPriors(posed, input);
     for (std::size_t i = 0; i < count; ++i) {
       expected[i].sigma_m = recorded[i].sigma_m;
       expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
     }
-    graph = SolveGroundGraph(expected, links, laid.views, tolerance_m);
+    graph = SolveGroundGraph(expected, links, projected.views, tolerance_m);
     linked.links = KeepHolding(graph, links);
     for (std::size_t i = 0; i < count; ++i) {
       if (graph.corrections[i].component < 0 && total[i].component >= 0) continue;

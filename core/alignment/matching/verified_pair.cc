@@ -19,13 +19,13 @@ struct Tolerance {
   double across_m = 1.0;
   double along_m = 1.0;
 
-  bool Holds(Complex miss) const {
-    const Complex turned = miss * std::conj(along);
+  bool Holds(Complex residual) const {
+    const Complex turned = residual * std::conj(along);
     return std::abs(turned.real()) <= along_m && std::abs(turned.imag()) <= across_m;
   }
 };
 
-Tolerance MakeTolerance(const LinkOptions& options, double tolerance_m) {
+Tolerance MakeTolerance(const VerificationOptions& options, double tolerance_m) {
   const double length = std::abs(options.baseline_m);
   return {length > 1e-9 ? options.baseline_m / length : Complex(1.0, 0.0), tolerance_m,
           tolerance_m + options.relief_share * length};
@@ -35,18 +35,18 @@ Tolerance MakeTolerance(const LinkOptions& options, double tolerance_m) {
 // area?
 bool StandsOut(const std::vector<int>& inliers, const std::vector<std::pair<Complex, Complex>>& places,
                const GroundSimilarity& motion, const Tolerance& tolerance, double search_area_m2) {
-  std::vector<Complex> misses;
+  std::vector<Complex> residuals;
   double along = 0.0, across = 0.0;
   for (const int k : inliers) {
-    misses.push_back((places[k].second - motion * places[k].first) * std::conj(tolerance.along));
-    along += misses.back().real() * misses.back().real();
-    across += misses.back().imag() * misses.back().imag();
+    residuals.push_back((places[k].second - motion * places[k].first) * std::conj(tolerance.along));
+    along += residuals.back().real() * residuals.back().real();
+    across += residuals.back().imag() * residuals.back().imag();
   }
   const auto count = static_cast<double>(inliers.size());
   along = 2.0 * std::max(std::sqrt(along / count), 0.1 * tolerance.across_m);
   across = 2.0 * std::max(std::sqrt(across / count), 0.1 * tolerance.across_m);
-  const auto inside = std::count_if(misses.begin(), misses.end(), [&](Complex miss) {
-    return std::hypot(miss.real() / along, miss.imag() / across) < 1.0;
+  const auto inside = std::count_if(residuals.begin(), residuals.end(), [&](Complex residual) {
+    return std::hypot(residual.real() / along, residual.imag() / across) < 1.0;
   });
   const double chance = std::min(1.0, std::numbers::pi * along * across / search_area_m2);
   const double by_chance = chance * static_cast<double>(places.size());
@@ -76,13 +76,13 @@ GroundSimilarity FitSimilarity(
 
 std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView& second,
                                        const std::vector<KeypointMatch>& matches,
-                                       const LinkOptions& options) {
+                                       const VerificationOptions& options) {
   const int count = static_cast<int>(matches.size());
   if (count < options.min_matches) return std::nullopt;
   std::vector<std::pair<Complex, Complex>> places;
   places.reserve(count);
   for (const KeypointMatch& match : matches) {
-    places.emplace_back((*first.laid)[match.first].place, (*second.laid)[match.second].place);
+    places.emplace_back((*first.projected)[match.first].place, (*second.projected)[match.second].place);
   }
   const auto follow = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
     std::vector<int> inliers;
@@ -98,7 +98,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
   const int step = std::max(1, count / kMaxTrials);
   for (int k = 0; k < count; k += step) {
     const double keypoint_turn = std::remainder(
-        (*second.laid)[matches[k].second].angle_rad - (*first.laid)[matches[k].first].angle_rad,
+        (*second.projected)[matches[k].second].angle_rad - (*first.projected)[matches[k].first].angle_rad,
         2.0 * std::numbers::pi);
     for (const double turn : {0.0, keypoint_turn}) {
       if (!options.any_turn && std::abs(turn) > kTrustedTurnRad) continue;

@@ -13,7 +13,7 @@
 
 namespace skyquilt::alignment {
 
-struct LinkOptions {
+struct VerificationOptions {
   double first_tolerance_m = 4.0;   // of a single match's motion
   double last_tolerance_m = 1.0;    // of the refined motion
   std::complex<double> baseline_m;  // from the first camera to the second, E + iN
@@ -37,6 +37,7 @@ GroundSimilarity FitSimilarity(
     const std::vector<std::pair<std::complex<double>, std::complex<double>>>& places);
 
 std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView& second,
-                                       const std::vector<KeypointMatch>& matches, const LinkOptions& options);
+                                       const std::vector<KeypointMatch>& matches,
+                                       const VerificationOptions& options);
 
 }  // namespace skyquilt::alignment

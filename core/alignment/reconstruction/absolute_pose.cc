@@ -46,31 +46,33 @@ Matrix3d Axes(const std::array<Vector3d, 3>& corners) {
   return axes;
 }
 
-Vector2d Miss(const camera::Intrinsics& lens, const Vector3d& in_cam, const Vector2d& pixel) {
+Vector2d Residual(const camera::Intrinsics& lens, const Vector3d& in_cam, const Vector2d& pixel) {
   const Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
   return {lens.focal_x_px * bent.x() + lens.center_x_px - pixel.x(),
           lens.focal_y_px * bent.y() + lens.center_y_px - pixel.y()};
 }
 
 // In sigmas, squared; infinite behind the camera.
-double Miss2(const camera::Intrinsics& lens, const geo::Rigid3& cam_from_world, const Sight& sight) {
-  const Vector3d in_cam = cam_from_world * sight.point_in_world;
+double SquaredResidual(const camera::Intrinsics& lens, const geo::Rigid3& cam_from_world,
+                       const PointObservation& observation) {
+  const Vector3d in_cam = cam_from_world * observation.point_in_world;
   if (in_cam.z() <= 0.0) return std::numeric_limits<double>::infinity();
-  return Miss(lens, in_cam, sight.pixel_in_image).squaredNorm() / (sight.sigma_px * sight.sigma_px);
+  return Residual(lens, in_cam, observation.pixel_in_image).squaredNorm() /
+         (observation.sigma_px * observation.sigma_px);
 }
 
-std::vector<int> Followers(const camera::Intrinsics& lens, const geo::Rigid3& pose,
-                           const std::vector<Sight>& sights, double tolerance_sigmas) {
+std::vector<int> FindInliers(const camera::Intrinsics& lens, const geo::Rigid3& pose,
+                             const std::vector<PointObservation>& observations, double tolerance_sigmas) {
   std::vector<int> inliers;
-  for (std::size_t k = 0; k < sights.size(); ++k) {
-    if (Miss2(lens, pose, sights[k]) < tolerance_sigmas * tolerance_sigmas)
+  for (std::size_t k = 0; k < observations.size(); ++k) {
+    if (SquaredResidual(lens, pose, observations[k]) < tolerance_sigmas * tolerance_sigmas)
       inliers.push_back(static_cast<int>(k));
   }
   return inliers;
 }
 
-geo::Rigid3 Refine(const camera::Intrinsics& lens, const geo::Rigid3& start, const std::vector<Sight>& sights,
-                   const std::vector<int>& used) {
+geo::Rigid3 Refine(const camera::Intrinsics& lens, const geo::Rigid3& start,
+                   const std::vector<PointObservation>& observations, const std::vector<int>& used) {
   constexpr double kWidthSigmas = 2.5, kNudge = 1e-7;
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   // Turn and shift in cam: in_cam' = Exp(turn) in_cam + shift.
@@ -81,8 +83,8 @@ geo::Rigid3 Refine(const camera::Intrinsics& lens, const geo::Rigid3& start, con
   const auto cost = [&](const geo::Rigid3& pose) {
     double sum = 0.0;
     for (const int k : used) {
-      const double miss2 = Miss2(lens, pose, sights[static_cast<std::size_t>(k)]);
-      sum += std::isfinite(miss2) ? std::log1p(miss2 / (kWidthSigmas * kWidthSigmas)) : 1e3;
+      const double residual2 = SquaredResidual(lens, pose, observations[static_cast<std::size_t>(k)]);
+      sum += std::isfinite(residual2) ? std::log1p(residual2 / (kWidthSigmas * kWidthSigmas)) : 1e3;
     }
     return sum;
   };
@@ -92,25 +94,26 @@ geo::Rigid3 Refine(const camera::Intrinsics& lens, const geo::Rigid3& start, con
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Vector6d right = Vector6d::Zero();
     for (const int k : used) {
-      const Sight& sight = sights[static_cast<std::size_t>(k)];
-      const Vector3d in_cam = pose * sight.point_in_world;
+      const PointObservation& observation = observations[static_cast<std::size_t>(k)];
+      const Vector3d in_cam = pose * observation.point_in_world;
       if (in_cam.z() <= 0.0) continue;
-      const Vector2d miss = Miss(lens, in_cam, sight.pixel_in_image);
+      const Vector2d residual = Residual(lens, in_cam, observation.pixel_in_image);
       Eigen::Matrix<double, 2, 3> by_point;
       for (int axis = 0; axis < 3; ++axis) {
         const double nudge = kNudge * in_cam.z();
         by_point.col(axis) =
-            (Miss(lens, in_cam + nudge * Vector3d::Unit(axis), sight.pixel_in_image) - miss) / nudge;
+            (Residual(lens, in_cam + nudge * Vector3d::Unit(axis), observation.pixel_in_image) - residual) /
+            nudge;
       }
       Eigen::Matrix<double, 3, 6> point_by_pose;
       point_by_pose << 0.0, in_cam.z(), -in_cam.y(), 1.0, 0.0, 0.0, -in_cam.z(), 0.0, in_cam.x(), 0.0, 1.0,
           0.0, in_cam.y(), -in_cam.x(), 0.0, 0.0, 0.0, 1.0;
       const Eigen::Matrix<double, 2, 6> slope = by_point * point_by_pose;
-      const double miss2 = miss.squaredNorm() / (sight.sigma_px * sight.sigma_px);
-      const double weight =
-          1.0 / (1.0 + miss2 / (kWidthSigmas * kWidthSigmas)) / (sight.sigma_px * sight.sigma_px);
+      const double residual2 = residual.squaredNorm() / (observation.sigma_px * observation.sigma_px);
+      const double weight = 1.0 / (1.0 + residual2 / (kWidthSigmas * kWidthSigmas)) /
+                            (observation.sigma_px * observation.sigma_px);
       normal += weight * slope.transpose() * slope;
-      right -= weight * slope.transpose() * miss;
+      right -= weight * slope.transpose() * residual;
     }
     normal.diagonal() *= 1.0 + damping;
     const geo::Rigid3 next = nudged(pose, normal.ldlt().solve(right));
@@ -163,13 +166,15 @@ std::vector<geo::Rigid3> PosesOfThree(const std::array<Vector3d, 3>& rays,
   return poses;
 }
 
-std::optional<FoundPose> FindPose(const camera::Intrinsics& lens, const std::vector<Sight>& sights,
-                                  std::uint64_t seed, const FindPoseOptions& options) {
-  const int count = static_cast<int>(sights.size());
+std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
+                                  const std::vector<PointObservation>& observations, std::uint64_t seed,
+                                  const FindPoseOptions& options) {
+  const int count = static_cast<int>(observations.size());
   if (count < std::max(4, options.min_inliers)) return std::nullopt;
   std::vector<Vector3d> rays;
-  rays.reserve(sights.size());
-  for (const Sight& sight : sights) rays.push_back(lens.Unproject(sight.pixel_in_image).normalized());
+  rays.reserve(observations.size());
+  for (const PointObservation& observation : observations)
+    rays.push_back(lens.Unproject(observation.pixel_in_image).normalized());
   Sampler sampler(seed);
   FoundPose best;
   int samples = options.max_samples;
@@ -178,10 +183,10 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens, const std::vec
     const std::array<int, 3> drawn = sampler.Distinct<3>(count);
     for (std::size_t k = 0; k < 3; ++k) {
       three_rays[k] = rays[static_cast<std::size_t>(drawn[k])];
-      three_points[k] = sights[static_cast<std::size_t>(drawn[k])].point_in_world;
+      three_points[k] = observations[static_cast<std::size_t>(drawn[k])].point_in_world;
     }
     for (const geo::Rigid3& pose : PosesOfThree(three_rays, three_points)) {
-      std::vector<int> inliers = Followers(lens, pose, sights, options.tolerance_sigmas);
+      std::vector<int> inliers = FindInliers(lens, pose, observations, options.tolerance_sigmas);
       if (inliers.size() <= best.inliers.size()) continue;
       best = {pose, std::move(inliers)};
     }
@@ -197,8 +202,8 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens, const std::vec
   for (int round = 0; round < 3; ++round) {
     if (static_cast<int>(best.inliers.size()) < options.min_inliers) return std::nullopt;
     FoundPose refined;
-    refined.cam_from_world = Refine(lens, best.cam_from_world, sights, best.inliers);
-    refined.inliers = Followers(lens, refined.cam_from_world, sights, options.tolerance_sigmas);
+    refined.cam_from_world = Refine(lens, best.cam_from_world, observations, best.inliers);
+    refined.inliers = FindInliers(lens, refined.cam_from_world, observations, options.tolerance_sigmas);
     if (refined.inliers.size() < best.inliers.size()) break;
     const bool is_settled = refined.inliers.size() == best.inliers.size();
     best = std::move(refined);

@@ -1,6 +1,6 @@
 // FindPose: where a photo was taken, from points whose place is known and the pixels that see them, many of
 // them wrong: three points at a time (J. Grunert 1841, as R. Haralick and others, IJCV 1994, give it), the
-// pose that most follow, refined. Deterministic by the seed. Frame `world`. Pure; any thread.
+// pose with most inliers, refined. Deterministic by the seed. Frame `world`. Pure; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace skyquilt::alignment {
 
-struct Sight {
+struct PointObservation {
   Eigen::Vector2d pixel_in_image;
   Eigen::Vector3d point_in_world;
   double sigma_px = 1.0;
@@ -22,7 +22,7 @@ struct Sight {
 
 struct FoundPose {
   geo::Rigid3 cam_from_world;
-  std::vector<int> inliers;  // sights
+  std::vector<int> inliers;  // observations
 };
 
 struct FindPoseOptions {
@@ -35,7 +35,8 @@ struct FindPoseOptions {
 std::vector<geo::Rigid3> PosesOfThree(const std::array<Eigen::Vector3d, 3>& rays,
                                       const std::array<Eigen::Vector3d, 3>& points);
 
-std::optional<FoundPose> FindPose(const camera::Intrinsics& lens, const std::vector<Sight>& sights,
-                                  std::uint64_t seed, const FindPoseOptions& options);
+std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
+                                  const std::vector<PointObservation>& observations, std::uint64_t seed,
+                                  const FindPoseOptions& options);
 
 }  // namespace skyquilt::alignment

@@ -35,15 +35,15 @@ const camera::Intrinsics& Block::Lens(int photo) const {
   return lenses_[static_cast<std::size_t>(input_->photos[static_cast<std::size_t>(photo)].lens)].intrinsics;
 }
 
-Eigen::Vector2d Block::PixelOf(const TrackSight& sight) const {
-  const Keypoint& keypoint = input_->photos[static_cast<std::size_t>(sight.photo)]
-                                 .features->keypoints[static_cast<std::size_t>(sight.keypoint)];
+Eigen::Vector2d Block::PixelOf(const TrackElement& element) const {
+  const Keypoint& keypoint = input_->photos[static_cast<std::size_t>(element.photo)]
+                                 .features->keypoints[static_cast<std::size_t>(element.keypoint)];
   return {keypoint.x_px, keypoint.y_px};
 }
 
-double Block::SigmaPx(const TrackSight& sight) const {
-  const PhotoFeatures& features = *input_->photos[static_cast<std::size_t>(sight.photo)].features;
-  const double size = features.keypoints[static_cast<std::size_t>(sight.keypoint)].scale_px;
+double Block::SigmaPx(const TrackElement& element) const {
+  const PhotoFeatures& features = *input_->photos[static_cast<std::size_t>(element.photo)].features;
+  const double size = features.keypoints[static_cast<std::size_t>(element.keypoint)].scale_px;
   return features.sigma_px * std::max(1.0, size / (features.sigma_px * kFineScales));
 }
 
@@ -54,9 +54,9 @@ void Block::FindRays(int photo) {
   std::vector<Eigen::Vector3d>& rays = rays_[at];
   rays.assign(features.keypoints.size(), Eigen::Vector3d::Zero());
   for (const int t : scene_->of_photo[at]) {
-    for (const TrackSight& sight : scene_->tracks[static_cast<std::size_t>(t)]) {
-      if (sight.photo == photo) {
-        rays[static_cast<std::size_t>(sight.keypoint)] = lens.Unproject(PixelOf(sight)).normalized();
+    for (const TrackElement& element : scene_->tracks[static_cast<std::size_t>(t)]) {
+      if (element.photo == photo) {
+        rays[static_cast<std::size_t>(element.keypoint)] = lens.Unproject(PixelOf(element)).normalized();
       }
     }
   }
@@ -76,40 +76,40 @@ void Block::Remove(int photo) {
   is_placed_[at] = 0;
 }
 
-double Block::MissSigmas(const TrackSight& sight, const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d in_cam = Pose(sight.photo) * point;
+double Block::ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d in_cam = Pose(element.photo) * point;
   if (in_cam.z() <= 1e-6) return std::numeric_limits<double>::infinity();
-  const camera::Intrinsics& lens = Lens(sight.photo);
+  const camera::Intrinsics& lens = Lens(element.photo);
   const Eigen::Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
   const Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
                               lens.focal_y_px * bent.y() + lens.center_y_px);
-  return (pixel - PixelOf(sight)).norm() / SigmaPx(sight);
+  return (pixel - PixelOf(element)).norm() / SigmaPx(element);
 }
 
-// Where the rays come nearest; the sight that misses most goes until all agree.
+// Where the rays come nearest; the observation with the largest residual goes until all agree.
 void Block::Triangulate(int track) {
-  const std::vector<TrackSight>& sights = scene_->tracks[static_cast<std::size_t>(track)];
+  const std::vector<TrackElement>& elements = scene_->tracks[static_cast<std::size_t>(track)];
   std::vector<int>& kept = seen_by_[static_cast<std::size_t>(track)];
   kept.clear();
-  for (std::size_t s = 0; s < sights.size(); ++s) {
-    if (Has(sights[s].photo)) kept.push_back(static_cast<int>(s));
+  for (std::size_t s = 0; s < elements.size(); ++s) {
+    if (Has(elements[s].photo)) kept.push_back(static_cast<int>(s));
   }
   std::vector<Eigen::Vector3d> rays;
   for (const int s : kept) {
-    const TrackSight& sight = sights[static_cast<std::size_t>(s)];
-    const auto photo = static_cast<std::size_t>(sight.photo);
+    const TrackElement& element = elements[static_cast<std::size_t>(s)];
+    const auto photo = static_cast<std::size_t>(element.photo);
     rays.push_back(cam_from_world_[photo].rotation.conjugate() *
-                   rays_[photo][static_cast<std::size_t>(sight.keypoint)]);
+                   rays_[photo][static_cast<std::size_t>(element.keypoint)]);
   }
   while (kept.size() >= 2) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     double min_cosine = 1.0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      const TrackSight& sight = sights[static_cast<std::size_t>(kept[k])];
+      const TrackElement& element = elements[static_cast<std::size_t>(kept[k])];
       const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - rays[k] * rays[k].transpose();
       normal += across;
-      right += across * Pose(sight.photo).TargetOriginInSource();
+      right += across * Pose(element.photo).TargetOriginInSource();
       for (std::size_t m = 0; m < k; ++m) min_cosine = std::min(min_cosine, rays[k].dot(rays[m]));
     }
     if (min_cosine > std::cos(kMinAngleOfPointRad)) break;
@@ -117,9 +117,9 @@ void Block::Triangulate(int track) {
     double most = 0.0;
     std::size_t worst = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      const double miss = MissSigmas(sights[static_cast<std::size_t>(kept[k])], point);
-      if (miss <= most) continue;
-      most = miss;
+      const double residual = ResidualSigmas(elements[static_cast<std::size_t>(kept[k])], point);
+      if (residual <= most) continue;
+      most = residual;
       worst = k;
     }
     if (most <= kToleranceSigmas) {
@@ -159,9 +159,9 @@ void Block::TriangulateSeenBy(const std::vector<int>& photos, int threads) {
 std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int observations_per_photo) const {
   std::vector<int> order;
   for (std::size_t t = 0; t < scene_->tracks.size(); ++t) {
-    const std::vector<TrackSight>& sights = scene_->tracks[t];
+    const std::vector<TrackElement>& elements = scene_->tracks[t];
     const bool counts = std::any_of(seen_by_[t].begin(), seen_by_[t].end(), [&](int s) {
-      return is_free[static_cast<std::size_t>(sights[static_cast<std::size_t>(s)].photo)] != 0;
+      return is_free[static_cast<std::size_t>(elements[static_cast<std::size_t>(s)].photo)] != 0;
     });
     if (counts) order.push_back(static_cast<int>(t));
   }
@@ -170,9 +170,9 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
   constexpr std::size_t kCells = std::size_t{kCellsAcross} * kCellsAcross;
   std::vector<std::array<int, kCells>> taken(input_->photos.size(), std::array<int, kCells>{});
   std::vector<int> total(input_->photos.size(), 0);
-  const auto cell_of = [&](const TrackSight& sight) {
-    const Eigen::Vector2d pixel = PixelOf(sight);
-    const camera::Intrinsics& lens = Lens(sight.photo);
+  const auto cell_of = [&](const TrackElement& element) {
+    const Eigen::Vector2d pixel = PixelOf(element);
+    const camera::Intrinsics& lens = Lens(element.photo);
     const int x = std::clamp(static_cast<int>(pixel.x() * kCellsAcross / lens.width_px), 0, kCellsAcross - 1);
     const int y =
         std::clamp(static_cast<int>(pixel.y() * kCellsAcross / lens.height_px), 0, kCellsAcross - 1);
@@ -184,21 +184,21 @@ std::vector<int> Block::ChooseTracks(const std::vector<char>& is_free, int obser
   for (int round = 1; round <= rounds; ++round) {
     for (std::size_t o = 0; o < order.size(); ++o) {
       if (is_chosen[o]) continue;
-      const std::vector<TrackSight>& sights = scene_->tracks[static_cast<std::size_t>(order[o])];
+      const std::vector<TrackElement>& elements = scene_->tracks[static_cast<std::size_t>(order[o])];
       const std::vector<int>& seen = SeenBy(order[o]);
       const bool is_wanted = std::any_of(seen.begin(), seen.end(), [&](int s) {
-        const TrackSight& sight = sights[static_cast<std::size_t>(s)];
-        const auto photo = static_cast<std::size_t>(sight.photo);
+        const TrackElement& element = elements[static_cast<std::size_t>(s)];
+        const auto photo = static_cast<std::size_t>(element.photo);
         return is_free[photo] && total[photo] < observations_per_photo &&
-               taken[photo][cell_of(sight)] < round;
+               taken[photo][cell_of(element)] < round;
       });
       if (!is_wanted) continue;
       is_chosen[o] = 1;
       chosen.push_back(order[o]);
       for (const int s : seen) {
-        const TrackSight& sight = sights[static_cast<std::size_t>(s)];
-        ++total[static_cast<std::size_t>(sight.photo)];
-        ++taken[static_cast<std::size_t>(sight.photo)][cell_of(sight)];
+        const TrackElement& element = elements[static_cast<std::size_t>(s)];
+        ++total[static_cast<std::size_t>(element.photo)];
+        ++taken[static_cast<std::size_t>(element.photo)][cell_of(element)];
       }
     }
   }
@@ -233,8 +233,8 @@ void Block::Adjust(const std::vector<int>& free, const BlockAdjustment& options,
     Track track;
     track.point_in_enu = Point(t);
     for (const int s : SeenBy(t)) {
-      const TrackSight& sight = scene_->tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)];
-      track.observations.push_back({number_of(sight.photo), PixelOf(sight), SigmaPx(sight)});
+      const TrackElement& element = scene_->tracks[static_cast<std::size_t>(t)][static_cast<std::size_t>(s)];
+      track.observations.push_back({number_of(element.photo), PixelOf(element), SigmaPx(element)});
     }
     problem.tracks.push_back(std::move(track));
   }
@@ -307,9 +307,9 @@ std::vector<double> Block::ResidualsPx() const {
   const std::vector<int> seen = PointsSeen();
   for (std::size_t t = 0; t < seen_by_.size(); ++t) {
     for (const int s : seen_by_[t]) {
-      const TrackSight& sight = scene_->tracks[t][static_cast<std::size_t>(s)];
-      const double miss = MissSigmas(sight, point_[t]) * SigmaPx(sight);
-      square[static_cast<std::size_t>(sight.photo)] += miss * miss;
+      const TrackElement& element = scene_->tracks[t][static_cast<std::size_t>(s)];
+      const double residual = ResidualSigmas(element, point_[t]) * SigmaPx(element);
+      square[static_cast<std::size_t>(element.photo)] += residual * residual;
     }
   }
   for (std::size_t i = 0; i < square.size(); ++i)
@@ -324,8 +324,8 @@ std::vector<Track> Block::Tracks() const {
     Track track;
     track.point_in_enu = point_[t];
     for (const int s : seen_by_[t]) {
-      const TrackSight& sight = scene_->tracks[t][static_cast<std::size_t>(s)];
-      track.observations.push_back({sight.photo, PixelOf(sight), SigmaPx(sight)});
+      const TrackElement& element = scene_->tracks[t][static_cast<std::size_t>(s)];
+      track.observations.push_back({element.photo, PixelOf(element), SigmaPx(element)});
     }
     tracks.push_back(std::move(track));
   }

@@ -43,10 +43,10 @@ class Block {
   void TriangulateSeenBy(const std::vector<int>& photos, int threads);
   bool HasPoint(int track) const { return !seen_by_[static_cast<std::size_t>(track)].empty(); }
   const Eigen::Vector3d& Point(int track) const { return point_[static_cast<std::size_t>(track)]; }
-  // Places in the track of the sights that agree.
+  // Indices into the track of the observations that agree.
   const std::vector<int>& SeenBy(int track) const { return seen_by_[static_cast<std::size_t>(track)]; }
-  Eigen::Vector2d PixelOf(const TrackSight& sight) const;
-  double SigmaPx(const TrackSight& sight) const;
+  Eigen::Vector2d PixelOf(const TrackElement& element) const;
+  double SigmaPx(const TrackElement& element) const;
 
   // Bundle adjustment of `free` photos (all: an empty list), the others fixed; points are triangulated anew.
   void Adjust(const std::vector<int>& free, const BlockAdjustment& options, int threads);
@@ -65,7 +65,7 @@ class Block {
  private:
   void Triangulate(int track);
   void FindRays(int photo);
-  double MissSigmas(const TrackSight& sight, const Eigen::Vector3d& point) const;
+  double ResidualSigmas(const TrackElement& element, const Eigen::Vector3d& point) const;
   std::vector<int> ChooseTracks(const std::vector<char>& is_free, int observations_per_photo) const;
 
   const RegistrationInput* input_;

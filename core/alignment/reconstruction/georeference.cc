@@ -178,7 +178,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
   if (const auto by_control = FitRobustly(records.control, up)) {
     place.enu_from_world = by_control->target_from_source;
     place.placing = Placing::kByControl;
-    place.median_miss_m = by_control->median_miss;
+    place.median_residual_m = by_control->median_residual;
     place.knows_north = true;
   }
   std::vector<PlacePair> pairs;
@@ -206,7 +206,7 @@ BlockPlace Georeference(const Registration& registration, int block, const Geore
     if (place.placing != Placing::kByControl) {
       place.enu_from_world = by_positions->target_from_source;
       place.placing = Placing::kByPositions;
-      place.median_miss_m = by_positions->median_miss;
+      place.median_residual_m = by_positions->median_residual;
       place.knows_north = true;
     }
   }

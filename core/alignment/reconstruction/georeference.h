@@ -38,8 +38,8 @@ struct BlockPlace {
   Placing placing = Placing::kByGuess;
   std::vector<char> position_holds;  // by photo; zero for those without, or not of this block
   int positions = 0, positions_held = 0;
-  double median_miss_m = 0.0;  // horizontal, of positions or surveyed points
-  double spread_sigmas = 1.0;  // what positions that hold miss by, in what they claim
+  double median_residual_m = 0.0;  // horizontal, of positions or surveyed points
+  double spread_sigmas = 1.0;      // residual of the inlier positions in their stated sigmas
   bool knows_north = false;
 };
 

@@ -10,7 +10,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr std::size_t kMaxBeginnings = 6;
-constexpr int kFollowersOfABeginning = 4;  // photos
+constexpr int kPhotosAfterSeedPair = 4;  // photos
 constexpr int kEnoughPoints = 15;
 constexpr double kMinAngleRad = 0.03, kWideAngleRad = 0.15;
 constexpr double kNearlyTheMost = 0.5;  // photos that see so many points as the one that sees most come along
@@ -73,17 +73,17 @@ std::vector<Wanting> PhotosThatSee(const Block& block, const std::vector<char>& 
 }
 
 std::optional<FoundPose> Resect(const Block& block, const Wanting& wanting, const GrowOptions& options) {
-  std::vector<Sight> sights;
+  std::vector<PointObservation> observations;
   for (const int t : wanting.tracks) {
-    for (const TrackSight& sight : block.scene().tracks[static_cast<std::size_t>(t)]) {
-      if (sight.photo != wanting.photo) continue;
-      sights.push_back({block.PixelOf(sight), block.Point(t), block.SigmaPx(sight)});
+    for (const TrackElement& element : block.scene().tracks[static_cast<std::size_t>(t)]) {
+      if (element.photo != wanting.photo) continue;
+      observations.push_back({block.PixelOf(element), block.Point(t), block.SigmaPx(element)});
     }
   }
   FindPoseOptions find;
-  find.min_inliers =
-      std::max(options.min_inliers, static_cast<int>(options.min_share * static_cast<double>(sights.size())));
-  return FindPose(block.Lens(wanting.photo), sights, static_cast<std::uint64_t>(wanting.photo), find);
+  find.min_inliers = std::max(options.min_inliers,
+                              static_cast<int>(options.min_share * static_cast<double>(observations.size())));
+  return FindPose(block.Lens(wanting.photo), observations, static_cast<std::uint64_t>(wanting.photo), find);
 }
 
 // Photos that see most of what these see.
@@ -180,7 +180,7 @@ std::optional<Tried> Try(const RegistrationInput& input, const ViewGraph& graph,
   BlockAdjustment adjustment = WholeAdjustment(block, options);
   block.Adjust({}, adjustment, threads);
   std::vector<int> failed_at(input.photos.size(), 0);
-  for (int round = 0; round < kFollowersOfABeginning && block.size() < 2 + kFollowersOfABeginning; ++round) {
+  for (int round = 0; round < kPhotosAfterSeedPair && block.size() < 2 + kPhotosAfterSeedPair; ++round) {
     const std::vector<int> taken = TakeRound(is_taken, 2, options, threads, failed_at, block);
     if (taken.empty()) break;
     adjustment = WholeAdjustment(block, options);

@@ -1,6 +1,6 @@
 // A block of photos from nothing: two that see a scene from different places, then all others that see enough
 // of the points so far, adjusted again and again while it grows. What two views of flat ground leave open the
-// next photos decide: several beginnings are tried and the one that most follow is taken. The same for any
+// next photos decide: several beginnings are tried and the one with most inliers is taken. The same for any
 // number of threads.
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace skyquilt::alignment {
 
 struct GrowOptions {
-  int min_inliers = 12;     // sights that agree on a new photo's pose
+  int min_inliers = 12;     // observations that agree on a new photo's pose
   double min_share = 0.25;  // of the points it shares with the block
   int observations_per_photo = 80;
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kOtherFocal = 0.05;
 constexpr int kFewForALens = 5;
-constexpr int kMaxLooks = 2;
+constexpr int kMaxPasses = 2;
 constexpr double kMinSigmaFocal = 0.02;  // what is recorded may be that of another image size
 constexpr int kMinSeen = 12;             // points of a photo that counts as registered
 
@@ -126,12 +126,12 @@ Registration RegisterPhotos(const RegistrationInput& given, const RegisterOption
   for (BundleLens& lens : input.lenses)
     lens.sigma_focal_share = std::max(lens.sigma_focal_share, kMinSigmaFocal);
   ViewGraph graph = BuildViewGraph(input, options.graph, threads, registration.report, progress);
-  for (int look = 0;; ++look) {
+  for (int pass = 0;; ++pass) {
     ScopedTimer timer(registration.report.growing_s);
     const SceneTracks scene = JoinMatches(input, graph.pairs);
     const std::vector<Block> blocks = GrowBlocks(input, graph, scene, options, threads, progress);
     RegistrationInput better = input;
-    if (look < kMaxLooks && !progress.IsCancelled() && TakeLenses(blocks, better)) {
+    if (pass < kMaxPasses && !progress.IsCancelled() && TakeLenses(blocks, better)) {
       // Through the right lens more pairs agree, and with each other.
       input = std::move(better);
       VerifyAgain(input, options.graph, threads, registration.report, graph);

@@ -18,11 +18,11 @@ using Eigen::Vector3d;
 
 constexpr int kAbsoluteRounds = 12;
 constexpr int kReweightedRounds = 20;
-constexpr double kMinMissRad = 1e-4;
+constexpr double kMinResidualRad = 1e-4;
 constexpr double kWidthRad = 0.087;  // 5 degrees: beyond it a pair loses its say
 constexpr double kStillRad = 1e-5;
 
-Vector3d Miss(const RelativeRotation& pair, const std::vector<Quaterniond>& rotations) {
+Vector3d Residual(const RelativeRotation& pair, const std::vector<Quaterniond>& rotations) {
   const Quaterniond expected = rotations[static_cast<std::size_t>(pair.second)] *
                                rotations[static_cast<std::size_t>(pair.first)].conjugate();
   // In the world's axes: R_second' (R12 R1 R2') R_second
@@ -90,14 +90,14 @@ double Step(const std::vector<RelativeRotation>& pairs, const std::vector<double
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const RelativeRotation& pair = pairs[p];
     const double weight = weights[p];
-    // Rotations turn as R <- R Exp(w): the miss becomes miss - (w2 - w1).
-    const Eigen::RowVector3d miss = Miss(pair, rotations).transpose();
+    // Rotations turn as R <- R Exp(w): the residual becomes residual - (w2 - w1).
+    const Eigen::RowVector3d residual = Residual(pair, rotations).transpose();
     terms.emplace_back(pair.first, pair.first, weight);
     terms.emplace_back(pair.second, pair.second, weight);
     terms.emplace_back(pair.first, pair.second, -weight);
     terms.emplace_back(pair.second, pair.first, -weight);
-    right.row(pair.second) += weight * miss;
-    right.row(pair.first) -= weight * miss;
+    right.row(pair.second) += weight * residual;
+    right.row(pair.first) -= weight * residual;
   }
   Eigen::SparseMatrix<double> normal(count, count);
   normal.setFromTriplets(terms.begin(), terms.end());
@@ -122,24 +122,24 @@ AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotatio
   averaged.component.assign(static_cast<std::size_t>(photos), -1);
   FollowTree(photos, pairs, averaged);
   std::vector<double> weights(pairs.size());
-  const auto weigh = [&](auto&& of_miss) {
+  const auto weigh = [&](auto&& of_residual) {
     for (std::size_t p = 0; p < pairs.size(); ++p) {
-      weights[p] = pairs[p].weight * of_miss(Miss(pairs[p], averaged.cam_from_world).norm());
+      weights[p] = pairs[p].weight * of_residual(Residual(pairs[p], averaged.cam_from_world).norm());
     }
   };
   for (int round = 0; round < kAbsoluteRounds && !pairs.empty(); ++round) {
-    weigh([](double miss) { return 1.0 / std::max(kMinMissRad, miss); });
+    weigh([](double residual) { return 1.0 / std::max(kMinResidualRad, residual); });
     if (Step(pairs, weights, averaged.cam_from_world) < kStillRad) break;
   }
   for (int round = 0; round < kReweightedRounds && !pairs.empty(); ++round) {
-    weigh([](double miss) {
-      const double scaled = 1.0 + (miss / kWidthRad) * (miss / kWidthRad);
+    weigh([](double residual) {
+      const double scaled = 1.0 + (residual / kWidthRad) * (residual / kWidthRad);
       return 1.0 / (scaled * scaled);  // Geman and McClure
     });
     if (Step(pairs, weights, averaged.cam_from_world) < kStillRad) break;
   }
   for (const RelativeRotation& pair : pairs)
-    averaged.miss_rad.push_back(Miss(pair, averaged.cam_from_world).norm());
+    averaged.residual_rad.push_back(Residual(pair, averaged.cam_from_world).norm());
   return averaged;
 }
 

@@ -1,6 +1,6 @@
 // AverageRotations: one rotation a photo from relative rotations of pairs, some of which are wrong: from a
 // spanning tree of the best supported, then by least absolute deviations, then by reweighted least squares
-// (A. Chatterjee and V. Govindu, ICCV 2013). Pairs that the rest contradicts stand out by what they miss by.
+// (A. Chatterjee and V. Govindu, ICCV 2013). Pairs that the rest contradicts stand out by their residual.
 // Pure; any thread.
 #pragma once
 
@@ -18,7 +18,7 @@ struct RelativeRotation {
 struct AveragedRotations {
   std::vector<Eigen::Quaterniond> cam_from_world;  // by photo
   std::vector<int> component;                      // photos tied together; negative: no pair at all
-  std::vector<double> miss_rad;                    // by pair
+  std::vector<double> residual_rad;                // by pair
 };
 
 AveragedRotations AverageRotations(int photos, const std::vector<RelativeRotation>& pairs);

@@ -15,7 +15,7 @@ bool IsOnePlace(const PhotoFeatures& features, int a, int b) {
   return std::hypot(x.x_px - y.x_px, x.y_px - y.y_px) <= kOnePlacePx;
 }
 
-// Disjoint sets of sights that know their members.
+// Disjoint sets of observations that know their members.
 class Sets {
  public:
   Sets(const RegistrationInput& input, const std::vector<int>& first_of) : input_(input) {
@@ -33,9 +33,9 @@ class Sets {
     a = Find(a);
     b = Find(b);
     if (a == b) return;
-    std::vector<TrackSight>& of_a = Members(a);
-    std::vector<TrackSight>& of_b = Members(b);
-    std::vector<TrackSight> merged;
+    std::vector<TrackElement>& of_a = Members(a);
+    std::vector<TrackElement>& of_b = Members(b);
+    std::vector<TrackElement> merged;
     merged.reserve(of_a.size() + of_b.size());
     auto next_a = of_a.begin();
     auto next_b = of_b.begin();
@@ -56,7 +56,7 @@ class Sets {
     Members(std::min(a, b)) = std::move(merged);
   }
 
-  std::vector<std::vector<TrackSight>>& members() { return members_; }
+  std::vector<std::vector<TrackElement>>& members() { return members_; }
 
  private:
   int Find(int i) {
@@ -66,11 +66,11 @@ class Sets {
     }
     return i;
   }
-  std::vector<TrackSight>& Members(int i) { return members_[static_cast<std::size_t>(i)]; }
+  std::vector<TrackElement>& Members(int i) { return members_[static_cast<std::size_t>(i)]; }
 
   const RegistrationInput& input_;
   std::vector<int> root_;
-  std::vector<std::vector<TrackSight>> members_;
+  std::vector<std::vector<TrackElement>> members_;
 };
 
 }  // namespace
@@ -96,10 +96,11 @@ SceneTracks JoinMatches(const RegistrationInput& input, const std::vector<GraphP
   }
   SceneTracks scene;
   scene.of_photo.resize(input.photos.size());
-  for (std::vector<TrackSight>& members : sets.members()) {
+  for (std::vector<TrackElement>& members : sets.members()) {
     if (members.size() < 2) continue;
-    for (const TrackSight& sight : members) {
-      scene.of_photo[static_cast<std::size_t>(sight.photo)].push_back(static_cast<int>(scene.tracks.size()));
+    for (const TrackElement& element : members) {
+      scene.of_photo[static_cast<std::size_t>(element.photo)].push_back(
+          static_cast<int>(scene.tracks.size()));
     }
     scene.tracks.push_back(std::move(members));
   }

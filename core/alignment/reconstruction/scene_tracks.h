@@ -10,14 +10,14 @@
 
 namespace skyquilt::alignment {
 
-struct TrackSight {
+struct TrackElement {
   int photo = 0;
   int keypoint = 0;
 };
 
 struct SceneTracks {
-  std::vector<std::vector<TrackSight>> tracks;  // each photo at most once, in their order
-  std::vector<std::vector<int>> of_photo;       // tracks a photo sees
+  std::vector<std::vector<TrackElement>> tracks;  // each photo at most once, in their order
+  std::vector<std::vector<int>> of_photo;         // tracks a photo sees
 };
 
 SceneTracks JoinMatches(const RegistrationInput& input, const std::vector<GraphPair>& pairs);

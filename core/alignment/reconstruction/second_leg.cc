@@ -162,7 +162,7 @@ std::string HowPlaced(const BlockPlace& place) {
         return fmt::format(
             "the recorded positions CONTRADICT it, by {:.0f} m in the median, which is {:.0f} times what they claim: "
             "the map lies where most of them have it",
-            place.median_miss_m, place.spread_sigmas);
+            place.median_residual_m, place.spread_sigmas);
       }
       return fmt::format("{} of {} recorded positions agree with it", place.positions_held, place.positions);
     case Placing::kByControl:

@@ -37,7 +37,7 @@ std::optional<Similarity3> OfTwo(const PlacePair& a, const PlacePair& b, const E
   return fitted;
 }
 
-double MissHorizontal(const Similarity3& similarity, const PlacePair& pair) {
+double HorizontalResidual(const Similarity3& similarity, const PlacePair& pair) {
   return (similarity * pair.in_source - pair.in_target).head<2>().norm();
 }
 
@@ -73,17 +73,17 @@ Similarity3 Refine(const Similarity3& start, const std::vector<PlacePair>& pairs
       if (!holds[k]) continue;
       const Vector3d at = now * pairs[k].in_source;
       const Vector3d arm = at - middle;
-      const Vector3d miss = at - pairs[k].in_target;
+      const Vector3d residual = at - pairs[k].in_target;
       Eigen::Matrix<double, 3, 7> slope;
       slope << 0.0, arm.z(), -arm.y(), arm.x(), 1.0, 0.0, 0.0, -arm.z(), 0.0, arm.x(), arm.y(), 0.0, 1.0, 0.0,
           arm.y(), -arm.x(), 0.0, arm.z(), 0.0, 0.0, 1.0;
       for (int axis = 0; axis < 3; ++axis) {
         const double sigma = spread_sigmas * pairs[k].sigma[axis];
         if (!std::isfinite(sigma)) continue;
-        const double scaled = miss[axis] / sigma / 3.0;
+        const double scaled = residual[axis] / sigma / 3.0;
         const double weight = 1.0 / (sigma * sigma) / (1.0 + scaled * scaled);
         normal += weight * slope.row(axis).transpose() * slope.row(axis);
-        right -= weight * slope.row(axis).transpose() * miss[axis];
+        right -= weight * slope.row(axis).transpose() * residual[axis];
       }
     }
     if (up) {
@@ -168,10 +168,10 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
       proposed = FitSimilarity3(three);
     }
     if (!proposed) continue;
-    std::vector<double> misses;
+    std::vector<double> residuals;
     for (const PlacePair& pair : pairs)
-      misses.push_back(MissHorizontal(*proposed, pair) / pair.sigma.head<2>().mean());
-    const double median = Median(std::move(misses));
+      residuals.push_back(HorizontalResidual(*proposed, pair) / pair.sigma.head<2>().mean());
+    const double median = Median(std::move(residuals));
     if (best && median >= least) continue;
     least = median;
     best = proposed;
@@ -183,19 +183,19 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
   for (int round = 0; round < 4; ++round) {
     fitted.holds.assign(pairs.size(), 0);
     fitted.held = 0;
-    std::vector<double> misses, sigmas;
+    std::vector<double> residuals, sigmas;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const double sigma = pairs[k].sigma.head<2>().mean();
-      const double miss = MissHorizontal(fitted.target_from_source, pairs[k]);
-      if (miss > kHoldsSigmas * spread_sigmas * sigma) continue;
+      const double residual = HorizontalResidual(fitted.target_from_source, pairs[k]);
+      if (residual > kHoldsSigmas * spread_sigmas * sigma) continue;
       fitted.holds[k] = 1;
       ++fitted.held;
-      misses.push_back(miss);
-      sigmas.push_back(miss / sigma);
+      residuals.push_back(residual);
+      sigmas.push_back(residual / sigma);
     }
     if (fitted.held < kMinHeld * count) return std::nullopt;
-    fitted.median_miss = Median(std::move(misses));
-    if (fitted.median_miss > max_miss_share * SpreadOf(pairs)) return std::nullopt;
+    fitted.median_residual = Median(std::move(residuals));
+    if (fitted.median_residual > max_miss_share * SpreadOf(pairs)) return std::nullopt;
     const double now = std::max(1.0, Median(std::move(sigmas)) / kMedianOfPlane);
     spread_sigmas = std::min(spread_sigmas, now);
     fitted.spread_sigmas = spread_sigmas;

@@ -41,15 +41,15 @@ struct FittedSimilarity {
   Similarity3 target_from_source;
   std::vector<char> holds;  // by pair
   int held = 0;
-  double median_miss = 0.0;    // horizontal, of those that hold
-  double spread_sigmas = 1.0;  // what they miss by, at least 1
+  double median_residual = 0.0;  // horizontal, of those that hold
+  double spread_sigmas = 1.0;    // RMS residual in sigmas, at least 1
 };
 
 // Least squares (S. Umeyama, PAMI 1991) of three or more pairs that are all right.
 std::optional<Similarity3> FitSimilarity3(const std::vector<PlacePair>& pairs);
 
 // At least two pairs with `up`, three without; nothing when fewer than half of the pairs agree on any, or
-// miss it by more than a share of the places' own spread. Deterministic.
+// residual it by more than a share of the places' own spread. Deterministic.
 std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
                                             const std::optional<UpDirection>& up,
                                             double max_miss_share = 0.25);

@@ -14,41 +14,41 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kAgreesWithYawRad = 0.35;
-// How far a link may miss, in tolerances, before it counts for little: all links speak first, then those that
+// Residual of a pair, in tolerances, above which it counts for little: all links speak first, then those that
 // agree.
 constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.5, 1.5};
 constexpr int kMaxPlacesPerLink = 24;
 
-double Cauchy(double miss, double scale) { return 1.0 / (1.0 + (miss / scale) * (miss / scale)); }
+double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
 
-// Lays the photos of a component relative to each other along the strongest links, from the given roots
+// Places the photos of a component relative to each other along the strongest links, from the given roots
 // outwards, which stay as recorded. Photos of other components get no correction.
 std::vector<GroundCorrection> SpreadAlongLinks(const std::vector<int>& roots,
                                                const std::vector<GroundPrior>& priors,
                                                const std::vector<VerifiedPair>& links,
                                                const std::vector<std::vector<int>>& links_of) {
   std::vector<GroundCorrection> corrections(priors.size());
-  std::vector<char> laid(priors.size(), 0);
+  std::vector<char> placed(priors.size(), 0);
   using Entry = std::pair<std::size_t, int>;  // matches, minus link number: strongest first, then the earlier
   std::priority_queue<Entry> open;
   const auto open_links = [&](int photo) {
     for (const int l : links_of[photo]) open.emplace(links[l].matches.size(), -l);
   };
-  for (const int root : roots) laid[root] = 1;
+  for (const int root : roots) placed[root] = 1;
   for (const int root : roots) open_links(root);
   while (!open.empty()) {
     const int l = -open.top().second;
     open.pop();
     const VerifiedPair& link = links[l];
-    if (laid[link.first] && laid[link.second]) continue;
-    const bool forth = laid[link.first] != 0;
+    if (placed[link.first] && placed[link.second]) continue;
+    const bool forth = placed[link.first] != 0;
     const int from = forth ? link.first : link.second;
     const int to = forth ? link.second : link.first;
     // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
     const GroundSimilarity to_from = forth ? link.second_from_first : link.second_from_first.Inverse();
     const GroundSimilarity from_correction = AsSimilarity(corrections[from], priors[from].middle);
     corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), priors[to].middle);
-    laid[to] = 1;
+    placed[to] = 1;
     open_links(to);
   }
   return corrections;
@@ -65,8 +65,8 @@ GroundSimilarity LayOnPositions(const std::vector<int>& members, const std::vect
   const auto cost = [&](const GroundSimilarity& motion) {
     double sum = 0.0;
     for (std::size_t k = 0; k < now.size(); ++k) {
-      const double miss = std::abs(motion * now[k] - recorded[k]) / (2.0 * priors[members[k]].sigma_m);
-      sum += std::min(1.0, miss * miss);
+      const double residual = std::abs(motion * now[k] - recorded[k]) / (2.0 * priors[members[k]].sigma_m);
+      sum += std::min(1.0, residual * residual);
     }
     return sum;
   };
@@ -96,8 +96,9 @@ struct LinkPlaces {
 };
 
 // How far apart a link's two photos put the same places, rms.
-double LinkMiss(const VerifiedPair& link, const LinkPlaces& places, const std::vector<GroundPrior>& priors,
-                const std::vector<GroundCorrection>& corrections) {
+double PairResidual(const VerifiedPair& link, const LinkPlaces& places,
+                    const std::vector<GroundPrior>& priors,
+                    const std::vector<GroundCorrection>& corrections) {
   const GroundSimilarity a = AsSimilarity(corrections[link.first], priors[link.first].middle);
   const GroundSimilarity b = AsSimilarity(corrections[link.second], priors[link.second].middle);
   double square = 0.0;
@@ -105,7 +106,7 @@ double LinkMiss(const VerifiedPair& link, const LinkPlaces& places, const std::v
   return std::sqrt(square / static_cast<double>(places.places.size()));
 }
 
-// What a component's corrections leave unexplained: links that miss, photos far from where they were
+// What a component's corrections leave unexplained: residuals of pairs, photos far from where they were
 // recorded.
 double Unexplained(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
                    const std::vector<VerifiedPair>& links, const std::vector<LinkPlaces>& places,
@@ -118,15 +119,15 @@ double Unexplained(const std::vector<int>& members, const std::vector<GroundPrio
     sum += std::min(1.0, away * away);
     for (const int l : links_of[i]) {
       if (links[l].first != i) continue;
-      const double miss =
-          LinkMiss(links[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
-      sum += std::min(1.0, miss * miss);
+      const double residual =
+          PairResidual(links[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
+      sum += std::min(1.0, residual * residual);
     }
   }
   return sum;
 }
 
-// The corrections of a component as its links lay it, brought as a whole to the recorded positions.
+// The corrections of a component as its pairs place it, brought as a whole to the recorded positions.
 std::vector<GroundCorrection> PlaceComponentOnPositions(const std::vector<int>& members,
                                                         const std::vector<GroundPrior>& priors,
                                                         const std::vector<VerifiedPair>& links,
@@ -229,8 +230,8 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     }
     const std::size_t step = std::max<std::size_t>(1, link.matches.size() / kMaxPlacesPerLink);
     for (std::size_t k = 0; k < link.matches.size(); k += step) {
-      places[l].places.emplace_back((*views[link.first].laid)[link.matches[k].first].place,
-                                    (*views[link.second].laid)[link.matches[k].second].place);
+      places[l].places.emplace_back((*views[link.first].projected)[link.matches[k].first].place,
+                                    (*views[link.second].projected)[link.matches[k].second].place);
     }
   }
   for (std::size_t p = 0; p < components.members.size(); ++p) {
@@ -239,7 +240,7 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     for (const int i : members) {
       if (agreeing[i] > 0) roots.push_back(i);
     }
-    std::vector<GroundCorrection> laid = PlaceComponentOnPositions(members, priors, links, links_of);
+    std::vector<GroundCorrection> solved = PlaceComponentOnPositions(members, priors, links, links_of);
     if (!roots.empty()) {
       // Between photos that stand close, links agree with the record even where all cameras are turned alike:
       // only the whole component shows that.
@@ -247,12 +248,12 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
       const auto unexplained = [&](const std::vector<GroundCorrection>& corrections) {
         return Unexplained(members, priors, links, places, links_of, corrections, tolerance_m);
       };
-      if (!IsTurnedAsAWhole(members, laid) || unexplained(laid) > 0.5 * unexplained(as_recorded)) {
-        laid = std::move(as_recorded);
+      if (!IsTurnedAsAWhole(members, solved) || unexplained(solved) > 0.5 * unexplained(as_recorded)) {
+        solved = std::move(as_recorded);
       }
     }
     for (const int i : members) {
-      graph.corrections[i] = laid[i];
+      graph.corrections[i] = solved[i];
       graph.corrections[i].component = static_cast<int>(p);
     }
   }
@@ -262,9 +263,9 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
   for (const double trust_width : kTrustWidths) {
     const double width = tolerance_m * trust_width;
     for (std::size_t l = 0; l < links.size(); ++l) {
-      const double miss = LinkMiss(links[l], places[l], priors, graph.corrections);
+      const double residual = PairResidual(links[l], places[l], priors, graph.corrections);
       const double strength = std::min<double>(4.0, static_cast<double>(links[l].matches.size()) / 20.0);
-      link_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(miss, width);
+      link_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(residual, width);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const GroundCorrection& now = graph.corrections[i];
@@ -284,7 +285,8 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
                 graph.corrections);
   }
   for (std::size_t l = 0; l < links.size(); ++l) {
-    if (LinkMiss(links[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m) graph.link_holds[l] = 0;
+    if (PairResidual(links[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m)
+      graph.link_holds[l] = 0;
   }
   return graph;
 }

@@ -41,8 +41,8 @@ std::vector<int> FindAligned(const BundleProblem& problem, std::vector<Support>&
       for (const Observation* one : seen) {
         Support& own = support[one->photo];
         ++own.observations;
-        const double miss = ReprojectionErrorPx(views[one->photo], *one, track.point_in_enu);
-        own.square_px += miss * miss;
+        const double residual = ReprojectionErrorPx(views[one->photo], *one, track.point_in_enu);
+        own.square_px += residual * residual;
         for (const Observation* other : seen) {
           if (other != one) own.tied_to.insert(other->photo);
         }

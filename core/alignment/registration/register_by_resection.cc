@@ -16,14 +16,14 @@ constexpr double kReachWidths = 1.6;  // further apart than this no two photos s
 constexpr double kTolerancesShare[] = {0.05, 0.03, 0.015, 0.008};  // of the width, step by step
 constexpr std::size_t kMaxGuesses = 400;
 constexpr int kSteps = 6;
-constexpr std::size_t kMinFollowers = 12;
+constexpr std::size_t kMinInliers = 12;
 constexpr double kSigmaTiltRad = 0.1;  // of an aircraft's own angles
 constexpr double kSigmaHeightShare = 0.1;
-constexpr int kMinMatchesOfALink = 6;
+constexpr int kMinMatchesPerPair = 6;
 constexpr double kMinRadiusShare = 0.15;
-constexpr double kExpectedMisses = 4.0;
+constexpr double kExpectedErrors = 4.0;
 constexpr int kFeaturesAnywhere = 1000;
-constexpr int kMaxLooks = 4;
+constexpr int kMaxPasses = 4;
 
 struct Candidate {
   int neighbour = 0;
@@ -57,12 +57,12 @@ std::vector<int> Neighbours(const MatchingInput& input, const std::vector<char>&
   return chosen;
 }
 
-std::vector<Candidate> Collect(const MatchingInput& input, const std::vector<GroundView>& laid,
+std::vector<Candidate> Collect(const MatchingInput& input, const std::vector<GroundView>& projected,
                                const Relief& relief, const std::vector<int>& neighbours, int lost,
                                const MatchWindow& window) {
   std::vector<Candidate> candidates;
   for (const int i : neighbours) {
-    for (const KeypointMatch& match : MatchOnGround(laid[i], laid[lost], {}, window)) {
+    for (const KeypointMatch& match : MatchOnGround(projected[i], projected[lost], {}, window)) {
       const Keypoint& seen = input.features[i]->keypoints[match.first];
       Candidate candidate{i, match, {}};
       if (MeetGround(input.views[i], relief, {seen.x_px, seen.y_px}, &candidate.place_in_enu)) {
@@ -83,16 +83,16 @@ geo::Rigid3 Moved(const geo::Rigid3& cam_from_enu, const GroundSimilarity& motio
 }
 
 // One match is enough for a guess of turn and place; the guess most others follow.
-std::optional<GroundSimilarity> GuessMotion(const std::vector<GroundView>& laid,
+std::optional<GroundSimilarity> GuessMotion(const std::vector<GroundView>& projected,
                                             const std::vector<Candidate>& candidates, int lost,
                                             double tolerance_m) {
-  const std::vector<GroundKeypoint>& of_lost = *laid[lost].laid;
+  const std::vector<GroundKeypoint>& of_lost = *projected[lost].projected;
   const std::size_t step = std::max<std::size_t>(1, candidates.size() / kMaxGuesses);
   std::size_t most = 0;
   std::optional<GroundSimilarity> best;
   for (std::size_t k = 0; k < candidates.size(); k += step) {
     const GroundKeypoint& from = of_lost[candidates[k].match.second];
-    const GroundKeypoint& to = (*laid[candidates[k].neighbour].laid)[candidates[k].match.first];
+    const GroundKeypoint& to = (*projected[candidates[k].neighbour].projected)[candidates[k].match.first];
     for (const double turn : {0.0, static_cast<double>(to.angle_rad - from.angle_rad)}) {
       const std::complex<double> rotor = std::polar(1.0, turn);
       const GroundSimilarity motion{rotor, candidates[k].Place() - rotor * from.place};
@@ -120,7 +120,7 @@ class Resection {
     }
   }
 
-  Eigen::Vector2d MissPx(const geo::Rigid3& cam_from_enu, std::size_t k) const {
+  Eigen::Vector2d ResidualPx(const geo::Rigid3& cam_from_enu, std::size_t k) const {
     const Eigen::Vector3d in_cam = cam_from_enu * candidates_[k].place_in_enu;
     if (in_cam.z() < 1e-3) return Eigen::Vector2d::Constant(1e6);
     const Eigen::Vector2d bent = lens_.Distort(in_cam.head<2>() / in_cam.z());
@@ -128,10 +128,10 @@ class Resection {
             lens_.focal_y_px * bent.y() + lens_.center_y_px - pixels_[k].y()};
   }
 
-  std::vector<int> Followers(const geo::Rigid3& cam_from_enu, double tolerance_px) const {
+  std::vector<int> FindInliers(const geo::Rigid3& cam_from_enu, double tolerance_px) const {
     std::vector<int> inliers;
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (MissPx(cam_from_enu, k).norm() < tolerance_px) inliers.push_back(static_cast<int>(k));
+      if (ResidualPx(cam_from_enu, k).norm() < tolerance_px) inliers.push_back(static_cast<int>(k));
     }
     return inliers;
   }
@@ -143,20 +143,20 @@ class Resection {
     for (int step = 0; step < kSteps; ++step) {
       Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
       Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
-      const auto add = [&](const Eigen::Matrix<double, 1, 6>& slope, double miss, double sigma) {
+      const auto add = [&](const Eigen::Matrix<double, 1, 6>& slope, double residual, double sigma) {
         normal += slope.transpose() * slope / (sigma * sigma);
-        right -= slope.transpose() * miss / (sigma * sigma);
+        right -= slope.transpose() * residual / (sigma * sigma);
       };
       for (const int k : inliers) {
-        const Eigen::Vector2d miss = MissPx(pose, k);
+        const Eigen::Vector2d residual = ResidualPx(pose, k);
         Eigen::Matrix<double, 2, 6> slope;
         for (int axis = 0; axis < 6; ++axis) {
           Eigen::Matrix<double, 6, 1> nudge = Eigen::Matrix<double, 6, 1>::Zero();
           nudge[axis] = axis < 3 ? 1e-5 : 1e-5 * height_m_;
-          slope.col(axis) = (MissPx(Nudged(pose, nudge), k) - miss) / nudge[axis];
+          slope.col(axis) = (ResidualPx(Nudged(pose, nudge), k) - residual) / nudge[axis];
         }
-        add(slope.row(0), miss.x(), sigma_px);
-        add(slope.row(1), miss.y(), sigma_px);
+        add(slope.row(0), residual.x(), sigma_px);
+        add(slope.row(1), residual.y(), sigma_px);
       }
       // In enu: the axis leans by turns about east and north.
       const Eigen::Vector3d axis_now = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
@@ -201,36 +201,36 @@ std::vector<VerifiedPair> AsLinks(const std::vector<Candidate>& candidates, cons
         lost_is_first ? KeypointMatch{candidate.match.second, candidate.match.first} : candidate.match);
   }
   std::erase_if(links, [](const VerifiedPair& link) {
-    return static_cast<int>(link.matches.size()) < kMinMatchesOfALink;
+    return static_cast<int>(link.matches.size()) < kMinMatchesPerPair;
   });
   return links;
 }
 
 // The pose most candidates follow, when more do than would by chance.
-std::optional<ResectedPhoto> Resect(const MatchingInput& input, const std::vector<GroundView>& laid,
+std::optional<ResectedPhoto> Resect(const MatchingInput& input, const std::vector<GroundView>& projected,
                                     const std::vector<Candidate>& candidates, int lost,
                                     double search_area_m2) {
-  if (candidates.size() < kMinFollowers) return std::nullopt;
+  if (candidates.size() < kMinInliers) return std::nullopt;
   const View& view = input.views[lost];
   const double width_px = view.intrinsics.width_px;
   const std::optional<GroundSimilarity> motion =
-      GuessMotion(laid, candidates, lost, kTolerancesShare[0] * view.WidthM());
+      GuessMotion(projected, candidates, lost, kTolerancesShare[0] * view.WidthM());
   if (!motion) return std::nullopt;
   const Resection resection(input, candidates, lost);
   const geo::Rigid3 believed = Moved(view.cam_from_enu, *motion);
   geo::Rigid3 pose = believed;
   std::vector<int> inliers;
   for (const double share : kTolerancesShare) {
-    inliers = resection.Followers(pose, share * width_px);
-    if (inliers.size() < kMinFollowers) return std::nullopt;
+    inliers = resection.FindInliers(pose, share * width_px);
+    if (inliers.size() < kMinInliers) return std::nullopt;
     pose = resection.Refine(pose, believed, inliers, 0.3 * share * width_px);
   }
   const double last_share = kTolerancesShare[std::size(kTolerancesShare) - 1];
-  inliers = resection.Followers(pose, last_share * width_px);
+  inliers = resection.FindInliers(pose, last_share * width_px);
   const double tolerance_m = last_share * view.WidthM();
   const double by_chance =
       std::numbers::pi * tolerance_m * tolerance_m / search_area_m2 * static_cast<double>(candidates.size());
-  const double enough = std::max<double>(kMinFollowers, by_chance + 5.0 * std::sqrt(by_chance) + 8.0);
+  const double enough = std::max<double>(kMinInliers, by_chance + 5.0 * std::sqrt(by_chance) + 8.0);
   if (static_cast<double>(inliers.size()) < enough) return std::nullopt;
   ResectedPhoto resected{lost, pose, AsLinks(candidates, inliers, lost)};
   if (resected.links.empty()) return std::nullopt;
@@ -246,19 +246,19 @@ std::size_t MatchesOf(const ResectedPhoto& one) {
 // A photo that was far off is found by what lies within reach of its old place, which may be one corner of it
 // and holds the rest badly. From where that puts it, the rest is within reach: again, as long as it brings
 // more.
-ResectedPhoto LookFromThere(MatchingInput input, std::vector<GroundView> laid, const Relief& relief,
-                            const std::vector<int>& neighbours, ResectedPhoto found) {
+ResectedPhoto RematchFromPose(MatchingInput input, std::vector<GroundView> projected, const Relief& relief,
+                              const std::vector<int>& neighbours, ResectedPhoto found) {
   const int photo = found.photo;
   MatchWindow window;
   window.radius_m = kMinRadiusShare * input.views[photo].WidthM();
   window.max_turn_rad = 0.45;
-  for (int look = 0; look < kMaxLooks; ++look) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     input.views[photo].cam_from_enu = found.cam_from_enu;
     const std::vector<GroundKeypoint> keypoints =
         ProjectToGround(*input.features[photo], input.views[photo], relief);
-    laid[photo].laid = &keypoints;
+    projected[photo].projected = &keypoints;
     std::optional<ResectedPhoto> again =
-        Resect(input, laid, Collect(input, laid, relief, neighbours, photo, window), photo,
+        Resect(input, projected, Collect(input, projected, relief, neighbours, photo, window), photo,
                std::numbers::pi * window.radius_m * window.radius_m);
     if (!again || MatchesOf(*again) <= MatchesOf(found)) break;
     found = *std::move(again);
@@ -269,7 +269,7 @@ ResectedPhoto LookFromThere(MatchingInput input, std::vector<GroundView> laid, c
 }  // namespace
 
 std::vector<ResectedPhoto> RegisterByResection(const MatchingInput& input, const Relief& relief,
-                                               const std::vector<char>& is_aligned, double expected_miss_m,
+                                               const std::vector<char>& is_aligned, double expected_error_m,
                                                int threads) {
   const std::size_t count = input.views.size();
   std::vector<int> lost;
@@ -283,24 +283,25 @@ std::vector<ResectedPhoto> RegisterByResection(const MatchingInput& input, const
     MeetGround(view, relief, {view.intrinsics.center_x_px, view.intrinsics.center_y_px}, &middle);
     middles.push_back(middle.head<2>());
   }
-  const ProjectedKeypoints laid = ProjectAllToGround(input, relief, threads);
+  const ProjectedKeypoints projected = ProjectAllToGround(input, relief, threads);
   std::vector<std::optional<ResectedPhoto>> found(lost.size());
   ParallelFor(lost.size(), threads, [&](std::size_t k) {
     const int photo = lost[k];
     const double width_m = input.views[photo].WidthM();
     const std::vector<int> neighbours = Neighbours(input, is_aligned, middles, photo);
     MatchWindow near, anywhere;
-    near.radius_m = std::clamp(kExpectedMisses * expected_miss_m, kMinRadiusShare * width_m, width_m);
+    near.radius_m = std::clamp(kExpectedErrors * expected_error_m, kMinRadiusShare * width_m, width_m);
     near.max_turn_rad = 0.8;
     anywhere.max_features = kFeaturesAnywhere;
     anywhere.max_distance_ratio = 0.8;
     const double near_area_m2 = std::numbers::pi * near.radius_m * near.radius_m;
     for (const auto& [window, area_m2] : {std::pair(near, near_area_m2), {anywhere, width_m * width_m}}) {
       if (found[k]) break;
-      found[k] = Resect(input, laid.views, Collect(input, laid.views, relief, neighbours, photo, window),
-                        photo, area_m2);
+      found[k] = Resect(input, projected.views,
+                        Collect(input, projected.views, relief, neighbours, photo, window), photo, area_m2);
     }
-    if (found[k]) found[k] = LookFromThere(input, laid.views, relief, neighbours, *std::move(found[k]));
+    if (found[k])
+      found[k] = RematchFromPose(input, projected.views, relief, neighbours, *std::move(found[k]));
   });
   std::vector<ResectedPhoto> resected;
   for (std::optional<ResectedPhoto>& one : found) {

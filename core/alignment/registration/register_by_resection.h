@@ -18,9 +18,9 @@ struct ResectedPhoto {
 };
 
 // `input.views` are the adjusted ones; `is_aligned` says which photos' views are to be believed.
-// `expected_miss_m`: how far off the views of the others may be on the ground, one sigma.
+// `expected_error_m`: how far off the views of the others may be on the ground, one sigma.
 std::vector<ResectedPhoto> RegisterByResection(const MatchingInput& input, const Relief& relief,
-                                               const std::vector<char>& is_aligned, double expected_miss_m,
+                                               const std::vector<char>& is_aligned, double expected_error_m,
                                                int threads);
 
 }  // namespace skyquilt::alignment

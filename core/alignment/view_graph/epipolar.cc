@@ -262,9 +262,9 @@ double Sampson2(const Matrix3d& essential, const RayPair& pair) {
   const Vector3d a = pair.first.homogeneous(), b = pair.second.homogeneous();
   const Vector3d ea = essential * a;
   const Vector3d eb = essential.transpose() * b;
-  const double miss = b.dot(ea);
+  const double residual = b.dot(ea);
   const double slope2 = ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm();
-  return slope2 > 1e-18 ? miss * miss / slope2 : std::numeric_limits<double>::infinity();
+  return slope2 > 1e-18 ? residual * residual / slope2 : std::numeric_limits<double>::infinity();
 }
 
 RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& pairs,
@@ -279,7 +279,7 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     to.direction = (from.direction + by[3] * across + by[4] * from.direction.cross(across)).normalized();
     return to;
   };
-  const auto miss = [](const Matrix3d& essential, const RayPair& pair) {
+  const auto residual = [](const Matrix3d& essential, const RayPair& pair) {
     const Vector3d a = pair.first.homogeneous(), b = pair.second.homogeneous();
     const Vector3d ea = essential * a;
     const Vector3d eb = essential.transpose() * b;
@@ -305,9 +305,9 @@ RelativePose RefinePose(const RelativePose& start, const std::vector<RayPair>& p
     Vector5d right = Vector5d::Zero();
     for (const int k : used) {
       const RayPair& pair = pairs[static_cast<std::size_t>(k)];
-      const double here = miss(essential, pair);
+      const double here = residual(essential, pair);
       Vector5d slope;
-      for (int axis = 0; axis < 5; ++axis) slope[axis] = (miss(moved[axis], pair) - here) / kNudge;
+      for (int axis = 0; axis < 5; ++axis) slope[axis] = (residual(moved[axis], pair) - here) / kNudge;
       const double weight = 1.0 / (1.0 + here * here / (width * width));
       normal += weight * slope * slope.transpose();
       right -= weight * here * slope;

@@ -41,7 +41,7 @@ Vector2d PlaceOf(const PhotoFeatures& features, int k) {
   return {keypoint.x_px, keypoint.y_px};
 }
 
-// Matches that follow one rough motion of the picture, which the one proposed that most follow.
+// Matches that follow one rough motion of the picture, which the one proposed with most inliers.
 std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                const std::vector<KeypointMatch>& matches) {
   const int count = static_cast<int>(matches.size());

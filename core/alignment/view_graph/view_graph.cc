@@ -158,10 +158,10 @@ void AgreeOnRotations(int photos, ViewGraph& graph, RegistrationReport& report) 
   }
   if (is_changed) averaged = AverageRotations(photos, Rotations(graph.pairs));
   if (!graph.pairs.empty()) {
-    const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.miss_rad));
+    const double refused_rad = std::max(kMinRefusedRad, kRefusedMedians * Median(averaged.residual_rad));
     std::vector<GraphPair> kept;
     for (std::size_t p = 0; p < graph.pairs.size(); ++p) {
-      if (averaged.miss_rad[p] <= refused_rad) {
+      if (averaged.residual_rad[p] <= refused_rad) {
         kept.push_back(std::move(graph.pairs[p]));
       } else {
         ++report.pairs_refused;

@@ -36,14 +36,14 @@ bool IsElevationModel(ByteSource& source) {
 }
 
 Result<void> CheckTiffDirectories(const std::filesystem::path& path) {
-  constexpr int kMost = 64;  // the raster, its overviews, and their masks
+  constexpr int kMaxDirectories = 64;  // the raster, its overviews, and their masks
   const auto source = OpenFileBytes(path);
   if (!source || !IsTiff(**source)) return {};  // whoever reads it says what is wrong
-  const Result<int> count = CountTiffDirectories(**source, kMost);
-  if (!count || *count <= kMost) return {};
+  const Result<int> count = CountTiffDirectories(**source, kMaxDirectories);
+  if (!count || *count <= kMaxDirectories) return {};
   return Error{ErrorCode::kUnsupportedFormat,
                fmt::format("the elevation model {} holds more than {} pictures; give a GeoTIFF with one",
-                           path.filename().string(), kMost),
+                           path.filename().string(), kMaxDirectories),
                ""};
 }
 

@@ -143,11 +143,11 @@ std::optional<WrittenTime> ParseWrittenTime(std::string_view text) {
 }
 
 void ClockPairs::Add(double t_s, UtcTime utc) {
-  constexpr std::size_t kMost = 4096;
+  constexpr std::size_t kMaxPairs = 4096;
   if (seen_++ % stride_ != 0 || !std::isfinite(t_s)) return;
-  if (pairs_.size() == kMost) {
-    for (std::size_t i = 0; i < kMost / 2; ++i) pairs_[i] = pairs_[2 * i];
-    pairs_.resize(kMost / 2);
+  if (pairs_.size() == kMaxPairs) {
+    for (std::size_t i = 0; i < kMaxPairs / 2; ++i) pairs_[i] = pairs_[2 * i];
+    pairs_.resize(kMaxPairs / 2);
     stride_ *= 2;
   }
   pairs_.push_back({t_s, utc.time_since_epoch().count()});

@@ -136,17 +136,18 @@ LogBuilder::LogBuilder(std::string format, std::string_view file_name, std::size
 }
 
 void LogBuilder::Warn(std::string warning) {
-  constexpr std::size_t kMost = 100;
-  if (log_.warnings.size() < kMost) {
+  constexpr std::size_t kMaxWarnings = 100;
+  if (log_.warnings.size() < kMaxWarnings) {
     log_.warnings.push_back(std::move(warning));
-  } else if (log_.warnings.size() == kMost) {
+  } else if (log_.warnings.size() == kMaxWarnings) {
     log_.warnings.emplace_back("more warnings of this file were left out");
   }
 }
 
 void LogBuilder::Count(const std::string& message, std::uint64_t count) {
-  constexpr std::size_t kMost = 1000;
-  const bool has_room = log_.message_counts.size() < kMost || log_.message_counts.contains(message);
+  constexpr std::size_t kMaxMessageTypes = 1000;
+  const bool has_room =
+      log_.message_counts.size() < kMaxMessageTypes || log_.message_counts.contains(message);
   log_.message_counts[has_room ? message : "others"] += count;
 }
 

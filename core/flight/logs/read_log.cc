@@ -24,13 +24,13 @@
 namespace skyquilt::flight {
 namespace {
 
-using Looks = bool (*)(LogBytes head);
+using Recognises = bool (*)(LogBytes head);
 using Parse = Result<FlightLog> (*)(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed);
 
 struct Format {
   LogFormat format;
   std::string_view name;
-  Looks looks;
+  Recognises recognises;
   Parse parse;  // null: not a flight log
 };
 
@@ -55,7 +55,7 @@ constexpr std::array kFormats = {
 
 const Format* Recognise(LogBytes head) {
   for (const Format& format : kFormats) {
-    if (format.looks(head)) return &format;
+    if (format.recognises(head)) return &format;
   }
   return nullptr;
 }

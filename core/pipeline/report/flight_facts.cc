@@ -42,63 +42,63 @@ std::string ToText(const Json& json) {
 }
 
 // Runs of equal labels, row by row: photo, then how many cells.
-Json OfLook(const FlightLook& look) {
+Json OfAppearance(const MapAppearance& appearance) {
   std::vector<std::int32_t> runs;
-  for (int row = 0; row < look.labels.rows(); ++row) {
-    for (int column = 0; column < look.labels.columns(); ++column) {
-      const std::int32_t label = look.labels.At(column, row);
+  for (int row = 0; row < appearance.labels.rows(); ++row) {
+    for (int column = 0; column < appearance.labels.columns(); ++column) {
+      const std::int32_t label = appearance.labels.At(column, row);
       if (runs.empty() || runs[runs.size() - 2] != label) runs.insert(runs.end(), {label, 0});
       ++runs.back();
     }
   }
   Json tones = Json::array();
-  for (const render::PhotoTone& tone : look.tones) tones.push_back(OfTone(tone));
-  return {{"gsd_m", look.gsd_m},
+  for (const render::PhotoTone& tone : appearance.tones) tones.push_back(OfTone(tone));
+  return {{"gsd_m", appearance.gsd_m},
           {"tones", tones},
-          {"zoom", look.grid.zoom},
-          {"tile_size_px", look.grid.tile_size_px},
-          {"cell_px", look.grid.cell_px},
-          {"first_column", look.grid.first_column},
-          {"first_row", look.grid.first_row},
-          {"columns", look.grid.columns},
-          {"rows", look.grid.rows},
+          {"zoom", appearance.grid.zoom},
+          {"tile_size_px", appearance.grid.tile_size_px},
+          {"cell_px", appearance.grid.cell_px},
+          {"first_column", appearance.grid.first_column},
+          {"first_row", appearance.grid.first_row},
+          {"columns", appearance.grid.columns},
+          {"rows", appearance.grid.rows},
           {"labels", Binary(runs.data(), runs.size() * sizeof(std::int32_t))}};
 }
 
-FlightLook ToLook(const Json& json, std::size_t photos) {
-  FlightLook look;
-  look.gsd_m = json.at("gsd_m");
+MapAppearance ToAppearance(const Json& json, std::size_t photos) {
+  MapAppearance appearance;
+  appearance.gsd_m = json.at("gsd_m");
   for (const Json& tone : json.at("tones")) {
-    look.tones.push_back(
+    appearance.tones.push_back(
         {tone.at("gain").get<std::array<double, 3>>(), {tone.at("vignetting").get<std::array<double, 3>>()}});
   }
-  look.grid.zoom = json.at("zoom");
-  look.grid.tile_size_px = json.at("tile_size_px");
-  look.grid.cell_px = json.at("cell_px");
-  look.grid.first_column = json.at("first_column");
-  look.grid.first_row = json.at("first_row");
-  look.grid.columns = json.at("columns");
-  look.grid.rows = json.at("rows");
+  appearance.grid.zoom = json.at("zoom");
+  appearance.grid.tile_size_px = json.at("tile_size_px");
+  appearance.grid.cell_px = json.at("cell_px");
+  appearance.grid.first_column = json.at("first_column");
+  appearance.grid.first_row = json.at("first_row");
+  appearance.grid.columns = json.at("columns");
+  appearance.grid.rows = json.at("rows");
   constexpr int kMaxCells = 1 << 20;  // a side
-  if (look.grid.columns < 0 || look.grid.rows < 0 || look.grid.columns > kMaxCells ||
-      look.grid.rows > kMaxCells) {
+  if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || appearance.grid.columns > kMaxCells ||
+      appearance.grid.rows > kMaxCells) {
     throw Json::other_error::create(500, "the seam grid is of no size", nullptr);
   }
-  look.labels = render::SeamLabels(look.grid.columns, look.grid.rows);
+  appearance.labels = render::SeamLabels(appearance.grid.columns, appearance.grid.rows);
   const std::vector<std::uint8_t>& bytes = json.at("labels").get_binary();
   std::vector<std::int32_t> runs(bytes.size() / sizeof(std::int32_t));
   std::copy_n(bytes.data(), runs.size() * sizeof(std::int32_t), reinterpret_cast<std::uint8_t*>(runs.data()));
   std::int64_t cell = 0;
-  const std::int64_t cells = std::int64_t{look.grid.columns} * look.grid.rows;
+  const std::int64_t cells = std::int64_t{appearance.grid.columns} * appearance.grid.rows;
   for (std::size_t run = 0; run + 1 < runs.size(); run += 2) {
     const bool is_photo = runs[run] >= 0 && static_cast<std::size_t>(runs[run]) < photos;
     for (std::int32_t k = 0; k < runs[run + 1] && cell < cells; ++k, ++cell) {
       if (!is_photo) continue;
-      look.labels.Set(static_cast<int>(cell % look.grid.columns), static_cast<int>(cell / look.grid.columns),
-                      runs[run]);
+      appearance.labels.Set(static_cast<int>(cell % appearance.grid.columns),
+                            static_cast<int>(cell / appearance.grid.columns), runs[run]);
     }
   }
-  return look;
+  return appearance;
 }
 
 FlightFacts Parse(std::string_view bytes) {
@@ -149,7 +149,8 @@ FlightFacts Parse(std::string_view bytes) {
   facts.alignment_json = json.at("alignment");
   facts.ground_json = json.at("ground");
   facts.poses_json = json.at("poses");
-  if (const Json& look = json.at("look"); !look.is_null()) facts.look = ToLook(look, photos.size());
+  if (const Json& appearance = json.at("look"); !appearance.is_null())
+    facts.appearance = ToAppearance(appearance, photos.size());
   return facts;
 }
 
@@ -209,7 +210,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["alignment"] = facts.alignment_json;
   json["ground"] = facts.ground_json;
   json["poses"] = facts.poses_json;
-  json["look"] = facts.look ? OfLook(*facts.look) : Json(nullptr);
+  json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Json(nullptr);
   const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
   return {bytes.begin(), bytes.end()};
 }

@@ -27,9 +27,9 @@ struct NamedDigest {
 };
 
 // How the map looks, decided before it was rendered.
-struct FlightLook {
+struct MapAppearance {
   double gsd_m = 0.0;
-  std::vector<render::PhotoTone> tones;  // one a photo
+  std::vector<render::PhotoTone> tones;  // one per photo
   render::SeamGrid grid;
   render::SeamLabels labels;
 };
@@ -39,12 +39,12 @@ struct FlightFacts {
   std::vector<NamedDigest> inputs;  // all files, also those that are no photos
   alignment::AlignedFlight flight;  // without tie points; photos hold their name, camera and lens alone
   ground::GroundSurface ground = ground::GroundSurface::Plane(0.0);
-  std::vector<render::Thumbnail> thumbnails;  // one a photo
+  std::vector<render::Thumbnail> thumbnails;  // one per photo
   std::string height_rule;
   bool is_placed = true;
   bool is_by_images = false;  // some photos were placed by what they show, against or without their records
   std::string alignment_json, ground_json, poses_json;
-  std::optional<FlightLook> look;  // absent: the run was killed before
+  std::optional<MapAppearance> appearance;  // absent: the run was killed before
 };
 
 // Of the options that decide where photos lie.

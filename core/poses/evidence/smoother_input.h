@@ -42,12 +42,12 @@ struct FlightSources {
 
 struct PreparedSmoothing {
   SmootherInput input;
-  // One a photo: the camera in the body that the smoother estimates.
+  // One per photo: the camera in the body that the smoother estimates.
   std::vector<Eigen::Quaterniond> cam_from_body;
-  // One a photo: the camera's own recorded rotation where a gimbal holds it apart from the airframe.
+  // One per photo: the camera's own recorded rotation where a gimbal holds it apart from the airframe.
   std::vector<std::optional<Eigen::Quaterniond>> recorded_enu_from_cam;
   std::vector<AttitudeOrigin> attitude_origins;
-  std::vector<double> time_sigma_s;  // one a photo: of its time alone
+  std::vector<double> time_sigma_s;  // one per photo: of its time alone
   bool is_placed = true;             // false: nothing says where on Earth the flight was
   std::vector<std::string> notes;    // which series were taken, in words
 };

@@ -19,7 +19,7 @@ enum class HeightRule { kAboveTakeoff, kElevationModel, kSpacing };
 struct FlightHeights {
   HeightRule rule = HeightRule::kAboveTakeoff;
   std::vector<std::optional<double>>
-      above_ground_m;                // one a photo; empty where the photo has no height at all
+      above_ground_m;                // one per photo; empty where the photo has no height at all
   double takeoff_ellipsoid_m = 0.0;  // of the flat ground, best knowledge
   double sigma_m = 0.5;              // of the heights above ground, common part
   std::string rule_in_words;         // for the report

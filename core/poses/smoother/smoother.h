@@ -159,7 +159,7 @@ struct SmootherReport {
 };
 
 struct SmootherOutput {
-  std::vector<SmoothedPose> poses;  // one a photo, in the order of photo_times_s
+  std::vector<SmoothedPose> poses;  // one per photo, in the order of photo_times_s
   std::vector<double> knot_times_s;
   std::vector<KnotState> knots;
   BorderState border;

@@ -114,7 +114,7 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
   ++decodes_;
   lock.unlock();
   Result<image::DecodedPart> decoded = source_.DecodePart(photo, denominator, entry.box, spare_->Take());
-  if (decoded && look_) look_(photo_index, denominator, *decoded);
+  if (decoded && observer_) observer_(photo_index, denominator, *decoded);
   lock.lock();
   entry.is_ready = true;
   ready_.notify_all();

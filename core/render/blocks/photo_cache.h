@@ -33,8 +33,8 @@ class PhotoCache {
 
   // Who looks at every photo that is decoded, at 1/denominator of its size, in the thread that wanted it and
   // before anybody gets it. Set before the first Get.
-  using Look = std::function<void(std::size_t photo_index, int denominator, const image::DecodedPart&)>;
-  void OnDecoded(Look look) { look_ = std::move(look); }
+  using Observer = std::function<void(std::size_t photo_index, int denominator, const image::DecodedPart&)>;
+  void OnDecoded(Observer observer) { observer_ = std::move(observer); }
 
   // At least the pixels of `box`, which counts at full size and may reach beyond the photo. Errors are those
   // of PhotoSource::DecodePart, remembered for the photo.
@@ -71,7 +71,7 @@ class PhotoCache {
   std::list<Key> recency_;  // most recent first
   std::int64_t held_bytes_ = 0;
   const std::shared_ptr<SpareMemory> spare_;  // of photos that nobody holds any more
-  Look look_;
+  Observer observer_;
   std::int64_t decodes_ = 0;
 };
 

@@ -21,7 +21,7 @@ struct PhotoTone {
 };
 
 struct ExposureModel {
-  std::vector<PhotoTone> photos;  // one a photo of the flight
+  std::vector<PhotoTone> photos;  // one per photo of the flight
 };
 
 }  // namespace skyquilt::render

@@ -105,7 +105,7 @@ class Labeller {
     const float worse_m = view.score_m[i] - best.score_m[static_cast<std::size_t>(best.IndexOf(column, row))];
     const double nadir = kQuarters * kNadirCost * std::max(0.0f, worse_m) / height_m_;
     return static_cast<int>(std::lround(nadir)) + (view.seen[i] == Seen::kPartly ? kPartlyCost : 0) +
-           (!view.passing.empty() && view.passing[i] ? kMovingCost : 0);
+           (!view.is_moving.empty() && view.is_moving[i] ? kMovingCost : 0);
   }
 
   // Colour difference of two photos at a cell, the sum of three channels; -1 where one does not see it.

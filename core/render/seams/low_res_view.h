@@ -23,7 +23,7 @@ struct LowResView {
   std::vector<Seen> seen;
   std::vector<std::array<std::uint8_t, 3>> rgb;  // 0 where not seen
   std::vector<float> score_m;                    // ViewScore
-  std::vector<bool> passing;                     // shows what is soon gone (MarkMoving); empty: nothing known
+  std::vector<bool> is_moving;                   // shows a moving object (MarkMoving); empty: nothing known
   float camera_east_m = 0.0f, camera_north_m = 0.0f;  // in enu
 
   // Index of a grid cell; -1 outside.

@@ -62,8 +62,8 @@ std::vector<Seam> FindSeams(const alignment::AlignedFlight& flight) {
 struct PatchInPhoto {
   cv::Mat nodes_x, nodes_y;  // of the shrunk part's pixels
   cv::Rect part;             // needed of the shrunk photo, with a pixel around
-  int shrink = 1;  // pixels of the decoded photo to one: finer ones are averaged, or they would alias
-  cv::Mat laid;    // once the photo was there: seen straight from above, grey
+  int shrink = 1;     // pixels of the decoded photo to one: finer ones are averaged, or they would alias
+  cv::Mat projected;  // once the photo was there: seen straight from above, grey
 
   // Of the full-size photo.
   image::PixelBox Box(int denominator) const {
@@ -112,7 +112,7 @@ std::optional<PatchInPhoto> FindPatch(const alignment::AlignedPhoto& photo, int 
   return found;
 }
 
-cv::Mat LayPatch(const PatchInPhoto& where, const image::DecodedPart& photo) {
+cv::Mat ProjectPatch(const PatchInPhoto& where, const image::DecodedPart& photo) {
   const image::DecodedImage& image = photo.image;
   const cv::Rect& part = where.part;
   const int shrink = where.shrink;
@@ -137,15 +137,15 @@ cv::Mat LayPatch(const PatchInPhoto& where, const image::DecodedPart& photo) {
       map_y.at<float>(row, column) = between(nodes_y);
     }
   }
-  cv::Mat laid;
-  cv::remap(grey, laid, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return laid;
+  cv::Mat projected;
+  cv::remap(grey, projected, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return projected;
 }
 
 // Freed of slow changes of brightness.
-cv::Mat Sharp(const cv::Mat& laid) {
+cv::Mat Sharp(const cv::Mat& projected) {
   cv::Mat patch, coarse, slow;
-  laid.convertTo(patch, CV_32F);
+  projected.convertTo(patch, CV_32F);
   // What is this slow needs no fine pixels.
   constexpr int kCoarser = 4;
   cv::resize(patch, coarse, {kPatch / kCoarser, kPatch / kCoarser}, 0, 0, cv::INTER_AREA);
@@ -216,15 +216,15 @@ void SeamPatches::WatchFor(PhotoCache& cache) {
     cache.Expect(patch.second, patch.in_second.Box(denominators_[patch.second]));
   }
   cache.OnDecoded([this](std::size_t photo, int denominator, const image::DecodedPart& decoded) {
-    Lay(photo, denominator, decoded);
+    Project(photo, denominator, decoded);
   });
 }
 
-void SeamPatches::Lay(std::size_t photo, int denominator, const image::DecodedPart& decoded) {
+void SeamPatches::Project(std::size_t photo, int denominator, const image::DecodedPart& decoded) {
   if (denominator != denominators_[photo]) return;
   for (const std::size_t k : patches_of_[photo]) {
     PatchInPhoto& here = patches_[k].first == photo ? patches_[k].in_first : patches_[k].in_second;
-    if (here.laid.empty()) here.laid = LayPatch(here, decoded);
+    if (here.projected.empty()) here.projected = ProjectPatch(here, decoded);
   }
 }
 
@@ -236,10 +236,10 @@ SeamShift SeamPatches::Measure(PhotoCache& cache, Progress& progress) {
     if (progress.IsCancelled()) return;
     const InBoth& patch = patches_[k];
     const auto seen = [&](std::size_t photo, const PatchInPhoto& where) -> cv::Mat {
-      if (!where.laid.empty()) return Sharp(where.laid);
+      if (!where.projected.empty()) return Sharp(where.projected);
       const int denominator = denominators_[photo];
       const auto decoded = cache.Get(photo, flight_.photos[photo].photo, denominator, where.Box(denominator));
-      return decoded ? Sharp(LayPatch(where, **decoded)) : cv::Mat();
+      return decoded ? Sharp(ProjectPatch(where, **decoded)) : cv::Mat();
     };
     const cv::Mat fixed = seen(patch.first, patch.in_first), moving = seen(patch.second, patch.in_second);
     if (fixed.empty() || moving.empty()) return;

@@ -1,8 +1,8 @@
 // SeamPatches: how far the two photos that meet at a seam disagree about where things are, measured in their
-// pixels after the map has been planned: patches half-way between neighbouring photos are laid on the ground
-// from both and shifted against each other by phase correlation (Kuglin and Hines, 1975). A shift counts only
-// if the patches look alike once it is undone; grass in the wind and water are left out so. Looks at no more
-// than 120 photos, spread over the flight. Same result on any number of threads.
+// pixels after the map has been planned: patches half-way between neighbouring photos are projected to the
+// ground from both and shifted against each other by phase correlation (Kuglin and Hines, 1975). A shift
+// counts only if the patches look alike once it is undone; grass in the wind and water are left out so. Looks
+// at no more than 120 photos, spread over the flight. Same result on any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ class SeamPatches {
 
  private:
   struct InBoth;
-  void Lay(std::size_t photo, int denominator, const image::DecodedPart& decoded);
+  void Project(std::size_t photo, int denominator, const image::DecodedPart& decoded);
 
   const alignment::AlignedFlight& flight_;
   const MeasureSeamsOptions options_;

@@ -259,9 +259,9 @@ void MarkMoving(std::vector<LowResView>& views, double cell_m, int threads) {
     Comparison comparison(views, a, cell_m);
     for (std::size_t b = a + 1; b < views.size(); ++b) comparison.With(b, marks[a]);
   });
-  for (LowResView& view : views) view.passing.assign(view.seen.size(), false);
+  for (LowResView& view : views) view.is_moving.assign(view.seen.size(), false);
   for (const auto& found : marks) {
-    for (const Mark& mark : found) views[mark.view].passing[mark.index] = true;
+    for (const Mark& mark : found) views[mark.view].is_moving[mark.index] = true;
   }
 }
 

@@ -11,7 +11,7 @@
 
 namespace skyquilt::render {
 
-// Sets `passing` of each view. cell_m: the cells' side on the ground.
+// Sets `is_moving` of each view. cell_m: the cells' side on the ground.
 void MarkMoving(std::vector<LowResView>& views, double cell_m, int threads);
 
 }  // namespace skyquilt::render

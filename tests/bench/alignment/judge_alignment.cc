@@ -19,8 +19,9 @@ using TruePhotos = std::map<std::string, const simulate::SimulatedPhoto*>;
 
 // By how many pixels the second photo shows the place elsewhere than truth says; nothing where truth has
 // none.
-std::optional<double> MissPx(const simulate::SimulatedFlight& truth, const simulate::SimulatedPhoto& first,
-                             const simulate::SimulatedPhoto& second, const SharedPlace& shared) {
+std::optional<double> ResidualPx(const simulate::SimulatedFlight& truth,
+                                 const simulate::SimulatedPhoto& first,
+                                 const simulate::SimulatedPhoto& second, const SharedPlace& shared) {
   constexpr double kFarthestM = 4000.0;
   const camera::Intrinsics& lens = truth.options.intrinsics;
   const geo::Rigid3& first_from_enu = first.pose.cam_from_enu;
@@ -48,7 +49,8 @@ void JudgePairs(const AlignedCase& flown, const TruePhotos& by_name, Judgement& 
     }
     std::vector<double> misses;
     for (const SharedPlace& shared : pair.some) {
-      const auto miss_px = MissPx(*flown.truth, *by_name.at(pair.first), *by_name.at(pair.second), shared);
+      const auto miss_px =
+          ResidualPx(*flown.truth, *by_name.at(pair.first), *by_name.at(pair.second), shared);
       misses.push_back(miss_px.value_or(width_px));
     }
     const double miss_px = Median(std::move(misses));

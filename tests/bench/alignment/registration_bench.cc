@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
     fmt::print("block {}: {} photos", b, found.block_sizes[b]);
     if (const auto fitted = alignment::FitRobustly(pairs, {})) {
       fmt::print("; {} of {} positions hold, {:.2f} m off in the median, {:.1f} m up", fitted->held,
-                 pairs.size(), fitted->median_miss,
+                 pairs.size(), fitted->median_residual,
                  fitted->target_from_source.scale * alignment::kMedianDepth);
     }
     fmt::print("\n");

@@ -1,5 +1,5 @@
-// The ground graph against a known truth: photos of one plane, laid on it with errors that the links must
-// show.
+// The ground graph against a known truth: photos of one plane, projected on it with errors that the links
+// must show.
 #include "core/alignment/registration/ground_graph.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ constexpr double kHalfWidthM = 20.0;
 // `recorded_turn_rad`; its position is exact.
 struct Block {
   std::vector<GroundPrior> priors;
-  std::vector<std::vector<GroundKeypoint>> laid;
+  std::vector<std::vector<GroundKeypoint>> projected;
   std::vector<GroundView> views;
   std::vector<VerifiedPair> links;
 };
@@ -28,7 +28,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
   std::vector<std::vector<Complex>> seen(12);
   for (int i = 0; i < 12; ++i) {
     const Complex middle = block.priors[i].middle;
-    std::vector<GroundKeypoint>& laid = block.laid.emplace_back();
+    std::vector<GroundKeypoint>& projected = block.projected.emplace_back();
     for (int east = -60; east <= 90; east += 4) {
       for (int north = -60; north <= 90; north += 4) {
         const Complex truth(east, north);
@@ -36,11 +36,11 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
             std::abs((truth - middle).imag()) > kHalfWidthM)
           continue;
         seen[i].push_back(truth);
-        laid.emplace_back().place = middle + std::polar(1.0, recorded_turn_rad[i]) * (truth - middle);
+        projected.emplace_back().place = middle + std::polar(1.0, recorded_turn_rad[i]) * (truth - middle);
       }
     }
   }
-  for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, &block.laid[i]});
+  for (int i = 0; i < 12; ++i) block.views.push_back({nullptr, &block.projected[i]});
   for (int i = 0; i < 12; ++i) {
     for (int j = i + 1; j < 12; ++j) {
       VerifiedPair link{i, j, {}, {}, 0.0};
@@ -50,7 +50,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
         if (same == seen[j].end()) continue;
         const auto b = static_cast<std::size_t>(same - seen[j].begin());
         link.matches.push_back({static_cast<int>(a), static_cast<int>(b)});
-        places.emplace_back(block.laid[i][a].place, block.laid[j][b].place);
+        places.emplace_back(block.projected[i][a].place, block.projected[j][b].place);
       }
       if (link.matches.size() < 10) continue;
       link.second_from_first = FitSimilarity(places);

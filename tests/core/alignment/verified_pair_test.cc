@@ -24,14 +24,14 @@ struct Matched {
       matches.push_back({i, i});
     }
   }
-  std::optional<VerifiedPair> Fit(const LinkOptions& options) const {
+  std::optional<VerifiedPair> Fit(const VerificationOptions& options) const {
     return VerifyPair({&features, &first}, {&features, &second}, matches, options);
   }
 };
 
 // A window of 4.5 m after a first correction, cameras 30 m apart.
-LinkOptions NarrowWindow() {
-  LinkOptions options;
+VerificationOptions NarrowWindow() {
+  VerificationOptions options;
   options.first_tolerance_m = 2.2;
   options.last_tolerance_m = 1.0;
   options.baseline_m = {30.0, 0.0};

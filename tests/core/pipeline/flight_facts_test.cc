@@ -26,7 +26,7 @@ FlightFacts SomeFacts() {
   facts.ground = ground::GroundSurface::Grid({-1.0, -2.0}, 0.3, 2, 2, {0.1F, 0.2F, 0.3F, 0.4F}, 0.25);
   facts.thumbnails = {{"DJI_1.JPG", 4, 3, {1, 2, 250}}};
   facts.alignment_json = "{}";
-  FlightLook look;
+  MapAppearance look;
   look.gsd_m = 0.031;
   look.tones.resize(1);
   look.tones[0].gain = {0.9, 1.0 / 3.0, 1.1};
@@ -35,7 +35,7 @@ FlightFacts SomeFacts() {
   look.labels = render::SeamLabels(70, 3);
   look.labels.Set(69, 2, 0);
   look.labels.Set(3, 1, 0);
-  facts.look = look;
+  facts.appearance = look;
   return facts;
 }
 
@@ -57,11 +57,11 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(read->ground.Heights(), facts.ground.Heights());
   EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
   ASSERT_TRUE(read->look);
-  EXPECT_EQ(read->look->tones[0].gain, facts.look->tones[0].gain);
-  EXPECT_EQ(read->look->grid.first_column, facts.look->grid.first_column);
+  EXPECT_EQ(read->look->tones[0].gain, facts.appearance->tones[0].gain);
+  EXPECT_EQ(read->look->grid.first_column, facts.appearance->grid.first_column);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 70; ++column) {
-      EXPECT_EQ(read->look->labels.At(column, row), facts.look->labels.At(column, row));
+      EXPECT_EQ(read->look->labels.At(column, row), facts.appearance->labels.At(column, row));
     }
   }
 }

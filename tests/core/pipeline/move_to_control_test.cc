@@ -31,7 +31,7 @@ struct Displaced {
     options.trajectory.photos = 20;
     truth = *simulate::PlanSimulatedFlight(options);
     known.flight.frame = truth.frame;
-    known.look = FlightLook{};
+    known.appearance = MapAppearance{};
     for (const simulate::SimulatedPhoto& real : truth.photos) {
       alignment::AlignedPhoto photo;
       photo.photo = real.photo;

@@ -39,11 +39,11 @@ class MovingObjects : public testing::Test {
   int Marked(std::size_t view) {
     MarkMoving(views_, kCellM, 1);
     int cells = 0;
-    for (const bool is_marked : views_[view].passing) cells += is_marked ? 1 : 0;
+    for (const bool is_marked : views_[view].is_moving) cells += is_marked ? 1 : 0;
     return cells;
   }
   bool IsMarked(std::size_t view, int x, int y) const {
-    return views_[view].passing[static_cast<std::size_t>(y * kSide + x)];
+    return views_[view].is_moving[static_cast<std::size_t>(y * kSide + x)];
   }
 
   std::vector<LowResView> views_{2};
@@ -98,7 +98,7 @@ TEST_F(MovingObjects, AreTheSameWithAnyNumberOfThreads) {
   std::vector<LowResView> others = views_;
   MarkMoving(views_, kCellM, 1);
   MarkMoving(others, kCellM, 3);
-  for (std::size_t i = 0; i < views_.size(); ++i) EXPECT_EQ(views_[i].passing, others[i].passing);
+  for (std::size_t i = 0; i < views_.size(); ++i) EXPECT_EQ(views_[i].is_moving, others[i].is_moving);
 }
 
 }  // namespace

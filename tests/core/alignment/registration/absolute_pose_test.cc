@@ -13,30 +13,30 @@ double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 
 
 const geo::Rigid3 kTruth{geo::RotationFromVector({2.9, 0.2, 0.1}), {3.0, -2.0, 45.0}};
 
-std::vector<Sight> SightsOf(const camera::Intrinsics& lens, int count, double wrong_share) {
+std::vector<PointObservation> SightsOf(const camera::Intrinsics& lens, int count, double wrong_share) {
   Sampler sampler(3);
-  std::vector<Sight> sights;
-  while (static_cast<int>(sights.size()) < count) {
+  std::vector<PointObservation> observations;
+  while (static_cast<int>(observations.size()) < count) {
     const Eigen::Vector3d point(80.0 * Uniform(sampler) - 40.0, 80.0 * Uniform(sampler) - 40.0,
                                 2.0 * Uniform(sampler));
     const auto pixel = lens.Project(kTruth * point);
     if (!pixel || !lens.IsInImage(*pixel)) continue;
-    Sight sight{*pixel, point, 1.0};
+    PointObservation observation{*pixel, point, 1.0};
     if (Uniform(sampler) < wrong_share) {
-      sight.pixel_in_image = {4000.0 * Uniform(sampler), 3000.0 * Uniform(sampler)};
+      observation.pixel_in_image = {4000.0 * Uniform(sampler), 3000.0 * Uniform(sampler)};
     }
-    sights.push_back(sight);
+    observations.push_back(observation);
   }
-  return sights;
+  return observations;
 }
 
 TEST(AbsolutePose, ThreePointsGiveThePoseAmongUpToFour) {
   const camera::Intrinsics lens = camera::Intrinsics::Centered(4000, 3000, 3000.0);
-  const std::vector<Sight> sights = SightsOf(lens, 3, 0.0);
+  const std::vector<PointObservation> observations = SightsOf(lens, 3, 0.0);
   std::array<Eigen::Vector3d, 3> rays, points;
   for (std::size_t k = 0; k < 3; ++k) {
-    rays[k] = lens.Unproject(sights[k].pixel_in_image).normalized();
-    points[k] = sights[k].point_in_world;
+    rays[k] = lens.Unproject(observations[k].pixel_in_image).normalized();
+    points[k] = observations[k].point_in_world;
   }
   double nearest = 1e9;
   const std::vector<geo::Rigid3> poses = PosesOfThree(rays, points);

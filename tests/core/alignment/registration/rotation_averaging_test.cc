@@ -43,12 +43,12 @@ TEST(RotationAveraging, FindsTheRotationsAndTheWrongPairs) {
   }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     if (is_wrong[p]) continue;
-    EXPECT_LT(averaged.miss_rad[p], 0.05);
+    EXPECT_LT(averaged.residual_rad[p], 0.05);
   }
   int found = 0, wrong = 0;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     wrong += is_wrong[p];
-    found += is_wrong[p] && averaged.miss_rad[p] > 0.2 ? 1 : 0;
+    found += is_wrong[p] && averaged.residual_rad[p] > 0.2 ? 1 : 0;
   }
   EXPECT_GE(found, 0.9 * wrong);
 }

@@ -63,7 +63,7 @@ TEST(Similarity, AThirdOfThePlacesMayBeFiftyMetresOff) {
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->target_from_source.scale, 2.5, 0.03);
     EXPECT_LT(found->target_from_source.rotation.angularDistance(Truth().rotation), 0.04);
-    EXPECT_LT(found->median_miss, 0.6);
+    EXPECT_LT(found->median_residual, 0.6);
     EXPECT_LT(found->held, 36);
   }
 }
@@ -86,7 +86,7 @@ TEST(Similarity, PlacesWithoutHeightsAreEnoughWithTheVertical) {
   const auto found = FitRobustly(pairs, up);
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->target_from_source.scale, 2.5, 0.05);
-  EXPECT_LT(found->median_miss, 0.6);
+  EXPECT_LT(found->median_residual, 0.6);
 }
 
 TEST(Similarity, PlacesThatAgreeOnNothingGiveNothing) {

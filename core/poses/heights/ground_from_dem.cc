@@ -1,11 +1,11 @@
-#include "core/poses/heights/lay_on_dem.h"
+#include "core/poses/heights/ground_from_dem.h"
 
 #include "core/base/median.h"
 #include "core/geo/geoid.h"
 
 namespace skyquilt::poses {
 
-Result<DemLay> LayOnDem(const geo::DemSource& dem, const PosedFlight& posed,
+Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
                         const std::optional<geo::LatLon>& takeoff, DemZero zero) {
   const auto below = [&](const PosedPhoto& photo) {
     const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
@@ -23,20 +23,20 @@ Result<DemLay> LayOnDem(const geo::DemSource& dem, const PosedFlight& posed,
                  "The elevation model does not cover the place of take-off; the ground is taken as flat.",
                  ""};
   }
-  DemLay lay;
-  lay.zero_m = *zero_m;
+  DemGround ground;
+  ground.zero_m = *zero_m;
   std::vector<double> grounds;
   for (const PosedPhoto& photo : posed.photos) {
     const auto height_m = dem.GroundHeightM(below(photo));
-    lay.ground_z_in_enu_m.push_back(height_m ? std::optional(*height_m - lay.zero_m) : std::nullopt);
-    if (height_m) grounds.push_back(*height_m - lay.zero_m);
+    ground.ground_z_in_enu_m.push_back(height_m ? std::optional(*height_m - ground.zero_m) : std::nullopt);
+    if (height_m) grounds.push_back(*height_m - ground.zero_m);
   }
   if (2 * grounds.size() < posed.photos.size()) {
     return Error{ErrorCode::kUnprocessable,
                  "The elevation model covers less than half of the photos; the ground is taken as flat.", ""};
   }
-  lay.median_ground_z_in_enu_m = Median(std::move(grounds));
-  return lay;
+  ground.median_ground_z_in_enu_m = Median(std::move(grounds));
+  return ground;
 }
 
 }  // namespace skyquilt::poses

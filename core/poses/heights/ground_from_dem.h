@@ -1,7 +1,7 @@
-// LayOnDem: how high the ground of an elevation model lies in a flight's enu frame, and below each photo. The
-// model's own zero does not matter where heights count from take-off: there the ground below the first photo
-// or at take-off is the flight's z = 0. Where heights are absolute, the model counts from sea level. Metres.
-// Pure but for the model's reads; one thread a model.
+// GroundFromDem: how high the ground of an elevation model lies in a flight's enu frame, and below each
+// photo. The model's own zero does not matter where heights count from take-off: there the ground below the
+// first photo or at take-off is the flight's z = 0. Where heights are absolute, the model counts from sea
+// level. Metres. Pure but for the model's reads; one thread a model.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace skyquilt::poses {
 
 enum class DemZero { kTakeoff, kSeaLevel };
 
-struct DemLay {
+struct DemGround {
   double zero_m = 0.0;                                   // the model's height at z = 0 of the flight's frame
   std::vector<std::optional<double>> ground_z_in_enu_m;  // below each photo; nothing where the model has none
   double median_ground_z_in_enu_m = 0.0;
@@ -23,7 +23,7 @@ struct DemLay {
 
 // takeoff: where it is known. Error (kUnprocessable, in words for the user): the model does not cover the
 // flight.
-Result<DemLay> LayOnDem(const geo::DemSource& dem, const PosedFlight& posed,
-                        const std::optional<geo::LatLon>& takeoff, DemZero zero);
+Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
+                                const std::optional<geo::LatLon>& takeoff, DemZero zero);
 
 }  // namespace skyquilt::poses
