@@ -26,7 +26,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr double kReliefCellGsds = 60.0;
-constexpr double kGroundSigmas = 3.0;  // what a sight of a point on the ground may miss by
+constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a point on the ground
 
 // From poses adjusted a first time, where they came from records that were degrees off: a motion over level
 // ground fits only part of what two such photos share, so the rest is still to be found.
@@ -63,7 +63,7 @@ std::vector<Track> GroundTracks(const std::vector<VerifiedPair>& links, const Ma
   track_options.splits_contradictory = true;
   std::vector<Track> tracks = BuildTracks(links, input.features, input.views, track_options);
   std::erase_if(tracks, [&](Track& track) {
-    // The worst sight goes first, for it pulls the point away from the others.
+    // The observation with the largest error goes first, for it pulls the point away from the others.
     while (track.observations.size() >= 2 && Triangulate(input.views, track)) {
       const auto miss = [&](const Observation& one) {
         return ReprojectionErrorPx(input.views[one.photo], one, track.point_in_enu) / one.sigma_px;
@@ -116,7 +116,7 @@ void Rematch(const poses::PosedFlight& posed, const BundleProblem& problem, cons
                                 options.threads);
 }
 
-// Photos that are placed already are no matter of doubt, whatever the links suggested.
+// Photos that are placed already are no matter of doubt, whatever the verified pairs suggested.
 void HoldFixed(const poses::PosedFlight& posed, const std::vector<char>& fixed, BundleProblem& problem) {
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     if (fixed[i] == 0) continue;
@@ -146,7 +146,7 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
   }
 }
 
-// Surveyed points that miss what the photos agree on by far more than any survey does; empty: they fit.
+// Surveyed points further from where the photos agree they are than any survey errs; empty: they fit.
 std::string ContradictedControl(const std::vector<ControlReport>& control) {
   constexpr double kNoSurveyM = 0.25;
   std::vector<double> misses;
@@ -400,7 +400,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   }
   if (progress.IsCancelled()) return cancelled;
 
-  // Last look, on the relief, and the last adjustment.
+  // Last matching pass, on the relief, and the last adjustment.
   BundleSummary summary;
   {
     ScopedTimer timer(report.matching_s);

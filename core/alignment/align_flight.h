@@ -1,10 +1,10 @@
 // AlignFlight: refines recorded poses by what the photos show, and keeps every photo on the map: one without
-// links stays at its pose, moved as its neighbours were. At most one decode a photo; only features and
-// thumbnails are kept, about 0.4 MB a photo. The result does not depend on the number of threads. Cancelled
+// links stays at its pose, moved as its neighbours were. At most one decode per photo; only features and
+// thumbnails are kept, about 0.4 MB per photo. The result does not depend on the number of threads. Cancelled
 // through `progress`. Errors: kCancelled. Photos that cannot be decoded are placed by pose and say so.
-// Method: features laid on the ground by the recorded poses, matched in windows their uncertainty allows; a
-// graph of ground motions finds records that lie; bundle adjustment with the records as priors, twice, the
-// second time with matches searched on the relief of the first.
+// Method: features projected to the ground by the recorded poses, matched in windows their uncertainty
+// allows; a graph of ground motions finds records that lie; bundle adjustment with the records as priors,
+// twice, the second time with matches searched on the relief of the first.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Relief: the coarse shape of the ground as the alignment itself knows it, so that a second look searches in
+// Relief: the coarse shape of the ground as the alignment itself knows it, so that a rematch searches in
 // the right place. A plane until points are known. Values; any thread. (The map's own surface is
 // core/ground's.)
 #pragma once

@@ -1,4 +1,4 @@
-// View: the pose and lens under which a photo is looked at while its alignment is being found, and what its
+// View: the pose and lens of a photo while its alignment is being found, and what its
 // keypoints become on the ground under it. Values; any thread.
 #pragma once
 
@@ -30,7 +30,7 @@ struct View {
   double WidthM() const { return GsdM() * std::max(intrinsics.width_px, intrinsics.height_px); }
 };
 
-// A keypoint laid on the ground; a complex number is E + iN in enu metres.
+// A keypoint projected to the ground; a complex number is E + iN in enu metres.
 struct GroundKeypoint {
   std::complex<double> place;
   float angle_rad = 0.0F;     // of its direction, from east towards north

@@ -31,7 +31,7 @@ enum class ErrorCode {
   kUnavailable,     // try again later
   kNotImplemented,  // a protocol feature that is not offered
   kIo,              // the machine failed to read or write
-  kInternal,        // our bug
+  kInternal,        // a defect of this program
 };
 
 inline constexpr std::array kAllErrorCodes = {

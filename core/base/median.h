@@ -1,5 +1,5 @@
 // Median: the middle value; of an even number the upper of the two middles, so that it is always one of the
-// values. Takes its values by copy, since finding it reorders them. Median of nothing is our bug; MedianIfAny
+// values. Takes its values by copy, since finding it reorders them. Precondition: non-empty; MedianIfAny
 // is for values of which there may be none. Pure; any thread.
 #pragma once
 

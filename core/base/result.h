@@ -1,5 +1,5 @@
 // Result<T>: a value, or the Error that input caused. Exceptions are kept for a machine that ran out of
-// something. Reading the wrong side is our bug and stops the program. Any thread.
+// something. Reading the wrong side aborts the program. Any thread.
 //
 //   Result<TileId> id = TileId::Make(z, x, y);
 //   if (!id) return id.error();

@@ -1,5 +1,5 @@
 // Geoid heights: ellipsoid from mean sea level. Uses PROJ's EGM96 grid where it is installed (Debian:
-// proj-data). Thread-safe: each thread keeps its own PROJ context.
+// proj-data). Any thread: each keeps its own PROJ context.
 #pragma once
 
 #include <optional>

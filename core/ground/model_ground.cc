@@ -144,7 +144,7 @@ GroundSurface BendTo(const std::vector<Eigen::Vector3d>& points, const GroundSur
                              std::move(bent), Median(std::move(heights)));
 }
 
-double MedianMiss(const std::vector<Eigen::Vector3d>& points, const GroundSurface& surface) {
+double MedianError(const std::vector<Eigen::Vector3d>& points, const GroundSurface& surface) {
   std::vector<double> off;
   for (const Eigen::Vector3d& point : points) {
     off.push_back(std::abs(point.z() - surface.HeightAt(point.head<2>())));
@@ -162,7 +162,7 @@ template <typename SurfaceOf>
 Judged BestStiffness(const std::vector<Eigen::Vector3d>& held_back, const SurfaceOf& surface_of) {
   Judged best;
   for (const double tried : kStiffnesses) {
-    const double error_m = MedianMiss(held_back, surface_of(tried));
+    const double error_m = MedianError(held_back, surface_of(tried));
     if (tried != kStiffnesses[0] && error_m >= best.error_m) continue;
     best = {tried, error_m};
   }
@@ -225,14 +225,14 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
   const Judged grid = BestStiffness(held_back, [&](double stiffness) {
     return AsSurface(FitMembrane(fitted, cell_m, shape, 0.0, stiffness), mean_z_m);
   });
-  report.plane_error_m = MedianMiss(held_back, GroundSurface::Plane(mean_z_m));
+  report.plane_error_m = MedianError(held_back, GroundSurface::Plane(mean_z_m));
   report.grid_error_m = grid.error_m;
   Judged bent;
   if (model) {
     const double shift_m = ShiftTo(fitted, *model);
     std::vector<Eigen::Vector3d> lowered = held_back;
     for (Eigen::Vector3d& point : lowered) point.z() -= shift_m;
-    report.dem_error_m = MedianMiss(lowered, *model);
+    report.dem_error_m = MedianError(lowered, *model);
     bent = BestStiffness(
         held_back, [&](double stiffness) { return BendTo(fitted, *model, shift_m, cell_m, stiffness); });
   }

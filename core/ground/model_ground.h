@@ -1,7 +1,7 @@
 // ModelGround: the surface the map is draped over, from the tie points of an aligned flight: a level plane,
 // a smooth grid of heights where the points show that the ground is not one, or an elevation model moved to
 // fit the points. Chosen by evidence: points held back must lie clearly nearer to the grid or the model than
-// to the plane. Never fails: without points it is the elevation model as laid by take-off, or else the flat
+// to the plane. Never fails: without points it is the elevation model as placed by take-off, or else the flat
 // ground of the recorded poses. Pure but for the model's reads; any thread. Method: outliers against the
 // median of their neighbourhood dropped, medians per cell, membrane least squares pulled weakly to the mean
 // plane, or to the elevation model shifted by the median, so that nothing bulges or curls where no points

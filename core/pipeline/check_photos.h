@@ -1,6 +1,6 @@
 // CheckPhotos: decodes every photo once, small: what is damaged is found before anything is placed, the small
 // pictures serve the exposure model, and the features, where they are asked for, the alignment. Parallel; the
-// result does not depend on threads. Memory: about 60 kB a photo, 0.4 MB with features.
+// result does not depend on threads. Memory: about 60 kB per photo, 0.4 MB with features.
 #pragma once
 
 #include <optional>

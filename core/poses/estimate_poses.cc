@@ -213,7 +213,7 @@ void PutGroundBelow(PosedFlight& posed) {
   const double guessed_m = GuessHeightFromSpacing(photos);
   const double ground_z_m = Median(std::move(ups)) - guessed_m;
   posed.ground_z_in_enu_m = ground_z_m;
-  posed.dem_zero_m.reset();  // laid by take-off it would stand above the cameras
+  posed.dem_zero_m.reset();  // placed by take-off it would stand above the cameras
   for (PosedPhoto& photo : posed.photos)
     photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
   posed.report.height_rule = "height above ground guessed from the spacing of the photos";

@@ -9,7 +9,7 @@
 namespace skyquilt::pyramid {
 namespace {
 
-// Smaller ones are not worth a look.
+// Smaller ones are not worth trimming.
 constexpr int kTrimmedTilePx = 1024;
 
 // The rectangle that holds all covered pixels; where it begins goes to x and y.

@@ -32,7 +32,7 @@ constexpr double kDeepestHeights = 20.0;
 constexpr std::int64_t kBytesPerBlockPixel = 28;
 
 // Across the date line the map goes on beyond the edge of the merc square, so that a flight stays in one
-// piece.
+// part.
 Eigen::Vector2d UnwrappedMerc(const geo::LatLon& position, const AlignedFlight& flight) {
   Eigen::Vector2d point = geo::MercFromLatLon(position);
   const double origin_x = geo::MercFromLatLon({0.0, flight.frame.origin().lon_deg}).x();

@@ -46,7 +46,7 @@ geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
 }
 
 // Median reprojection error in sigmas.
-double MedianMissSigmas(const std::vector<View>& views, const std::vector<Track>& tracks) {
+double MedianErrorSigmas(const std::vector<View>& views, const std::vector<Track>& tracks) {
   std::vector<double> residuals;
   for (const Track& track : tracks) {
     for (const Observation& seen : track.observations) {
@@ -60,12 +60,11 @@ double MedianMissSigmas(const std::vector<View>& views, const std::vector<Track>
 // Drops what lies too far off, and points that then hang on one ray; returns the number dropped.
 int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Track>& tracks) {
   int dropped = 0;
-  // Where the others agree better than was assumed of keypoints, an error assumed usual is an outlier. Not
-  // less than this: photos that are less sharp than the others have larger errors and are needed all the
-  // same.
+  // Where the others agree better than was assumed of keypoints, an error assumed usual is an outlier.
+  // Bounded below: less sharp photos have larger errors and are needed all the same.
   constexpr double kMinSpread = 0.7;
   constexpr double kMedianOfNormalPlane = 1.177;
-  const double spread = std::clamp(MedianMissSigmas(views, tracks) / kMedianOfNormalPlane, kMinSpread, 1.0);
+  const double spread = std::clamp(MedianErrorSigmas(views, tracks) / kMedianOfNormalPlane, kMinSpread, 1.0);
   for (Track& track : tracks) {
     auto& seen = track.observations;
     const std::size_t before = seen.size();

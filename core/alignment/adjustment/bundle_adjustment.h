@@ -89,7 +89,7 @@ struct BundleSummary {
 
 BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options);
 
-// The views under which a problem's photos now look.
+// The views of a problem's photos as adjusted.
 std::vector<View> ViewsOf(const BundleProblem& problem);
 
 }  // namespace skyquilt::alignment

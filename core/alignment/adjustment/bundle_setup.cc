@@ -92,11 +92,12 @@ double MedianWidthM(const std::vector<View>& views) {
 }
 
 std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
-                                                const std::vector<VerifiedPair>& links, std::size_t photos) {
-  const std::vector<int> component = FindConnectedComponents(photos, links).of_photo;
+                                                const std::vector<VerifiedPair>& verified,
+                                                std::size_t photos) {
+  const std::vector<int> component = FindConnectedComponents(photos, verified).of_photo;
   std::map<std::pair<int, int>, double> kept;  // overlap
-  for (const VerifiedPair& link : links) {
-    kept.emplace(std::pair(link.first, link.second), 0.0);
+  for (const VerifiedPair& pair : verified) {
+    kept.emplace(std::pair(pair.first, pair.second), 0.0);
   }
   for (const CandidatePair& pair : pairs) {
     if (component[pair.first] >= 0 && component[pair.first] == component[pair.second])

@@ -17,10 +17,11 @@ namespace skyquilt::alignment {
 MatchingInput MakeMatchingInput(const poses::PosedFlight& posed);
 std::vector<GroundPrior> MakeGroundPriors(const poses::PosedFlight& posed, const MatchingInput& input);
 double MedianWidthM(const std::vector<View>& views);
-// Pairs of photos that links hold together already, and every linked pair however little it overlaps. Others
-// lie too uncertainly to each other for a narrow look: what is alike there is alike by chance.
+// Pairs of photos within one connected component, and every verified pair however little it overlaps. Others
+// are too uncertain relative to each other for a narrow window: what matches there matches by chance.
 std::vector<CandidatePair> OnlyWithinComponents(const std::vector<CandidatePair>& pairs,
-                                                const std::vector<VerifiedPair>& links, std::size_t photos);
+                                                const std::vector<VerifiedPair>& verified,
+                                                std::size_t photos);
 
 BundleProblem MakeBundle(const poses::PosedFlight& posed, const std::vector<CorrectedPose>& corrected,
                          const std::vector<int>& lines);

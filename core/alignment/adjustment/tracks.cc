@@ -124,7 +124,7 @@ double ReprojectionErrorPx(const View& view, const Observation& observation,
       view.intrinsics.focal_y_px * bent.y() + view.intrinsics.center_y_px - observation.pixel_in_image.y());
 }
 
-std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& links,
+std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options) {
   std::vector<int> first_of(features.size() + 1, 0);
@@ -132,9 +132,9 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& links,
     first_of[i + 1] = first_of[i] + (features[i] ? static_cast<int>(features[i]->keypoints.size()) : 0);
   }
   Sets sets(first_of.back());
-  for (const VerifiedPair& link : links) {
-    for (const KeypointMatch& match : link.matches) {
-      sets.Join(first_of[link.first] + match.first, first_of[link.second] + match.second);
+  for (const VerifiedPair& pair : pairs) {
+    for (const KeypointMatch& match : pair.matches) {
+      sets.Join(first_of[pair.first] + match.first, first_of[pair.second] + match.second);
     }
   }
   const auto coarseness = [&](std::size_t photo, int keypoint) {
@@ -175,16 +175,16 @@ std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& links,
     is_contradictory[set] = contradictory ? 1 : 0;
     if (!contradictory && track.observations.size() >= 2) tracks.push_back(std::move(track));
   }
-  for (const VerifiedPair& link : links) {
+  for (const VerifiedPair& pair : pairs) {
     if (!options.splits_contradictory) break;
-    for (const KeypointMatch& match : link.matches) {
-      if (!is_contradictory[sets.Find(first_of[link.first] + match.first)]) continue;
-      if (coarseness(link.first, match.first) > kMaxCoarseness ||
-          coarseness(link.second, match.second) > kMaxCoarseness) {
+    for (const KeypointMatch& match : pair.matches) {
+      if (!is_contradictory[sets.Find(first_of[pair.first] + match.first)]) continue;
+      if (coarseness(pair.first, match.first) > kMaxCoarseness ||
+          coarseness(pair.second, match.second) > kMaxCoarseness) {
         continue;
       }
       Track track;
-      track.observations = {observe(link.first, match.first), observe(link.second, match.second)};
+      track.observations = {observe(pair.first, match.first), observe(pair.second, match.second)};
       tracks.push_back(std::move(track));
     }
   }

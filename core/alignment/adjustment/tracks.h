@@ -31,7 +31,7 @@ struct TrackOptions {
   bool splits_contradictory = false;
 };
 
-std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& links,
+std::vector<Track> BuildTracks(const std::vector<VerifiedPair>& pairs,
                                const std::vector<const PhotoFeatures*>& features,
                                const std::vector<View>& views, const TrackOptions& options);
 

@@ -28,7 +28,8 @@ Complex Upright(const Eigen::Vector2d& place_in_mosaic) {
   return {place_in_mosaic.x(), -place_in_mosaic.y()};
 }
 
-// Each component on its photos' recorded positions, as if all looked straight down. One photo lays nothing.
+// Each component on its photos' recorded positions, as if all looked straight down. A single photo is not
+// placed.
 std::map<int, GroundSimilarity> PlaceComponents(const poses::PosedFlight& posed,
                                                 const ChainedMosaic& mosaic) {
   std::map<int, std::vector<std::pair<Complex, Complex>>> places;
@@ -39,13 +40,13 @@ std::map<int, GroundSimilarity> PlaceComponents(const poses::PosedFlight& posed,
     places[photo.component].emplace_back(Upright(photo.mosaic_from_photo.col(2).hnormalized()),
                                          Complex(center.x(), center.y()));
   }
-  std::map<int, GroundSimilarity> laid;
+  std::map<int, GroundSimilarity> placed;
   for (const auto& [component, of_component] : places) {
     if (of_component.size() < 2) continue;
     const GroundSimilarity similarity = FitSimilarity(of_component);
-    if (std::abs(similarity.turn_and_scale) > 1e-9) laid[component] = similarity;
+    if (std::abs(similarity.turn_and_scale) > 1e-9) placed[component] = similarity;
   }
-  return laid;
+  return placed;
 }
 
 struct Resected {
@@ -57,7 +58,7 @@ struct Resected {
 std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhoto& photo,
                                const GroundSimilarity& ground_from_mosaic, double ground_z_m) {
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector3d>> seen;
-  const auto lay = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
+  const auto meet = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
     const auto place = MapPlace(photo.mosaic_from_photo, PlaceInPhoto(lens, pixel));
     if (!place) return std::nullopt;
     const Complex ground = ground_from_mosaic * Upright(*place);
@@ -67,14 +68,14 @@ std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhot
     for (int column = 0; column < kPixelsAcross; ++column) {
       const Eigen::Vector2d pixel((column + 0.5) / kPixelsAcross * lens.width_px - 0.5,
                                   (row + 0.5) / kPixelsAcross * lens.height_px - 0.5);
-      const auto point = lay(pixel);
+      const auto point = meet(pixel);
       if (!point) return std::nullopt;
       seen.emplace_back(pixel, *point);
     }
   }
   // From straight above, as high as the scale at the axis says.
   const Eigen::Vector2d axis(lens.center_x_px, lens.center_y_px);
-  const auto middle = lay(axis), beside = lay(axis + Eigen::Vector2d(10.0, 0.0));
+  const auto middle = meet(axis), beside = meet(axis + Eigen::Vector2d(10.0, 0.0));
   if (!middle || !beside) return std::nullopt;
   const Eigen::Vector3d step = (*beside - *middle) / 10.0;
   const double gsd_m = step.norm();
@@ -112,7 +113,7 @@ std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhot
 }
 
 std::string InWords(const ChainedPhoto& chained, double misfit_px) {
-  const std::string how = chained.links == 0 ? "the first of its piece"
+  const std::string how = chained.links == 0 ? "the first of its connected component"
                           : chained.links == 1
                               ? "chained to one photo by features"
                               : fmt::format("chained to {} photos by features", chained.links);
@@ -200,9 +201,9 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
                  "no two photos match by their features alone; --method auto needs no matches", ""};
   }
   if (report.components > 1) {
-    flight.warnings.push_back(
-        fmt::format("the features tie the photos into {} pieces, each laid on its recorded positions",
-                    report.components));
+    flight.warnings.push_back(fmt::format(
+        "the features join the photos into {} connected components, each placed on its recorded positions",
+        report.components));
   }
   progress.Report(1.0, "aligned");
   return flight;

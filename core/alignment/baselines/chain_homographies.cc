@@ -14,14 +14,14 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kLookBack = 3;
+constexpr int kMaxStepsBack = 3;
 constexpr std::size_t kMaxNeighbours = 4;
 constexpr double kNeighbourShare = 0.75;   // of a photo's diagonal between middles: farther hardly overlaps
 constexpr double kToleranceShare = 0.004;  // of the photo's width
 constexpr double kMaxGrowth = 6.0;         // of a photo's area in the mosaic: more is a broken chain
 
-// Keypoints in the plane of the picture itself, so that matching knows of nothing but their looks.
-std::vector<GroundKeypoint> LayInPicture(const PhotoFeatures& features) {
+// Keypoints in the plane of the picture itself, so that matching uses appearance alone.
+std::vector<GroundKeypoint> PictureAsGround(const PhotoFeatures& features) {
   std::vector<GroundKeypoint> projected;
   projected.reserve(features.keypoints.size());
   for (const Keypoint& keypoint : features.keypoints) {
@@ -37,11 +37,11 @@ class Chain {
  public:
   Chain(const ChainInput& input, int threads) : input_(input), threads_(threads) {
     mosaic_.photos.resize(input.features.size());
-    laid_.resize(input.features.size());
+    projected_.resize(input.features.size());
     places_.resize(input.features.size());
     ParallelFor(input.features.size(), threads, [&](std::size_t i) {
       if (input.features[i] == nullptr) return;
-      laid_[i] = LayInPicture(*input.features[i]);
+      projected_[i] = PictureAsGround(*input.features[i]);
       for (const Keypoint& keypoint : input.features[i]->keypoints) {
         places_[i].push_back(PlaceInPhoto(input.lenses[i], {keypoint.x_px, keypoint.y_px}));
       }
@@ -53,7 +53,7 @@ class Chain {
     if (input_.features[photo] == nullptr) return;
     std::optional<Eigen::Matrix3d> chained;
     std::vector<int> others;
-    for (int back = 1; back <= kLookBack && photo - back >= 0 && !chained; ++back) {
+    for (int back = 1; back <= kMaxStepsBack && photo - back >= 0 && !chained; ++back) {
       const int other = photo - back;
       if (mosaic_.photos[other].component < 0) continue;
       others = {other};
@@ -102,8 +102,9 @@ class Chain {
     MatchWindow everywhere;
     everywhere.max_log2_scale = std::numeric_limits<double>::infinity();
     everywhere.max_distance_ratio = 0.8;
-    const std::vector<KeypointMatch> matches = MatchOnGround(
-        {input_.features[photo], &laid_[photo]}, {input_.features[other], &laid_[other]}, {}, everywhere);
+    const std::vector<KeypointMatch> matches =
+        MatchOnGround({input_.features[photo], &projected_[photo]},
+                      {input_.features[other], &projected_[other]}, {}, everywhere);
     std::vector<PlacePair> pairs;
     for (const KeypointMatch& match : matches) {
       pairs.push_back({places_[photo][match.first], places_[other][match.second]});
@@ -192,7 +193,7 @@ class Chain {
 
   const ChainInput& input_;
   const int threads_;
-  std::vector<std::vector<GroundKeypoint>> laid_;
+  std::vector<std::vector<GroundKeypoint>> projected_;
   std::vector<std::vector<Eigen::Vector2d>> places_;
   ChainedMosaic mosaic_;
 };

@@ -1,6 +1,6 @@
 // ChainHomographies: the feature-based mosaic of Iz and Unel, their baseline: every photo is matched to the
 // one before it and chained to the first by pairwise homographies (eq. 1), then registered once more to the
-// mosaic so far, all overlapping photos of it together (eq. 3). No recorded pose is looked at. A photo that
+// mosaic so far, all overlapping photos of it together (eq. 3). No recorded pose is used. A photo that
 // matches none of the three before it begins a new component. Errors add up along the chain, as they do in
 // such pipelines. Places of a photo are its pixels freed of lens bending, counted from the optical axis. Pure
 // apart from threads; the result does not depend on their number.
@@ -21,7 +21,7 @@ struct ChainedPhoto {
   Eigen::Matrix3d mosaic_from_photo = Eigen::Matrix3d::Identity();
   int links = 0;           // photos it is registered to
   int inliers = 0;         // matches that agree with where it lies
-  double square_px = 0.0;  // what those miss by in the mosaic, squared and summed
+  double square_px = 0.0;  // their residuals in the mosaic, squared and summed
 };
 
 struct ChainInput {

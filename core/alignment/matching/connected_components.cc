@@ -5,7 +5,7 @@
 
 namespace skyquilt::alignment {
 
-ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& links) {
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs) {
   std::vector<int> root(photos);
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int i) {
@@ -13,10 +13,10 @@ ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vecto
     return i;
   };
   std::vector<char> linked(photos, 0);
-  for (const VerifiedPair& link : links) {
-    linked[link.first] = linked[link.second] = 1;
-    const int a = find(link.first);
-    const int b = find(link.second);
+  for (const VerifiedPair& pair : pairs) {
+    linked[pair.first] = linked[pair.second] = 1;
+    const int a = find(pair.first);
+    const int b = find(pair.second);
     root[std::max(a, b)] = std::min(a, b);
   }
   ConnectedComponents components;

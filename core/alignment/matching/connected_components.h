@@ -1,4 +1,4 @@
-// FindConnectedComponents: the photos that links hold together, directly or through others. What lies in two
+// FindConnectedComponents: the connected components of the view graph. What lies in two
 // components is only as right to each other as the records are. Pure; any thread.
 #pragma once
 
@@ -10,10 +10,10 @@
 namespace skyquilt::alignment {
 
 struct ConnectedComponents {
-  std::vector<int> of_photo;              // negative: no link at all
+  std::vector<int> of_photo;              // negative: no verified pair
   std::vector<std::vector<int>> members;  // by component, in the photos' order
 };
 
-ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& links);
+ConnectedComponents FindConnectedComponents(std::size_t photos, const std::vector<VerifiedPair>& pairs);
 
 }  // namespace skyquilt::alignment

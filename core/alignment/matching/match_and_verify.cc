@@ -22,11 +22,11 @@ std::complex<double> Baseline(const View& first, const View& second) {
 }
 
 std::vector<VerifiedPair> Collect(std::vector<std::optional<VerifiedPair>>& found) {
-  std::vector<VerifiedPair> links;
-  for (std::optional<VerifiedPair>& link : found) {
-    if (link) links.push_back(std::move(*link));
+  std::vector<VerifiedPair> verified;
+  for (std::optional<VerifiedPair>& pair : found) {
+    if (pair) verified.push_back(std::move(*pair));
   }
-  return links;
+  return verified;
 }
 
 }  // namespace
@@ -88,14 +88,14 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
 
 std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& projected,
                                           const std::vector<CandidatePair>& tried,
-                                          const std::vector<VerifiedPair>& links, int threads) {
+                                          const std::vector<VerifiedPair>& verified, int threads) {
   const int count = static_cast<int>(input.views.size());
   std::vector<int> promising(count, 0), linked(count, 0);
   std::set<std::pair<int, int>> done;
-  for (const VerifiedPair& link : links) {
-    ++linked[link.first];
-    ++linked[link.second];
-    done.emplace(link.first, link.second);
+  for (const VerifiedPair& pair : verified) {
+    ++linked[pair.first];
+    ++linked[pair.second];
+    done.emplace(pair.first, pair.second);
   }
   for (const CandidatePair& pair : tried) {
     if (pair.overlap < kPromisingOverlap) continue;

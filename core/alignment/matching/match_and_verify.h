@@ -12,9 +12,9 @@ namespace skyquilt::alignment {
 
 struct MatchingPass {
   double min_radius_share = 0.10;  // of the photo's width on the ground
-  double sigmas = 3.0;             // of the joint uncertainty on the ground; 0 = the least radius alone
+  double sigmas = 3.0;             // of the joint uncertainty on the ground; 0 = min_radius_share alone
   double max_turn_rad = 0.6;
-  double tolerance_share = 0.015;  // of the width; what a followed motion may miss by
+  double tolerance_share = 0.015;  // of the width; inlier tolerance of the fitted motion
   double relief_share = 0.2;
   double max_distance_ratio = 0.85;
   int min_matches = 10;
@@ -40,9 +40,9 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
                                          const std::vector<CandidatePair>& pairs, const MatchingPass& pass,
                                          int threads);
 
-// `tried` are pairs already looked at in vain, `links` those found.
+// `tried` are the candidates matched so far, `verified` those of them that were verified.
 std::vector<VerifiedPair> MatchLostPhotos(const MatchingInput& input, const ProjectedKeypoints& projected,
                                           const std::vector<CandidatePair>& tried,
-                                          const std::vector<VerifiedPair>& links, int threads);
+                                          const std::vector<VerifiedPair>& verified, int threads);
 
 }  // namespace skyquilt::alignment

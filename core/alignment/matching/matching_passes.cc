@@ -16,21 +16,22 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kMaxRounds = 4;
-constexpr std::size_t kFewLinked = 6;
-constexpr double kToleranceShare = 0.015;  // of a photo's width: what links may contradict each other by
+constexpr std::size_t kMinConnected = 6;
+constexpr double kToleranceShare =
+    0.015;  // of a photo's width: by which verified pairs may contradict each other
 // Recorded tilts distort the ground by more than that.
 constexpr double kFirstToleranceFactor = 2.0;
 
 const MatchingPass kFirstPass{};
-// From where the photos are now: narrow for those that are linked, as wide as the records proved bad for the
-// others.
+// From where the photos are now: narrow for those that are connected, as wide as the records proved bad for
+// the others.
 const MatchingPass kNextPass{.min_radius_share = 0.05,
                              .sigmas = 3.0,
                              .max_turn_rad = 0.45,
                              .tolerance_share = 0.012,
                              .min_matches = 8};
 
-// What the linked photos of a group say of the errors they share.
+// What the connected photos of a group say of the errors they share.
 struct SharedError {
   Complex shift{0.0, 0.0};
   double turn_rad = 0.0;
@@ -66,16 +67,16 @@ SharedError Learn(const std::vector<GroundCorrection>& corrections, const std::v
   return shared;
 }
 
-// Photos that no link reaches take over what their line has in common.
+// Photos without a verified pair take over what their line has in common.
 void Inherit(const std::vector<int>& lines, std::vector<GroundCorrection>& corrections) {
-  std::map<int, std::vector<int>> linked_of_line;
+  std::map<int, std::vector<int>> connected_of_line;
   for (std::size_t i = 0; i < corrections.size(); ++i) {
-    if (corrections[i].component >= 0) linked_of_line[lines[i]].push_back(static_cast<int>(i));
+    if (corrections[i].component >= 0) connected_of_line[lines[i]].push_back(static_cast<int>(i));
   }
   for (std::size_t i = 0; i < corrections.size(); ++i) {
     if (corrections[i].component >= 0) continue;
-    const auto members = linked_of_line.find(lines[i]);
-    if (members == linked_of_line.end() || members->second.size() < 2) continue;
+    const auto members = connected_of_line.find(lines[i]);
+    if (members == connected_of_line.end() || members->second.size() < 2) continue;
     const SharedError of_line = Learn(corrections, members->second);
     corrections[i] = {std::polar(1.0, of_line.turn_rad), of_line.shift, kInheritedComponent};
   }
@@ -83,12 +84,12 @@ void Inherit(const std::vector<int>& lines, std::vector<GroundCorrection>& corre
 
 // How good the records are, where the pictures know better than what was assumed of them.
 void WidenPriors(const std::vector<GroundCorrection>& corrections, std::vector<GroundPrior>& priors) {
-  std::vector<int> linked;
+  std::vector<int> connected;
   for (std::size_t i = 0; i < corrections.size(); ++i) {
-    if (corrections[i].component >= 0) linked.push_back(static_cast<int>(i));
+    if (corrections[i].component >= 0) connected.push_back(static_cast<int>(i));
   }
-  if (linked.size() < kFewLinked) return;
-  const SharedError of_flight = Learn(corrections, linked);
+  if (connected.size() < kMinConnected) return;
+  const SharedError of_flight = Learn(corrections, connected);
   for (GroundPrior& prior : priors) {
     prior.sigma_m = std::max(prior.sigma_m, of_flight.shift_scatter_m);
     prior.sigma_turn_rad = std::max(prior.sigma_turn_rad, of_flight.turn_scatter_rad);
@@ -101,24 +102,24 @@ std::size_t CountPlaced(const std::vector<GroundCorrection>& corrections) {
                     [](const GroundCorrection& one) { return one.component >= 0; }));
 }
 
-std::vector<VerifiedPair> KeepHolding(const GroundGraph& graph, const std::vector<VerifiedPair>& links) {
-  std::vector<VerifiedPair> held;
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    if (graph.link_holds[l]) held.push_back(links[l]);
+std::vector<VerifiedPair> KeepInliers(const GroundGraph& graph, const std::vector<VerifiedPair>& verified) {
+  std::vector<VerifiedPair> kept;
+  for (std::size_t l = 0; l < verified.size(); ++l) {
+    if (graph.is_inlier[l]) kept.push_back(verified[l]);
   }
-  return held;
+  return kept;
 }
 
-void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& links,
+void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& verified,
                     const poses::PosedFlight& posed, AlignReport& report) {
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    if (graph.link_holds[l]) continue;
+  for (std::size_t l = 0; l < verified.size(); ++l) {
+    if (graph.is_inlier[l]) continue;
     ++report.pairs_rejected;
     AlignPairReport& rejected = report.rejected_pairs.emplace_back();
-    rejected.first = posed.photos[links[l].first].photo.name;
-    rejected.second = posed.photos[links[l].second].photo.name;
-    rejected.matches = static_cast<int>(links[l].matches.size());
-    rejected.rms_m = links[l].rms_m;
+    rejected.first = posed.photos[verified[l].first].photo.name;
+    rejected.second = posed.photos[verified[l].second].photo.name;
+    rejected.matches = static_cast<int>(verified[l].matches.size());
+    rejected.rms_m = verified[l].rms_m;
   }
 }
 
@@ -131,8 +132,8 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   const double tolerance_m = kToleranceShare * MedianWidthM(input.views);
   std::vector<GroundPrior> recorded = MakeGroundPriors(posed, input);
   std::vector<GroundCorrection> total(count);  // against the records
-  MatchedFlight linked;
-  linked.corrected.resize(count);
+  MatchedFlight matched;
+  matched.corrected.resize(count);
 
   double mount_turn_rad = 0.0;
 
@@ -144,8 +145,8 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
         one = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, kInheritedComponent};
     }
     for (std::size_t i = 0; i < count; ++i) {
-      linked.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
-      input.views[i].cam_from_enu = linked.corrected[i].start_cam_from_enu;
+      matched.corrected[i] = CorrectPose(posed.photos[i], recorded[i], total[i]);
+      input.views[i].cam_from_enu = matched.corrected[i].start_cam_from_enu;
       const bool is_placed = total[i].component >= 0;
       input.ground_sigma_m[i] = is_placed ? 0.0 : recorded[i].sigma_m;
       input.sigma_turn_rad[i] = is_placed ? 0.0 : recorded[i].sigma_turn_rad;
@@ -153,17 +154,17 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   };
 
   ProjectedKeypoints projected;
-  std::vector<VerifiedPair> links;
+  std::vector<VerifiedPair> verified;
   const auto match_first_pass = [&] {
-    linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
     projected = ProjectAllToGround(input, flat, threads);
-    links = MatchAndVerify(input, projected, linked.pairs, kFirstPass, threads);
-    for (VerifiedPair& link : MatchLostPhotos(input, projected, linked.pairs, links, threads)) {
-      links.push_back(std::move(link));
+    verified = MatchAndVerify(input, projected, matched.pairs, kFirstPass, threads);
+    for (VerifiedPair& pair : MatchLostPhotos(input, projected, matched.pairs, verified, threads)) {
+      verified.push_back(std::move(pair));
     }
   };
   match_first_pass();
-  mount_turn_rad = CommonQuarterTurn(recorded, links);
+  mount_turn_rad = CommonQuarterTurn(recorded, verified);
   if (mount_turn_rad != 0.0) {
     for (std::size_t i = 0; i < count; ++i) {
       total[i] = {std::polar(1.0, mount_turn_rad), {0.0, 0.0}, 0};
@@ -171,9 +172,10 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     }
     match_first_pass();
   }
-  GroundGraph graph = SolveGroundGraph(recorded, links, projected.views, kFirstToleranceFactor * tolerance_m);
-  ReportRejected(graph, links, posed, report);
-  linked.links = KeepHolding(graph, links);
+  GroundGraph graph =
+      SolveGroundGraph(recorded, verified, projected.views, kFirstToleranceFactor * tolerance_m);
+  ReportRejected(graph, verified, posed, report);
+  matched.links = KeepInliers(graph, verified);
   total = graph.corrections;
   for (GroundCorrection& one : total) {
     if (one.component >= 0) one.turn_and_scale *= std::polar(1.0, mount_turn_rad);
@@ -181,17 +183,17 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   std::size_t placed = CountPlaced(total);
   for (int round = 0; round < kMaxRounds && !progress.IsCancelled(); ++round) {
     move_views();
-    linked.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
+    matched.pairs = SelectPairs(input.views, input.ground_sigma_m, flat, {});
     projected = ProjectAllToGround(input, flat, threads);
-    links = MatchAndVerify(input, projected, linked.pairs, kNextPass, threads);
+    verified = MatchAndVerify(input, projected, matched.pairs, kNextPass, threads);
     // From here a photo is expected where it now lies.
     std::vector<GroundPrior> expected = MakeGroundPriors(posed, input);
     for (std::size_t i = 0; i < count; ++i) {
       expected[i].sigma_m = recorded[i].sigma_m;
       expected[i].sigma_turn_rad = recorded[i].sigma_turn_rad;
     }
-    graph = SolveGroundGraph(expected, links, projected.views, tolerance_m);
-    linked.links = KeepHolding(graph, links);
+    graph = SolveGroundGraph(expected, verified, projected.views, tolerance_m);
+    matched.links = KeepInliers(graph, verified);
     for (std::size_t i = 0; i < count; ++i) {
       if (graph.corrections[i].component < 0 && total[i].component >= 0) continue;
       const GroundSimilarity before = AsSimilarity(total[i], recorded[i].middle);
@@ -203,9 +205,9 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     if (now_placed <= placed) break;
     placed = now_placed;
   }
-  ReportRejected(graph, links, posed, report);
+  ReportRejected(graph, verified, posed, report);
   move_views();
-  return linked;
+  return matched;
 }
 
 }  // namespace skyquilt::alignment

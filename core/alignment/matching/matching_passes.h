@@ -1,8 +1,8 @@
-// MatchInPasses: from features to links between photos and a pose for each to start the adjustment from. The
-// first look believes windows of the recorded uncertainty; what it finds shows how good the records really
-// are, which widens the windows of photos it could not link and starts them where their flight line's common
-// error puts them; looks follow each other until no photo is newly linked. Pure apart from threads; the
-// result does not depend on their number.
+// MatchInPasses: from features to verified pairs and a pose per photo from which the adjustment starts. The
+// first pass searches windows of the recorded uncertainty. What it finds shows how good the records are: that
+// widens the windows of photos without a verified pair, and starts them where their flight line's common
+// error puts them. Passes repeat until none connects another photo. Pure apart from threads; the result does
+// not depend on their number.
 #pragma once
 
 #include <string>
@@ -17,8 +17,8 @@
 namespace skyquilt::alignment {
 
 struct MatchedFlight {
-  std::vector<CandidatePair> pairs;  // of the last look
-  std::vector<VerifiedPair> links;   // that hold
+  std::vector<CandidatePair> pairs;  // candidates of the last pass
+  std::vector<VerifiedPair> links;   // verified, and not contradicted by the others
   std::vector<CorrectedPose> corrected;
 };
 

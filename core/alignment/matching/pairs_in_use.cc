@@ -14,7 +14,7 @@ constexpr std::size_t kSomePlaces = 9;
 
 struct Shared {
   std::vector<SharedPlace> places;
-  double square_px = 0.0;  // of both photos' misses
+  double square_px = 0.0;  // of both photos' reprojection errors
   double square_m = 0.0;
 };
 

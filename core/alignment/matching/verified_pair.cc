@@ -84,7 +84,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
   for (const KeypointMatch& match : matches) {
     places.emplace_back((*first.projected)[match.first].place, (*second.projected)[match.second].place);
   }
-  const auto follow = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
+  const auto find_inliers = [&](const GroundSimilarity& motion, const Tolerance& tolerance) {
     std::vector<int> inliers;
     for (int k = 0; k < count; ++k) {
       if (tolerance.Holds(places[k].second - motion * places[k].first)) inliers.push_back(k);
@@ -104,7 +104,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
       if (!options.any_turn && std::abs(turn) > kTrustedTurnRad) continue;
       const Complex rotor = std::polar(1.0, turn);
       const GroundSimilarity motion{rotor, places[k].second - rotor * places[k].first};
-      const std::size_t inliers = follow(motion, loose).size();
+      const std::size_t inliers = find_inliers(motion, loose).size();
       if (inliers > most) {
         most = inliers;
         best = motion;
@@ -119,7 +119,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
     const double shrink = std::min(1.0, round / (kRefinements - 2.0));
     tolerance = MakeTolerance(options, std::pow(options.first_tolerance_m, 1.0 - shrink) *
                                            std::pow(options.last_tolerance_m, shrink));
-    inliers = follow(best, tolerance);
+    inliers = find_inliers(best, tolerance);
     if (static_cast<int>(inliers.size()) < options.min_matches) return std::nullopt;
     std::vector<std::pair<Complex, Complex>> kept;
     for (const int k : inliers) kept.push_back(places[k]);
@@ -129,15 +129,15 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
   }
   if (!StandsOut(inliers, places, best, tolerance, options.search_area_m2)) return std::nullopt;
 
-  VerifiedPair link;
-  link.second_from_first = best;
+  VerifiedPair pair;
+  pair.second_from_first = best;
   double square = 0.0;
   for (const int k : inliers) {
-    link.matches.push_back(matches[k]);
+    pair.matches.push_back(matches[k]);
     square += std::norm(places[k].second - best * places[k].first);
   }
-  link.rms_m = std::sqrt(square / static_cast<double>(inliers.size()));
-  return link;
+  pair.rms_m = std::sqrt(square / static_cast<double>(inliers.size()));
+  return pair;
 }
 
 }  // namespace skyquilt::alignment

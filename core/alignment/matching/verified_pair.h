@@ -1,6 +1,6 @@
 // VerifyPair: do the matches of two photos agree on one motion over the ground? Every match is tried as the
 // motion (its place, and its direction for the turn), the one with most inliers is refined while the
-// tolerance shrinks. No random numbers: the same matches give the same link. Relief moves things along the
+// tolerance shrinks. No random numbers: the same matches give the same result. Relief moves things along the
 // line between the cameras, so the tolerance is wider that way. Pure; any thread.
 #pragma once
 
@@ -27,7 +27,7 @@ struct VerifiedPair {
   int first = 0;
   int second = 0;
   GroundSimilarity second_from_first;
-  std::vector<KeypointMatch> matches;  // those that follow
+  std::vector<KeypointMatch> matches;  // inliers
   double rms_m = 0.0;
 };
 

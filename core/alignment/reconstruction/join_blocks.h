@@ -1,5 +1,5 @@
-// JoinBlocks: a smaller block laid into a larger one by the points that both see, where enough of them agree
-// on one similarity. Deterministic. Pure; any thread.
+// JoinBlocks: a smaller block moved into the frame of a larger one by the points that both see, where enough
+// of them agree on one similarity. Deterministic. Pure; any thread.
 #pragma once
 
 #include "core/alignment/reconstruction/block.h"

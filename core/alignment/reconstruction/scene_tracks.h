@@ -1,6 +1,6 @@
 // SceneTracks: which keypoints of several photos are one point of the scene, by the matches of verified
-// pairs, the best supported pair first. A match that would put one point at two places of one photo is not
-// followed: chains of matches that lead astray lose a link, not everything. Pure; any thread.
+// pairs, the best supported pair first. A match that would put one point at two places of one photo is
+// skipped, so that a wrong chain of matches loses one match, not the whole track. Pure; any thread.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // The second leg of the alignment: where recorded poses fail their test, photos are placed by what they show
 // alone (RegisterPhotos), and the records count only where they agree with that. What comes back is a posed
-// flight, as the first leg starts from, with links and lenses: the alignment goes on from it. The same for
-// any number of threads.
+// flight, as the first leg starts from, with verified pairs and lenses: the alignment goes on from it. The
+// same for any number of threads.
 #pragma once
 
 #include <optional>

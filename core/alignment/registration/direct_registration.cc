@@ -19,7 +19,7 @@ constexpr int kPeakRadius = 6;
 constexpr double kLeftOverPx = 0.75;
 constexpr double kMinContrast = 1.0;  // grey levels: less is noise
 constexpr double kSigmas = 3.5;
-constexpr int kEnoughLinks = 2;
+constexpr int kEnoughPairs = 2;
 
 struct Patch {
   cv::Mat grey;  // CV_32F
@@ -27,7 +27,7 @@ struct Patch {
 };
 
 // The thumbnail seen straight from above: north is up, `cell_m` a sample, around a place.
-Patch LayThumbnail(const MatchingInput& input, int photo, const Eigen::Vector3d& place, double cell_m) {
+Patch ProjectThumbnail(const MatchingInput& input, int photo, const Eigen::Vector3d& place, double cell_m) {
   const View& view = input.views[photo];
   const Thumbnail& thumbnail = input.features[photo]->thumbnail;
   const cv::Mat source(thumbnail.height_px, thumbnail.width_px, CV_8U,
@@ -161,8 +161,8 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
       0.3 * kPatch,
       kSigmas * std::hypot(input.ground_sigma_m[first], input.ground_sigma_m[second]) / cell_m + 2.0);
 
-  const Patch fixed = LayThumbnail(input, first, tie.place_in_enu, cell_m);
-  const Patch moving = LayThumbnail(input, second, tie.place_in_enu, cell_m);
+  const Patch fixed = ProjectThumbnail(input, first, tie.place_in_enu, cell_m);
+  const Patch moving = ProjectThumbnail(input, second, tie.place_in_enu, cell_m);
   if (fixed.inside < kMinInside || moving.inside < kMinInside) return std::nullopt;
   cv::Scalar mean, deviation;
   for (const Patch* patch : {&fixed, &moving}) {
@@ -172,8 +172,8 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
   const Peak peak = CorrelatePhase(fixed.grey, moving.grey, reach_px);
   if (peak.distinctness < kMinDistinctness) return std::nullopt;
   const Eigen::Vector2d shift_m(peak.shift_px.x * cell_m, -peak.shift_px.y * cell_m);
-  const Patch again =
-      LayThumbnail(input, second, tie.place_in_enu + Eigen::Vector3d(shift_m.x(), shift_m.y(), 0.0), cell_m);
+  const Patch again = ProjectThumbnail(
+      input, second, tie.place_in_enu + Eigen::Vector3d(shift_m.x(), shift_m.y(), 0.0), cell_m);
   if (again.inside < kMinInside) return std::nullopt;
   const Peak left_over = CorrelatePhase(fixed.grey, again.grey, reach_px);
   if (left_over.distinctness < kMinDistinctness ||
@@ -187,17 +187,18 @@ std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first,
 }
 
 std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                const std::vector<VerifiedPair>& links, const Relief& relief, int threads) {
+                                const std::vector<VerifiedPair>& verified, const Relief& relief,
+                                int threads) {
   std::vector<int> linked(input.views.size(), 0);
-  for (const VerifiedPair& link : links) {
-    ++linked[link.first];
-    ++linked[link.second];
+  for (const VerifiedPair& verified_pair : verified) {
+    ++linked[verified_pair.first];
+    ++linked[verified_pair.second];
   }
   std::vector<std::optional<Track>> found(pairs.size());
   ParallelFor(pairs.size(), threads, [&](std::size_t p) {
     const CandidatePair& pair = pairs[p];
     if (pair.overlap < kMinOverlap) return;
-    if (linked[pair.first] >= kEnoughLinks && linked[pair.second] >= kEnoughLinks) return;
+    if (linked[pair.first] >= kEnoughPairs && linked[pair.second] >= kEnoughPairs) return;
     const std::optional<DirectTie> tie = RegisterDirectly(input, pair.first, pair.second, relief);
     if (!tie) return;
     Track track;

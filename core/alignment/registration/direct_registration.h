@@ -1,7 +1,7 @@
 // RegisterDirectly: ties between photos that have too few features in common, from their pictures as a whole:
-// both thumbnails are laid on the ground where their poses put them, freed of slow brightness changes, and
-// shifted against each other by phase correlation (Kuglin and Hines, 1975). Believed only when one shift
-// stands out from all others, the poses allow it, and a second look from the shifted place finds nothing left
+// both thumbnails are projected to the ground where their poses put them, freed of slow brightness changes,
+// and shifted against each other by phase correlation (Kuglin and Hines, 1975). Believed only when one shift
+// stands out from all others, the poses allow it, and a repetition from the shifted place finds nothing left
 // to shift. Pure; any thread.
 #pragma once
 
@@ -25,14 +25,14 @@ struct DirectTie {
 std::optional<DirectTie> RegisterDirectly(const MatchingInput& input, int first, int second,
                                           const Relief& relief);
 
-// Ties for the photos that `links` leaves without enough partners, as two-view tracks for the adjustment.
+// Ties for photos with too few verified pairs, as two-view tracks for the adjustment.
 std::vector<Track> DirectTracks(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                const std::vector<VerifiedPair>& links, const Relief& relief, int threads);
+                                const std::vector<VerifiedPair>& verified, const Relief& relief, int threads);
 
 // Whether a tie agrees with where both photos now lie.
 bool Agrees(const std::vector<View>& views, const Track& tie);
 
-// How many of the ties agree with where each photo now lies, and what those miss by.
+// How many of the ties agree with where each photo now lies, and their reprojection errors.
 struct DirectSupport {
   int ties = 0;
   double square_px = 0.0;  // summed

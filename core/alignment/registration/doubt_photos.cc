@@ -26,22 +26,23 @@ constexpr double kMinGapM = 300.0;
 constexpr double kGapOverExtent = 1.0;
 constexpr double kMaxLeftOutShare = 0.1;
 
-bool ShowsTheSamePixels(const VerifiedPair& link, const MatchingInput& input) {
-  const PhotoFeatures& first = *input.features[link.first];
-  const PhotoFeatures& second = *input.features[link.second];
-  const auto same = std::count_if(link.matches.begin(), link.matches.end(), [&](const KeypointMatch& match) {
-    const Keypoint& a = first.keypoints[match.first];
-    const Keypoint& b = second.keypoints[match.second];
-    return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < kSamePixelPx;
-  });
+bool ShowsTheSamePixels(const VerifiedPair& verified_pair, const MatchingInput& input) {
+  const PhotoFeatures& first = *input.features[verified_pair.first];
+  const PhotoFeatures& second = *input.features[verified_pair.second];
+  const auto same = std::count_if(verified_pair.matches.begin(), verified_pair.matches.end(),
+                                  [&](const KeypointMatch& match) {
+                                    const Keypoint& a = first.keypoints[match.first];
+                                    const Keypoint& b = second.keypoints[match.second];
+                                    return std::hypot(a.x_px - b.x_px, a.y_px - b.y_px) < kSamePixelPx;
+                                  });
   const std::size_t fewer = std::min(first.keypoints.size(), second.keypoints.size());
   return static_cast<double>(same) > kCopiedShare * static_cast<double>(fewer);
 }
 
-// Against those that are linked, and so surely show the same ground; a photo without links, which may show
-// any, must besides be of little sharpness by itself, whatever it shows.
+// Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
+// may show any, must besides be of little sharpness by itself, whatever it shows.
 std::vector<char> FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                              const std::vector<VerifiedPair>& links, const Relief& relief) {
+                              const std::vector<VerifiedPair>& verified, const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
   const auto against = [&](int own, int other, std::vector<std::vector<double>>& shares) {
@@ -50,9 +51,9 @@ std::vector<char> FindBlurred(const MatchingInput& input, const std::vector<Cand
                          input.views[other], relief);
     if (share) shares[own].push_back(*share);
   };
-  for (const VerifiedPair& link : links) {
-    against(link.first, link.second, linked);
-    against(link.second, link.first, linked);
+  for (const VerifiedPair& verified_pair : verified) {
+    against(verified_pair.first, verified_pair.second, linked);
+    against(verified_pair.second, verified_pair.first, linked);
   }
   std::vector<double> sharpness(count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
@@ -83,17 +84,17 @@ std::vector<char> FindBlurred(const MatchingInput& input, const std::vector<Cand
 }  // namespace
 
 std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<VerifiedPair>& links, const Relief& relief) {
+                                    const std::vector<VerifiedPair>& verified, const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<PhotoDoubt> doubts(count);
   std::vector<int> linked(count, 0), witnesses(count, 0);
-  for (const VerifiedPair& link : links) {
-    ++linked[link.first];
-    ++linked[link.second];
-    PhotoDoubt& later = doubts[link.second];
-    if (!later.copy_of && ShowsTheSamePixels(link, input)) later.copy_of = link.first;
+  for (const VerifiedPair& verified_pair : verified) {
+    ++linked[verified_pair.first];
+    ++linked[verified_pair.second];
+    PhotoDoubt& later = doubts[verified_pair.second];
+    if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
   }
-  const std::vector<char> is_blurred = FindBlurred(input, pairs, links, relief);
+  const std::vector<char> is_blurred = FindBlurred(input, pairs, verified, relief);
   for (const CandidatePair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];

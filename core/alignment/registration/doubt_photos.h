@@ -19,15 +19,15 @@ struct PhotoDoubt {
   bool IsAny() const { return copy_of || is_blurred || shows_other_place; }
 };
 
-// `pairs` were compared, `links` hold in the end, over `relief`.
+// `pairs` were compared, `verified` are the pairs verified in the end, over `relief`.
 std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                                    const std::vector<VerifiedPair>& links, const Relief& relief);
+                                    const std::vector<VerifiedPair>& verified, const Relief& relief);
 
 // A sentence for the user, empty without doubt.
 std::string DoubtInWords(const PhotoDoubt& doubt, const std::vector<std::string>& names);
 
-// Takes photos out that no link ties to the others and that lie so far away that the map would be mostly
-// empty; each is listed with the reason. Never takes out more than a tenth. By photo: whether it was.
+// Takes photos out that no verified pair ties to the others and that lie so far away that the map would be
+// mostly empty; each is listed with the reason. Never takes out more than a tenth. By photo: whether it was.
 std::vector<char> LeaveOutFarAway(AlignedFlight& flight);
 
 }  // namespace skyquilt::alignment

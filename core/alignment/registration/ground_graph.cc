@@ -14,48 +14,48 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kAgreesWithYawRad = 0.35;
-// Residual of a pair, in tolerances, above which it counts for little: all links speak first, then those that
+// Residual of a pair, in tolerances, above which it counts for little: all pairs speak first, then those that
 // agree.
 constexpr double kTrustWidths[] = {40.0, 20.0, 10.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.5, 1.5};
-constexpr int kMaxPlacesPerLink = 24;
+constexpr int kMaxPlacesPerPair = 24;
 
 double Cauchy(double residual, double scale) { return 1.0 / (1.0 + (residual / scale) * (residual / scale)); }
 
-// Places the photos of a component relative to each other along the strongest links, from the given roots
+// Places the photos of a component relative to each other along the strongest pairs, from the given roots
 // outwards, which stay as recorded. Photos of other components get no correction.
-std::vector<GroundCorrection> SpreadAlongLinks(const std::vector<int>& roots,
+std::vector<GroundCorrection> SpreadAlongPairs(const std::vector<int>& roots,
                                                const std::vector<GroundPrior>& priors,
-                                               const std::vector<VerifiedPair>& links,
-                                               const std::vector<std::vector<int>>& links_of) {
+                                               const std::vector<VerifiedPair>& pairs,
+                                               const std::vector<std::vector<int>>& pairs_of) {
   std::vector<GroundCorrection> corrections(priors.size());
   std::vector<char> placed(priors.size(), 0);
-  using Entry = std::pair<std::size_t, int>;  // matches, minus link number: strongest first, then the earlier
+  using Entry = std::pair<std::size_t, int>;  // matches, minus pair number: strongest first, then the earlier
   std::priority_queue<Entry> open;
-  const auto open_links = [&](int photo) {
-    for (const int l : links_of[photo]) open.emplace(links[l].matches.size(), -l);
+  const auto open_pairs = [&](int photo) {
+    for (const int l : pairs_of[photo]) open.emplace(pairs[l].matches.size(), -l);
   };
   for (const int root : roots) placed[root] = 1;
-  for (const int root : roots) open_links(root);
+  for (const int root : roots) open_pairs(root);
   while (!open.empty()) {
     const int l = -open.top().second;
     open.pop();
-    const VerifiedPair& link = links[l];
-    if (placed[link.first] && placed[link.second]) continue;
-    const bool forth = placed[link.first] != 0;
-    const int from = forth ? link.first : link.second;
-    const int to = forth ? link.second : link.first;
+    const VerifiedPair& pair = pairs[l];
+    if (placed[pair.first] && placed[pair.second]) continue;
+    const bool forth = placed[pair.first] != 0;
+    const int from = forth ? pair.first : pair.second;
+    const int to = forth ? pair.second : pair.first;
     // The corrected grounds agree: C_to * (to_from * z) = C_from * z.
-    const GroundSimilarity to_from = forth ? link.second_from_first : link.second_from_first.Inverse();
+    const GroundSimilarity to_from = forth ? pair.second_from_first : pair.second_from_first.Inverse();
     const GroundSimilarity from_correction = AsSimilarity(corrections[from], priors[from].middle);
     corrections[to] = AsCorrection(from_correction.After(to_from.Inverse()), priors[to].middle);
     placed[to] = 1;
-    open_links(to);
+    open_pairs(to);
   }
   return corrections;
 }
 
 // The similarity that brings most of a component's middles to where they were recorded.
-GroundSimilarity LayOnPositions(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
+GroundSimilarity FitToPositions(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
                                 const std::vector<GroundCorrection>& corrections) {
   std::vector<Complex> now, recorded;
   for (const int i : members) {
@@ -91,16 +91,16 @@ GroundSimilarity LayOnPositions(const std::vector<int>& members, const std::vect
   return best;
 }
 
-struct LinkPlaces {
+struct PairPlaces {
   std::vector<std::pair<Complex, Complex>> places;  // a few matches stand for all
 };
 
-// How far apart a link's two photos put the same places, rms.
-double PairResidual(const VerifiedPair& link, const LinkPlaces& places,
+// How far apart a pair's two photos put the same places, rms.
+double PairResidual(const VerifiedPair& pair, const PairPlaces& places,
                     const std::vector<GroundPrior>& priors,
                     const std::vector<GroundCorrection>& corrections) {
-  const GroundSimilarity a = AsSimilarity(corrections[link.first], priors[link.first].middle);
-  const GroundSimilarity b = AsSimilarity(corrections[link.second], priors[link.second].middle);
+  const GroundSimilarity a = AsSimilarity(corrections[pair.first], priors[pair.first].middle);
+  const GroundSimilarity b = AsSimilarity(corrections[pair.second], priors[pair.second].middle);
   double square = 0.0;
   for (const auto& [x, y] : places.places) square += std::norm(a * x - b * y);
   return std::sqrt(square / static_cast<double>(places.places.size()));
@@ -109,18 +109,18 @@ double PairResidual(const VerifiedPair& link, const LinkPlaces& places,
 // What a component's corrections leave unexplained: residuals of pairs, photos far from where they were
 // recorded.
 double Unexplained(const std::vector<int>& members, const std::vector<GroundPrior>& priors,
-                   const std::vector<VerifiedPair>& links, const std::vector<LinkPlaces>& places,
-                   const std::vector<std::vector<int>>& links_of,
+                   const std::vector<VerifiedPair>& pairs, const std::vector<PairPlaces>& places,
+                   const std::vector<std::vector<int>>& pairs_of,
                    const std::vector<GroundCorrection>& corrections, double tolerance_m) {
   constexpr double kWideTolerances = 4.0;
   double sum = 0.0;
   for (const int i : members) {
     const double away = std::abs(corrections[i].shift) / (2.0 * priors[i].sigma_m);
     sum += std::min(1.0, away * away);
-    for (const int l : links_of[i]) {
-      if (links[l].first != i) continue;
+    for (const int l : pairs_of[i]) {
+      if (pairs[l].first != i) continue;
       const double residual =
-          PairResidual(links[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
+          PairResidual(pairs[l], places[l], priors, corrections) / (kWideTolerances * tolerance_m);
       sum += std::min(1.0, residual * residual);
     }
   }
@@ -130,10 +130,10 @@ double Unexplained(const std::vector<int>& members, const std::vector<GroundPrio
 // The corrections of a component as its pairs place it, brought as a whole to the recorded positions.
 std::vector<GroundCorrection> PlaceComponentOnPositions(const std::vector<int>& members,
                                                         const std::vector<GroundPrior>& priors,
-                                                        const std::vector<VerifiedPair>& links,
-                                                        const std::vector<std::vector<int>>& links_of) {
-  std::vector<GroundCorrection> corrections = SpreadAlongLinks({members.front()}, priors, links, links_of);
-  const GroundSimilarity motion = LayOnPositions(members, priors, corrections);
+                                                        const std::vector<VerifiedPair>& pairs,
+                                                        const std::vector<std::vector<int>>& pairs_of) {
+  std::vector<GroundCorrection> corrections = SpreadAlongPairs({members.front()}, priors, pairs, pairs_of);
+  const GroundSimilarity motion = FitToPositions(members, priors, corrections);
   for (const int i : members) {
     const GroundSimilarity corrected = AsSimilarity(corrections[i], priors[i].middle);
     corrections[i] = AsCorrection(motion.After(corrected), priors[i].middle);
@@ -151,12 +151,12 @@ bool IsTurnedAsAWhole(const std::vector<int>& members, const std::vector<GroundC
 
 // One weighted least-squares step over all photos of all components; unknowns (turn_and_scale, shift) a
 // photo.
-void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& links,
-                 const std::vector<LinkPlaces>& places, const std::vector<double>& link_weights,
+void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
+                 const std::vector<PairPlaces>& places, const std::vector<double>& pair_weights,
                  const std::vector<double>& turn_weights, const std::vector<double>& shift_weights,
                  const std::vector<Complex>& expected_turn, std::vector<GroundCorrection>& corrections) {
   const int count = static_cast<int>(priors.size());
-  // Blocks of 2x2 by photo pairs; a photo without links keeps its prior.
+  // Blocks of 2x2 by photos; a photo without pairs keeps its prior.
   std::vector<Eigen::Triplet<Complex>> entries;
   Eigen::VectorXcd right = Eigen::VectorXcd::Zero(2 * count);
   const auto add = [&](int row, int column, Complex value) { entries.emplace_back(row, column, value); };
@@ -165,10 +165,10 @@ void SolveLinear(const std::vector<GroundPrior>& priors, const std::vector<Verif
     right[2 * i] += turn_weights[i] * expected_turn[i];
     add(2 * i + 1, 2 * i + 1, shift_weights[i]);
   }
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    const int i = links[l].first;
-    const int j = links[l].second;
-    const double weight = link_weights[l] / static_cast<double>(places[l].places.size());
+  for (std::size_t l = 0; l < pairs.size(); ++l) {
+    const int i = pairs[l].first;
+    const int j = pairs[l].second;
+    const double weight = pair_weights[l] / static_cast<double>(places[l].places.size());
     Eigen::Matrix4cd block = Eigen::Matrix4cd::Zero();
     Eigen::Vector4cd target = Eigen::Vector4cd::Zero();
     for (const auto& [a, b] : places[l].places) {
@@ -207,31 +207,31 @@ GroundCorrection AsCorrection(const GroundSimilarity& similarity, Complex middle
   return {similarity.turn_and_scale, similarity * middle - middle, -1};
 }
 
-GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& links,
+GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
                              const std::vector<GroundView>& views, double tolerance_m) {
   const std::size_t count = priors.size();
   GroundGraph graph;
   graph.corrections.resize(count);
-  graph.link_holds.assign(links.size(), 1);
-  const ConnectedComponents components = FindConnectedComponents(count, links);
-  std::vector<std::vector<int>> links_of(count);
+  graph.is_inlier.assign(pairs.size(), 1);
+  const ConnectedComponents components = FindConnectedComponents(count, pairs);
+  std::vector<std::vector<int>> pairs_of(count);
   std::vector<int> agreeing(count, 0);
-  std::vector<LinkPlaces> places(links.size());
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    const VerifiedPair& link = links[l];
-    links_of[link.first].push_back(static_cast<int>(l));
-    links_of[link.second].push_back(static_cast<int>(l));
-    const Complex moved = link.second_from_first * priors[link.first].middle - priors[link.first].middle;
-    const double believable = 3.5 * std::hypot(priors[link.first].sigma_m, priors[link.second].sigma_m);
-    if (std::abs(std::arg(link.second_from_first.turn_and_scale)) < kAgreesWithYawRad &&
+  std::vector<PairPlaces> places(pairs.size());
+  for (std::size_t l = 0; l < pairs.size(); ++l) {
+    const VerifiedPair& pair = pairs[l];
+    pairs_of[pair.first].push_back(static_cast<int>(l));
+    pairs_of[pair.second].push_back(static_cast<int>(l));
+    const Complex moved = pair.second_from_first * priors[pair.first].middle - priors[pair.first].middle;
+    const double believable = 3.5 * std::hypot(priors[pair.first].sigma_m, priors[pair.second].sigma_m);
+    if (std::abs(std::arg(pair.second_from_first.turn_and_scale)) < kAgreesWithYawRad &&
         std::abs(moved) < believable) {
-      ++agreeing[link.first];
-      ++agreeing[link.second];
+      ++agreeing[pair.first];
+      ++agreeing[pair.second];
     }
-    const std::size_t step = std::max<std::size_t>(1, link.matches.size() / kMaxPlacesPerLink);
-    for (std::size_t k = 0; k < link.matches.size(); k += step) {
-      places[l].places.emplace_back((*views[link.first].projected)[link.matches[k].first].place,
-                                    (*views[link.second].projected)[link.matches[k].second].place);
+    const std::size_t step = std::max<std::size_t>(1, pair.matches.size() / kMaxPlacesPerPair);
+    for (std::size_t k = 0; k < pair.matches.size(); k += step) {
+      places[l].places.emplace_back((*views[pair.first].projected)[pair.matches[k].first].place,
+                                    (*views[pair.second].projected)[pair.matches[k].second].place);
     }
   }
   for (std::size_t p = 0; p < components.members.size(); ++p) {
@@ -240,13 +240,13 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     for (const int i : members) {
       if (agreeing[i] > 0) roots.push_back(i);
     }
-    std::vector<GroundCorrection> solved = PlaceComponentOnPositions(members, priors, links, links_of);
+    std::vector<GroundCorrection> solved = PlaceComponentOnPositions(members, priors, pairs, pairs_of);
     if (!roots.empty()) {
-      // Between photos that stand close, links agree with the record even where all cameras are turned alike:
+      // Between photos that stand close, pairs agree with the record even where all cameras are turned alike:
       // only the whole component shows that.
-      std::vector<GroundCorrection> as_recorded = SpreadAlongLinks(roots, priors, links, links_of);
+      std::vector<GroundCorrection> as_recorded = SpreadAlongPairs(roots, priors, pairs, pairs_of);
       const auto unexplained = [&](const std::vector<GroundCorrection>& corrections) {
-        return Unexplained(members, priors, links, places, links_of, corrections, tolerance_m);
+        return Unexplained(members, priors, pairs, places, pairs_of, corrections, tolerance_m);
       };
       if (!IsTurnedAsAWhole(members, solved) || unexplained(solved) > 0.5 * unexplained(as_recorded)) {
         solved = std::move(as_recorded);
@@ -258,20 +258,20 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
     }
   }
 
-  std::vector<double> link_weights(links.size()), turn_weights(count), shift_weights(count);
+  std::vector<double> pair_weights(pairs.size()), turn_weights(count), shift_weights(count);
   std::vector<Complex> expected_turn(count);
   for (const double trust_width : kTrustWidths) {
     const double width = tolerance_m * trust_width;
-    for (std::size_t l = 0; l < links.size(); ++l) {
-      const double residual = PairResidual(links[l], places[l], priors, graph.corrections);
-      const double strength = std::min<double>(4.0, static_cast<double>(links[l].matches.size()) / 20.0);
-      link_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(residual, width);
+    for (std::size_t l = 0; l < pairs.size(); ++l) {
+      const double residual = PairResidual(pairs[l], places[l], priors, graph.corrections);
+      const double strength = std::min<double>(4.0, static_cast<double>(pairs[l].matches.size()) / 20.0);
+      pair_weights[l] = strength / (tolerance_m * tolerance_m) * Cauchy(residual, width);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const GroundCorrection& now = graph.corrections[i];
       const double sigma = priors[i].sigma_m;
       shift_weights[i] = Cauchy(std::abs(now.shift), 3.0 * sigma) / (sigma * sigma);
-      // Scale stays near one; the turn is free to go where the links want it, once it is far from the
+      // Scale stays near one; the turn is free to go where the pairs want it, once it is far from the
       // recorded.
       const Complex unit = std::abs(now.turn_and_scale) > 1e-6
                                ? now.turn_and_scale / std::abs(now.turn_and_scale)
@@ -281,12 +281,12 @@ GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::
       const double reach_m = 10.0 * tolerance_m;  // a turn moves things about as far out as this
       turn_weights[i] = (reach_m * reach_m) / (sigma * sigma);
     }
-    SolveLinear(priors, links, places, link_weights, turn_weights, shift_weights, expected_turn,
+    SolveLinear(priors, pairs, places, pair_weights, turn_weights, shift_weights, expected_turn,
                 graph.corrections);
   }
-  for (std::size_t l = 0; l < links.size(); ++l) {
-    if (PairResidual(links[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m)
-      graph.link_holds[l] = 0;
+  for (std::size_t l = 0; l < pairs.size(); ++l) {
+    if (PairResidual(pairs[l], places[l], priors, graph.corrections) > 4.0 * tolerance_m)
+      graph.is_inlier[l] = 0;
   }
   return graph;
 }

@@ -1,9 +1,9 @@
-// SolveGroundGraph: one small correction a photo (a turn, a scale and a shift of its ground) that makes all
-// links agree, while most photos stay where their pose says. Finds what single pairs cannot: photos stored
-// turned, whole lines turned, positions far off, and links that contradict the others. Positions decide, not
-// the recorded yaw. Method: spanning tree from the photos whose links agree with their poses (components
-// without such photos are laid on the recorded positions by a similarity), then iteratively reweighted least
-// squares in complex numbers, Cauchy weights on links and priors. Pure; any thread; no random numbers.
+// SolveGroundGraph: one small correction per photo (a turn, a scale and a shift of its ground) that makes all
+// pairs agree, while most photos stay where their pose says. Finds what single pairs cannot: photos stored
+// turned, whole lines turned, positions far off, and pairs that contradict the others. Positions decide, not
+// the recorded yaw. Method: spanning tree from the photos whose pairs agree with their poses (components
+// without such photos are fitted to the recorded positions by a similarity), then iteratively reweighted
+// least squares in complex numbers, Cauchy weights on pairs and priors. Pure; any thread; no random numbers.
 #pragma once
 
 #include <complex>
@@ -24,22 +24,22 @@ struct GroundPrior {
 struct GroundCorrection {
   std::complex<double> turn_and_scale{1.0, 0.0};
   std::complex<double> shift{0.0, 0.0};
-  int component = -1;  // photos with the same number hang together; negative: no link at all
+  int component = -1;  // photos with the same number are connected; negative: no pair
 };
 
-// The component of a photo without links that takes over what its flight line has in common.
+// The component of a photo without pairs that takes over what its flight line has in common.
 inline constexpr int kInheritedComponent = -2;
 
 GroundSimilarity AsSimilarity(const GroundCorrection& correction, std::complex<double> middle);
 GroundCorrection AsCorrection(const GroundSimilarity& similarity, std::complex<double> middle);
 
 struct GroundGraph {
-  std::vector<GroundCorrection> corrections;  // a photo each
-  std::vector<char> link_holds;               // a link each: 0 = contradicted by the others
+  std::vector<GroundCorrection> corrections;  // one per photo
+  std::vector<char> is_inlier;                // one per pair: 0 = contradicted by the others
 };
 
-// `links` whose turn is near zero are trusted as starting points; the others only hang photos on.
-GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& links,
+// `pairs` whose turn is near zero are trusted as starting points; the others only connect further photos.
+GroundGraph SolveGroundGraph(const std::vector<GroundPrior>& priors, const std::vector<VerifiedPair>& pairs,
                              const std::vector<GroundView>& views, double tolerance_m);
 
 }  // namespace skyquilt::alignment

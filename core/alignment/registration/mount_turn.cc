@@ -18,18 +18,18 @@ constexpr double kMaxStretch = 2.0;  // of the way in the pictures against the r
 
 }  // namespace
 
-double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& links) {
+double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& pairs) {
   std::array<int, 4> votes{};
   int asked = 0;
-  for (const VerifiedPair& link : links) {
-    const Complex first = recorded[static_cast<std::size_t>(link.first)].middle;
-    const Complex second = recorded[static_cast<std::size_t>(link.second)].middle;
+  for (const VerifiedPair& pair : pairs) {
+    const Complex first = recorded[static_cast<std::size_t>(pair.first)].middle;
+    const Complex second = recorded[static_cast<std::size_t>(pair.second)].middle;
     const Complex way = second - first;
-    if (std::abs(way) < kBaselineSigmas * recorded[static_cast<std::size_t>(link.first)].sigma_m) continue;
+    if (std::abs(way) < kBaselineSigmas * recorded[static_cast<std::size_t>(pair.first)].sigma_m) continue;
     // One place of the ground, seen from both middles: were all photos turned right, the difference were the
     // way.
     const Complex between = 0.5 * (first + second);
-    const Complex shown = (between - first) - (link.second_from_first * between - second);
+    const Complex shown = (between - first) - (pair.second_from_first * between - second);
     if (std::abs(shown) < std::abs(way) / kMaxStretch || std::abs(shown) > kMaxStretch * std::abs(way))
       continue;
     ++asked;

@@ -10,7 +10,7 @@
 namespace skyquilt::alignment {
 
 // The turn about the vertical, counter-clockwise, that every photo needs: 0, or +-pi/2, or pi where at least
-// four of five links (and no fewer than eight) say so. `links` of views as recorded.
-double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& links);
+// four of five pairs (and no fewer than eight) say so. `pairs` of views as recorded.
+double CommonQuarterTurn(const std::vector<GroundPrior>& recorded, const std::vector<VerifiedPair>& pairs);
 
 }  // namespace skyquilt::alignment

@@ -82,7 +82,7 @@ geo::Rigid3 Moved(const geo::Rigid3& cam_from_enu, const GroundSimilarity& motio
                                                   {now.real(), now.imag(), center.z()});
 }
 
-// One match is enough for a guess of turn and place; the guess most others follow.
+// One match is enough for a guess of turn and place; the guess with most inliers wins.
 std::optional<GroundSimilarity> GuessMotion(const std::vector<GroundView>& projected,
                                             const std::vector<Candidate>& candidates, int lost,
                                             double tolerance_m) {
@@ -186,27 +186,27 @@ class Resection {
   std::vector<Eigen::Vector2d> pixels_;
 };
 
-std::vector<VerifiedPair> AsLinks(const std::vector<Candidate>& candidates, const std::vector<int>& inliers,
-                                  int lost) {
-  std::vector<VerifiedPair> links;
+std::vector<VerifiedPair> ToVerifiedPairs(const std::vector<Candidate>& candidates,
+                                          const std::vector<int>& inliers, int lost) {
+  std::vector<VerifiedPair> pairs;
   for (const int k : inliers) {
     const Candidate& candidate = candidates[k];
     const bool lost_is_first = lost < candidate.neighbour;
     const int first = lost_is_first ? lost : candidate.neighbour;
     const int second = lost_is_first ? candidate.neighbour : lost;
-    if (links.empty() || links.back().first != first || links.back().second != second) {
-      links.push_back({first, second, {}, {}, 0.0});
+    if (pairs.empty() || pairs.back().first != first || pairs.back().second != second) {
+      pairs.push_back({first, second, {}, {}, 0.0});
     }
-    links.back().matches.push_back(
+    pairs.back().matches.push_back(
         lost_is_first ? KeypointMatch{candidate.match.second, candidate.match.first} : candidate.match);
   }
-  std::erase_if(links, [](const VerifiedPair& link) {
-    return static_cast<int>(link.matches.size()) < kMinMatchesPerPair;
+  std::erase_if(pairs, [](const VerifiedPair& pair) {
+    return static_cast<int>(pair.matches.size()) < kMinMatchesPerPair;
   });
-  return links;
+  return pairs;
 }
 
-// The pose most candidates follow, when more do than would by chance.
+// The pose with most inliers, when there are more than chance explains.
 std::optional<ResectedPhoto> Resect(const MatchingInput& input, const std::vector<GroundView>& projected,
                                     const std::vector<Candidate>& candidates, int lost,
                                     double search_area_m2) {
@@ -232,14 +232,14 @@ std::optional<ResectedPhoto> Resect(const MatchingInput& input, const std::vecto
       std::numbers::pi * tolerance_m * tolerance_m / search_area_m2 * static_cast<double>(candidates.size());
   const double enough = std::max<double>(kMinInliers, by_chance + 5.0 * std::sqrt(by_chance) + 8.0);
   if (static_cast<double>(inliers.size()) < enough) return std::nullopt;
-  ResectedPhoto resected{lost, pose, AsLinks(candidates, inliers, lost)};
+  ResectedPhoto resected{lost, pose, ToVerifiedPairs(candidates, inliers, lost)};
   if (resected.links.empty()) return std::nullopt;
   return resected;
 }
 
 std::size_t MatchesOf(const ResectedPhoto& one) {
   std::size_t matches = 0;
-  for (const VerifiedPair& link : one.links) matches += link.matches.size();
+  for (const VerifiedPair& pair : one.links) matches += pair.matches.size();
   return matches;
 }
 

@@ -1,6 +1,6 @@
-// RegisterByResection: a pose for photos that found no partners, from the aligned photos around them. What
+// RegisterByResection: a pose for photos without verified pairs, from the aligned photos around them. What
 // all of those show in common with the lost one votes together for one pose: each match is a pixel of the
-// lost photo and the place on the ground where a neighbour saw the same, and the pose that most places follow
+// lost photo and the place on the ground where a neighbour saw the same, and the pose with most inliers
 // is found by resection (three points, RANSAC with a fixed seed). So ten matches with each of four neighbours
 // do what no pair of them could, and the record may be far off. Same result for any number of threads.
 #pragma once
@@ -14,7 +14,7 @@ namespace skyquilt::alignment {
 struct ResectedPhoto {
   int photo = 0;
   geo::Rigid3 cam_from_enu;
-  std::vector<VerifiedPair> links;  // with the neighbours whose matches follow
+  std::vector<VerifiedPair> links;  // verified, with the neighbours that have inliers
 };
 
 // `input.views` are the adjusted ones; `is_aligned` says which photos' views are to be believed.

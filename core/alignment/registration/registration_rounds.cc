@@ -35,8 +35,8 @@ std::vector<char> TiedPhotos(const BundleProblem& problem, const std::vector<Ver
 
 // How far the tied photos moved on the ground against their records: what must be expected of the others. At
 // least one is tied.
-double ExpectedMissM(const poses::PosedFlight& posed, const BundleProblem& problem,
-                     const std::vector<GroundPrior>& recorded, const std::vector<char>& tied) {
+double ExpectedErrorM(const poses::PosedFlight& posed, const BundleProblem& problem,
+                      const std::vector<GroundPrior>& recorded, const std::vector<char>& tied) {
   std::vector<double> misses_m, recorded_m;
   for (std::size_t i = 0; i < tied.size(); ++i) {
     recorded_m.push_back(recorded[i].sigma_m);
@@ -55,7 +55,7 @@ int RegisterInRounds(const poses::PosedFlight& posed, const Relief& relief, int 
   std::vector<char> tied = TiedPhotos(problem, linked.links);
   if (std::count(tied.begin(), tied.end(), 1) == 0 || std::count(tied.begin(), tied.end(), 0) == 0) return 0;
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
-  const double expected_m = ExpectedMissM(posed, problem, recorded, tied);
+  const double expected_m = ExpectedErrorM(posed, problem, recorded, tied);
   int resected = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::vector<ResectedPhoto> found = RegisterByResection(input, relief, tied, expected_m, threads);

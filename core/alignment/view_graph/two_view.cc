@@ -16,13 +16,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kMaxProposals = 200;
-constexpr double kNearShare = 0.08;   // of a width: what follows the similarity of one match
-constexpr double kLooseShare = 0.15;  // what follows the motion fitted to those
+constexpr double kNearShare = 0.08;   // of a width: tolerance around the similarity of one match
+constexpr double kLooseShare = 0.15;  // tolerance around the motion fitted to those
 constexpr double kMaxLog2Scale = 0.8;
 constexpr double kMaxTurnRad = 0.7;
 constexpr int kMaxHomographies = 150;
 constexpr int kMaxEssentials = 80;
-constexpr double kFlatShare = 0.85;  // of all that follow loosely
+constexpr double kFlatShare = 0.85;  // of the loose inliers
 constexpr double kConfidence = 0.999;
 constexpr double kNoParallaxRad = 0.005;
 constexpr double kOtherPoseRad = 0.03;
@@ -41,7 +41,7 @@ Vector2d PlaceOf(const PhotoFeatures& features, int k) {
   return {keypoint.x_px, keypoint.y_px};
 }
 
-// Matches that follow one rough motion of the picture, which the one proposed with most inliers.
+// Inliers of one rough motion of the picture: of the proposed motions, the one with most inliers.
 std::vector<int> FollowLoosely(const TwoViewPhoto& first, const TwoViewPhoto& second,
                                const std::vector<KeypointMatch>& matches) {
   const int count = static_cast<int>(matches.size());

@@ -26,7 +26,7 @@ struct NamedDigest {
   Digest digest{};
 };
 
-// How the map looks, decided before it was rendered.
+// The appearance of the map, decided before it was rendered.
 struct MapAppearance {
   double gsd_m = 0.0;
   std::vector<render::PhotoTone> tones;  // one per photo

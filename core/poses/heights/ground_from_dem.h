@@ -1,7 +1,7 @@
 // GroundFromDem: how high the ground of an elevation model lies in a flight's enu frame, and below each
 // photo. The model's own zero does not matter where heights count from take-off: there the ground below the
 // first photo or at take-off is the flight's z = 0. Where heights are absolute, the model counts from sea
-// level. Metres. Pure but for the model's reads; one thread a model.
+// level. Metres. Pure but for the model's reads; one thread per model.
 #pragma once
 
 #include <optional>

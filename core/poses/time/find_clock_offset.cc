@@ -28,7 +28,7 @@ class OffsetSearch {
         refined_(RefineByTriggerInterval(camera.stamp_s, camera.resolution_s)) {
     if (refined_.refined > 0)
       stamps_ = fmt::format("; {} stamps refined by a constant trigger interval", refined_.refined);
-    LayTrack();
+    MakeTrack();
   }
 
   std::optional<FoundOffset> Run() {
@@ -43,7 +43,7 @@ class OffsetSearch {
   }
 
  private:
-  void LayTrack() {
+  void MakeTrack() {
     if (log_.gnss.empty()) return;
     const auto& origin = log_.gnss.front().position;
     frame_.emplace(geo::Wgs84{origin.lat_deg, origin.lon_deg, 0.0});
@@ -67,7 +67,7 @@ class OffsetSearch {
     found_.method = TimeSyncMethod::kPositions;
     found_.offset_s = found->offset_s;
     found_.sigma_s = std::hypot(found->sigma_s, refined_.common_sigma_s);
-    found_.method_in_words = fmt::format("{} photo positions laid on the log's track, residual {:.2f} m{}",
+    found_.method_in_words = fmt::format("{} photo positions fitted to the log's track, residual {:.2f} m{}",
                                          timed.size(), found->residual_m, stamps_);
     return true;
   }

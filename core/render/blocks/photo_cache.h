@@ -31,7 +31,7 @@ class PhotoCache {
   // it that is. A photo of which nothing is expected is decoded whole.
   void Expect(std::size_t photo_index, const image::PixelBox& box);
 
-  // Who looks at every photo that is decoded, at 1/denominator of its size, in the thread that wanted it and
+  // Called with every photo that is decoded, at 1/denominator of its size, in the thread that wanted it and
   // before anybody gets it. Set before the first Get.
   using Observer = std::function<void(std::size_t photo_index, int denominator, const image::DecodedPart&)>;
   void OnDecoded(Observer observer) { observer_ = std::move(observer); }

@@ -63,7 +63,7 @@ struct PatchInPhoto {
   cv::Mat nodes_x, nodes_y;  // of the shrunk part's pixels
   cv::Rect part;             // needed of the shrunk photo, with a pixel around
   int shrink = 1;     // pixels of the decoded photo to one: finer ones are averaged, or they would alias
-  cv::Mat projected;  // once the photo was there: seen straight from above, grey
+  cv::Mat projected;  // once the photo was decoded: seen straight from above, grey
 
   // Of the full-size photo.
   image::PixelBox Box(int denominator) const {

@@ -26,7 +26,7 @@ constexpr double kMinOutline = 0.4;
 // Cells around a spot that may look like it.
 constexpr double kMaxAlike = 0.05;
 // A leaning thing is taken for the same where it matches up to this share of the spot's difference.
-constexpr double kSameLook = 0.5;
+constexpr double kMaxDifferenceOfAlike = 0.5;
 // How far a leaning thing may stand out, in distances between the cameras: a third of the flying height high.
 constexpr double kMaxLean = 0.5;
 
@@ -220,7 +220,7 @@ class Comparison {
       const cv::Point shift(cvRound(lean.x * way / length), cvRound(lean.y * way / length));
       double sum = 0.0;
       for (std::size_t i = 0; i < spot_cells_; ++i) sum += Apart(here, there, spot_[i], shift);
-      if (sum < kSameLook * apart) return true;
+      if (sum < kMaxDifferenceOfAlike * apart) return true;
     }
     return false;
   }

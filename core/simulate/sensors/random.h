@@ -1,5 +1,5 @@
 // Seeded random numbers whose values do not depend on the standard library's distributions (those differ
-// between implementations). Not thread-safe: one stream a thread. Method: SplitMix64 (Steele, Lea, Flood
+// between implementations). One stream per thread. Method: SplitMix64 (Steele, Lea, Flood
 // 2014), Box-Muller.
 #pragma once
 

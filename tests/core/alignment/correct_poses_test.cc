@@ -35,9 +35,9 @@ TEST(CorrectPose, LaysTheMiddleOfALeaningPhotoWhereTheGraphWantsIt) {
     const GroundPrior prior{MiddleOf(posed, posed.cam_from_enu), 5.0, 0.1};
     const GroundCorrection wanted{std::polar(1.05, 0.3), {8.0, -6.0}, 0};
     const CorrectedPose corrected = CorrectPose(posed, prior, wanted);
-    const std::complex<double> miss =
+    const std::complex<double> error =
         MiddleOf(posed, corrected.start_cam_from_enu) - (prior.middle + wanted.shift);
-    EXPECT_LT(std::abs(miss), 0.1) << "leaning " << lean_rad;
+    EXPECT_LT(std::abs(error), 0.1) << "leaning " << lean_rad;
     EXPECT_FALSE(corrected.position_was_wrong);
   }
 }
@@ -49,7 +49,7 @@ TEST(CorrectPose, CallsAPositionWrongOnlyBeyondWhatTheFlightsRecordsAreWorth) {
   EXPECT_FALSE(CorrectPose(posed, {{0.0, 0.0}, 8.0, 0.1}, far).position_was_wrong);
 }
 
-TEST(CorrectPose, LeavesAPhotoWithoutLinksAsItWasRecorded) {
+TEST(CorrectPose, LeavesAPhotoWithoutVerifiedPairsAsItWasRecorded) {
   const poses::PosedPhoto posed = Leaning(0.1);
   const CorrectedPose corrected = CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, {{0.0, 1.0}, {9.0, 9.0}, -1});
   EXPECT_TRUE(corrected.start_cam_from_enu.rotation.isApprox(posed.cam_from_enu.rotation));

@@ -32,7 +32,7 @@ TEST(LeaveOutFarAway, TakesOutASinglePhotoKilometresOffAndSaysWhy) {
 
 TEST(LeaveOutFarAway, KeepsWhatIsTiedToOthersAndWhatIsNear) {
   AlignedFlight flight = BlockOf(25);
-  Move(flight.photos[3], 3000.0);  // aligned: links put it there
+  Move(flight.photos[3], 3000.0);  // aligned: its verified pairs put it there
   Move(flight.photos[7], 150.0);
   flight.photos[7].placement = Placement::kPoseOnly;
   LeaveOutFarAway(flight);
@@ -61,7 +61,7 @@ struct Overlapping {
   std::vector<PhotoFeatures> features;
   MatchingInput input;
   std::vector<CandidatePair> pairs;
-  std::vector<VerifiedPair> links;
+  std::vector<VerifiedPair> verified;
 
   explicit Overlapping(int count) : features(count) {
     for (int i = 0; i < count; ++i) {
@@ -80,19 +80,19 @@ struct Overlapping {
       for (int j = i + 1; j < count; ++j) pairs.push_back({i, j, 0.8});
     }
   }
-  void Link(int i, int j) {
-    VerifiedPair link{i, j, {}, {}, 0.1};
-    for (int k = 0; k < 300; ++k) link.matches.push_back({k, k});
-    links.push_back(link);
+  void Verify(int i, int j) {
+    VerifiedPair pair{i, j, {}, {}, 0.1};
+    for (int k = 0; k < 300; ++k) pair.matches.push_back({k, k});
+    verified.push_back(pair);
   }
 };
 
 TEST(DoubtPhotos, KnowsACopyByItsPixels) {
   Overlapping photos(3);
   photos.features[2].keypoints = photos.features[0].keypoints;
-  photos.Link(0, 1);
-  photos.Link(0, 2);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
+  photos.Verify(0, 1);
+  photos.Verify(0, 2);
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
   EXPECT_FALSE(doubts[1].IsAny());
   ASSERT_TRUE(doubts[2].copy_of.has_value());
   EXPECT_EQ(*doubts[2].copy_of, 0);
@@ -101,9 +101,9 @@ TEST(DoubtPhotos, KnowsACopyByItsPixels) {
 TEST(DoubtPhotos, KnowsAPhotoOfAnotherPlaceByItsSilentNeighbours) {
   Overlapping photos(5);
   for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
+    for (int j = i + 1; j < 4; ++j) photos.Verify(i, j);
   }
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
   EXPECT_TRUE(doubts[4].shows_other_place);
   for (int i = 0; i < 4; ++i) EXPECT_FALSE(doubts[i].IsAny());
 }
@@ -111,10 +111,10 @@ TEST(DoubtPhotos, KnowsAPhotoOfAnotherPlaceByItsSilentNeighbours) {
 TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
   Overlapping photos(4);
   for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
+    for (int j = i + 1; j < 4; ++j) photos.Verify(i, j);
   }
   photos.features[1].detail = EvenDetail(10.0F);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
   EXPECT_TRUE(doubts[1].is_blurred);
   EXPECT_FALSE(doubts[0].is_blurred);
 }
@@ -122,10 +122,10 @@ TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
 TEST(DoubtPhotos, KnowsABlurredPhotoThatMatchesNothing) {
   Overlapping photos(5);
   for (int i = 0; i < 4; ++i) {
-    for (int j = i + 1; j < 4; ++j) photos.Link(i, j);
+    for (int j = i + 1; j < 4; ++j) photos.Verify(i, j);
   }
   photos.features[4].detail = EvenDetail(10.0F);
-  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.links, Relief(0.0));
+  const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
   EXPECT_TRUE(doubts[4].is_blurred);
   EXPECT_FALSE(doubts[4].shows_other_place);
 }

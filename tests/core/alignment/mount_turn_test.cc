@@ -17,20 +17,20 @@ using Complex = std::complex<double>;
 // two.
 struct Line {
   std::vector<GroundPrior> priors;
-  std::vector<VerifiedPair> links;
+  std::vector<VerifiedPair> pairs;
 
   explicit Line(double turn, int photos = 8) {
     for (int i = 0; i < photos; ++i) priors.push_back({Complex(4.0 * i, 12.0 * i), 1.5, 0.05});
-    const Complex back = std::polar(1.0, -turn);  // from the truth to where a wrongly turned photo lays it
+    const Complex back = std::polar(1.0, -turn);  // from the truth to where a wrongly turned photo puts it
     for (int i = 0; i < photos; ++i) {
       for (int j = i + 1; j < std::min(photos, i + 3); ++j) {
         const Complex m = priors[i].middle;
         const Complex n = priors[j].middle;
-        VerifiedPair link;
-        link.first = i;
-        link.second = j;
-        link.second_from_first = {1.0, n - m + back * (m - n)};
-        links.push_back(link);
+        VerifiedPair pair;
+        pair.first = i;
+        pair.second = j;
+        pair.second_from_first = {1.0, n - m + back * (m - n)};
+        pairs.push_back(pair);
       }
     }
   }
@@ -39,24 +39,24 @@ struct Line {
 TEST(CommonQuarterTurn, FindsEachQuarter) {
   for (const int quarters : {-1, 1, 2}) {
     const Line line(0.5 * std::numbers::pi * quarters + 0.1);
-    EXPECT_NEAR(CommonQuarterTurn(line.priors, line.links), 0.5 * std::numbers::pi * quarters, 1e-9);
+    EXPECT_NEAR(CommonQuarterTurn(line.priors, line.pairs), 0.5 * std::numbers::pi * quarters, 1e-9);
   }
 }
 
 TEST(CommonQuarterTurn, LeavesFlightsThatLieRightOrSayNothing) {
   for (const double turn : {0.0, 0.3, 0.8}) {
     const Line line(turn);
-    EXPECT_EQ(CommonQuarterTurn(line.priors, line.links), 0.0) << turn;
+    EXPECT_EQ(CommonQuarterTurn(line.priors, line.pairs), 0.0) << turn;
   }
   const Line few(0.5 * std::numbers::pi, 4);
-  EXPECT_EQ(CommonQuarterTurn(few.priors, few.links), 0.0);
+  EXPECT_EQ(CommonQuarterTurn(few.priors, few.pairs), 0.0);
   EXPECT_EQ(CommonQuarterTurn({}, {}), 0.0);
   // Two photos of eight stored turned are theirs alone.
   Line mixed(0.0);
   const Line turned(0.5 * std::numbers::pi);
-  mixed.links[0] = turned.links[0];
-  mixed.links[1] = turned.links[1];
-  EXPECT_EQ(CommonQuarterTurn(mixed.priors, mixed.links), 0.0);
+  mixed.pairs[0] = turned.pairs[0];
+  mixed.pairs[1] = turned.pairs[1];
+  EXPECT_EQ(CommonQuarterTurn(mixed.priors, mixed.pairs), 0.0);
 }
 
 TEST(AlignFlight, TurnsAFlightWhoseCameraIsMountedSideways) {

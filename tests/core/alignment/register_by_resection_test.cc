@@ -25,7 +25,7 @@ class RegisterByResectionTest : public testing::Test {
     return *simulate::PlanSimulatedFlight(options);
   }
 
-  void Look(const simulate::SimulatedFlight& pictures) {
+  void Extract(const simulate::SimulatedFlight& pictures) {
     features_.resize(posed_.photos.size());
     input_ = MakeMatchingInput(posed_);
     for (std::size_t i = 0; i < features_.size(); ++i) {
@@ -53,7 +53,7 @@ class RegisterByResectionTest : public testing::Test {
 };
 
 TEST_F(RegisterByResectionTest, FindThePoseThatAllNeighboursAgreeOn) {
-  Look(truth_);
+  Extract(truth_);
   const geo::Rigid3 truth = input_.views[kLost].cam_from_enu;
   Misplace(70.0 * std::numbers::pi / 180.0, {18.0, -12.0, 4.0});
   const std::vector<ResectedPhoto> found =
@@ -70,7 +70,7 @@ TEST_F(RegisterByResectionTest, LeaveAPhotoOfAnotherPlace) {
   simulate::WorldOptions other = truth_.options.world;
   other.seed += 1000;
   elsewhere.world = simulate::World(other);
-  Look(elsewhere);
+  Extract(elsewhere);
   EXPECT_TRUE(RegisterByResection(input_, Relief(posed_.ground_z_in_enu_m), is_aligned_, 3.0, 2).empty());
 }
 

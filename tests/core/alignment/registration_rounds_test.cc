@@ -73,7 +73,7 @@ TEST(RegisterInRounds, BringsAComponentOfTwoToTheOthers) {
   }
 }
 
-TEST(OnlyWithinComponents, LeavesOutWhatNoLinksHoldTogether) {
+TEST(OnlyWithinComponents, LeavesOutWhatNoVerifiedPairsHoldTogether) {
   const std::vector<VerifiedPair> links = {{0, 1, {}, {}, 0.0}, {1, 2, {}, {}, 0.0}, {3, 4, {}, {}, 0.0}};
   const std::vector<CandidatePair> pairs = {{0, 2, 0.3}, {2, 3, 0.4}, {4, 5, 0.5}};
   const std::vector<CandidatePair> want = {{0, 1, 0.0}, {0, 2, 0.3}, {1, 2, 0.0}, {3, 4, 0.0}};

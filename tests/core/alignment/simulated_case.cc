@@ -22,8 +22,8 @@ struct Seen {
   std::size_t photo = 0;
 };
 
-std::vector<Seen> Look(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
-                       const ground::GroundSurface& surface) {
+std::vector<Seen> Observe(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                          const ground::GroundSurface& surface) {
   std::map<std::string, const simulate::SimulatedPhoto*> by_name;
   for (const simulate::SimulatedPhoto& photo : truth.photos) by_name[photo.photo.name] = &photo;
   // The aligned flight has its own local frame; both tell WGS84.
@@ -77,16 +77,16 @@ void MoveOntoTruth(std::vector<Seen>& seen) {
 }
 
 std::vector<double> MissesM(const std::vector<Seen>& seen) {
-  std::vector<double> misses;
-  for (const Seen& one : seen) misses.push_back(std::abs(one.now - one.truth));
-  return misses;
+  std::vector<double> errors_m;
+  for (const Seen& one : seen) errors_m.push_back(std::abs(one.now - one.truth));
+  return errors_m;
 }
 
 std::vector<double> MedianOfEachPhoto(const std::vector<Seen>& seen, std::size_t photos) {
-  std::vector<std::vector<double>> misses(photos);
-  for (const Seen& one : seen) misses[one.photo].push_back(std::abs(one.now - one.truth));
+  std::vector<std::vector<double>> errors_m(photos);
+  for (const Seen& one : seen) errors_m[one.photo].push_back(std::abs(one.now - one.truth));
   std::vector<double> errors;
-  for (const std::vector<double>& of_photo : misses) errors.push_back(Percentile(of_photo, 0.5));
+  for (const std::vector<double>& of_photo : errors_m) errors.push_back(Percentile(of_photo, 0.5));
   return errors;
 }
 
@@ -94,19 +94,19 @@ std::vector<double> MedianOfEachPhoto(const std::vector<Seen>& seen, std::size_t
 
 std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                  const ground::GroundSurface& surface) {
-  return MedianOfEachPhoto(Look(truth, flight, surface), flight.photos.size());
+  return MedianOfEachPhoto(Observe(truth, flight, surface), flight.photos.size());
 }
 
 std::vector<double> RelativePhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                          const ground::GroundSurface& surface) {
-  std::vector<Seen> seen = Look(truth, flight, surface);
+  std::vector<Seen> seen = Observe(truth, flight, surface);
   MoveOntoTruth(seen);
   return MedianOfEachPhoto(seen, flight.photos.size());
 }
 
 GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                const ground::GroundSurface& surface, const std::set<std::string>& without) {
-  std::vector<Seen> seen = Look(truth, flight, surface);
+  std::vector<Seen> seen = Observe(truth, flight, surface);
   std::erase_if(seen, [&](const Seen& one) { return without.contains(flight.photos[one.photo].photo.name); });
   GroundError error;
   error.absolute_ce90_m = Percentile(MissesM(seen), 0.9);
@@ -118,18 +118,18 @@ GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const Ali
 }
 
 GnssError MeasureGnssError(const simulate::SimulatedFlight& truth, const std::set<std::string>& without) {
-  std::vector<double> misses;
+  std::vector<double> errors_m;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const simulate::SimulatedPhoto& photo : truth.photos) {
     if (!photo.recorded.position || without.contains(photo.photo.name)) continue;
-    const Eigen::Vector2d miss =
+    const Eigen::Vector2d error =
         (truth.frame.EnuFromWgs84(*photo.recorded.position) - photo.pose.cam_from_enu.TargetOriginInSource())
             .head<2>();
-    misses.push_back(miss.norm());
-    mean += miss;
+    errors_m.push_back(error.norm());
+    mean += error;
   }
-  if (misses.empty()) return {};
-  return {Percentile(misses, 0.9), mean.norm() / static_cast<double>(misses.size())};
+  if (errors_m.empty()) return {};
+  return {Percentile(errors_m, 0.9), mean.norm() / static_cast<double>(errors_m.size())};
 }
 
 std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth) {

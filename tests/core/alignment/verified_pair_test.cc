@@ -7,20 +7,20 @@
 namespace skyquilt::alignment {
 namespace {
 
-// Two photos of one ground, 80 m wide; matches of the second lie around the first's by `miss`.
+// Two photos of one ground, 80 m wide; matches of the second lie around the first's by `residual`.
 struct Matched {
   PhotoFeatures features;
   std::vector<GroundKeypoint> first, second;
   std::vector<KeypointMatch> matches;
 
-  template <typename Miss>
-  Matched(int count, const Miss& miss) {
+  template <typename Residual>
+  Matched(int count, const Residual& residual) {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> place(0.0, 80.0);
     for (int i = 0; i < count; ++i) {
       const std::complex<double> at(place(random), place(random));
       first.push_back({at, 0.0F, 0.0F, true});
-      second.push_back({at + miss(random), 0.0F, 0.0F, true});
+      second.push_back({at + residual(random), 0.0F, 0.0F, true});
       matches.push_back({i, i});
     }
   }
@@ -45,11 +45,11 @@ TEST(VerifyPair, FollowsAgreeingMatchesInANarrowWindowBetweenDistantCameras) {
   const Matched matched(200, [&](std::mt19937& random) {
     return std::complex<double>(3.0 + noise(random), -1.0 + noise(random));
   });
-  const auto link = matched.Fit(NarrowWindow());
-  ASSERT_TRUE(link.has_value());
-  EXPECT_GT(link->matches.size(), 180u);
+  const auto pair = matched.Fit(NarrowWindow());
+  ASSERT_TRUE(pair.has_value());
+  EXPECT_GT(pair->matches.size(), 180u);
   EXPECT_LT(
-      std::abs(link->second_from_first * std::complex<double>(40.0, 40.0) - std::complex<double>(43.0, 39.0)),
+      std::abs(pair->second_from_first * std::complex<double>(40.0, 40.0) - std::complex<double>(43.0, 39.0)),
       0.2);
 }
 

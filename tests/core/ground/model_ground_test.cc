@@ -71,8 +71,8 @@ TEST(ModelGround, FollowsHillsToAFewDecimetresInSpiteOfOutliers) {
   int count = 0;
   for (double east = -95.0; east <= 95.0; east += 5.0) {
     for (double north = -95.0; north <= 95.0; north += 5.0) {
-      const double miss = surface.HeightAt({east, north}) - hills(east, north);
-      square += miss * miss;
+      const double error = surface.HeightAt({east, north}) - hills(east, north);
+      square += error * error;
       ++count;
     }
   }
@@ -110,12 +110,12 @@ TEST(ModelGround, CarriesTheFlankOfAHillOnForAWhile) {
   ModelGroundReport report;
   const GroundSurface surface = ModelGround(FlightOver(hills, 0.05), report);
   ASSERT_FALSE(surface.IsPlane());
-  double miss = 0.0, miss_level = 0.0;
+  double error = 0.0, error_level = 0.0;
   for (double north = -80.0; north <= 80.0; north += 20.0) {
-    miss += std::abs(surface.HeightAt({110.0, north}) - hills(110.0, north));
-    miss_level += std::abs(hills(98.0, north) - hills(110.0, north));
+    error += std::abs(surface.HeightAt({110.0, north}) - hills(110.0, north));
+    error_level += std::abs(hills(98.0, north) - hills(110.0, north));
   }
-  EXPECT_LT(miss, 0.7 * miss_level);
+  EXPECT_LT(error, 0.7 * error_level);
 }
 
 TEST(ModelGround, HousesAtItsEdgeDoNotTiltTheGroundBeyond) {

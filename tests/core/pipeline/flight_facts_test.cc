@@ -26,16 +26,16 @@ FlightFacts SomeFacts() {
   facts.ground = ground::GroundSurface::Grid({-1.0, -2.0}, 0.3, 2, 2, {0.1F, 0.2F, 0.3F, 0.4F}, 0.25);
   facts.thumbnails = {{"DJI_1.JPG", 4, 3, {1, 2, 250}}};
   facts.alignment_json = "{}";
-  MapAppearance look;
-  look.gsd_m = 0.031;
-  look.tones.resize(1);
-  look.tones[0].gain = {0.9, 1.0 / 3.0, 1.1};
-  look.tones[0].vignetting.a = {0.1, -0.2, 0.3};
-  look.grid = {19, 256, 32, 100'000'000'000, -5, 70, 3};
-  look.labels = render::SeamLabels(70, 3);
-  look.labels.Set(69, 2, 0);
-  look.labels.Set(3, 1, 0);
-  facts.appearance = look;
+  MapAppearance shown;
+  shown.gsd_m = 0.031;
+  shown.tones.resize(1);
+  shown.tones[0].gain = {0.9, 1.0 / 3.0, 1.1};
+  shown.tones[0].vignetting.a = {0.1, -0.2, 0.3};
+  shown.grid = {19, 256, 32, 100'000'000'000, -5, 70, 3};
+  shown.labels = render::SeamLabels(70, 3);
+  shown.labels.Set(69, 2, 0);
+  shown.labels.Set(3, 1, 0);
+  facts.appearance = shown;
   return facts;
 }
 
@@ -56,12 +56,12 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(now.readout_motion_in_enu_m, was.readout_motion_in_enu_m);
   EXPECT_EQ(read->ground.Heights(), facts.ground.Heights());
   EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
-  ASSERT_TRUE(read->look);
-  EXPECT_EQ(read->look->tones[0].gain, facts.appearance->tones[0].gain);
-  EXPECT_EQ(read->look->grid.first_column, facts.appearance->grid.first_column);
+  ASSERT_TRUE(read->appearance);
+  EXPECT_EQ(read->appearance->tones[0].gain, facts.appearance->tones[0].gain);
+  EXPECT_EQ(read->appearance->grid.first_column, facts.appearance->grid.first_column);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 70; ++column) {
-      EXPECT_EQ(read->look->labels.At(column, row), facts.appearance->labels.At(column, row));
+      EXPECT_EQ(read->appearance->labels.At(column, row), facts.appearance->labels.At(column, row));
     }
   }
 }

@@ -99,7 +99,7 @@ TEST_P(BySomePoints, AShiftedFlightComesBack) {
   const auto moved = MoveToControl(flight.known, flight.Survey(GetParam()));
   ASSERT_TRUE(moved.has_value());
   EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
-  EXPECT_FALSE(moved->look.has_value());
+  EXPECT_FALSE(moved->appearance.has_value());
   EXPECT_EQ(moved->flight.warnings.size(), 1u);
 }
 
@@ -142,7 +142,7 @@ TEST(MoveToControl, OfLessThanAnyPixelWouldShowChangesNothing) {
   const Displaced flight({0.0, 1.0, {0.0002, 0.0}});
   const auto moved = MoveToControl(flight.known, flight.Survey(3));
   ASSERT_TRUE(moved.has_value());
-  EXPECT_TRUE(moved->look.has_value());
+  EXPECT_TRUE(moved->appearance.has_value());
   EXPECT_EQ(flight.WorstCameraM(*moved), flight.WorstCameraM(flight.known));
   EXPECT_TRUE(moved->flight.warnings.empty());
 }

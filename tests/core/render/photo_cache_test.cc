@@ -124,9 +124,9 @@ TEST_F(PhotoCacheTest, CountsInPixelsOfTheFullSize) {
 }
 
 TEST_F(PhotoCacheTest, ForgetsWhatIsDroppedAndRemembersWhatIsDamaged) {
-  int looks = 0;
+  int calls = 0;
   cache_.OnDecoded([&](std::size_t photo, int denominator, const DecodedPart& part) {
-    ++looks;
+    ++calls;
     EXPECT_EQ(photo, 0U);
     EXPECT_EQ(denominator, 1);
     ExpectHolds(part, {0, 0, 201, 101});
@@ -135,12 +135,12 @@ TEST_F(PhotoCacheTest, ForgetsWhatIsDroppedAndRemembersWhatIsDamaged) {
     const auto held = cache_.Get(0, photo_, 1, {0, 0, 1, 1});
     cache_.Drop(0);
     ASSERT_TRUE(cache_.Get(0, photo_, 1, {0, 0, 1, 1}));
-    EXPECT_EQ(looks, 1);  // somebody holds it: nothing would come of dropping it
+    EXPECT_EQ(calls, 1);  // somebody holds it: nothing would come of dropping it
   }
   cache_.Drop(5);
   cache_.Drop(0);
   ExpectHolds(**cache_.Get(0, photo_, 1, {0, 0, 1, 1}), {0, 0, 201, 101});
-  EXPECT_EQ(looks, 2);
+  EXPECT_EQ(calls, 2);
   const flight::Photo damaged = Named("damaged");
   EXPECT_EQ(cache_.Get(1, damaged, 1, {0, 0, 1, 1}).error().code, ErrorCode::kCorrupt);
   EXPECT_EQ(cache_.Get(1, damaged, 1, {0, 0, 1, 1}).error().code, ErrorCode::kCorrupt);

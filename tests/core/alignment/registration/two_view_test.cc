@@ -15,7 +15,7 @@ std::optional<TwoView> View(const SyntheticScene& scene, int i, int j) {
                     MatchDescriptors(scene.features[i], scene.features[j], {}), 1, {});
 }
 
-double TurnMiss(const SyntheticScene& scene, int i, int j, const TwoView& view) {
+double TurnError(const SyntheticScene& scene, int i, int j, const TwoView& view) {
   const Eigen::Quaterniond truth =
       scene.cam_from_enu[j].rotation * scene.cam_from_enu[i].rotation.conjugate();
   double least = 10.0;
@@ -33,13 +33,13 @@ TEST(TwoView, FlatGroundIsToldFromReliefAndTheTurnIsFoundInBoth) {
   const auto of_flat = View(flat, 0, 1);
   ASSERT_TRUE(of_flat);
   EXPECT_EQ(of_flat->scene, Scene::kFlat);
-  EXPECT_LT(TurnMiss(flat, 0, 1, *of_flat), 0.02);
+  EXPECT_LT(TurnError(flat, 0, 1, *of_flat), 0.02);
   options.relief_m = 15.0;
   const SyntheticScene hills = MakeScene(options);
   const auto of_hills = View(hills, 0, 1);
   ASSERT_TRUE(of_hills);
   EXPECT_EQ(of_hills->scene, Scene::kRelief);
-  EXPECT_LT(TurnMiss(hills, 0, 1, *of_hills), 0.01);
+  EXPECT_LT(TurnError(hills, 0, 1, *of_hills), 0.01);
 }
 
 // A camera far to the side sees level ground as one that turned sees ground along its edge.
