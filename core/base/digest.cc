@@ -47,7 +47,7 @@ Result<Digest> DigestOfFile(const std::filesystem::path& path) {
   while (file.read(chunk.data(), kChunkBytes) || file.gcount() > 0) {
     hasher.AddBytes(chunk.data(), static_cast<std::size_t>(file.gcount()));
   }
-  if (!file.eof()) return Error{ErrorCode::kIo, "cannot read " + path.string(), ""};
+  if (!file.eof()) return Error{ErrorCode::kIo, "Cannot read " + path.string() + ".", ""};
   return hasher.Finish();
 }
 

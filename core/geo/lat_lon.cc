@@ -13,7 +13,7 @@ Result<LatLon> LatLon::Make(double lat_deg, double lon_deg) {
   if (!std::isfinite(lat_deg) || !std::isfinite(lon_deg) || std::abs(lat_deg) > 90.0 ||
       std::abs(lon_deg) > 180.0) {
     return Error{ErrorCode::kInvalidArgument,
-                 "a position needs a latitude in -90..90 and a longitude in -180..180 degrees", ""};
+                 "A position needs a latitude in -90..90 and a longitude in -180..180 degrees.", ""};
   }
   return LatLon{lat_deg, lon_deg};
 }

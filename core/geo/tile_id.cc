@@ -10,13 +10,14 @@ namespace skyquilt::geo {
 
 Result<TileId> TileId::Make(std::int64_t z, std::int64_t x, std::int64_t y) {
   if (z < 0 || z > kMaxZoom) {
-    return Error{ErrorCode::kInvalidArgument, "tile zoom must be 0.." + std::to_string(kMaxZoom), ""};
+    return Error{ErrorCode::kInvalidArgument, "Tile zoom must be 0.." + std::to_string(kMaxZoom) + ".", ""};
   }
   const std::int64_t side = std::int64_t{1} << z;
   if (x < 0 || x >= side || y < 0 || y >= side) {
     return Error{
         ErrorCode::kInvalidArgument,
-        "tile column and row must be 0.." + std::to_string(side - 1) + " at zoom " + std::to_string(z), ""};
+        "Tile column and row must be 0.." + std::to_string(side - 1) + " at zoom " + std::to_string(z) + ".",
+        ""};
   }
   return TileId(static_cast<int>(z), static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
 }

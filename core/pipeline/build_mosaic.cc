@@ -128,7 +128,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   });
   if (!rendered) return rendered.error();
   if (rendered->base_tiles == 0) {
-    return Error{ErrorCode::kUnprocessable, "the photos were placed, but none of them shows any ground", ""};
+    return Error{ErrorCode::kUnprocessable, "The photos were placed, but none of them shows any ground.", ""};
   }
 
   const render::SeamShift seam_shift = stages.Run("measure", [&] {

@@ -53,7 +53,7 @@ Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSour
     progress.Report(static_cast<double>(finished) / static_cast<double>(count),
                     fmt::format("photo {} of {}", finished, count));
   });
-  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
   std::vector<flight::Photo> photos = std::move(flight.photos);
   CheckedFlight checked;
   checked.flight = std::move(flight);  // the logs and all else as they are

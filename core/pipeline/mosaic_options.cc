@@ -11,28 +11,30 @@ Result<void> MosaicOptions::Validate() const {
     return Error{ErrorCode::kInvalidArgument, std::move(message), ""};
   };
   if (gsd_m && !(*gsd_m >= 0.001 && *gsd_m <= 100.0)) {
-    return refuse(fmt::format("gsd_m is {} but must be 0.001 to 100 metres", *gsd_m));
+    return refuse(fmt::format("The option gsd_m is {} but must be 0.001 to 100 metres.", *gsd_m));
   }
   if (origin && !(std::abs(origin->lat_deg) <= 85.0 && std::abs(origin->lon_deg) <= 180.0)) {
     return refuse(
-        fmt::format("origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees",
+        fmt::format("The origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees.",
                     origin->lat_deg, origin->lon_deg));
   }
   if (jpeg_quality < 1 || jpeg_quality > 100) {
-    return refuse(fmt::format("quality is {} but must be 1 to 100", jpeg_quality));
+    return refuse(fmt::format("The quality is {} but must be 1 to 100.", jpeg_quality));
   }
   if (readout_s && !(*readout_s >= 0.0 && *readout_s <= 0.5)) {
-    return refuse(fmt::format("readout_ms is {} but must be 0 to 500 milliseconds", 1e3 * *readout_s));
+    return refuse(
+        fmt::format("The option readout_ms is {} but must be 0 to 500 milliseconds.", 1e3 * *readout_s));
   }
   if (!(feather_m >= 0.0 && feather_m <= 100.0)) {
-    return refuse(fmt::format("feather_m is {} but must be 0 to 100 metres", feather_m));
+    return refuse(fmt::format("The option feather_m is {} but must be 0 to 100 metres.", feather_m));
   }
   constexpr std::int64_t kMinMemory = std::int64_t{256} << 20;
   if (max_memory_bytes < kMinMemory) {
-    return refuse(fmt::format("max memory is {} bytes but must be at least 256 MiB", max_memory_bytes));
+    return refuse(
+        fmt::format("The memory limit is {} bytes but must be at least 256 MiB.", max_memory_bytes));
   }
   if (threads < 0 || threads > 1024)
-    return refuse(fmt::format("threads is {} but must be 0 (all cores) to 1024", threads));
+    return refuse(fmt::format("The number of threads is {} but must be 0 (all cores) to 1024.", threads));
   return {};
 }
 

@@ -170,7 +170,7 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   for (const alignment::ControlReport& point : reports) {
     if (point.is_used) continue;
     moved.flight.warnings.push_back(
-        fmt::format("ground control point {} is not used: it {}", point.name, point.reason));
+        fmt::format("Ground control point {} is not used: it {}.", point.name, point.reason));
   }
   const Complex middle =
       EastNorth(known.flight.photos[known.flight.photos.size() / 2].cam_from_enu.TargetOriginInSource());
@@ -190,8 +190,8 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
     }
   }
   moved.flight.warnings.push_back(fmt::format(
-      "the finished flight was moved as a whole to {} ground control point{}: {:.2f} m east, {:.2f} m north, "
-      "turned by {:.2f} degrees, {:.2f} % larger",
+      "The finished flight was moved as a whole to {} ground control point{}: {:.2f} m east, {:.2f} m north, "
+      "turned by {:.2f} degrees, {:.2f} % larger.",
       tied.size(), tied.size() == 1 ? "" : "s", shift.real(), shift.imag(),
       geo::RadToDeg(std::arg(move.turn_and_scale)), 100.0 * (std::abs(move.turn_and_scale) - 1.0)));
   return moved;

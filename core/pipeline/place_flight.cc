@@ -157,7 +157,7 @@ std::size_t LeaveOutNonsense(const ground::GroundSurface* ground, alignment::Ali
 
 Error NothingLeft(const alignment::AlignedFlight& flight) {
   return {ErrorCode::kUnprocessable,
-          "no photo can be drawn where it was placed: " + poses::InWords(flight.left_out), ""};
+          "No photo can be drawn where it was placed: " + poses::InWords(flight.left_out), ""};
 }
 
 // What photos show may place them where no record does.

@@ -36,7 +36,7 @@ Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::s
                                             {1, {false, options.jpeg_quality}}, sink, progress);
   if (!rendered) return rendered.error();
   if (rendered->base_tiles == 0) {
-    return Error{ErrorCode::kUnprocessable, one.photos[0].photo.name + " shows no ground", ""};
+    return Error{ErrorCode::kUnprocessable, one.photos[0].photo.name + " shows no ground.", ""};
   }
   const geo::LatLon south_west = geo::LatLonFromMerc(rendered->covered_in_merc.min);
   const geo::LatLon north_east = geo::LatLonFromMerc(rendered->covered_in_merc.max);

@@ -138,19 +138,19 @@ Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
                     const std::vector<std::string>& warnings, const std::vector<LeftOutPhoto>& left_out) {
   if (any_without_height) {
     return {ErrorCode::kUnprocessable,
-            "no photo has a usable height above the ground: " + InWords(left_out) +
+            "No photo has a usable height above the ground: " + InWords(left_out) +
                 " Add the flight's log, a geo.txt with heights, or an elevation model (--dem).",
             ""};
   }
   if (!has_log_and_photos) {
     return {ErrorCode::kUnprocessable,
-            "none of the files is a photo with a position, so there is nothing to place on the ground. "
+            "None of the files is a photo with a position, so there is nothing to place on the ground. "
             "Check that the photos come straight from the drone (editing and messengers remove GPS data), "
             "or add the flight log.",
             ""};
   }
   std::string message =
-      "no photo could be tied to the log, and none has a position of its own, "
+      "No photo could be tied to the log, and none has a position of its own, "
       "so there is nothing to place on the ground.";
   for (const std::string& warning : warnings) message += " " + warning;
   return {ErrorCode::kUnprocessable, message, ""};
@@ -356,7 +356,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   if (posed.photos.empty()) {
     return Error{
         ErrorCode::kUnprocessable,
-        "no photo can be placed where its records say: " +
+        "No photo can be placed where its records say: " +
             InWords({posed.left_out.begin() + static_cast<std::ptrdiff_t>(before), posed.left_out.end()}),
         ""};
   }

@@ -117,7 +117,8 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
   if (gsds.empty()) {
     return Error{
         ErrorCode::kUnprocessable,
-        "no photo looks at the ground: by the recorded angles and heights all look at the sky or from below",
+        "No photo looks at the ground: by the recorded angles and heights all look at the sky or from below. "
+        "Check them, and what the heights count from.",
         ""};
   }
   plan.gsd_m = Median(std::move(gsds));
@@ -185,7 +186,7 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
       static_cast<std::int64_t>(plan.blocks.size()) * plan.BlockSizePx() * plan.BlockSizePx();
   if (plan.output_pixels > kMaxOutputPixels) {
     return Error{ErrorCode::kTooLarge,
-                 "the map would have more than a million megapixels; choose a coarser --gsd", ""};
+                 "The map would have more than a million megapixels; choose a coarser --gsd.", ""};
   }
   return plan;
 }

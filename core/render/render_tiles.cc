@@ -159,7 +159,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
       [&](std::size_t i) {
         if (stop || progress.IsCancelled()) {
           FinishedBlock skipped;
-          skipped.error = Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+          skipped.error = Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
           return skipped;
         }
         const RenderBlock& block = context.plan.blocks[i];

@@ -137,7 +137,7 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
     ScopedTimer timer(report.matching_s);
     mosaic = ChainHomographies(input, options.threads, progress);
   }
-  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the alignment was cancelled", ""};
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The alignment was cancelled.", ""};
 
   report.photos = static_cast<int>(posed.photos.size());
   report.pairs_tried = mosaic.pairs_tried;
@@ -198,11 +198,11 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   report.residual_rms_px = report.observations > 0 ? std::sqrt(square_px / report.observations) : 0.0;
   if (flight.photos.empty()) {
     return Error{ErrorCode::kUnprocessable,
-                 "no two photos match by their features alone; --method auto needs no matches", ""};
+                 "No two photos match by their features alone; --method auto needs no matches.", ""};
   }
   if (report.components > 1) {
     flight.warnings.push_back(fmt::format(
-        "the features join the photos into {} connected components, each placed on its recorded positions",
+        "The features join the photos into {} connected components, each placed on its recorded positions.",
         report.components));
   }
   progress.Report(1.0, "aligned");

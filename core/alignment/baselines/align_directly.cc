@@ -58,7 +58,7 @@ Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const fligh
     report.solver = summary.solver;
     input.views = ViewsOf(problem);
   }
-  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the alignment was cancelled", ""};
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The alignment was cancelled.", ""};
 
   const std::vector<DirectSupport> support = SupportOf(input.views, problem.soft_tracks);
   AlignedFlight flight = AlignByPoseOnly(posed);

@@ -140,7 +140,7 @@ int DenominatorOf(const flight::Photo& photo, const FeatureOptions& options) {
 Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::DecodedImage& decoded,
                                  const FeatureOptions& options) {
   if (decoded.width_px < 16 || decoded.height_px < 16) {
-    return Error{ErrorCode::kCorrupt, "the picture of " + photo.name + " is smaller than 16 pixels", ""};
+    return Error{ErrorCode::kCorrupt, "The picture of " + photo.name + " is smaller than 16 pixels.", ""};
   }
   PhotoFeatures features;
   const cv::Mat rgb(decoded.height_px, decoded.width_px, CV_8UC3,

@@ -262,13 +262,13 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
   report.components = static_cast<int>(component_sizes.size());
   if (report.components == 0 && flight.photos.size() > 1) {
     flight.warnings.push_back(
-        "no two photos could be tied together by what they show: the map is by the recorded poses alone, and "
+        "No two photos could be tied together by what they show: the map is by the recorded poses alone, and "
         "may show steps. If the ground is not water or bare, check that positions, heights and angles are "
-        "those of this flight");
+        "those of this flight.");
   }
   if (report.components > 1) {
     flight.warnings.push_back(fmt::format(
-        "the photos form {} groups without ties between them; each lies where its recorded positions say",
+        "The photos form {} groups without ties between them; each lies where its recorded positions say.",
         report.components));
   }
   for (const Track& track : *input.ground_tracks) {

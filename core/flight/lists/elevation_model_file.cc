@@ -42,7 +42,7 @@ Result<void> CheckTiffDirectories(const std::filesystem::path& path) {
   const Result<int> count = CountTiffDirectories(**source, kMaxDirectories);
   if (!count || *count <= kMaxDirectories) return {};
   return Error{ErrorCode::kUnsupportedFormat,
-               fmt::format("the elevation model {} holds more than {} pictures; give a GeoTIFF with one",
+               fmt::format("The elevation model {} holds more than {} pictures; give a GeoTIFF with one.",
                            path.filename().string(), kMaxDirectories),
                ""};
 }

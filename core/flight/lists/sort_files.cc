@@ -51,7 +51,7 @@ Result<Kind> KindOf(const InputFile& file) {
   constexpr std::size_t kEnoughForMagic = 16;
   std::vector<std::uint8_t> head = (*source)->ReadUpTo(0, kEnoughForMagic);
   if (head.empty() && unknown == Kind::kNothing) {
-    return Error{ErrorCode::kCorrupt, file.name + " is empty; copy it from the aircraft again", ""};
+    return Error{ErrorCode::kCorrupt, file.name + " is empty; copy it from the aircraft again.", ""};
   }
   if (head.empty()) return unknown;
   if (IsElevationModel(**source)) return Kind::kElevationModel;
@@ -61,7 +61,7 @@ Result<Kind> KindOf(const InputFile& file) {
   if (!format) return format.error();
   if (!*format && is_log_by_name) {
     return Error{ErrorCode::kUnsupportedFormat,
-                 file.name + " is named like a flight log but is none that can be read; copy it again", ""};
+                 file.name + " is named like a flight log but is none that can be read; copy it again.", ""};
   }
   if (!*format) return unknown;
   return **format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;

@@ -15,7 +15,7 @@ namespace skyquilt::flight {
 Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
   const auto failed = [&](std::string_view act) {
     return Error{ErrorCode::kIo,
-                 fmt::format("cannot {} {}: {}", act, path.filename().string(), std::strerror(errno)),
+                 fmt::format("Cannot {} {}: {}", act, path.filename().string(), std::strerror(errno)),
                  path.string()};
   };
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);

@@ -99,17 +99,17 @@ Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view na
 
 Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   if (bytes.empty()) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} is empty; copy it from the aircraft again", name), ""};
+    return Error{ErrorCode::kCorrupt, fmt::format("{} is empty; copy it from the aircraft again.", name), ""};
   }
   const auto format = RecogniseOrExplain(bytes.first(std::min(bytes.size(), kRecogniseBytes)), name);
   if (!format) return format.error();
   if (*format == nullptr) {
     return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} is no flight log of a kind that is read", name), ""};
+                 fmt::format("{} is no flight log of a kind that is read.", name), ""};
   }
   if ((*format)->parse == nullptr) {
     return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} is a list of ground control points, not a flight log", name), ""};
+                 fmt::format("{} is a list of ground control points, not a flight log.", name), ""};
   }
   return (*format)->parse(name, bytes, consumed);
 }

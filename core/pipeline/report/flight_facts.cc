@@ -219,7 +219,7 @@ Result<FlightFacts> ParseFacts(std::string_view bytes) {
   try {
     return Parse(bytes);
   } catch (const Json::exception& broken) {
-    return Error{ErrorCode::kCorrupt, "what an earlier run remembered of the flight is damaged",
+    return Error{ErrorCode::kCorrupt, "What an earlier run remembered of the flight is damaged.",
                  broken.what()};
   }
 }

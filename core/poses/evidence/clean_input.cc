@@ -42,7 +42,7 @@ void Clean(const char* name, bool may_repeat, std::vector<Fix>& fixes, std::vect
   }
   if (kept.size() < fixes.size()) {
     warnings.push_back(std::to_string(fixes.size() - kept.size()) + " of " + std::to_string(fixes.size()) +
-                       " " + name + " samples were left out: not finite, repeated or out of order");
+                       " " + name + " samples were left out: not finite, repeated or out of order.");
   }
   fixes = std::move(kept);
 }
@@ -125,7 +125,7 @@ Result<CleanInput> CleanSmootherInput(const SmootherInput& raw) {
   in.pairs.erase(std::remove_if(in.pairs.begin(), in.pairs.end(), is_bad), in.pairs.end());
   if (in.pairs.size() < pairs) {
     clean.warnings.push_back(std::to_string(pairs - in.pairs.size()) +
-                             " photo pairs were left out: not usable");
+                             " photo pairs were left out: not usable.");
   }
   if (in.positions.empty() && in.markers.empty()) {
     return Error{

@@ -231,7 +231,7 @@ Result<SmootherOutput> SmoothChain(const SmootherInput& raw) {
   output.report.knots = problem.timeline().size();
   output.report.start = guess.start;
   if (!output.report.converged)
-    output.report.warnings.push_back("the smoother stopped before it had settled");
+    output.report.warnings.push_back("The smoother stopped before it had settled.");
   output.knot_times_s = problem.timeline().times();
   output.knots = std::move(guess.knots);
   output.border = guess.border;

@@ -45,7 +45,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   if (tie.photos.empty()) return tie;
   Result<TimeSync> sync = MatchPhotosToLog(tie.photos, log);
   if (!sync) {
-    tie.warnings.push_back(sync.error().message + ".");
+    tie.warnings.push_back(sync.error().message);
     return tie;
   }
   tie.sync = *std::move(sync);

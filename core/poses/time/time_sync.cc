@@ -55,7 +55,7 @@ class Synchroniser {
           ErrorCode::kUnprocessable,
           fmt::format(
               "{} photos cannot be tied to {}: give photos with capture times, a log with camera events, or "
-              "set the camera's clock",
+              "set the camera's clock.",
               photos_.size(), log_.file_name),
           fmt::format("{} events, {} stamped cameras", event_s_.size(), cameras.size())};
     }
@@ -223,7 +223,8 @@ class Synchroniser {
 Result<void> TimeSyncOptions::Validate() const {
   const auto positive = [](const char* field, double value) -> Result<void> {
     if (std::isfinite(value) && value > 0.0) return {};
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} is {}, but must be above 0", field, value), ""};
+    return Error{ErrorCode::kInvalidArgument, fmt::format("{} is {}, but must be above 0.", field, value),
+                 ""};
   };
   if (auto r = positive("trigger_jitter_s", trigger_jitter_s); !r) return r;
   if (auto r = positive("command_jitter_s", command_jitter_s); !r) return r;
@@ -234,7 +235,7 @@ Result<TimeSync> MatchPhotosToLog(const std::vector<Photo>& photos, const Flight
                                   const TimeSyncOptions& options) {
   if (auto valid = options.Validate(); !valid) return valid.error();
   if (photos.empty())
-    return Error{ErrorCode::kInvalidArgument, "there are no photos to match to the log", ""};
+    return Error{ErrorCode::kInvalidArgument, "There are no photos to match to the log.", ""};
   return Synchroniser(photos, log, options).Run();
 }
 

@@ -185,7 +185,7 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
         progress.Report(static_cast<double>(i + 1) / static_cast<double>(count),
                         fmt::format("block {} of {}", i + 1, count));
       });
-  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+  if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
   for (const auto& pyramid : pyramids) {
     pyramid->Finish();
     if (pyramid->failure()) return *pyramid->failure();

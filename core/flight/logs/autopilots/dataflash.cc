@@ -256,9 +256,10 @@ Result<FlightLog> ParseDataflash(std::string_view name, LogBytes bytes, const Co
     if (type != kDataflashFmt) messages += walk.counts[type];
   }
   if (messages == 0) {
-    return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no readable DataFlash message; copy it from the aircraft again", name),
-                 fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes)};
+    return Error{
+        ErrorCode::kCorrupt,
+        fmt::format("{} holds no readable DataFlash message; copy it from the aircraft again.", name),
+        fmt::format("{} bytes, {} skipped", bytes.size(), walk.skipped_bytes)};
   }
   if (walk.skipped_bytes > 0) builder.Warn(fmt::format("{} damaged bytes were skipped", walk.skipped_bytes));
   if (walk.ends_inside_message) builder.Warn("the file ends inside a message: it was cut off");

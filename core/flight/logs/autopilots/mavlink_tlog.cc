@@ -36,7 +36,7 @@ Result<FlightLog> ParseMavlinkTlog(std::string_view name, LogBytes bytes, const 
   });
   if (walk.packets == 0) {
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no readable MAVLink packet; save the telemetry log again", name), ""};
+                 fmt::format("{} holds no readable MAVLink packet; save the telemetry log again.", name), ""};
   }
   for (const auto& [id, count] : walk.counts) builder.Count(MavlinkMessageName(id), count);
   if (walk.damaged_bytes > 0) builder.Warn(fmt::format("{} damaged bytes were skipped", walk.damaged_bytes));

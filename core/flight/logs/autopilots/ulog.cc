@@ -190,7 +190,7 @@ class UlogParser {
   Result<FlightLog> Finish() {
     if (messages_ == 0) {
       return Error{ErrorCode::kCorrupt,
-                   fmt::format("{} is a ULog without any data; copy it from the aircraft again", name_),
+                   fmt::format("{} is a ULog without any data; copy it from the aircraft again.", name_),
                    fmt::format("{} bytes", bytes_.size())};
     }
     for (Subscription& subscription : subscriptions_) FlushCount(subscription);
@@ -233,7 +233,7 @@ bool LooksLikeUlog(LogBytes head) {
 
 Result<FlightLog> ParseUlog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   if (!LooksLikeUlog(bytes) || bytes.size() < kHeader) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} does not start as a ULog does", name), ""};
+    return Error{ErrorCode::kCorrupt, fmt::format("{} does not start as a ULog does.", name), ""};
   }
   return UlogParser(name, bytes, consumed).Parse();
 }

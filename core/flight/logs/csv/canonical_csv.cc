@@ -69,7 +69,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   LogBuilder builder("flight_csv", name);
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
-  if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty", name), ""};
+  if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
   const auto columns = MapCanonicalColumns(cells);
   CsvClockRule rule;
   rule.has_time_column = HasColumn(columns, M::kTime);
@@ -89,7 +89,7 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
   }
   if (rows == 0) {
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} has no row with a time; fill the column t (seconds) or utc", name), ""};
+                 fmt::format("{} has no row with a time; fill the column t (seconds) or utc.", name), ""};
   }
   if (!HasColumn(columns, M::kHeightAboveTakeoff)) builder.BaroStartsAtZero();
   sampler.Finish();
@@ -103,7 +103,7 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
   LogBuilder builder("images_csv", name);
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
-  if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty", name), ""};
+  if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
   const auto columns = MapCanonicalColumns(cells);
   const bool has_time = HasColumn(columns, M::kTime);
   std::string_view line;
@@ -136,7 +136,7 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
     builder.Add(std::move(event));
   }
   if (rows == 0)
-    return Error{ErrorCode::kCorrupt, fmt::format("{} names no image in its column \"image\"", name), ""};
+    return Error{ErrorCode::kCorrupt, fmt::format("{} names no image in its column \"image\".", name), ""};
   builder.Count("row", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 0.05;

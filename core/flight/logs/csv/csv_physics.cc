@@ -31,7 +31,7 @@ void Rescale(std::vector<CsvColumn>& columns, M first, M last, double factor, co
 
 Error Contradiction(const CsvColumn& column, std::string_view what) {
   return Error{ErrorCode::kUnprocessable,
-               fmt::format("column \"{}\": {}; correct its header", column.header.substr(0, 80), what), ""};
+               fmt::format("Column \"{}\": {}; correct its header.", column.header.substr(0, 80), what), ""};
 }
 
 // Median |specific force| is one gravity, whatever the motion of an ordinary flight.

@@ -105,7 +105,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
       builder.Add(RangeSample{t_s, v[0]});
     }
   }
-  if (counts.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{} holds no readable row", name), ""};
+  if (counts.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{} holds no readable row.", name), ""};
   for (const auto& [kind, count] : counts) builder.Count(kind, count);
   builder.BaroStartsAtZero();
   builder.log().mapping = {
@@ -131,7 +131,8 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   auto header = FindHeader(lines);
   if (!header) {
     return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} has no header with a time and a position, an attitude or an IMU", name), ""};
+                 fmt::format("{} has no header with a time and a position, an attitude or an IMU.", name),
+                 ""};
   }
   CsvPreview preview;
   std::string_view line;
@@ -163,7 +164,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     else
       ++bad;
   }
-  if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} has no row with a time", name), ""};
+  if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} has no row with a time.", name), ""};
   if (!relative) builder.BaroStartsAtZero();
   sampler.Finish();
   builder.Count("row", rows);

@@ -100,7 +100,7 @@ Result<FlightLog> ParseDjiMrk(std::string_view name, LogBytes bytes, const Consu
   }
   if (rows == 0) {
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no exposure row; copy it from the camera's card again", name), ""};
+                 fmt::format("{} holds no exposure row; copy it from the camera's card again.", name), ""};
   }
   builder.Count("exposure", rows);
   builder.log().utc_at_zero = first;

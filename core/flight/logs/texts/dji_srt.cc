@@ -222,12 +222,12 @@ Result<FlightLog> ParseDjiSrt(std::string_view name, LogBytes bytes, const Consu
   if (start_s) reader.Take(*start_s, cue);
   if (reader.cues() == 0) {
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no subtitle; copy it from the camera's card again", name), ""};
+                 fmt::format("{} holds no subtitle; copy it from the camera's card again.", name), ""};
   }
   if (reader.fixes() == 0) {
-    return Error{ErrorCode::kNoPosition,
-                 fmt::format("{} holds no position; switch on video captions in the camera's settings", name),
-                 ""};
+    return Error{
+        ErrorCode::kNoPosition,
+        fmt::format("{} holds no position; switch on video captions in the camera's settings.", name), ""};
   }
   reader.Finish();
   builder.log().mapping = {"altitude, abs_alt -> height above mean sea level, m",

@@ -34,7 +34,7 @@ bool LooksLikeGcpList(LogBytes head) {
 Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
   LineReader lines(TextOf(bytes));
   std::string_view line;
-  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty", name), ""};
+  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
   const auto srs = ReferenceSystem::Parse(line);
   if (!srs) return srs.error();
   GcpList list;

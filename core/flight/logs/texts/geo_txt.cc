@@ -31,7 +31,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   LogBuilder builder("geo_txt", name);
   LineReader lines(TextOf(bytes));
   std::string_view line;
-  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty", name), ""};
+  if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
   const auto srs = ReferenceSystem::Parse(line);
   if (!srs) return srs.error();
   std::vector<std::string_view> words;
@@ -80,7 +80,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   }
   if (rows == 0) {
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} names no photo with a position; rows are \"image x y z\"", name), ""};
+                 fmt::format("{} names no photo with a position; rows are \"image x y z\".", name), ""};
   }
   builder.Count("row", rows);
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));

@@ -87,7 +87,8 @@ Result<FlightLog> ParseGpx(std::string_view name, LogBytes bytes, const Consumed
     builder.Add(sample);
   }
   if (builder.gnss_count() == 0) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} holds no track point with a position and a time", name),
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{} holds no track point with a position and a time.", name),
                  fmt::format("{} points, {} unusable", points, bad)};
   }
   builder.Count("point", points);

@@ -194,7 +194,7 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   reader.Finish();
   for (const auto& [sentence, count] : counts) builder.Count(sentence, count);
   if (builder.gnss_count() == 0) {
-    return Error{ErrorCode::kCorrupt, fmt::format("{} holds no GGA sentence with a fix", name),
+    return Error{ErrorCode::kCorrupt, fmt::format("{} holds no GGA sentence with a fix.", name),
                  fmt::format("{} bad lines", bad)};
   }
   if (bad > 0) builder.Warn(fmt::format("{} damaged sentences were skipped", bad));

@@ -136,7 +136,7 @@ Result<FlightLog> ParsePix4dCsv(std::string_view name, LogBytes bytes, const Con
     builder.Add(std::move(event));
   }
   if (rows == 0)
-    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position", name), ""};
+    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position.", name), ""};
   builder.Count("row", rows);
   if (columns->angles == Angles::kUnnamed) {
     builder.Warn(

@@ -164,7 +164,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   }
   if (rows == 0)
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{} holds no solution; run the post-processing again", name), ""};
+                 fmt::format("{} holds no solution; run the post-processing again.", name), ""};
   builder.Count("solution", rows);
   builder.log().utc_at_zero = first;
   builder.log().utc_sigma_s = 1e-3;

@@ -31,7 +31,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
       for (std::size_t i = 0; i < cells.size(); ++i) columns.emplace(LowerCase(cells[i]), i);
       if (!columns.contains("filename") || !columns.contains("latitude") || !columns.contains("longitude")) {
         return Error{ErrorCode::kCorrupt,
-                     fmt::format("{} lacks the columns fileName, latitude, longitude", name), ""};
+                     fmt::format("{} lacks the columns fileName, latitude, longitude.", name), ""};
       }
       continue;
     }
@@ -65,7 +65,7 @@ Result<FlightLog> ParseSenseflyGeoinfo(std::string_view name, LogBytes bytes, co
     builder.Add(std::move(event));
   }
   if (rows == 0)
-    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position", name), ""};
+    return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo with a position.", name), ""};
   builder.Count("row", rows);
   builder.log().mapping = {"heading, pitch, roll -> the airframe's, degrees, camera looking down"};
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
