@@ -30,7 +30,7 @@ constexpr double kGroundSigmas = 3.0;  // largest error of an observation of a p
 
 // From poses adjusted a first time, where they came from records that were degrees off: a motion over level
 // ground fits only part of what two such photos share, so the rest is still to be found.
-const MatchingPass kMiddleLook{.min_radius_share = 0.05,
+const MatchingPass kMiddlePass{.min_radius_share = 0.05,
                                .sigmas = 0.0,
                                .max_turn_rad = 0.45,
                                .tolerance_share = 0.015,
@@ -38,7 +38,7 @@ const MatchingPass kMiddleLook{.min_radius_share = 0.05,
 constexpr double kMuchLeanedShare = 0.02;  // of a photo's width that a turn of the axis moves its middle by
 
 // From the adjusted poses, on the adjusted relief.
-const MatchingPass kLastLook{.min_radius_share = 0.012,
+const MatchingPass kLastPass{.min_radius_share = 0.012,
                              .sigmas = 0.0,
                              .max_turn_rad = 0.35,
                              .max_distance_ratio = 0.9,
@@ -65,13 +65,13 @@ std::vector<Track> GroundTracks(const std::vector<VerifiedPair>& links, const Ma
   std::erase_if(tracks, [&](Track& track) {
     // The observation with the largest error goes first, for it pulls the point away from the others.
     while (track.observations.size() >= 2 && Triangulate(input.views, track)) {
-      const auto miss = [&](const Observation& one) {
+      const auto error = [&](const Observation& one) {
         return ReprojectionErrorPx(input.views[one.photo], one, track.point_in_enu) / one.sigma_px;
       };
       const auto worst =
           std::max_element(track.observations.begin(), track.observations.end(),
-                           [&](const Observation& a, const Observation& b) { return miss(a) < miss(b); });
-      if (miss(*worst) <= kGroundSigmas) return false;
+                           [&](const Observation& a, const Observation& b) { return error(a) < error(b); });
+      if (error(*worst) <= kGroundSigmas) return false;
       track.observations.erase(worst);
     }
     return true;
@@ -149,17 +149,17 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
 // Surveyed points further from where the photos agree they are than any survey errs; empty: they fit.
 std::string ContradictedControl(const std::vector<ControlReport>& control) {
   constexpr double kNoSurveyM = 0.25;
-  std::vector<double> misses;
+  std::vector<double> errors_m;
   for (const ControlReport& point : control) {
-    if (point.is_used) misses.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
+    if (point.is_used) errors_m.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
   }
-  if (misses.size() < 3) return {};
-  const double median_m = Median(misses);
+  if (errors_m.size() < 3) return {};
+  const double median_m = Median(errors_m);
   if (median_m < kNoSurveyM) return {};
   return fmt::format(
       "the surveyed points CONTRADICT the photos: half of the {} used lie {:.1f} m or more from where all photos together "
       "show them. Check the list's coordinates, their zone and the marks",
-      misses.size(), median_m);
+      errors_m.size(), median_m);
 }
 
 constexpr double kOtherFocalSigmas = 3.0;
@@ -393,7 +393,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
     }
     for (std::size_t i = 0; i < count; ++i) report.photo_reports[i].is_by_images = by_images[i] != 0;
     if (!report.second_leg.is_taken && LeanedShare(linked.corrected, problem) > kMuchLeanedShare) {
-      Rematch(posed, problem, kMiddleLook, options, relief, input, linked);
+      Rematch(posed, problem, kMiddlePass, options, relief, input, linked);
       adjust(first);
     }
     TieToControl(posed, options.control, problem, report.control);
@@ -405,7 +405,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   {
     ScopedTimer timer(report.matching_s);
     progress.Report(0.88, "comparing photos once more");
-    Rematch(posed, problem, kLastLook, options, relief, input, linked);
+    Rematch(posed, problem, kLastPass, options, relief, input, linked);
     report.pairs_tried = static_cast<int>(linked.pairs.size());
     report.pairs_linked = static_cast<int>(linked.links.size());
   }

@@ -1,6 +1,6 @@
-// PlaceCameras: one camera pose a photo from the smoothed chain: the camera in the body, or its own recorded
-// rotation where a gimbal held it, turned by the attitude system's error. Frames: `enu`, `body`, `cam`. Pure;
-// any thread.
+// PlaceCameras: one camera pose per photo from the smoothed chain: the camera in the body, or its own
+// recorded rotation where a gimbal held it, turned by the attitude system's error. Frames: `enu`, `body`,
+// `cam`. Pure; any thread.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // Overviews: parents from children still in memory. Blocks arrive along a quadtree curve, so at most one
-// unfinished parent a level is held, and of it what is not empty: memory does not grow with the map, nor with
-// the levels above the one where it all fits in a tile. One thread.
+// unfinished parent per level is held, and of it what is not empty: memory does not grow with the map, nor
+// with the levels above the one where it all fits in a tile. One thread.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // RenderTiles: the whole pyramid, block by block straight into the sink. Never more in memory than the
-// decoded-photo budget, a block a thread and one open parent a level. The same bytes in the same order with
-// any number of threads. Blocking. Errors: those of decoding and of the sink; kCancelled.
+// decoded-photo budget, a block per thread and one open parent per level. The same bytes in the same order
+// with any number of threads. Blocking. Errors: those of decoding and of the sink; kCancelled.
 #pragma once
 
 #include <vector>

@@ -395,7 +395,7 @@ void AddServeCommand(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--job-memory", options->job_memory_mib,
-                   "MiB of memory beyond which a job is ended; 0: 5 GiB and 2 MiB a file, and no more "
+                   "MiB of memory beyond which a job is ended; 0: 5 GiB and 2 MiB per file, and no more "
                    "than three quarters of what the machine has")
       ->check(CLI::Range(0, 1 << 24))
       ->envname(VariableOf("job-memory"))

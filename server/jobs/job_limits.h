@@ -27,7 +27,7 @@ struct GivenLimits {
 // Ten minutes, a minute a file and a second a MiB; twice as much processor time. Real flights take one to
 // three seconds of processor time a photo. With a timeout given that instead, on the wall, and for each core
 // on the processor. Memory: the options' budget, 4 GiB for what does not follow it (the program, features and
-// matches, the solver), and 2 MiB a file.
+// matches, the solver), and 2 MiB per file.
 JobLimits LimitsOfJob(std::int64_t files, std::int64_t bytes, const pipeline::MosaicOptions& options,
                       const GivenLimits& given);
 

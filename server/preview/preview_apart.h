@@ -1,5 +1,5 @@
 // PreviewApart: looks after the previews of flights that are uploading: photos that wait go to confined
-// processes, one a flight, which draw them (server/preview/preview_painter.h) and may read that flight's
+// processes, one per flight, which draw them (server/preview/preview_painter.h) and may read that flight's
 // photos and write its preview, nothing else; the rows of the catalogue are written here. A photo over which
 // such a process dies, or that takes more of the machine than one photo may, is passed over for good, and the
 // others go on. Blocking; one thread, which lives as long as this. Errors: kOutOfSpace, kUnavailable, kIo.

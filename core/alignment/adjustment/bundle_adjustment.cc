@@ -83,7 +83,7 @@ int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Trac
   return dropped;
 }
 
-// One solve from the problem's present state, which becomes the solution.
+// One solve from the problem's present state, which becomes the solution where there is a usable one.
 class Round {
  public:
   Round(BundleProblem& problem, const std::vector<camera::Intrinsics>& recorded, const BundleOptions& options)
@@ -151,6 +151,15 @@ class Round {
     ceres::Solve(options, &ceres_, &solved);
     summary.iterations += static_cast<int>(solved.iterations.size());
     summary.solver = active <= kDenseUpToPhotos ? "dense_schur" : "sparse_schur";
+    if (!solved.IsSolutionUsable()) {
+      summary.termination = BundleTermination::kFailed;
+      summary.solver += " (failed: " + solved.message + ")";
+      ++summary.failed_rounds;
+      return;
+    }
+    summary.termination = solved.termination_type == ceres::NO_CONVERGENCE
+                              ? BundleTermination::kIterationLimit
+                              : BundleTermination::kConverged;
     if (options_.estimate_lens_sigma) EstimateLensSigma();
     TakeOver(line_bias);
   }

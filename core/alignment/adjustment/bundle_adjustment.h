@@ -1,8 +1,9 @@
 // AdjustBundle: the poses, lenses and points that explain all observations best, held by what was recorded.
 // Ceres (Levenberg-Marquardt, Schur complement); robust loss on observations and on recorded poses;
 // observations too far off are dropped between rounds. Gauge: the recorded positions hold it, so the block
-// stays at their mean. One thread by design: sums in a fixed order give the same bytes on every machine. Not
-// for concurrent use of one problem.
+// stays at their mean. A round whose solution Ceres does not call usable (a point behind its camera, say)
+// leaves the problem as it was, and the summary says so. One thread by design: sums in a fixed order give the
+// same bytes on every machine. Not for concurrent use of one problem.
 #pragma once
 
 #include <Eigen/Core>
@@ -78,13 +79,21 @@ struct BundleOptions {
   bool estimate_lens_sigma = false;
 };
 
+enum class BundleTermination {
+  kConverged,
+  kIterationLimit,  // usable, but the costs were still falling
+  kFailed,          // no usable solution
+};
+
 struct BundleSummary {
   double rms_px = 0.0;
   int observations = 0;
   int dropped = 0;
   int iterations = 0;
   std::vector<Eigen::Vector3d> line_bias_rad;
-  std::string solver;
+  std::string solver;                                             // and, where the last round failed, why
+  BundleTermination termination = BundleTermination::kConverged;  // of the last round
+  int failed_rounds = 0;
 };
 
 BundleSummary AdjustBundle(BundleProblem& problem, const BundleOptions& options);

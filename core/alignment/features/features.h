@@ -1,6 +1,6 @@
 // Features: where a photo can be recognised. Scale-space points (D. Lowe, IJCV 2004) with RootSIFT
 // descriptors (Arandjelovic and Zisserman, CVPR 2012) packed into bytes, spread evenly over the photo, plus a
-// small grey thumbnail for registration without features. One decode a photo; the pixels are dropped
+// small grey thumbnail for registration without features. One decode per photo; the pixels are dropped
 // afterwards. Pure apart from reading the photo; any number of threads; the same bytes give the same
 // features.
 #pragma once
@@ -21,7 +21,7 @@ struct Keypoint {
   float x_px = 0.0F;
   float y_px = 0.0F;
   float angle_rad = 0.0F;  // from the image's x axis towards its y axis (down)
-  float scale_px = 0.0F;   // diameter of what was looked at
+  float scale_px = 0.0F;   // diameter of the described patch
   float response = 0.0F;
 };
 

@@ -27,9 +27,9 @@ void AddPair(const std::vector<View>& views, const Track& track, const Observati
   shared.places.push_back({first.pixel_in_image, second.pixel_in_image});
   for (const Observation* seen : {&first, &second}) {
     const View& view = views[seen->photo];
-    const double miss_px = ReprojectionErrorPx(view, *seen, track.point_in_enu);
-    shared.square_px += 0.5 * miss_px * miss_px;
-    shared.square_m += 0.5 * std::pow(miss_px * view.GsdM(), 2);
+    const double error_px = ReprojectionErrorPx(view, *seen, track.point_in_enu);
+    shared.square_px += 0.5 * error_px * error_px;
+    shared.square_m += 0.5 * std::pow(error_px * view.GsdM(), 2);
   }
 }
 

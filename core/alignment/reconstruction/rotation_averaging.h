@@ -1,4 +1,4 @@
-// AverageRotations: one rotation a photo from relative rotations of pairs, some of which are wrong: from a
+// AverageRotations: one rotation per photo from relative rotations of pairs, some of which are wrong: from a
 // spanning tree of the best supported, then by least absolute deviations, then by reweighted least squares
 // (A. Chatterjee and V. Govindu, ICCV 2013). Pairs that the rest contradicts stand out by their residual.
 // Pure; any thread.

@@ -148,7 +148,7 @@ std::optional<Similarity3> FitSimilarity3(const std::vector<PlacePair>& pairs) {
 }
 
 std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
-                                            const std::optional<UpDirection>& up, double max_miss_share) {
+                                            const std::optional<UpDirection>& up, double max_residual_share) {
   const int count = static_cast<int>(pairs.size());
   if (count < (up ? 2 : 3)) return std::nullopt;
   const Eigen::Quaterniond level = up ? Eigen::Quaterniond::FromTwoVectors(up->in_source, Vector3d::UnitZ())
@@ -195,7 +195,7 @@ std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
     }
     if (fitted.held < kMinHeld * count) return std::nullopt;
     fitted.median_residual = Median(std::move(residuals));
-    if (fitted.median_residual > max_miss_share * SpreadOf(pairs)) return std::nullopt;
+    if (fitted.median_residual > max_residual_share * SpreadOf(pairs)) return std::nullopt;
     const double now = std::max(1.0, Median(std::move(sigmas)) / kMedianOfPlane);
     spread_sigmas = std::min(spread_sigmas, now);
     fitted.spread_sigmas = spread_sigmas;

@@ -49,9 +49,9 @@ struct FittedSimilarity {
 std::optional<Similarity3> FitSimilarity3(const std::vector<PlacePair>& pairs);
 
 // At least two pairs with `up`, three without; nothing when fewer than half of the pairs agree on any, or
-// residual it by more than a share of the places' own spread. Deterministic.
+// whose median residual exceeds a share of the places' own spread. Deterministic.
 std::optional<FittedSimilarity> FitRobustly(const std::vector<PlacePair>& pairs,
                                             const std::optional<UpDirection>& up,
-                                            double max_miss_share = 0.25);
+                                            double max_residual_share = 0.25);
 
 }  // namespace skyquilt::alignment

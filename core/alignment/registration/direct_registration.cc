@@ -229,9 +229,9 @@ std::vector<DirectSupport> SupportOf(const std::vector<View>& views, const std::
   for (const Track& track : tracks) {
     if (!Agrees(views, track)) continue;
     for (const Observation& one : track.observations) {
-      const double miss_px = ReprojectionErrorPx(views[one.photo], one, track.point_in_enu);
+      const double error_px = ReprojectionErrorPx(views[one.photo], one, track.point_in_enu);
       ++support[one.photo].ties;
-      support[one.photo].square_px += miss_px * miss_px;
+      support[one.photo].square_px += error_px * error_px;
     }
   }
   return support;

@@ -7,8 +7,8 @@
 
 namespace skyquilt::alignment {
 
-// A line number a photo (0, 1, ...), photos in order of capture. A turn ends a line; so does a gap of several
-// times the usual spacing.
+// A line number per photo (0, 1, ...), photos in order of capture. A turn ends a line; so does a gap of
+// several times the usual spacing.
 std::vector<int> FindLines(const std::vector<Eigen::Vector2d>& east_north);
 
 }  // namespace skyquilt::alignment

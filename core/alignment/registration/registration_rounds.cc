@@ -37,15 +37,15 @@ std::vector<char> TiedPhotos(const BundleProblem& problem, const std::vector<Ver
 // least one is tied.
 double ExpectedErrorM(const poses::PosedFlight& posed, const BundleProblem& problem,
                       const std::vector<GroundPrior>& recorded, const std::vector<char>& tied) {
-  std::vector<double> misses_m, recorded_m;
+  std::vector<double> moved_m, recorded_m;
   for (std::size_t i = 0; i < tied.size(); ++i) {
     recorded_m.push_back(recorded[i].sigma_m);
     if (!tied[i]) continue;
-    misses_m.push_back(
+    moved_m.push_back(
         std::abs(GroundMotion(posed.photos[i], recorded[i], problem.photos[i].cam_from_enu).shift));
   }
   const double of_records_m = Median(recorded_m);
-  return std::max(of_records_m, Median(misses_m));
+  return std::max(of_records_m, Median(moved_m));
 }
 
 }  // namespace

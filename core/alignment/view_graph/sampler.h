@@ -1,6 +1,6 @@
 // Sampler: numbers that look random and are the same on every machine and in every run, for estimators that
-// try samples. One an estimate, seeded by what is estimated, so that the outcome depends on no other. Not for
-// concurrent use.
+// try samples. One per estimate, seeded by what is estimated, so that the outcome depends on no other. Not
+// for concurrent use.
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@ namespace skyquilt::poses {
 
 struct CourseEvidence {
   double sigma_rad = 0.0;           // of the nose against the course, a slow error
-  std::vector<bool> runs_straight;  // one a knot: fast enough and turning neither way nor nose
+  std::vector<bool> runs_straight;  // one per knot: fast enough and turning neither way nor nose
 };
 
 // knots: headings as recorded. Nothing where fewer than 10 knots run straight or the nose does not keep to

@@ -1,4 +1,4 @@
-// The unknowns of the chain smoother: 22 a knot, and one border block of unknowns that are common to the
+// The unknowns of the chain smoother: 22 per knot, and one border block of unknowns that are common to the
 // whole flight. Frames: `enu`, `body`. A small step `delta` moves a rotation by R <- R Exp(delta) and adds to
 // all else. Values; any thread.
 #pragma once

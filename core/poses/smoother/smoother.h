@@ -3,7 +3,7 @@
 // most probable chain of states at knots in time (one at each photo, and between them every half second),
 // with its covariance. Frames: `enu` (the flight's LocalFrame), `body` (x forward, y right, z down). Metres,
 // seconds, radians; one clock. One thread; deterministic; time and memory linear in the flight's length
-// (about 30 kB a knot). Fails with kUnprocessable where nothing can be estimated (no photos, nothing that
+// (about 30 kB per knot). Fails with kUnprocessable where nothing can be estimated (no photos, nothing that
 // says where the flight was). Samples that are not finite, repeated or out of order are dropped and counted
 // in the report's warnings. Method: Gauss-Newton with step halving on the maximum a posteriori problem, Huber
 // weights, envelope Cholesky, covariance by the recursion for selected inverses. Sources: T. D. Barfoot,

@@ -1,5 +1,5 @@
 // PhotoCache: decoded photos, or what is wanted of them, under a byte budget, least recently used out first.
-// Two threads that want the same of a photo decode it once. Thread-safe; what Get returned stays valid while
+// Two threads that want the same of a photo decode it once. Any thread; what Get returned stays valid while
 // it is held. Of a photo so large that a few of them would pass the budget no more is decoded at once than
 // what is asked for and as much around it as fits.
 #pragma once

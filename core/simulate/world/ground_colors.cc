@@ -29,7 +29,7 @@ float Stripes(double across_m, double period_m, float footprint_m) {
   return 0.5f + 0.5f * weight * std::cos(kTwoPi * phase);
 }
 
-// Small things strewn about: tufts, stones, clods. One a cell, a soft disc; signed strength -1..1.
+// Small things strewn about: tufts, stones, clods. One per cell, a soft disc; signed strength -1..1.
 float Strewn(const GroundPoint& p, double cell_m, std::uint32_t salt) {
   const auto radius_m = static_cast<float>(0.3 * cell_m);
   const float weight = BandWeight(2.0f * radius_m, p.footprint_m);

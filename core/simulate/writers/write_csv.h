@@ -1,4 +1,5 @@
-// A FlightLog as the documented flight.csv: one row a sample, cells of other sensors empty. Pure; any thread.
+// A FlightLog as the documented flight.csv: one row per sample, cells of other sensors empty. Pure; any
+// thread.
 #pragma once
 
 #include <string>

@@ -1,0 +1,159 @@
+#include "core/alignment/adjustment/bundle_adjustment.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kHeightM = 60.0;
+
+// Straight down, the image's top towards north.
+geo::Rigid3 Downwards(double east_m, double north_m) {
+  const Eigen::Quaterniond rotation(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  return geo::Rigid3::FromRotationAndTargetOrigin(rotation, {east_m, north_m, kHeightM});
+}
+
+// A point as every photo sees it, without noise.
+Track Seen(const std::vector<geo::Rigid3>& truth, const camera::Intrinsics& lens,
+           const Eigen::Vector3d& point_in_enu) {
+  Track track;
+  track.point_in_enu = point_in_enu;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Eigen::Vector3d in_cam = truth[i] * point_in_enu;
+    const Eigen::Vector2d bent = lens.Distort(in_cam.head<2>() / in_cam.z());
+    track.observations.push_back(
+        {static_cast<int>(i),
+         {lens.focal_x_px * bent.x() + lens.center_x_px, lens.focal_y_px * bent.y() + lens.center_y_px},
+         1.0});
+  }
+  return track;
+}
+
+// Four photos over hilly ground; poses, points and priors start at the truth.
+struct Scene {
+  std::vector<geo::Rigid3> truth{Downwards(0, 0), Downwards(12, 0), Downwards(0, 12), Downwards(12, 12)};
+  BundleProblem problem;
+
+  Scene() {
+    BundleLens lens;
+    lens.recorded = lens.intrinsics = camera::Intrinsics::Centered(2000, 1500, 1400.0);
+    problem.lenses.push_back(lens);
+    for (const geo::Rigid3& pose : truth) {
+      BundlePhoto photo;
+      photo.cam_from_enu = photo.prior_cam_from_enu = pose;
+      photo.sigma_position_m = Eigen::Vector3d::Constant(0.5);
+      photo.height_above_ground_m = kHeightM;
+      problem.photos.push_back(photo);
+    }
+    for (int east = -18; east <= 30; east += 6) {
+      for (int north = -12; north <= 24; north += 6) {
+        problem.tracks.push_back(
+            Seen(truth, lens.recorded, {1.0 * east, 1.0 * north, 3.0 * std::sin(0.2 * east + 0.1 * north)}));
+      }
+    }
+  }
+  void Displace(std::size_t photo) {
+    geo::Rigid3& pose = problem.photos[photo].cam_from_enu;
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.02, Eigen::Vector3d(0.3, 0.2, 1.0).normalized()));
+    pose = geo::Rigid3::FromRotationAndTargetOrigin(
+        turn * pose.rotation, pose.TargetOriginInSource() + Eigen::Vector3d(0.6, -0.4, 0.5));
+  }
+  double FarOffM(std::size_t photo) const {
+    return (problem.photos[photo].cam_from_enu.TargetOriginInSource() - truth[photo].TargetOriginInSource())
+        .norm();
+  }
+};
+
+// Above the cameras, so behind all of them: no residual can be computed.
+Track BehindAllCameras() {
+  Track track;
+  track.point_in_enu = {5.0, 5.0, kHeightM + 40.0};
+  for (int i = 0; i < 4; ++i) track.observations.push_back({i, {1000.0, 700.0}, 1.0});
+  return track;
+}
+
+TEST(AdjustBundle, BringsADisplacedPhotoBack) {
+  Scene scene;
+  scene.Displace(3);
+  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0, 20.0}});
+  EXPECT_EQ(summary.termination, BundleTermination::kConverged);
+  EXPECT_EQ(summary.failed_rounds, 0);
+  EXPECT_EQ(summary.solver, "dense_schur");
+  EXPECT_EQ(summary.dropped, 0);
+  EXPECT_EQ(summary.observations, 4 * 63);
+  EXPECT_LT(summary.rms_px, 0.1);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(scene.FarOffM(i), 0.05) << i;
+}
+
+TEST(AdjustBundle, DropsAWrongObservationAndKeepsItsPoint) {
+  Scene scene;
+  Observation& wrong = scene.problem.tracks[20].observations[1];
+  wrong.pixel_in_image += Eigen::Vector2d(120.0, -80.0);
+  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {20.0, 6.0}});
+  EXPECT_EQ(summary.dropped, 1);
+  EXPECT_EQ(scene.problem.tracks.size(), 63u);
+  EXPECT_EQ(scene.problem.tracks[20].observations.size(), 3u);
+  EXPECT_LT(summary.rms_px, 0.1);
+}
+
+TEST(AdjustBundle, LeavesFixedPhotosWhereTheyAre) {
+  Scene scene;
+  for (const std::size_t i : {0, 1, 2}) scene.problem.photos[i].is_fixed = true;
+  scene.problem.lenses[0].is_fixed = true;
+  scene.Displace(3);
+  AdjustBundle(scene.problem, {.cuts_px = {400.0, 20.0}});
+  for (const std::size_t i : {0, 1, 2}) EXPECT_LT(scene.FarOffM(i), 1e-9) << i;
+  EXPECT_LT(scene.FarOffM(3), 0.05);
+}
+
+TEST(AdjustBundle, SaysWhenItStoppedAtTheIterationLimit) {
+  Scene scene;
+  scene.Displace(3);
+  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0}, .max_iterations = 1});
+  EXPECT_EQ(summary.termination, BundleTermination::kIterationLimit);
+  EXPECT_EQ(summary.failed_rounds, 0);
+}
+
+TEST(AdjustBundle, KeepsTheStateWhereNoSolutionIsUsable) {
+  Scene scene;
+  scene.Displace(3);
+  scene.problem.tracks.push_back(BehindAllCameras());
+  const BundleProblem before = scene.problem;
+  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0}});
+  EXPECT_EQ(summary.termination, BundleTermination::kFailed);
+  EXPECT_EQ(summary.failed_rounds, 1);
+  EXPECT_NE(summary.solver.find("failed: "), std::string::npos) << summary.solver;
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(scene.problem.photos[i].cam_from_enu.translation, before.photos[i].cam_from_enu.translation);
+    EXPECT_EQ(scene.problem.photos[i].cam_from_enu.rotation.coeffs(),
+              before.photos[i].cam_from_enu.rotation.coeffs());
+  }
+  EXPECT_EQ(scene.problem.lenses[0].intrinsics.focal_x_px, before.lenses[0].intrinsics.focal_x_px);
+}
+
+TEST(AdjustBundle, GoesOnOnceThePointThatFailedIsDropped) {
+  Scene scene;
+  scene.Displace(3);
+  scene.problem.tracks.push_back(BehindAllCameras());
+  const BundleSummary summary = AdjustBundle(scene.problem, {.cuts_px = {400.0, 400.0, 20.0}});
+  EXPECT_EQ(summary.failed_rounds, 1);
+  EXPECT_EQ(summary.termination, BundleTermination::kConverged);
+  EXPECT_EQ(summary.solver, "dense_schur");
+  EXPECT_EQ(scene.problem.tracks.size(), 63u);
+  EXPECT_LT(scene.FarOffM(3), 0.05);
+}
+
+TEST(AdjustBundle, TakesAProblemWithoutObservations) {
+  Scene scene;
+  scene.problem.tracks.clear();
+  const BundleSummary summary = AdjustBundle(scene.problem, {});
+  EXPECT_EQ(summary.observations, 0);
+  EXPECT_EQ(summary.rms_px, 0.0);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(scene.FarOffM(i), 1e-9);
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

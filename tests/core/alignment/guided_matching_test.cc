@@ -1,0 +1,114 @@
+#include "core/alignment/matching/guided_matching.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace skyquilt::alignment {
+namespace {
+
+// The keypoints of one photo with their places on the ground.
+struct Side {
+  PhotoFeatures features;
+  std::vector<GroundKeypoint> projected;
+
+  void Add(std::complex<double> place, const Descriptor& descriptor, float angle_rad = 0.0F,
+           float log2_scale = 0.0F) {
+    Keypoint keypoint;
+    keypoint.x_px = 40.0F * static_cast<float>(projected.size());  // no two are one place of the photo
+    keypoint.scale_px = 10.0F;
+    features.keypoints.push_back(keypoint);
+    features.descriptors.push_back(descriptor);
+    projected.push_back({place, angle_rad, log2_scale, true});
+  }
+  GroundView View() const { return {&features, &projected}; }
+};
+
+Descriptor RandomDescriptor(std::mt19937& random) {
+  std::uniform_int_distribution<int> value(0, 60);
+  Descriptor descriptor{};
+  for (auto& bin : descriptor) bin = static_cast<std::uint8_t>(value(random));
+  return descriptor;
+}
+
+MatchWindow Within(double radius_m) {
+  MatchWindow window;
+  window.radius_m = radius_m;
+  return window;
+}
+
+class MatchOnGroundTest : public testing::Test {
+ protected:
+  MatchOnGroundTest() {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> place(0.0, 50.0);
+    for (int i = 0; i < 40; ++i) {
+      const std::complex<double> at(place(random), place(random));
+      const Descriptor descriptor = RandomDescriptor(random);
+      first_.Add(at, descriptor);
+      second_.Add(at + std::complex<double>(1.0, -0.5), descriptor);
+    }
+  }
+  Side first_, second_;
+};
+
+TEST_F(MatchOnGroundTest, FindsTheSameKeypointInsideTheWindow) {
+  const auto matches = MatchOnGround(first_.View(), second_.View(), {}, Within(2.0));
+  ASSERT_EQ(matches.size(), 40u);
+  for (const KeypointMatch& match : matches) EXPECT_EQ(match.first, match.second);
+}
+
+TEST_F(MatchOnGroundTest, FindsNothingBeyondTheWindow) {
+  EXPECT_TRUE(MatchOnGround(first_.View(), second_.View(), {{1.0, 0.0}, {200.0, 0.0}}, Within(2.0)).empty());
+}
+
+TEST_F(MatchOnGroundTest, SearchesWhereTheGivenMotionPutsAKeypoint) {
+  const GroundSimilarity motion{std::polar(1.0, 0.4), {30.0, -8.0}};
+  for (GroundKeypoint& keypoint : second_.projected) {
+    keypoint.place = motion * (keypoint.place - std::complex<double>(1.0, -0.5));
+    keypoint.angle_rad = 0.4F;
+  }
+  MatchWindow window = Within(0.5);
+  window.max_turn_rad = 0.1;
+  EXPECT_EQ(MatchOnGround(first_.View(), second_.View(), motion, window).size(), 40u);
+  EXPECT_LT(MatchOnGround(first_.View(), second_.View(), {}, window).size(), 3u);
+}
+
+TEST_F(MatchOnGroundTest, RefusesAnotherDirectionAndAnotherSize) {
+  for (int i = 0; i < 10; ++i) second_.projected[static_cast<std::size_t>(i)].angle_rad = 1.0F;
+  for (int i = 10; i < 15; ++i) second_.projected[static_cast<std::size_t>(i)].log2_scale = 1.5F;
+  MatchWindow window = Within(2.0);
+  window.max_turn_rad = 0.5;
+  for (const KeypointMatch& match : MatchOnGround(first_.View(), second_.View(), {}, window)) {
+    EXPECT_GE(match.first, 15);
+  }
+}
+
+TEST_F(MatchOnGroundTest, RefusesRepetitiveTexture) {
+  // A copy of the first keypoint half a metre beside it, at another place of the photo: neither stands out.
+  second_.Add(second_.projected[0].place + 0.5, second_.features.descriptors[0]);
+  const auto matches = MatchOnGround(first_.View(), second_.View(), {}, Within(2.0));
+  EXPECT_EQ(matches.size(), 39u);
+  for (const KeypointMatch& match : matches) EXPECT_NE(match.first, 0);
+}
+
+TEST_F(MatchOnGroundTest, TakesNoMoreThanTheStrongestFeatures) {
+  MatchWindow window = Within(2.0);
+  window.max_features = 12;
+  EXPECT_EQ(MatchOnGround(first_.View(), second_.View(), {}, window).size(), 12u);
+}
+
+TEST_F(MatchOnGroundTest, LeavesOutKeypointsThatAreNotOnTheGround) {
+  first_.projected[3].is_on_ground = false;
+  second_.projected[7].is_on_ground = false;
+  for (const KeypointMatch& match : MatchOnGround(first_.View(), second_.View(), {}, Within(2.0))) {
+    EXPECT_NE(match.first, 3);
+    EXPECT_NE(match.first, 7);
+  }
+  const Side nothing;
+  EXPECT_TRUE(MatchOnGround(nothing.View(), second_.View(), {}, Within(2.0)).empty());
+  EXPECT_TRUE(MatchOnGround(first_.View(), nothing.View(), {}, Within(2.0)).empty());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

@@ -1,0 +1,109 @@
+#include "core/poses/heights/flight_heights.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geo/geoid.h"
+
+namespace skyquilt::poses {
+namespace {
+
+constexpr double kDegPerM = 1.0 / 111'320.0;
+
+// Photos 20 m apart towards north.
+std::vector<flight::Photo> Photos(int count) {
+  std::vector<flight::Photo> photos(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    photos[i].intrinsics = camera::Intrinsics::Centered(4000, 3000, 3000.0);
+    photos[i].position.emplace();
+    photos[i].position->position = {50.8 + 20.0 * kDegPerM * static_cast<double>(i), -0.1};
+  }
+  return photos;
+}
+
+class FlatDem final : public geo::DemSource {
+ public:
+  explicit FlatDem(std::optional<double> height_m) : height_m_(height_m) {}
+  std::optional<double> GroundHeightM(const geo::LatLon&) const override { return height_m_; }
+
+ private:
+  std::optional<double> height_m_;
+};
+
+TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
+  std::vector<flight::Photo> photos = Photos(3);
+  for (flight::Photo& photo : photos) {
+    photo.position->height_above_takeoff_m = 60.0;
+    photo.position->height_ellipsoid_m = 145.0;
+  }
+  const FlightHeights heights = ChooseHeights(photos, nullptr);
+  EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
+  for (const auto& height_m : heights.above_ground_m) EXPECT_EQ(height_m, 60.0);
+  EXPECT_DOUBLE_EQ(heights.takeoff_ellipsoid_m, 85.0);
+  EXPECT_TRUE(heights.warnings.empty());
+}
+
+TEST(ChooseHeights, TiesAPhotoWithoutRelativeHeightToTheOthersThroughItsAbsoluteOne) {
+  std::vector<flight::Photo> photos = Photos(4);
+  for (flight::Photo& photo : photos) {
+    photo.position->height_above_takeoff_m = 60.0;
+    photo.position->height_ellipsoid_m = 145.0;
+  }
+  photos[2].position->height_above_takeoff_m.reset();
+  photos[2].position->height_ellipsoid_m = 150.0;
+  photos[3].position->height_above_takeoff_m = 0.0;  // a field that is never filled
+  photos[3].position->height_ellipsoid_m.reset();
+  const FlightHeights heights = ChooseHeights(photos, nullptr);
+  EXPECT_EQ(heights.above_ground_m[2], 65.0);
+  EXPECT_FALSE(heights.above_ground_m[3].has_value());
+}
+
+TEST(ChooseHeights, LetsSurveyedHeightsDifferAsTheyWereMeasured) {
+  std::vector<flight::Photo> photos = Photos(3);
+  const double ellipsoid_m[] = {145.0, 145.4, 144.7};
+  for (std::size_t i = 0; i < 3; ++i) {
+    photos[i].position->height_above_takeoff_m = 60.0;
+    photos[i].position->height_ellipsoid_m = ellipsoid_m[i];
+    photos[i].position->is_rtk_fixed = true;
+  }
+  const FlightHeights heights = ChooseHeights(photos, nullptr);
+  EXPECT_NEAR(*heights.above_ground_m[1] - *heights.above_ground_m[2], 0.7, 1e-9);
+  EXPECT_NEAR(*heights.above_ground_m[0], 60.0, 1e-9);
+}
+
+TEST(ChooseHeights, PutsAbsoluteHeightsOverTheElevationModel) {
+  std::vector<flight::Photo> photos = Photos(3);
+  for (flight::Photo& photo : photos) photo.position->height_amsl_m = 140.0;
+  const FlatDem dem(85.0);
+  const FlightHeights heights = ChooseHeights(photos, &dem);
+  EXPECT_EQ(heights.rule, HeightRule::kElevationModel);
+  for (const auto& height_m : heights.above_ground_m) EXPECT_NEAR(*height_m, 55.0, 0.2);
+}
+
+TEST(ChooseHeights, DoesNotTakeAnElevationModelAboveTheCameras) {
+  std::vector<flight::Photo> photos = Photos(3);
+  for (flight::Photo& photo : photos) photo.position->height_amsl_m = 140.0;
+  const FlatDem above(138.0), nowhere(std::nullopt);
+  EXPECT_EQ(ChooseHeights(photos, &above).rule, HeightRule::kSpacing);
+  EXPECT_EQ(ChooseHeights(photos, &nowhere).rule, HeightRule::kSpacing);
+}
+
+TEST(ChooseHeights, GuessesFromTheSpacingAndWarns) {
+  std::vector<flight::Photo> photos = Photos(6);
+  const FlightHeights heights = ChooseHeights(photos, nullptr);
+  EXPECT_EQ(heights.rule, HeightRule::kSpacing);
+  // Steps of a quarter of the picture's shorter side: 20 m / 0.25 * 3000 px / 3000 px.
+  for (const auto& height_m : heights.above_ground_m) EXPECT_NEAR(*height_m, 80.0, 0.5);
+  ASSERT_EQ(heights.warnings.size(), 1u);
+  EXPECT_NE(heights.warnings[0].find("80 m is assumed"), std::string::npos) << heights.warnings[0];
+}
+
+TEST(ChooseHeights, TakesPhotosWithoutAnyPosition) {
+  std::vector<flight::Photo> photos = Photos(2);
+  for (flight::Photo& photo : photos) photo.position.reset();
+  const FlightHeights heights = ChooseHeights(photos, nullptr);
+  for (const auto& height_m : heights.above_ground_m) EXPECT_FALSE(height_m.has_value());
+  EXPECT_EQ(ChooseHeights({}, nullptr).above_ground_m.size(), 0u);
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
