@@ -13,7 +13,6 @@ find_package(OpenSSL REQUIRED)
 find_package(Ceres REQUIRED)
 
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(LIBEXIF REQUIRED IMPORTED_TARGET libexif)
 pkg_check_modules(TINYXML2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(LIBJPEG REQUIRED IMPORTED_TARGET libjpeg)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)

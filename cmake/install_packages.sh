@@ -3,7 +3,7 @@
 
 build_packages=(
   build-essential ca-certificates ccache cmake curl ninja-build pkg-config python3
-  libarchive-dev libboost-dev libceres-dev libcli11-dev libdeflate-dev libeigen3-dev libexif-dev libfmt-dev libgdal-dev libjpeg62-turbo-dev libopencv-dev
+  libarchive-dev libboost-dev libceres-dev libcli11-dev libdeflate-dev libeigen3-dev libfmt-dev libgdal-dev libjpeg62-turbo-dev libopencv-dev
   libpng-dev libproj-dev libseccomp-dev libsqlite3-dev libssl-dev libtiff-dev libtinyxml2-dev libturbojpeg0-dev
   libwebp-dev libxxhash-dev nlohmann-json3-dev proj-data
   zlib1g-dev

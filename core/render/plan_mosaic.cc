@@ -8,7 +8,7 @@
 
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
-#include "core/camera/ground_homography.h"
+#include "core/camera/ground_projection.h"
 #include "core/geo/hilbert.h"
 #include "core/geo/web_mercator.h"
 

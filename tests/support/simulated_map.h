@@ -2,6 +2,7 @@
 // truth of what stands or moves on its ground. For tests and benchmarks of the renderer.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 

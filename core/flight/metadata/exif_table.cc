@@ -1,7 +1,5 @@
 #include "core/flight/metadata/exif_table.h"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -100,30 +98,6 @@ std::string ExifValue::Text() const {
   const auto first = text.find_first_not_of(' ');
   if (first == std::string::npos) return "";
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
-}
-
-std::string ExifValue::Printed() const {
-  constexpr std::size_t kMaxItems = 16;
-  constexpr std::size_t kMaxLength = 200;
-  if (type == static_cast<std::uint16_t>(ExifType::kAscii)) return Text().substr(0, kMaxLength);
-  if (type == static_cast<std::uint16_t>(ExifType::kUndefined)) {
-    return bytes.size() <= 8 ? Text() : fmt::format("({} bytes)", bytes.size());
-  }
-  const std::size_t size = ExifTypeSize(type);
-  const std::size_t items = size == 0 ? 0 : bytes.size() / size;
-  if (items > kMaxItems) return fmt::format("({} bytes)", bytes.size());
-  std::string printed;
-  for (std::size_t i = 0; i < items; ++i) {
-    if (i > 0) printed += ' ';
-    if (const auto fraction = Rational(i)) {
-      printed += fmt::format("{:.0f}/{:.0f}", fraction->numerator, fraction->denominator);
-    } else if (const auto number = Number(i)) {
-      printed += fmt::format("{}", *number);
-    } else {
-      printed += "undef";
-    }
-  }
-  return printed.substr(0, kMaxLength);
 }
 
 const ExifValue* ExifTable::Find(ExifIfd ifd, std::uint16_t tag) const {

@@ -1,6 +1,6 @@
-// ExifTable: the tags of an EXIF block as typed raw values, whichever reader found them (libexif for the
-// segment of a JPEG, our own bounded walker for TIFF files). Values; any thread. Source of types and tag
-// numbers: TIFF 6.0; CIPA DC-008 (Exif 2.32).
+// ExifTable: the tags of an EXIF block as typed raw values, read by one bounded walker from the
+// EXIF segment of a JPEG and from TIFF files. Values; any thread. Source of types and tag numbers: TIFF 6.0;
+// CIPA DC-008 (Exif 2.32).
 #pragma once
 
 #include <cstdint>
@@ -55,8 +55,6 @@ struct ExifValue {
   std::optional<Fraction> Rational(std::size_t i = 0) const;
   // Text up to its first zero, trimmed, unprintable characters replaced.
   std::string Text() const;
-  // As one would print it, at most 200 characters.
-  std::string Printed() const;
 };
 
 class ExifTable {
@@ -81,8 +79,5 @@ Result<ExifTable> ReadTiffTags(ByteSource& source);
 // The directories in the chain that begins at the header of a TIFF file; `most` + 1 where there are more, or
 // where the chain closes on itself. Errors: kCorrupt, kUnsupportedFormat.
 Result<int> CountTiffDirectories(ByteSource& source, int most);
-
-// "GPSLatitude" and its kin; the number in hexadecimal for tags without a name.
-std::string ExifTagName(ExifIfd ifd, std::uint16_t tag);
 
 }  // namespace skyquilt::flight

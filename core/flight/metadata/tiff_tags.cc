@@ -1,5 +1,5 @@
 // Our bounded walker over the directories of a TIFF file: first image, EXIF, GPS. Every directory is visited
-// once, at most 1024 entries a directory, values above 1 MiB are skipped. Classic TIFF and BigTIFF. Source:
+// once, at most 1024 entries per directory, values above 1 MiB are skipped. Classic TIFF and BigTIFF. Source:
 // TIFF 6.0, section 2; BigTIFF as described by libtiff.
 #include <algorithm>
 #include <set>
@@ -136,6 +136,16 @@ Result<ExifTable> ReadTiffTags(ByteSource& source) {
     if (offset && *offset > 0.0) walker.ReadDirectory(static_cast<std::uint64_t>(*offset), ifd, table);
   }
   return table;
+}
+
+// libexif is not used on what others made: it copies the values of each entry, however many entries share
+// them, which makes gigabytes of 64 KiB, and reads the notes of every maker.
+ExifTable ReadExifSegment(std::span<const std::uint8_t> tiff_block) {
+  constexpr std::size_t kMaxSegment = 1 << 16;
+  if (tiff_block.size() < 8 || tiff_block.size() > kMaxSegment) return {};
+  MemoryBytes source(tiff_block);
+  Result<ExifTable> table = ReadTiffTags(source);
+  return table ? *std::move(table) : ExifTable();
 }
 
 }  // namespace skyquilt::flight

@@ -1,11 +1,10 @@
-// Photo: what one photo file says of itself, normalised, with the raw values kept beside it. Values; any
-// thread. Angles are the CAMERA's, or marked as the airframe's: yaw clockwise from true north, pitch 0 =
-// horizon and -90 deg = straight down, roll right wing down; intrinsic Z-Y-X in NED, radians.
+// Photo: what one photo file says of itself, normalised. Values; any thread. Angles are the CAMERA's, or
+// marked as the airframe's: yaw clockwise from true north, pitch 0 = horizon and -90 deg = straight down,
+// roll right wing down; intrinsic Z-Y-X in NED, radians.
 #pragma once
 
 #include <chrono>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,7 +78,6 @@ struct Photo {
   std::optional<double> readout_s;    // from the first row to the last, of a camera known to read row by row
   bool is_resaved_by_viewer = false;  // the picture may have been turned after its angles were recorded
   std::vector<std::string> notes;     // what was corrected or doubted on reading, in words
-  std::map<std::string, std::string> raw;  // tag name to printed value, as found
 };
 
 // A photo or file that takes no part in the map, and why.

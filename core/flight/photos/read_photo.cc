@@ -38,22 +38,6 @@ std::optional<DjiMakerNote> ReadMakerNote(const ExifTable& exif) {
   return ReadDjiMakerNote(note->bytes, note->is_big_endian);
 }
 
-std::map<std::string, std::string> RawValues(const ExifTable& exif, const XmpTags& xmp) {
-  constexpr std::size_t kMaxValues = 400;
-  constexpr std::size_t kMaxLength = 200;
-  std::map<std::string, std::string> raw;
-  for (const auto& [key, value] : exif.values()) {
-    if (raw.size() >= kMaxValues) break;
-    const std::string printed = value.Printed();
-    if (!printed.empty()) raw.emplace("EXIF:" + ExifTagName(key.first, key.second), printed);
-  }
-  for (const auto& [name, text] : xmp.values()) {
-    if (raw.size() >= kMaxValues) break;
-    raw.emplace("XMP:" + name, text.substr(0, kMaxLength));
-  }
-  return raw;
-}
-
 // Photos of one physical camera at one size and one focal length.
 std::string CameraKey(const Photo& photo, const ExifRecord& exif, const XmpTags& xmp) {
   std::string serial = xmp.Text("drone-dji:CameraSerialNumber");
@@ -127,7 +111,6 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.velocity = VelocityFromTags(xmp);
   photo.exposure_time_s = exif.exposure_time_s;
   photo.readout_s = ReadoutOf(photo, xmp);
-  photo.raw = RawValues(header->exif, xmp);
   return photo;
 }
 

@@ -112,21 +112,6 @@ Result<CleanInput> CleanSmootherInput(const SmootherInput& raw) {
   Cut(clean.begin_s, clean.end_s, in.heights);
   Cut(clean.begin_s, clean.end_s, in.ranges);
 
-  const int photos = static_cast<int>(in.photo_times_s.size());
-  const auto is_bad = [&](const PhotoPair& p) {
-    if (p.first < 0 || p.second < 0 || p.first >= photos || p.second >= photos || p.first >= p.second)
-      return true;
-    const double gap = in.photo_times_s[static_cast<std::size_t>(p.second)] -
-                       in.photo_times_s[static_cast<std::size_t>(p.first)];
-    return gap < 1e-3 || !p.rotation.coeffs().allFinite() || !p.translation_per_height.allFinite() ||
-           !(p.sigma_rotation_rad > 0.0) || !(p.sigma_translation_per_height > 0.0);
-  };
-  const std::size_t pairs = in.pairs.size();
-  in.pairs.erase(std::remove_if(in.pairs.begin(), in.pairs.end(), is_bad), in.pairs.end());
-  if (in.pairs.size() < pairs) {
-    clean.warnings.push_back(std::to_string(pairs - in.pairs.size()) +
-                             " photo pairs were left out: not usable.");
-  }
   if (in.positions.empty() && in.markers.empty()) {
     return Error{
         ErrorCode::kUnprocessable,

@@ -61,12 +61,6 @@ class Preparation {
       // acceleration: its tilt is far worse than the inertial sums from a start at rest.
       if (!out_.input.imu.empty()) o.attitude_bias_sigma_rad.head<2>().setConstant(0.035);
     }
-    for (const PhotoPair& p : from_.pairs) {
-      const auto first = static_cast<std::size_t>(p.first);
-      const auto second = static_cast<std::size_t>(p.second);
-      if (first >= out_.cam_from_body.size() || second >= out_.cam_from_body.size()) continue;
-      out_.input.pairs.push_back(PairInBody(p, out_.cam_from_body[first], out_.cam_from_body[second]));
-    }
     if (from_.log) o.tau_camera_sigma_s = from_.photo_clock_sigma_s;
     return std::move(out_);
   }
@@ -243,14 +237,6 @@ class Preparation {
 };
 
 }  // namespace
-
-PhotoPair PairInBody(const PhotoPair& pair, const Quaterniond& first_cam_from_body,
-                     const Quaterniond& second_cam_from_body) {
-  PhotoPair out = pair;
-  out.rotation = (first_cam_from_body.conjugate() * pair.rotation * second_cam_from_body).normalized();
-  out.translation_per_height = first_cam_from_body.conjugate() * pair.translation_per_height;
-  return out;
-}
 
 PreparedSmoothing MakeSmootherInput(const FlightSources& sources, const geo::LocalFrame& frame) {
   return Preparation(sources, frame).Make();

@@ -37,7 +37,6 @@ struct FlightSources {
   Eigen::Vector3d start_in_enu_m = Eigen::Vector3d::Zero();
   std::optional<double> start_yaw_rad;
   bool ended_at_start = false;
-  std::vector<PhotoPair> pairs;  // in cam frames of the two photos: see PairInBody
 };
 
 struct PreparedSmoothing {
@@ -53,9 +52,5 @@ struct PreparedSmoothing {
 };
 
 PreparedSmoothing MakeSmootherInput(const FlightSources& sources, const geo::LocalFrame& frame);
-
-// Motion between two photos as seen in their pictures, from cam axes to the bodies that carry the cameras.
-PhotoPair PairInBody(const PhotoPair& pair_in_cam, const Eigen::Quaterniond& first_cam_from_body,
-                     const Eigen::Quaterniond& second_cam_from_body);
 
 }  // namespace skyquilt::poses

@@ -188,15 +188,6 @@ void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
     add("marker", p, MarkerFactor(s, f.position_in_enu_m, f.sigma_m), false);
     if (f.yaw_rad) add("marker", p, YawFactor(s, *f.yaw_rad, f.sigma_yaw_rad), false);
   }
-  for (const PhotoPair& f : input_.pairs) {
-    const int a = PhotoKnot(f.first);
-    const int b = PhotoKnot(f.second);
-    sink.template Add<6>("photo pair", a, b,
-                         PairFactor(guess.knots[At0(a)], guess.knots[At0(b)], guess.border, f.rotation,
-                                    f.translation_per_height, input_.ground_z_in_enu_m, f.sigma_rotation_rad,
-                                    f.sigma_translation_per_height),
-                         true);
-  }
   constexpr double kAssumptionSigmaRad = 0.02;  // the slow part is the attitude bias
   for (int k = 0; k < timeline_.size(); ++k) {
     const KnotState& knot = guess.knots[At0(k)];

@@ -212,36 +212,4 @@ Linear<1> YawFactor(const StateBetween& s, double yaw_rad, double sigma) {
   return out;
 }
 
-Linear<6> PairFactor(const KnotState& first, const KnotState& second, const BorderState& border,
-                     const Eigen::Quaterniond& rotation, const Vector3d& translation_per_height,
-                     double ground_z, double sigma_rotation, double sigma_translation) {
-  const Matrix3d r1 = first.enu_from_body.toRotationMatrix();
-  const Matrix3d r2 = second.enu_from_body.toRotationMatrix();
-  const Vector3d lever = border.LeverCamera();
-  const Vector3d from = first.position_in_enu_m + r1 * lever;
-  const Vector3d to = second.position_in_enu_m + r2 * lever;
-  const double height = std::max(1.0, from.z() - ground_z);
-  const Vector3d step = r1.transpose() * (to - from);
-  Linear<6> out;
-  const Vector3d turn = LogSo3(rotation.conjugate() * first.enu_from_body.conjugate() * second.enu_from_body);
-  const Matrix3d inverse = RightJacobianInverse(turn);
-  out.residual.head<3>() = turn;
-  out.residual.tail<3>() = step / height - translation_per_height;
-  const Matrix3d from_by_rotation = -r1 * Skew(lever);
-  out.by_first.block<3, 3>(0, kAtRotation) = -inverse * r2.transpose() * r1;
-  out.by_second.block<3, 3>(0, kAtRotation) = inverse;
-  out.by_first.block<3, 3>(3, kAtRotation) = (Skew(step) - r1.transpose() * from_by_rotation) / height -
-                                             step * from_by_rotation.row(2) / (height * height);
-  out.by_first.block<3, 3>(3, kAtPosition) = -r1.transpose() / height;
-  out.by_first.block<3, 1>(3, kAtPosition + 2) -= step / (height * height);
-  out.by_second.block<3, 3>(3, kAtRotation) = -r1.transpose() * r2 * Skew(lever) / height;
-  out.by_second.block<3, 3>(3, kAtPosition) = r1.transpose() / height;
-  out.by_border.block<3, 3>(3, kAtLeverCamera) =
-      r1.transpose() * (r2 - r1) / height - step * r1.row(2) / (height * height);
-  Eigen::Matrix<double, 6, 1> inverse_sigma;
-  inverse_sigma << Vector3d::Constant(1.0 / sigma_rotation), Vector3d::Constant(1.0 / sigma_translation);
-  Scale<6>(inverse_sigma, out);
-  return out;
-}
-
 }  // namespace skyquilt::poses

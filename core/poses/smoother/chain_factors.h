@@ -76,8 +76,5 @@ Linear<3> StillVelocityFactor(const KnotState& knot, double sigma);
 Linear<3> StillRotationFactor(const KnotState& first, const KnotState& second, double sigma);
 Linear<3> MarkerFactor(const StateBetween& s, const Eigen::Vector3d& measured, double sigma);
 Linear<1> YawFactor(const StateBetween& s, double yaw_rad, double sigma);
-Linear<6> PairFactor(const KnotState& first, const KnotState& second, const BorderState& border,
-                     const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation_per_height,
-                     double ground_z, double sigma_rotation, double sigma_translation);
 
 }  // namespace skyquilt::poses

@@ -62,10 +62,7 @@ class Guesser {
     if (has_track) Track();
     Rotations(has_track);
     problem_.ExpandAbout(guess_.knots);
-    if (!has_track) {
-      DeadReckon(0);
-      if (!input_.pairs.empty()) PhotoChain();
-    }
+    if (!has_track) DeadReckon(0);
     problem_.ExpandAbout(guess_.knots);
     return std::move(guess_);
   }
@@ -231,43 +228,6 @@ class Guesser {
       if (const std::optional<double> z = HeightAt(times_[Index(k) + 1])) {
         b.velocity_in_enu_mps.z() = (*z - a.position_in_enu_m.z()) / T;
         b.position_in_enu_m.z() = *z;
-      }
-    }
-  }
-
-  // Photo after photo by what the pictures show, scaled by the height above ground.
-  void PhotoChain() {
-    guess_.start = "photo chain";
-    const int photos = static_cast<int>(input_.photo_times_s.size());
-    std::vector<const PhotoPair*> into(Index(photos), nullptr);
-    for (const PhotoPair& pair : input_.pairs) {
-      if (pair.second == pair.first + 1) into[Index(pair.second)] = &pair;
-    }
-    int run_begin = -1;
-    for (int j = 1; j < photos; ++j) {
-      const PhotoPair* pair = into[Index(j)];
-      const int ki = problem_.PhotoKnot(j - 1);
-      const int kj = problem_.PhotoKnot(j);
-      if (!pair || ki == kj) continue;
-      if (run_begin < 0) run_begin = ki;
-      const KnotState& a = guess_.knots[Index(ki)];
-      KnotState& b = guess_.knots[Index(kj)];
-      const double z = HeightAt(times_[Index(ki)]).value_or(a.position_in_enu_m.z());
-      const double height = std::max(1.0, z - input_.ground_z_in_enu_m);
-      b.position_in_enu_m = a.position_in_enu_m + a.enu_from_body * (height * pair->translation_per_height);
-      if (const auto zj = HeightAt(times_[Index(kj)])) b.position_in_enu_m.z() = *zj;
-      if (reckon_rotation_) b.enu_from_body = (a.enu_from_body * pair->rotation).normalized();
-      for (int k = ki + 1; k < kj; ++k) {
-        const double w = (times_[Index(k)] - times_[Index(ki)]) / (times_[Index(kj)] - times_[Index(ki)]);
-        KnotState& between = guess_.knots[Index(k)];
-        between.position_in_enu_m = (1.0 - w) * a.position_in_enu_m + w * b.position_in_enu_m;
-        if (reckon_rotation_) between.enu_from_body = a.enu_from_body.slerp(w, b.enu_from_body);
-      }
-      const bool ends = j + 1 >= photos || !into[Index(j) + 1];
-      if (ends) {
-        SpeedsFromPositions(run_begin, kj);
-        DeadReckon(kj);
-        run_begin = -1;
       }
     }
   }

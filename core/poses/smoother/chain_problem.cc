@@ -126,7 +126,6 @@ std::vector<int> ChainProblem::Outline(bool with_photo_neighbours) const {
   const auto reach = [&](int a, int b) {
     first[At0(std::max(a, b))] = std::min(first[At0(std::max(a, b))], std::min(a, b));
   };
-  for (const PhotoPair& pair : input_.pairs) reach(PhotoKnot(pair.first), PhotoKnot(pair.second));
   if (with_photo_neighbours) {
     for (std::size_t k = 1; k < photo_knots_.size(); ++k) reach(photo_knots_[k - 1], photo_knots_[k]);
   }

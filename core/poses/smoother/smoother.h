@@ -1,5 +1,5 @@
 // SmoothChain: one offline estimate of a whole flight from any subset of {inertial samples, attitude, GNSS
-// position and velocity, barometric height, range, course, stillness, markers, photo-to-photo motion}: the
+// position and velocity, barometric height, range, course, stillness, markers}: the
 // most probable chain of states at knots in time (one at each photo, and between them every half second),
 // with its covariance. Frames: `enu` (the flight's LocalFrame), `body` (x forward, y right, z down). Metres,
 // seconds, radians; one clock. One thread; deterministic; time and memory linear in the flight's length
@@ -71,17 +71,6 @@ struct Marker {
   double sigma_yaw_rad = 0.035;
 };
 
-// Motion between two photos seen in their pictures, in the body of `first`:
-// rotation = R_first^T R_second, translation_per_height = R_first^T (p_second - p_first) / height of first.
-struct PhotoPair {
-  int first = 0;  // indices into photo_times_s
-  int second = 0;
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d translation_per_height = Eigen::Vector3d::Zero();
-  double sigma_rotation_rad = 0.00105;           // 0.06 deg
-  double sigma_translation_per_height = 0.0017;  // 0.10 m at 60 m
-};
-
 struct SmootherOptions {
   double knot_spacing_s = 0.5;  // 1 s where there is no inertial data
   double gravity_mps2 = kStandardGravityMps2;
@@ -126,7 +115,6 @@ struct SmootherInput {
   std::vector<RangeFix> ranges;
   std::vector<StillInterval> still;
   std::vector<Marker> markers;
-  std::vector<PhotoPair> pairs;
   double ground_z_in_enu_m = 0.0;
   SmootherOptions options;
 };

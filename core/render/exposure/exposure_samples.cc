@@ -7,7 +7,7 @@
 
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
-#include "core/camera/ground_homography.h"
+#include "core/camera/ground_projection.h"
 
 namespace skyquilt::render {
 namespace {

@@ -45,10 +45,6 @@ std::vector<Row> Rows() {
       {InputMix::kImuBaroStartEnd,
        "IMU+baro, start+end",
        {"72", "0.5", "0.16", "7", "72", "72", "4.2", "540"}},
-      {InputMix::kImuBaroLinksStart,
-       "IMU+baro+links, start",
-       {"6.7", "0.23", "0.04", "2.1", "6.8", "7.3", "0.8", "100"}},
-      {InputMix::kBaroAttitudeLinksStart, "baro+att+links, start", {"6.6", "", "", "", "", "", "", ""}},
       {InputMix::kGnssCourse, "GNSS only, course", {"1.1", "1.1", "13", "8", "14", "23", "13", "1670"}},
       {InputMix::kGnssAttitudeBaro,
        "GNSS+att+baro (XMP)",
@@ -62,12 +58,6 @@ std::vector<Row> Rows() {
        {"0.9", "0.6", "0.04", "0.09", "0.9", "1.15", "0.14", "18"}},
       {InputMix::kRtkAttitude, "RTK+att", {"0.02", "0.02", "0.9", "1.9", "0.95", "2.8", "0.47", "61"}},
       {InputMix::kRtkImu, "RTK+IMU", {"0.01", "0.02", "0.03", "0.04", "0.04", "0.08", "0.02", "3"}},
-      {InputMix::kGnssAttitudeBaroLinks,
-       "GNSS+att+baro+links",
-       {"1.3", "0.2", "0.20", "0.14", "1.3", "1.3", "0.18", "23"}},
-      {InputMix::kGnssImuAttitudeBaroLinks,
-       "GNSS+IMU+att+baro+links",
-       {"1.1", "0.13", "0.03", "0.09", "1.1", "1.1", "0.07", "9"}},
   };
 }
 

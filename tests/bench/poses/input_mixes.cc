@@ -13,14 +13,12 @@ bool Uses(InputMix mix, std::initializer_list<InputMix> those) {
 }
 
 bool UsesImu(InputMix mix) {
-  return Uses(mix, {InputMix::kImuStart, InputMix::kImuBaroStartEnd, InputMix::kImuBaroLinksStart,
-                    InputMix::kGnssImuBaro, InputMix::kGnssImuAttitudeBaro, InputMix::kRtkImu,
-                    InputMix::kGnssImuAttitudeBaroLinks});
+  return Uses(mix, {InputMix::kImuStart, InputMix::kImuBaroStartEnd, InputMix::kGnssImuBaro,
+                    InputMix::kGnssImuAttitudeBaro, InputMix::kRtkImu});
 }
 
 bool UsesPhotosAlone(InputMix mix) {
-  return Uses(mix, {InputMix::kGnssAttitudeBaro, InputMix::kGnssPoorCompassBaro, InputMix::kRtkAttitude,
-                    InputMix::kGnssAttitudeBaroLinks});
+  return Uses(mix, {InputMix::kGnssAttitudeBaro, InputMix::kGnssPoorCompassBaro, InputMix::kRtkAttitude});
 }
 
 }  // namespace
@@ -51,13 +49,10 @@ poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const R
   in.options.imu.accel_white = errors.accel_white;
   const bool only_photos = UsesPhotosAlone(mix);
   if (UsesImu(mix)) in.imu = sensors.imu;
-  const bool has_start = Uses(mix, {InputMix::kImuStart, InputMix::kImuBaroStartEnd,
-                                    InputMix::kImuBaroLinksStart, InputMix::kBaroAttitudeLinksStart});
+  const bool has_start = Uses(mix, {InputMix::kImuStart, InputMix::kImuBaroStartEnd});
   if (has_start) {
-    // Without inertial samples nothing ties the ground to the first photo, so the marker lies under that.
-    const bool at_first_photo = mix == InputMix::kBaroAttitudeLinksStart;
     poses::Marker marker;
-    marker.t_s = at_first_photo ? flight.photo_times_s().front() : 0.0;
+    marker.t_s = 0.0;
     const FlightTruth start = flight.At(marker.t_s);
     marker.position_in_enu_m = start.position;
     const Eigen::Vector3d nose = start.enu_from_body * Eigen::Vector3d::UnitX();
@@ -66,7 +61,7 @@ poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const R
     const double draw = std::sin(1e4 * (sensors.heights.front().z_in_enu_m + 1.0)) * std::sqrt(2.0);
     marker.yaw_rad = std::atan2(nose.x(), nose.y()) + 0.0349 * draw;
     in.markers.push_back(marker);
-    if (!at_first_photo) in.still.push_back({0.0, 8.9});
+    in.still.push_back({0.0, 8.9});
   } else {
     in.positions = only_photos ? sensors.photo_positions : sensors.positions;
     in.velocities = only_photos ? sensors.photo_velocities : sensors.velocities;
@@ -79,18 +74,13 @@ poses::SmootherInput InputOf(InputMix mix, const AnalyticFlight& flight, const R
     in.still.push_back({flight.landed_s() + 0.2, flight.duration_s() - 0.5});
   }
   if (Uses(mix, {InputMix::kGnssAttitudeBaro, InputMix::kGnssPoorCompassBaro, InputMix::kGnssImuAttitudeBaro,
-                 InputMix::kRtkAttitude, InputMix::kGnssAttitudeBaroLinks,
-                 InputMix::kGnssImuAttitudeBaroLinks, InputMix::kBaroAttitudeLinksStart})) {
+                 InputMix::kRtkAttitude})) {
     in.attitudes = only_photos ? sensors.photo_attitudes : sensors.attitudes;
   }
   if (!Uses(mix, {InputMix::kImuStart, InputMix::kGnssCourse, InputMix::kRtkAttitude, InputMix::kRtkImu})) {
     in.heights = only_photos ? sensors.photo_heights : sensors.heights;
     // The first height of a photo is a while after take-off: the barometer has drifted since.
     if (only_photos) in.options.baro_bias_first_sigma_m = std::hypot(0.1, errors.baro_walk * std::sqrt(40.0));
-  }
-  if (Uses(mix, {InputMix::kImuBaroLinksStart, InputMix::kGnssAttitudeBaroLinks,
-                 InputMix::kGnssImuAttitudeBaroLinks, InputMix::kBaroAttitudeLinksStart})) {
-    in.pairs = sensors.links;
   }
   if (mix == InputMix::kGnssCourse) {
     in.options.assume_level = true;

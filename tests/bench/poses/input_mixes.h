@@ -11,7 +11,6 @@ namespace skyquilt::bench {
 enum class InputMix {
   kImuStart,
   kImuBaroStartEnd,
-  kImuBaroLinksStart,
   kGnssCourse,
   kGnssAttitudeBaro,  // what XMP holds: fixes at the photos only
   kGnssPoorCompassBaro,
@@ -19,9 +18,6 @@ enum class InputMix {
   kGnssImuAttitudeBaro,
   kRtkAttitude,
   kRtkImu,
-  kGnssAttitudeBaroLinks,
-  kGnssImuAttitudeBaroLinks,
-  kBaroAttitudeLinksStart,
 };
 
 SensorErrors ErrorsOf(InputMix mix);

@@ -116,24 +116,6 @@ void RecordFixes(const AnalyticFlight& flight, const SensorErrors& e, Noise& noi
   }
 }
 
-void RecordLinks(const AnalyticFlight& flight, const SensorErrors& e, Noise& noise, RecordedSensors& out) {
-  const std::vector<double>& times = flight.photo_times_s();
-  for (std::size_t i = 0; i + 1 < times.size(); ++i) {
-    const FlightTruth a = flight.At(times[i]);
-    const FlightTruth b = flight.At(times[i + 1]);
-    poses::PhotoPair pair;
-    pair.first = static_cast<int>(i);
-    pair.second = static_cast<int>(i) + 1;
-    pair.rotation = a.enu_from_body.conjugate() * b.enu_from_body * Small(e.link_rotation * noise.Three());
-    pair.translation_per_height =
-        (a.enu_from_body.conjugate() * (b.position - a.position) + e.link_translation_m * noise.Three()) /
-        a.position.z();
-    pair.sigma_rotation_rad = e.link_rotation;
-    pair.sigma_translation_per_height = e.link_translation_m / a.position.z();
-    out.links.push_back(pair);
-  }
-}
-
 }  // namespace
 
 RecordedSensors RecordSensors(const AnalyticFlight& flight, const SensorErrors& errors, std::uint64_t seed) {
@@ -141,7 +123,6 @@ RecordedSensors RecordSensors(const AnalyticFlight& flight, const SensorErrors& 
   RecordedSensors out;
   if (errors.imu_rate_hz > 0.0) RecordImu(flight, errors, noise, out);
   RecordFixes(flight, errors, noise, out);
-  RecordLinks(flight, errors, noise, out);
   return out;
 }
 

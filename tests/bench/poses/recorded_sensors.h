@@ -30,8 +30,6 @@ struct SensorErrors {
   double baro_white = 0.15;
   double baro_walk = 0.0577;
   double baro_first = 0.1;
-  double link_rotation = 0.00105;
-  double link_translation_m = 0.10;
 };
 
 struct RecordedSensors {
@@ -41,7 +39,6 @@ struct RecordedSensors {
   std::vector<poses::AttitudeFix> attitudes, photo_attitudes;
   std::vector<poses::HeightFix> heights, photo_heights;
   std::vector<poses::RangeFix> ranges;
-  std::vector<poses::PhotoPair> links;
 };
 
 RecordedSensors RecordSensors(const AnalyticFlight& flight, const SensorErrors& errors, std::uint64_t seed);

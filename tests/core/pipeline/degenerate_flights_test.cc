@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/camera/ground_homography.h"
+#include "core/camera/ground_projection.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/pipeline/build_mosaic.h"

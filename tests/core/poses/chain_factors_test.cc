@@ -115,10 +115,6 @@ TEST(ChainFactors, StateTheirJacobians) {
                     [](const auto& a, const auto& b, const auto&) { return StillRotationFactor(a, b, 0.5); });
   CheckJacobians<3>("still",
                     [](const auto& a, const auto&, const auto&) { return StillVelocityFactor(a, 0.5); });
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized()));
-  CheckJacobians<6>("photo pair", [&](const auto& a, const auto& b, const auto& border) {
-    return PairFactor(a, b, border, turn, Vector3d(0.1, 0.2, 0.0), 2.0, 0.1, 0.05);
-  });
 }
 
 TEST(ChainFactors, StateTheirJacobiansAtTimesBetweenKnots) {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "core/camera/ground_homography.h"
 #include "core/geo/lat_lon.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/reckoning/strapdown.h"
+#include "tests/support/ground_homography.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -29,7 +29,7 @@ Matrix3d GroundMap(double yaw_deg, double pitch_deg, double height_m) {
   attitude.yaw_rad = geo::DegToRad(yaw_deg);
   attitude.pitch_rad = geo::DegToRad(pitch_deg);
   const auto pose = geo::Rigid3::FromRotationAndTargetOrigin(CamFromEnu(attitude), {0.0, 0.0, height_m});
-  return camera::GroundHomography(Lens(), pose, 0.0);
+  return test::GroundHomography(Lens(), pose, 0.0);
 }
 
 Vector2d Apply(const Matrix3d& map, const Vector2d& pixel) {

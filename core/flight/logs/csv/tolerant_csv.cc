@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/text_fields.h"

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "core/flight/logs/gps_time.h"
 #include "core/flight/logs/log_builder.h"

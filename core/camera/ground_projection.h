@@ -1,7 +1,5 @@
-// The plane-induced homography: where the ground point (E, N) of the plane z = z0 appears in a photo, before
-// the lens bends it. G = K R [e1 e2 (z0 e3 - C)] maps (E, N, 1) in enu metres to undistorted pixels; R, C
-// from cam_from_enu. Undistort before, distort after. Values; any thread. Source: Hartley and Zisserman,
-// Multiple View Geometry, 2nd ed., section 13.1; replaces equations (4)-(16) of Iz and Unel.
+// Between pixels and level ground: where the ray through a pixel meets a level plane, and where a photo shows
+// a point of enu, both exactly, through lens and pose. Metres and pixels. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,9 +9,6 @@
 #include "core/geo/rigid3.h"
 
 namespace skyquilt::camera {
-
-Eigen::Matrix3d GroundHomography(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
-                                 double plane_z_m);
 
 // Where the ray through a pixel meets the plane z = plane_z_m, in enu; nothing for rays that go up or are
 // within half a degree of the horizon.

@@ -1,4 +1,4 @@
-#include "core/camera/ground_homography.h"
+#include "core/camera/ground_projection.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "core/camera/footprint.h"
 #include "core/poses/conventions/attitude_convention.h"
+#include "tests/support/ground_homography.h"
 
 namespace skyquilt::camera {
 namespace {
@@ -29,7 +30,7 @@ TEST(GroundHomography, IsTheRayThroughThePlaneForEveryPose) {
     const geo::Rigid3 pose =
         Pose(180.0 * unit(random), -90.0 + 20.0 * unit(random), 15.0 * unit(random),
              {500.0 * unit(random), 500.0 * unit(random), plane_z_m + 70.0 + 50.0 * unit(random)});
-    const Eigen::Matrix3d g = GroundHomography(lens, pose, plane_z_m);
+    const Eigen::Matrix3d g = test::GroundHomography(lens, pose, plane_z_m);
     const Eigen::Vector2d pixel{800.0 + 799.0 * unit(random), 600.0 + 599.0 * unit(random)};
     const auto ground = GroundFromPixel(lens, pose, pixel, plane_z_m);
     ASSERT_TRUE(ground.has_value());
@@ -55,7 +56,7 @@ TEST(GroundHomography, ComposesToTheTextbooksImageToImageForm) {
       (j_from_k.rotation.toRotationMatrix() + j_from_k.translation * down_in_k.transpose() / height_m) *
       lens_k.K().inverse();
   Eigen::Matrix3d ours =
-      GroundHomography(lens_j, j_from_enu, 0.0) * GroundHomography(lens_k, k_from_enu, 0.0).inverse();
+      test::GroundHomography(lens_j, j_from_enu, 0.0) * test::GroundHomography(lens_k, k_from_enu, 0.0).inverse();
   textbook /= textbook(2, 2);
   ours /= ours(2, 2);
   EXPECT_LT((textbook - ours).cwiseAbs().maxCoeff() / ours.cwiseAbs().maxCoeff(), 1e-10);

@@ -1,17 +1,8 @@
-#include "core/camera/ground_homography.h"
+#include "core/camera/ground_projection.h"
 
 #include <cmath>
 
 namespace skyquilt::camera {
-
-Eigen::Matrix3d GroundHomography(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
-                                 double plane_z_m) {
-  Eigen::Matrix3d plane;  // (E, N, 1) to the point relative to the camera centre, in enu
-  plane.col(0) = Eigen::Vector3d::UnitX();
-  plane.col(1) = Eigen::Vector3d::UnitY();
-  plane.col(2) = plane_z_m * Eigen::Vector3d::UnitZ() - cam_from_enu.TargetOriginInSource();
-  return intrinsics.K() * cam_from_enu.rotation.toRotationMatrix() * plane;
-}
 
 std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
                                                const Eigen::Vector2d& pixel_in_image, double plane_z_m) {
