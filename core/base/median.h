@@ -15,7 +15,7 @@ namespace skyquilt {
 
 template <typename Value>
 Value Median(std::vector<Value> values) {
-  SKYQUILT_CHECK(!values.empty(), "the median of nothing was asked for");
+  SKYQUILT_CHECK(!values.empty(), "Median needs at least one value");
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

@@ -50,8 +50,8 @@ struct BundleControl {
   std::size_t report = 0;  // the caller's number
 };
 
-// What all points together say of the ground, z = height_m + slope_east * E + slope_north * N: photos that
-// hang on little may not fold it. Weak: a photo's points weigh as much as one height measured to sigma_m.
+// What all points together say of the ground, z = height_m + slope_east * E + slope_north * N: it keeps
+// weakly tied photos from folding it. Weak: a photo's points weigh as much as one height measured to sigma_m.
 struct BundlePlane {
   double height_m = 0.0, slope_east = 0.0, slope_north = 0.0;
   double sigma_m = 5.0;

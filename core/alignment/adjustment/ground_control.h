@@ -1,4 +1,4 @@
-// Ground control: points whose place was surveyed and that somebody marked in photos. Values; any thread.
+// Ground control: surveyed points and where they were marked in photos. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>

@@ -21,7 +21,7 @@ struct Photographed {
   std::vector<const PhotoFeatures*> Readable() const;
 };
 
-// By the photo's name, where somebody who decoded the photo before found them.
+// By the photo's name, where an earlier decode of the photo found them.
 using FoundFeatures = std::map<std::string, PhotoFeatures>;
 
 // Takes what was found with the same options. Reports progress up to `last_fraction`; stops early, with what

@@ -1,6 +1,6 @@
 // Block: photos placed to each other and the points they see, while the block grows. Frame `world`, its own:
 // half of the points lie kMedianDepth before the cameras, so that numbers stay of one size. Points follow
-// from poses: whoever moves photos triangulates anew. Not for concurrent use, apart from what is const.
+// from poses: after moving photos, triangulate again. Const methods: any thread.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,8 @@
 // RegisterByResection: a pose for photos without verified pairs, from the aligned photos around them. What
-// all of those show in common with the lost one votes together for one pose: each match is a pixel of the
+// all of those show in common with the lost one is used for one pose: each match is a pixel of the
 // lost photo and the place on the ground where a neighbour saw the same, and the pose with most inliers
-// is found by resection (three points, RANSAC with a fixed seed). So ten matches with each of four neighbours
-// do what no pair of them could, and the record may be far off. Same result for any number of threads.
+// is found by resection (three points, RANSAC with a fixed seed). Ten matches with each of four neighbours
+// suffice where no single pair would, and the record may be far off. Same result for any number of threads.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// CandidatePairs: which photos are worth comparing when nobody knows how they looked: neighbours in the order
+// CandidatePairs: which photos are worth comparing when their attitude is unknown: neighbours in the order
 // of capture, those nearest by recorded position (if that is right; nothing is excluded by it), and those
 // that look alike. Their number grows with the photos. Pure; any thread.
 #pragma once

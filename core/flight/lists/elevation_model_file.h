@@ -16,7 +16,7 @@ namespace skyquilt::flight {
 bool IsElevationModel(ByteSource& source);
 
 // A TIFF file whose chain of directories is longer than any raster's with its overviews, or closes on itself,
-// would be followed to its end by whoever opens it. Error: kUnsupportedFormat.
+// would be followed to its end by the library that opens it. Error: kUnsupportedFormat.
 Result<void> CheckTiffDirectories(const std::filesystem::path& path);
 
 // Of these files, by name.

@@ -1,6 +1,6 @@
 // SortFiles: which of the files given are photos, which are logs, lists of control points or elevation
-// models, and which are neither and nobody's fault. By content: the first bytes decide, whatever the name;
-// the ending only says whether an unknown file is worth a complaint. Any thread.
+// models, and which are none of these and may be ignored. By content: the first bytes decide, whatever the
+// name; the ending only says whether an unknown file is worth a complaint. Any thread.
 #pragma once
 
 #include <string>

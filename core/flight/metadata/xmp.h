@@ -34,8 +34,8 @@ class XmpTags {
 // One number out of text, as XmpTags::Number reads it.
 std::optional<double> ParseXmpNumber(std::string_view text);
 
-// The first XMP packet in the first 2 MiB, found by its "<x:xmpmeta": for files that keep it where nobody
-// looks.
+// The first XMP packet in the first 2 MiB, found by its "<x:xmpmeta": for files that keep it outside of the
+// standard segments.
 std::string ScanForXmpPacket(ByteSource& source);
 
 }  // namespace skyquilt::flight

@@ -25,7 +25,7 @@ class ByteSource {
   std::vector<std::uint8_t> ReadUpTo(std::uint64_t offset, std::size_t count);
 };
 
-// Bytes that somebody else keeps alive.
+// Bytes owned elsewhere; they must outlive this.
 class MemoryBytes final : public ByteSource {
  public:
   explicit MemoryBytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}

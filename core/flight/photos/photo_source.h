@@ -1,5 +1,5 @@
 // PhotoSource: the port through which the stages get photos' pixels. Implemented by PhotoDecoder for files,
-// and by whoever has pictures in memory.
+// and by sources that hold pictures in memory.
 #pragma once
 
 #include <utility>
@@ -16,8 +16,8 @@ class PhotoSource {
   // Decodes at 1/denominator of the size (1, 2, 4 or 8; sides rounded up). Any number of threads at a time.
   // Errors: kCorrupt (damaged or cut off), kUnsupportedFormat, kIo.
   virtual Result<image::DecodedImage> Decode(const Photo& photo, int denominator) const = 0;
-  // At least those pixels of what Decode gives; damage elsewhere may go unnoticed. `memory` is of no use to
-  // the caller any more: whoever can makes the picture in it, which saves the machine's fetching more.
+  // At least those pixels of what Decode gives; damage elsewhere may go unnoticed. `memory` is given up
+  // by the caller; an implementation may reuse it for the pixels, which saves an allocation.
   virtual Result<image::DecodedPart> DecodePart(const Photo& photo, int denominator,
                                                 const image::PixelBox& /*box*/, PixelBytes /*memory*/) const {
     Result<image::DecodedImage> whole = Decode(photo, denominator);

@@ -36,7 +36,7 @@ double GuessHeightFromSpacing(const std::vector<flight::Photo>& photos);
 std::optional<double> EllipsoidHeightM(const flight::RecordedPosition& position);
 
 // Component by component, safe across the date line; of photos of several places the middle of most of them.
-// Nothing of nothing.
+// Nothing without positions.
 std::optional<geo::LatLon> MedianPosition(const std::vector<geo::LatLon>& positions);
 
 }  // namespace skyquilt::poses

@@ -55,7 +55,7 @@ class PhotoCache {
     std::list<Key>::iterator recency;
   };
   void EvictDownTo(std::int64_t bytes);
-  // Takes a photo out that nobody holds; false: somebody does, or it is being decoded.
+  // Takes a photo out that is not in use; false: it is, or is being decoded.
   bool Remove(std::map<Key, Entry>::iterator entry);
 
   const flight::PhotoSource& source_;
@@ -70,7 +70,7 @@ class PhotoCache {
   std::map<Key, Entry> entries_;
   std::list<Key> recency_;  // most recent first
   std::int64_t held_bytes_ = 0;
-  const std::shared_ptr<SpareMemory> spare_;  // of photos that nobody holds any more
+  const std::shared_ptr<SpareMemory> spare_;  // of photos no longer in use
   Observer observer_;
   std::int64_t decodes_ = 0;
 };

@@ -25,7 +25,7 @@ struct RenderContext {
 
 // The block's pixels, plan.BlockSizePx() a side; transparent where no photo sees the ground.
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block);
-// The same by whoever has the ground below the block already.
+// The same, where the ground below the block is known already.
 BlockGeometry GeometryOf(const RenderContext& context, const RenderBlock& block);
 Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
                                              BlockGeometry ground_below);
