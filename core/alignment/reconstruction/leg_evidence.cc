@@ -17,7 +17,7 @@ constexpr double kContradictedSigmas = 4.0;
 constexpr double kMinContradictionM = 1.0;
 constexpr double kMinContradictionRad = 0.17;  // ten degrees between optical axes
 constexpr std::size_t kMinPositions = 5;       // for a verdict on all of them
-constexpr double kPoorResidualPx = 5.0;  // after a first adjustment, which keeps what misses by up to 10
+constexpr double kPoorResidualPx = 5.0;        // after a first adjustment, which keeps errors of up to 10
 constexpr double kGoodResidualPx = 1.5;
 constexpr double kMaxResidualGrowth = 1.5;
 constexpr double kFarBetterResidual = 0.5;
@@ -66,7 +66,7 @@ LegEvidence Weigh(const WeighedLeg& leg) {
   LegEvidence evidence;
   evidence.residual_rms_px = leg.residual_rms_px;
   const std::vector<char> is_tied = TiedPhotos(leg);
-  std::vector<double> misses_m, misses_sigmas;
+  std::vector<double> errors_m, errors_sigmas;
   for (std::size_t i = 0; i < is_tied.size(); ++i) {
     if (!is_tied[i] && !ShowsEnough((*leg.features)[i])) continue;
     ++evidence.readable;
@@ -78,13 +78,13 @@ LegEvidence Weigh(const WeighedLeg& leg) {
     const PhotoRecord& record = (*leg.records)[i];
     const geo::Rigid3& pose = leg.problem->photos[i].cam_from_enu;
     if (record.center_in_enu) {
-      const Eigen::Vector3d miss =
+      const Eigen::Vector3d error =
           pose.TargetOriginInSource() - *record.center_in_enu - leg.problem->position_bias_m;
-      misses_m.push_back(miss.head<2>().norm());
-      misses_sigmas.push_back(misses_m.back() / std::max(1e-3, record.sigma_m.x()));
+      errors_m.push_back(error.head<2>().norm());
+      errors_sigmas.push_back(errors_m.back() / std::max(1e-3, record.sigma_m.x()));
       ++evidence.positions;
       evidence.positions_contradicted +=
-          misses_m.back() > std::max(kMinContradictionM, kContradictedSigmas * record.sigma_m.x()) ? 1 : 0;
+          errors_m.back() > std::max(kMinContradictionM, kContradictedSigmas * record.sigma_m.x()) ? 1 : 0;
     }
     if (record.cam_from_enu) {
       const Eigen::Vector3d recorded = record.cam_from_enu->conjugate() * Eigen::Vector3d::UnitZ();
@@ -95,9 +95,9 @@ LegEvidence Weigh(const WeighedLeg& leg) {
           apart_rad > std::max(kMinContradictionRad, kContradictedSigmas * record.sigma_tilt_rad) ? 1 : 0;
     }
   }
-  if (!misses_m.empty()) {
-    evidence.median_miss_m = Median(std::move(misses_m));
-    evidence.median_miss_sigmas = Median(std::move(misses_sigmas));
+  if (!errors_m.empty()) {
+    evidence.median_error_m = Median(std::move(errors_m));
+    evidence.median_error_sigmas = Median(std::move(errors_sigmas));
   }
   return evidence;
 }
@@ -116,7 +116,7 @@ std::string WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
                        evidence.readable);
   }
   if (evidence.residual_rms_px > kPoorResidualPx) {
-    return fmt::format("by their recorded poses the photos miss each other by {:.1f} pixels",
+    return fmt::format("by their recorded poses the photos disagree by {:.1f} pixels",
                        evidence.residual_rms_px);
   }
   return {};
@@ -138,7 +138,7 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
           : kPoorResidualPx;
   if (by_images.residual_rms_px > max_residual_px) {
     return refused(
-        fmt::format("placed by what they show, the photos miss each other by {:.1f} pixels, by the recorded "
+        fmt::format("placed by what they show, the photos disagree by {:.1f} pixels, by the recorded "
                     "poses by {:.1f}",
                     by_images.residual_rms_px, by_records.residual_rms_px));
   }
@@ -159,7 +159,7 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
     }
   }
   if (!ties_more) {
-    return {true, fmt::format("the photos miss each other by {:.1f} pixels, by the recorded poses by {:.1f}",
+    return {true, fmt::format("the photos disagree by {:.1f} pixels, by the recorded poses by {:.1f}",
                               by_images.residual_rms_px, by_records.residual_rms_px)};
   }
   return {true,
@@ -172,7 +172,7 @@ std::string ContradictionInWords(const LegEvidence& evidence) {
   return fmt::format(
       "the recorded positions CONTRADICT what the photos show: half of the {} photos lie {:.0f} m or more from where "
       "they were recorded, which is {:.0f} times what the records claim: the map as a whole may be as far off",
-      evidence.positions, evidence.median_miss_m, evidence.median_miss_sigmas);
+      evidence.positions, evidence.median_error_m, evidence.median_error_sigmas);
 }
 
 }  // namespace skyquilt::alignment

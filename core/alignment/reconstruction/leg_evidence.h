@@ -1,6 +1,6 @@
 // LegEvidence: how well an alignment stands, measured alike whichever leg it came from (recorded poses, or
 // what the photos show alone), and the choice between the two by it: photos tied together in one connected
-// component first, then what they miss each other by, then how many records they contradict. Pure; any
+// component first, then by how much they disagree, then how many records they contradict. Pure; any
 // thread.
 #pragma once
 
@@ -20,9 +20,9 @@ struct LegEvidence {
   std::size_t unplaced = 0;      // of those: no record says where, or how high, and nothing tied them
   std::size_t tied = 0;          // in the largest connected component, by enough points
   double residual_rms_px = 0.0;  // at a picture 4000 pixels wide; 0 before any adjustment
-  std::size_t positions = 0, positions_contradicted = 0;  // of tied photos with a recorded one
-  std::size_t attitudes = 0, attitudes_contradicted = 0;  // by where the optical axis points
-  double median_miss_m = 0.0, median_miss_sigmas = 0.0;   // of recorded positions, horizontal
+  std::size_t positions = 0, positions_contradicted = 0;   // of tied photos with a recorded one
+  std::size_t attitudes = 0, attitudes_contradicted = 0;   // by where the optical axis points
+  double median_error_m = 0.0, median_error_sigmas = 0.0;  // of recorded positions, horizontal
 
   std::size_t Lost() const { return readable - tied; }
   double PositionsContradicted() const;  // share
@@ -56,7 +56,7 @@ struct LegChoice {
 };
 LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images);
 
-// Recorded positions that most of an alignment misses by far more than they claim; empty: they agree.
+// Recorded positions that most of an alignment contradicts by far more than they claim; empty: they agree.
 std::string ContradictionInWords(const LegEvidence& evidence);
 
 }  // namespace skyquilt::alignment

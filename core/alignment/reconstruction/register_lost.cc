@@ -107,7 +107,7 @@ std::vector<VerifiedPair> LinksOf(const std::vector<Pairing>& pairings, const st
 std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
                                      const std::vector<int>& partners, double median_height_m, int lost) {
   const PhotoFeatures& features = *(*input.features)[static_cast<std::size_t>(lost)];
-  std::vector<Sight> sights;
+  std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
   for (const int partner : partners) {
     const auto p = static_cast<std::size_t>(partner);
@@ -120,9 +120,9 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
       const auto point = points[p].find(KeyOf(seen.x_px, seen.y_px));
       if (point == points[p].end()) continue;
       const Keypoint& keypoint = features.keypoints[static_cast<std::size_t>(match.first)];
-      sights.push_back({{keypoint.x_px, keypoint.y_px},
-                        (*input.tracks)[static_cast<std::size_t>(point->second)].point_in_enu,
-                        features.sigma_px});
+      observations.push_back({{keypoint.x_px, keypoint.y_px},
+                              (*input.tracks)[static_cast<std::size_t>(point->second)].point_in_enu,
+                              features.sigma_px});
       pairings.push_back({partner, match});
     }
   }
@@ -131,15 +131,15 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
   options.max_samples = kMaxSamples;
   const View& view = (*input.views)[static_cast<std::size_t>(lost)];
   const std::optional<FoundPose> found =
-      FindPose(view.intrinsics, sights, kSeed + static_cast<std::uint64_t>(lost), options);
+      FindPose(view.intrinsics, observations, kSeed + static_cast<std::uint64_t>(lost), options);
   if (!found) return std::nullopt;
   // A point seen by three partners is one witness, not three.
   std::set<std::pair<double, double>> pixels;
   std::vector<double> depths_m;
   for (const int k : found->inliers) {
-    const Sight& sight = sights[static_cast<std::size_t>(k)];
-    pixels.emplace(sight.pixel_in_image.x(), sight.pixel_in_image.y());
-    depths_m.push_back((found->cam_from_world.TargetOriginInSource() - sight.point_in_world).z());
+    const PointObservation& observation = observations[static_cast<std::size_t>(k)];
+    pixels.emplace(observation.pixel_in_image.x(), observation.pixel_in_image.y());
+    depths_m.push_back((found->cam_from_world.TargetOriginInSource() - observation.point_in_world).z());
   }
   if (pixels.size() < kMinInliers) return std::nullopt;
   const double height_m = Median(std::move(depths_m));

@@ -31,7 +31,7 @@ TEST(WhyDoubted, SaysWhatFailed) {
   LegEvidence nowhere = Evidence(41, 0);
   nowhere.unplaced = 41;
   EXPECT_EQ(WhyDoubted(nowhere, 0.4), "41 of 41 photos have no usable position or height");
-  EXPECT_THAT(WhyDoubted(Evidence(50, 50, 7.0), 0.1), HasSubstr("miss each other by 7.0 pixels"));
+  EXPECT_THAT(WhyDoubted(Evidence(50, 50, 7.0), 0.1), HasSubstr("disagree by 7.0 pixels"));
   LegEvidence few = Evidence(50, 48);
   few.unplaced = 2;
   EXPECT_EQ(WhyDoubted(few, 0.1), "") << "two lost photos do not put the others in doubt";
@@ -53,7 +53,7 @@ TEST(ChooseLeg, AsManyThatFitFarBetterWin) {
   EXPECT_FALSE(ChooseLeg(Evidence(75, 75, 7.0), Evidence(75, 74, 1.2)).takes_images);
 }
 
-TEST(ChooseLeg, PhotosThatMissEachOtherDoNotWin) {
+TEST(ChooseLeg, PhotosThatDisagreeDoNotWin) {
   const LegChoice choice = ChooseLeg(Evidence(75, 60, 1.0), Evidence(75, 75, 3.0));
   EXPECT_FALSE(choice.takes_images);
   EXPECT_THAT(choice.why, HasSubstr("3.0 pixels"));
@@ -80,15 +80,15 @@ TEST(ChooseLeg, AFewMorePhotosDoNotOutweighTheAngles) {
 
 TEST(ContradictionInWords, IsSaidOfMostPositionsOnly) {
   LegEvidence evidence = Evidence(30, 28);
-  evidence.median_miss_m = 8.0;
-  evidence.median_miss_sigmas = 5.3;
+  evidence.median_error_m = 8.0;
+  evidence.median_error_sigmas = 5.3;
   evidence.positions_contradicted = 14;
   EXPECT_EQ(ContradictionInWords(evidence), "");
   evidence.positions_contradicted = 15;
   EXPECT_THAT(ContradictionInWords(evidence), HasSubstr("half of the 28 photos lie 8 m or more"));
 }
 
-// Photos side by side, tied in a row by links of one point each.
+// Photos side by side, tied in a row by pairs of one point each.
 TEST(Weigh, CountsWhatTheRecordsClaim) {
   constexpr std::size_t kCount = 4;
   BundleProblem problem;
