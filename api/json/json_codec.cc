@@ -120,10 +120,11 @@ Result<std::string> CheckedOptions(const ordered_json& value) {
 }
 
 Result<int> CheckedPriority(const ordered_json& value) {
-  constexpr int kMost = storage::kMaxPriority;
-  if (!value.is_number_integer() || value < -kMost || value > kMost) {
+  constexpr int kMaxPriority = storage::kMaxPriority;
+  if (!value.is_number_integer() || value < -kMaxPriority || value > kMaxPriority) {
     return Error{ErrorCode::kUnprocessable,
-                 fmt::format("The field \"priority\" must be a whole number from {} to {}.", -kMost, kMost),
+                 fmt::format("The field \"priority\" must be a whole number from {} to {}.", -kMaxPriority,
+                             kMaxPriority),
                  ""};
   }
   return value.get<int>();

@@ -349,12 +349,12 @@ void RefuseUnknownVariables() {
 
 // What one client may take of the server, and who counts as one.
 void AddBounds(CLI::App& command, ServeOptions& options) {
-  constexpr std::size_t kMost = 1'000'000;
+  constexpr std::size_t kMaxCount = 1'000'000;
   const auto add = [&](const char* name, auto& value, const char* what) {
     return command.add_option(std::string("--") + name, value, what)->envname(VariableOf(name));
   };
   const auto add_number = [&](const char* name, std::size_t& value, std::size_t least, const char* what) {
-    add(name, value, what)->check(CLI::Range(least, kMost))->capture_default_str();
+    add(name, value, what)->check(CLI::Range(least, kMaxCount))->capture_default_str();
   };
   add("trusted-proxy", options.trusted_proxies,
       "Address (or network, as 10.0.0.0/8) of a proxy whose X-Forwarded-For says who the client is; may be given several times")

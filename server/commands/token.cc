@@ -47,8 +47,9 @@ std::optional<std::chrono::seconds> ParseDuration(const std::string& text) {
   std::int64_t number = 0;
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, number);
-  constexpr std::int64_t kMost = 100'000;  // of any unit
-  if (parsed.ec != std::errc() || parsed.ptr + 1 != end || number < 1 || number > kMost) return std::nullopt;
+  constexpr std::int64_t kMaxUnits = 100'000;  // of any unit
+  if (parsed.ec != std::errc() || parsed.ptr + 1 != end || number < 1 || number > kMaxUnits)
+    return std::nullopt;
   switch (*parsed.ptr) {
     case 's':
       return std::chrono::seconds(number);
