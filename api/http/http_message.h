@@ -67,7 +67,7 @@ struct Request {
   bool is_admin = false;  // may act on flights of others; so may everybody where the server asks for no token
   std::string only_flight;  // the one flight that its token opens; empty: every flight
 
-  // The route promises its parameters: asking for another is a defect of this program.
+  // Precondition: the route's pattern has this parameter.
   const std::string& Parameter(std::string_view name) const;
   std::optional<std::string_view> Query(std::string_view name) const;
 };

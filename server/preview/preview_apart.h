@@ -1,8 +1,8 @@
-// PreviewApart: looks after the previews of flights that are uploading: photos that wait go to confined
-// processes, one per flight, which draw them (server/preview/preview_painter.h) and may read that flight's
-// photos and write its preview, nothing else; the rows of the catalogue are written here. A photo over which
-// such a process dies, or that takes more of the machine than one photo may, is passed over for good, and the
-// others go on. Blocking; one thread, which lives as long as this. Errors: kOutOfSpace, kUnavailable, kIo.
+// PreviewApart: draws the previews of flights that are uploading: waiting photos go to confined processes,
+// one per flight (server/preview/preview_painter.h), which may read that flight's photos and write its
+// preview, nothing else; the rows of the catalogue are written here. A photo on which such a process dies, or
+// that exceeds the limits of one photo, is skipped for good, and the others continue. Blocking; one thread,
+// which lives as long as this. Errors: kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
 #include <chrono>
