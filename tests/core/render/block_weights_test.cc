@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/render/blocks/weigh_block.h"
 #include "tests/support/simulated_map.h"
 
@@ -88,17 +90,6 @@ TEST_F(WeighPhotosTest, GivesSquaresToPhotosOfTheBlockInRisingOrder) {
       }
     }
   }
-}
-
-TEST_F(WeighPhotosTest, AWiderTransitionBlendsMorePixels) {
-  const RenderBlock& block = map_->plan.blocks[map_->plan.blocks.size() / 2];
-  const WeighedBlock narrow = Weigh(block);
-  const auto blended = [&](double transition_m) {
-    const Sums sums = SumsOf(
-        WeighPhotos(map_->flight, narrow.photos, narrow.views, narrow.geometry, narrow.cells, transition_m));
-    return std::count_if(sums.photos.begin(), sums.photos.end(), [](int photos) { return photos > 1; });
-  };
-  EXPECT_GT(blended(20.0 * map_->plan.gsd_m * 4.0), blended(0.0));
 }
 
 }  // namespace
