@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "storage/db/migrations.h"
+#include "storage/db/schema.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -50,8 +50,8 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Prepare(SqliteDb db, const std
                                                           int readers) {
   const Result<void> tuned = db.Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;");
   if (!tuned) return tuned.error();
-  const Result<void> migrated = Migrate(db);
-  if (!migrated) return migrated.error();
+  const Result<void> prepared = PrepareSchema(db);
+  if (!prepared) return prepared.error();
   const Result<AgeClock> ages = AgeClock::Open(db);
   if (!ages) return ages.error();
   std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), *ages, SpaceReserve(path)));

@@ -56,14 +56,5 @@ TEST_F(AgeClockTest, KeepsWhatPassedSinceItWasSaved) {
   EXPECT_GE(Open()->ages().Now() + seconds(1), told);
 }
 
-TEST_F(AgeClockTest, AStepOfTheSchemaUnderAWrongClockAgesNothing) {
-  // As the migration finds it: the newest event is what surely has happened.
-  const auto db = Open();
-  ASSERT_TRUE(db->Lock()->Exec(
-      "INSERT INTO event(at_us,flight_id,kind,body) VALUES(1000,'f','file','{}'); DELETE FROM age_clock;"
-      "INSERT INTO age_clock SELECT 1, coalesce((SELECT max(at_us) FROM event), 5), '', 0"));
-  ExpectNear(Open()->ages().Now(), FromUs(1000));
-}
-
 }  // namespace
 }  // namespace skyquilt::storage

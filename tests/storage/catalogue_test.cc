@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "storage/db/ids.h"
-#include "storage/db/migrations.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -87,17 +86,6 @@ TEST_F(CatalogueTest, SaysWhatDoesNotExist) {
   EXPECT_EQ(catalogue_.AddFile("x", {"a", NewId(), 1}, Now()).error().code, ErrorCode::kNotFound);
   const std::string id = catalogue_.AddFlight("f", "{}", Now())->id;
   EXPECT_EQ(catalogue_.RemoveFile(id, "a.jpg").error().code, ErrorCode::kNotFound);
-}
-
-TEST(Migrations, RefuseACatalogueOfANewerVersion) {
-  ScratchDir dir;
-  {
-    auto db = *SqliteDb::Open(dir.path() / "catalogue.db", OpenMode::kReadWriteCreate);
-    ASSERT_TRUE(db.Exec("PRAGMA user_version=999"));
-  }
-  const auto opened = CatalogueDb::Open(dir.path() / "catalogue.db");
-  ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
 }
 
 TEST(Ids, AreUniqueAndKnowThemselves) {

@@ -1,0 +1,49 @@
+#include "storage/db/schema.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+
+#include "core/base/try.h"
+
+namespace skyquilt::storage {
+
+extern const std::string_view kCatalogueSchema;  // storage/db/schema.sql
+
+namespace {
+
+// Grows with every change of schema.sql. Versions 1 to 12 were those of development before the first release.
+constexpr int kSchemaVersion = 13;
+
+Result<int> CurrentVersion(SqliteDb& db) {
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("PRAGMA user_version"));
+  SKYQUILT_TRY(query.Step());
+  return static_cast<int>(query.ColumnInt64(0));
+}
+
+Error OtherVersion(int version) {
+  return {
+      ErrorCode::kConflict,
+      version > kSchemaVersion
+          ? "This data folder was written by a newer Skyquilt. Use that version, or another folder."
+          : "The catalogue of this data folder is from before the first release of Skyquilt and cannot be "
+            "read. Use another folder, or move catalogue.db and the files named catalogue.db-... out of this "
+            "one and let \"skyquilt data repair\" make the catalogue anew from the flights on disk.",
+      fmt::format("schema {} against {}", version, kSchemaVersion)};
+}
+
+}  // namespace
+
+Result<void> PrepareSchema(SqliteDb& db) {
+  // Read inside the write lock: another process may be making the tables.
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db));
+  SKYQUILT_TRY_ASSIGN(const int version, CurrentVersion(db));
+  if (version == kSchemaVersion) return {};
+  if (version != 0) return OtherVersion(version);
+  SKYQUILT_TRY(db.Exec(std::string(kCatalogueSchema)));
+  SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
+  return transaction.Commit();
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,13 @@
+// PrepareSchema: makes the tables of an empty catalogue, in one transaction, and accepts one that has them. A
+// catalogue of another schema version, older or newer, is refused with kConflict and left as it is. Several
+// processes may call it at once.
+#pragma once
+
+#include "core/base/result.h"
+#include "storage/db/sqlite_db.h"
+
+namespace skyquilt::storage {
+
+Result<void> PrepareSchema(SqliteDb& db);
+
+}  // namespace skyquilt::storage

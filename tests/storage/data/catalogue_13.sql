@@ -1,0 +1,265 @@
+-- A catalogue of schema version 13 as the steps of development made it, with a flight in it. Never changed: such
+-- catalogues exist and must be opened.
+CREATE TABLE flight(
+  id TEXT PRIMARY KEY,
+  name TEXT NOT NULL,
+  created_us INTEGER NOT NULL,
+  options TEXT NOT NULL DEFAULT '{}',
+  active_revision INTEGER,
+  next_revision INTEGER NOT NULL DEFAULT 1
+, owner TEXT NOT NULL DEFAULT '', deleted_us INTEGER, deleted_age_us INTEGER) STRICT;
+CREATE TABLE file(
+  flight_id TEXT NOT NULL REFERENCES flight(id) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  bytes INTEGER NOT NULL,
+  stored_name TEXT NOT NULL UNIQUE,
+  created_us INTEGER NOT NULL, preview_state INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY(flight_id, name)
+) STRICT;
+CREATE TABLE revision(
+  flight_id TEXT NOT NULL REFERENCES flight(id) ON DELETE CASCADE,
+  revision INTEGER NOT NULL,
+  created_us INTEGER NOT NULL,
+  west REAL NOT NULL, south REAL NOT NULL, east REAL NOT NULL, north REAL NOT NULL,
+  min_zoom INTEGER NOT NULL,
+  max_zoom INTEGER NOT NULL,
+  gsd_m REAL NOT NULL,
+  photos_total INTEGER NOT NULL,
+  photos_aligned INTEGER NOT NULL,
+  photos_pose_only INTEGER NOT NULL,
+  photos_left_out INTEGER NOT NULL,
+  PRIMARY KEY(flight_id, revision)
+) STRICT;
+CREATE TABLE job(
+  id TEXT PRIMARY KEY,
+  flight_id TEXT NOT NULL REFERENCES flight(id) ON DELETE CASCADE,
+  options TEXT NOT NULL DEFAULT '{}',
+  state TEXT NOT NULL CHECK(state IN ('accepted','running','successful','failed','dismissed')),
+  priority INTEGER NOT NULL DEFAULT 0,
+  stage TEXT NOT NULL DEFAULT '',
+  progress REAL NOT NULL DEFAULT 0,
+  message TEXT NOT NULL DEFAULT '',
+  attempts INTEGER NOT NULL DEFAULT 0,
+  max_attempts INTEGER NOT NULL DEFAULT 3,
+  not_before_us INTEGER NOT NULL DEFAULT 0,
+  lease_until_us INTEGER NOT NULL DEFAULT 0,
+  lease_token INTEGER NOT NULL DEFAULT 0,
+  worker TEXT NOT NULL DEFAULT '',
+  cancel INTEGER NOT NULL DEFAULT 0,
+  error_code TEXT,
+  error_message TEXT,
+  created_us INTEGER NOT NULL,
+  started_us INTEGER,
+  attempt_started_us INTEGER,
+  finished_us INTEGER
+, owner TEXT NOT NULL DEFAULT '', expected_s REAL, expected_low_s REAL, expected_high_s REAL, interruptions INTEGER NOT NULL DEFAULT 0, claimed_in TEXT NOT NULL DEFAULT '') STRICT;
+CREATE INDEX job_waiting ON job(priority DESC, id) WHERE state = 'accepted';
+CREATE INDEX job_leased ON job(lease_until_us) WHERE state = 'running';
+CREATE INDEX job_of_flight ON job(flight_id, id);
+CREATE TABLE node_task(
+  uuid TEXT PRIMARY KEY,
+  flight_id TEXT NOT NULL UNIQUE REFERENCES flight(id) ON DELETE CASCADE,
+  options TEXT NOT NULL DEFAULT '[]',
+  created_ms INTEGER NOT NULL,
+  is_committed INTEGER NOT NULL DEFAULT 0
+) STRICT;
+CREATE TABLE upload(
+  id TEXT PRIMARY KEY,
+  flight_id TEXT NOT NULL REFERENCES flight(id) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  metadata TEXT NOT NULL,
+  length INTEGER,
+  byte_offset INTEGER NOT NULL DEFAULT 0,
+  is_done INTEGER NOT NULL DEFAULT 0,
+  expires_us INTEGER NOT NULL
+, owner TEXT NOT NULL DEFAULT '') STRICT;
+CREATE INDEX upload_of_flight ON upload(flight_id);
+CREATE INDEX upload_expiry ON upload(expires_us);
+CREATE TABLE token(
+  id TEXT PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,
+  hash BLOB NOT NULL UNIQUE,
+  scope TEXT NOT NULL CHECK(scope IN ('read','upload','admin')),
+  created_us INTEGER NOT NULL,
+  expires_us INTEGER
+, most_bytes INTEGER, requests_per_minute INTEGER, flight_id TEXT REFERENCES flight(id) ON DELETE CASCADE) STRICT;
+CREATE INDEX file_to_preview ON file(flight_id) WHERE preview_state = 0;
+CREATE TABLE preview(
+  flight_id TEXT PRIMARY KEY REFERENCES flight(id) ON DELETE CASCADE,
+  folder TEXT NOT NULL,
+  edition INTEGER NOT NULL,
+  photos INTEGER NOT NULL,
+  min_zoom INTEGER NOT NULL,
+  max_zoom INTEGER NOT NULL,
+  west REAL NOT NULL, south REAL NOT NULL, east REAL NOT NULL, north REAL NOT NULL,
+  changed_west REAL NOT NULL, changed_south REAL NOT NULL, changed_east REAL NOT NULL, changed_north REAL NOT NULL
+) STRICT;
+CREATE TRIGGER previewed_file_gone AFTER DELETE ON file WHEN OLD.preview_state = 1 BEGIN
+  DELETE FROM preview WHERE flight_id = OLD.flight_id;
+  UPDATE file SET preview_state = 0 WHERE flight_id = OLD.flight_id;
+END;
+CREATE INDEX flight_of_owner ON flight(owner);
+CREATE INDEX job_of_owner ON job(owner, attempt_started_us);
+CREATE TABLE stage_cost(
+  job_id TEXT NOT NULL,
+  stage TEXT NOT NULL,
+  photos INTEGER NOT NULL,
+  seconds REAL NOT NULL,
+  PRIMARY KEY(job_id, stage)
+) STRICT;
+CREATE TABLE webhook(
+  id TEXT PRIMARY KEY,
+  url TEXT NOT NULL,
+  secret TEXT NOT NULL,
+  created_us INTEGER NOT NULL
+) STRICT;
+CREATE TABLE webhook_delivery(
+  webhook_id TEXT NOT NULL REFERENCES webhook(id) ON DELETE CASCADE,
+  event_seq INTEGER NOT NULL,
+  body TEXT NOT NULL,
+  attempts INTEGER NOT NULL DEFAULT 0,
+  not_before_us INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY(webhook_id, event_seq)
+) STRICT;
+CREATE INDEX webhook_delivery_due ON webhook_delivery(not_before_us);
+CREATE TABLE turn(
+  owner TEXT NOT NULL,
+  priority INTEGER NOT NULL,
+  waiting INTEGER NOT NULL,
+  last_us INTEGER NOT NULL,
+  first_id TEXT NOT NULL,
+  PRIMARY KEY(owner, priority)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX turn_in_order ON turn(priority DESC, last_us, first_id, owner);
+CREATE INDEX job_waiting_of_owner ON job(owner, priority, id) WHERE state = 'accepted';
+CREATE INDEX job_running_of_owner ON job(owner) WHERE state = 'running';
+CREATE TRIGGER turn_waits AFTER INSERT ON job WHEN NEW.state = 'accepted' BEGIN
+  INSERT INTO turn VALUES(NEW.owner, NEW.priority, 1,
+    (SELECT coalesce(max(attempt_started_us), 0) FROM job WHERE owner = NEW.owner), NEW.id)
+    ON CONFLICT(owner, priority) DO UPDATE SET waiting = waiting + 1, first_id = min(first_id, NEW.id);
+END;
+CREATE TRIGGER turn_waits_again AFTER UPDATE OF state, owner, priority ON job WHEN NEW.state = 'accepted' AND
+    (OLD.state <> 'accepted' OR OLD.owner <> NEW.owner OR OLD.priority <> NEW.priority) BEGIN
+  INSERT INTO turn VALUES(NEW.owner, NEW.priority, 1,
+    (SELECT coalesce(max(attempt_started_us), 0) FROM job WHERE owner = NEW.owner), NEW.id)
+    ON CONFLICT(owner, priority) DO UPDATE SET waiting = waiting + 1, first_id = min(first_id, NEW.id);
+END;
+CREATE TRIGGER turn_waits_no_more AFTER UPDATE OF state, owner, priority ON job WHEN OLD.state = 'accepted' AND
+    (NEW.state <> 'accepted' OR OLD.owner <> NEW.owner OR OLD.priority <> NEW.priority) BEGIN
+  UPDATE turn SET waiting = waiting - 1, first_id = coalesce((SELECT min(id) FROM job WHERE state = 'accepted'
+      AND owner = OLD.owner AND priority = OLD.priority), first_id)
+    WHERE owner = OLD.owner AND priority = OLD.priority;
+  DELETE FROM turn WHERE owner = OLD.owner AND priority = OLD.priority AND waiting = 0;
+END;
+CREATE TRIGGER turn_goes AFTER DELETE ON job WHEN OLD.state = 'accepted' BEGIN
+  UPDATE turn SET waiting = waiting - 1, first_id = coalesce((SELECT min(id) FROM job WHERE state = 'accepted'
+      AND owner = OLD.owner AND priority = OLD.priority), first_id)
+    WHERE owner = OLD.owner AND priority = OLD.priority;
+  DELETE FROM turn WHERE owner = OLD.owner AND priority = OLD.priority AND waiting = 0;
+END;
+CREATE TRIGGER turn_taken AFTER UPDATE OF attempt_started_us ON job WHEN NEW.attempt_started_us IS NOT NULL BEGIN
+  UPDATE turn SET last_us = NEW.attempt_started_us WHERE owner = NEW.owner AND last_us < NEW.attempt_started_us;
+END;
+CREATE TABLE age_clock(
+  id INTEGER PRIMARY KEY CHECK(id = 1),
+  age_us INTEGER NOT NULL,
+  boot_id TEXT NOT NULL,
+  since_boot_us INTEGER NOT NULL
+) STRICT;
+CREATE INDEX flight_in_trash ON flight(deleted_age_us) WHERE deleted_us IS NOT NULL;
+CREATE TABLE "event"(
+  seq INTEGER PRIMARY KEY AUTOINCREMENT,
+  at_us INTEGER NOT NULL DEFAULT (CAST((julianday('now') - 2440587.5) * 86400000000 AS INTEGER)),
+  flight_id TEXT NOT NULL,
+  job_id TEXT,
+  kind TEXT NOT NULL,
+  body TEXT NOT NULL
+) STRICT;
+CREATE INDEX event_of_flight ON event(flight_id, seq);
+CREATE INDEX event_of_job ON event(job_id, seq) WHERE job_id IS NOT NULL;
+CREATE TRIGGER event_pruned AFTER INSERT ON event WHEN NEW.seq % 1000 = 0 BEGIN
+  DELETE FROM event WHERE seq < NEW.seq - 50000;
+END;
+CREATE TRIGGER job_added AFTER INSERT ON job BEGIN
+  INSERT INTO event(flight_id, job_id, kind, body) VALUES(NEW.flight_id, NEW.id, 'job',
+    json_object('state', NEW.state, 'stage', NEW.stage, 'progress', NEW.progress, 'attempts', NEW.attempts));
+END;
+CREATE TRIGGER job_moved AFTER UPDATE OF state, stage ON job
+WHEN NEW.state <> OLD.state OR NEW.stage <> OLD.stage BEGIN
+  INSERT INTO event(flight_id, job_id, kind, body) VALUES(NEW.flight_id, NEW.id, 'job',
+    json_object('state', NEW.state, 'stage', NEW.stage, 'progress', NEW.progress, 'attempts', NEW.attempts,
+                'error', NEW.error_message));
+END;
+CREATE TRIGGER map_shown AFTER UPDATE OF active_revision ON flight
+WHEN NEW.active_revision IS NOT OLD.active_revision BEGIN
+  INSERT INTO event(flight_id, kind, body)
+    SELECT NEW.id, 'map', json_object('revision', revision, 'bounds', json_array(west, south, east, north))
+    FROM revision WHERE flight_id = NEW.id AND revision = NEW.active_revision;
+END;
+CREATE TRIGGER file_added AFTER INSERT ON file BEGIN
+  INSERT INTO event(flight_id, kind, body) VALUES(NEW.flight_id, 'file', json_object('name', NEW.name, 'bytes', NEW.bytes));
+END;
+CREATE TRIGGER flight_trashed AFTER UPDATE OF deleted_us ON flight
+WHEN NEW.deleted_us IS NOT NULL AND OLD.deleted_us IS NULL BEGIN
+  INSERT INTO event(flight_id, kind, body) VALUES(NEW.id, 'deleted', '{"in_trash":true}');
+END;
+CREATE TRIGGER flight_restored AFTER UPDATE OF deleted_us ON flight
+WHEN NEW.deleted_us IS NULL AND OLD.deleted_us IS NOT NULL BEGIN
+  INSERT INTO event(flight_id, kind, body) VALUES(NEW.id, 'restored', '{}');
+END;
+CREATE TRIGGER flight_deleted AFTER DELETE ON flight BEGIN
+  DELETE FROM event WHERE flight_id = OLD.id;
+  INSERT INTO event(flight_id, kind, body) VALUES(OLD.id, 'deleted', '{"in_trash":false}');
+END;
+CREATE TRIGGER preview_begun AFTER INSERT ON preview BEGIN
+  INSERT INTO event(flight_id, kind, body) VALUES(NEW.flight_id, 'preview',
+    json_object('edition', NEW.edition, 'photos', NEW.photos,
+                'bounds', json_array(NEW.west, NEW.south, NEW.east, NEW.north),
+                'changed', json_array(NEW.changed_west, NEW.changed_south, NEW.changed_east, NEW.changed_north)));
+END;
+CREATE TRIGGER preview_grown AFTER UPDATE OF edition ON preview BEGIN
+  INSERT INTO event(flight_id, kind, body) VALUES(NEW.flight_id, 'preview',
+    json_object('edition', NEW.edition, 'photos', NEW.photos,
+                'bounds', json_array(NEW.west, NEW.south, NEW.east, NEW.north),
+                'changed', json_array(NEW.changed_west, NEW.changed_south, NEW.changed_east, NEW.changed_north)));
+END;
+CREATE TRIGGER event_to_tell AFTER INSERT ON event
+WHEN NEW.kind = 'map'
+  OR (NEW.kind = 'job' AND json_extract(NEW.body, '$.state') IN ('successful', 'failed', 'dismissed')) BEGIN
+  INSERT INTO webhook_delivery(webhook_id, event_seq, body)
+    SELECT id, NEW.seq, json_object('seq', NEW.seq, 'event', NEW.kind, 'flight_id', NEW.flight_id, 'job_id', NEW.job_id,
+                                    NEW.kind, json(NEW.body)) FROM webhook;
+END;
+CREATE TABLE data_dir(
+  one INTEGER PRIMARY KEY CHECK(one = 1),
+  id TEXT NOT NULL
+) STRICT;
+CREATE TABLE token_policy(
+  id INTEGER PRIMARY KEY CHECK(id = 1),
+  asks_for_token INTEGER NOT NULL
+) STRICT;
+CREATE TRIGGER token_added AFTER INSERT ON token BEGIN
+  UPDATE token_policy SET asks_for_token = 1;
+END;
+CREATE TRIGGER owned_flight_added AFTER INSERT ON flight WHEN NEW.owner <> '' BEGIN
+  UPDATE token_policy SET asks_for_token = 1;
+END;
+CREATE INDEX token_of_flight ON token(flight_id) WHERE flight_id IS NOT NULL;
+CREATE TABLE idempotent_answer(
+  owner TEXT NOT NULL,
+  key TEXT NOT NULL,
+  route TEXT NOT NULL,
+  fingerprint BLOB NOT NULL,
+  status INTEGER NOT NULL,
+  location TEXT NOT NULL,
+  body TEXT NOT NULL,
+  created_us INTEGER NOT NULL,
+  PRIMARY KEY(owner, key, route)
+) STRICT;
+CREATE INDEX idempotent_answer_age ON idempotent_answer(created_us);
+INSERT INTO age_clock VALUES(1, 1795334400000000, '', 0);
+INSERT INTO token_policy VALUES(1, 0);
+INSERT INTO data_dir VALUES(1, 'a1b2c3');
+INSERT INTO flight(id, name, created_us) VALUES('01kbn0000000000000000000000', 'Field', 1795334400000000);
+INSERT INTO file(flight_id, name, bytes, stored_name, created_us) VALUES('01kbn0000000000000000000000', 'a.jpg', 100, 'stored', 1795334400000000);
+PRAGMA user_version=13;

@@ -1,0 +1,94 @@
+#include "storage/db/schema.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <string>
+#include <string_view>
+
+#include "storage/catalogue/catalogue.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+
+extern const std::string_view kCatalogue13;  // tests/storage/data/catalogue_13.sql
+
+namespace {
+
+// What the catalogue consists of, without comments and line breaks.
+std::map<std::string, std::string> Parts(SqliteDb& db) {
+  std::map<std::string, std::string> parts;
+  auto query = *db.Prepare("SELECT type || ' ' || name, coalesce(sql, '') FROM sqlite_master");
+  while (*query.Step()) {
+    std::string sql(query.ColumnText(1));
+    sql = std::regex_replace(sql, std::regex("--[^\n]*"), "");
+    sql = std::regex_replace(sql, std::regex("\\s+"), " ");
+    sql = std::regex_replace(sql, std::regex("\\s*([(),=])\\s*"), "$1");
+    parts[std::string(query.ColumnText(0))] = std::regex_replace(sql, std::regex("\"event\""), "event");
+  }
+  return parts;
+}
+
+class SchemaTest : public testing::Test {
+ protected:
+  SqliteDb Make(const std::string& sql) const {
+    auto db = *SqliteDb::Open(path(), OpenMode::kReadWriteCreate);
+    const auto made = db.Exec(sql);
+    EXPECT_TRUE(made) << made.error().detail;
+    return db;
+  }
+  std::filesystem::path path() const { return dir_.path() / "catalogue.db"; }
+
+ private:
+  ScratchDir dir_;
+};
+
+TEST_F(SchemaTest, MakesWhatTheStepsOfDevelopmentMade) {
+  SqliteDb stepped = Make(std::string(kCatalogue13));
+  ScratchDir dir;
+  auto fresh = *SqliteDb::Open(dir.path() / "catalogue.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(PrepareSchema(fresh));
+  EXPECT_EQ(Parts(fresh), Parts(stepped));
+}
+
+TEST_F(SchemaTest, OpensACatalogueOfTheSameVersionThatTheStepsMade) {
+  { Make(std::string(kCatalogue13)); }
+  const auto db = CatalogueDb::OpenExisting(path());
+  ASSERT_TRUE(db) << db.error().message;
+  const auto flights = Catalogue(**db).ListFlights(10, {});
+  ASSERT_TRUE(flights);
+  ASSERT_EQ(flights->flights.size(), 1u);
+  EXPECT_EQ(flights->flights.front().name, "Field");
+  EXPECT_EQ(flights->flights.front().bytes, 100);
+}
+
+TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
+  std::string id;
+  {
+    const auto db = CatalogueDb::Open(path());
+    ASSERT_TRUE(db) << db.error().detail;
+    id = Catalogue(**db).AddFlight("f", "{}", Now())->id;
+  }
+  const auto db = CatalogueDb::OpenExisting(path());
+  ASSERT_TRUE(db) << db.error().detail;
+  EXPECT_TRUE(Catalogue(**db).GetFlight(id));
+}
+
+TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {
+  for (const int version : {1, 12, 999}) {
+    Make("DROP TABLE IF EXISTS flight; CREATE TABLE flight(id); PRAGMA user_version=" +
+         std::to_string(version));
+    const auto opened = CatalogueDb::Open(path());
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
+    EXPECT_NE(opened.error().message.find(version == 999 ? "newer Skyquilt" : "skyquilt data repair"),
+              std::string::npos)
+        << opened.error().message;
+    SqliteDb db = Make("");
+    EXPECT_EQ(Parts(db), (std::map<std::string, std::string>{{"table flight", "CREATE TABLE flight(id)"}}));
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::storage
