@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/try.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/lost_folder.h"
 #include "storage/folder/sweep.h"
@@ -13,40 +14,33 @@
 namespace skyquilt::server {
 
 Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int tile_readers) {
-  Result<storage::OpenedDataFolder> opened = storage::OpenDataFolder(root, readers);
-  if (!opened) return opened.error();
-  for (const std::string& note : opened->notes) LogEvent(note);
-  Result<std::unique_ptr<storage::CatalogueDb>> tiles_db =
-      storage::CatalogueDb::OpenExisting(opened->dir.Catalogue(), tile_readers);
-  if (!tiles_db) return tiles_db.error();
-  Result<storage::DataDirWatch> watch = storage::DataDirWatch::Begin(opened->dir);
-  if (!watch) return watch.error();
-  return Storage{std::move(opened->dir), *std::move(opened->lock), std::move(opened->db),
-                 *std::move(tiles_db), *std::move(watch)};
+  SKYQUILT_TRY_ASSIGN(storage::OpenedDataFolder opened, storage::OpenDataFolder(root, readers));
+  for (const std::string& note : opened.notes) LogEvent(note);
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<storage::CatalogueDb> tiles_db,
+                      storage::CatalogueDb::OpenExisting(opened.dir.Catalogue(), tile_readers));
+  SKYQUILT_TRY_ASSIGN(storage::DataDirWatch watch, storage::DataDirWatch::Begin(opened.dir));
+  return Storage{std::move(opened.dir), *std::move(opened.lock), std::move(opened.db), std::move(tiles_db),
+                 std::move(watch)};
 }
 
 Result<void> Recover(const storage::DataDir& dir, const storage::Catalogue& catalogue,
                      storage::JobQueue& queue, const storage::Previews& previews, storage::UploadSpool& spool,
                      storage::Time age) {
   const storage::Time now = storage::Now();
-  const Result<int> released = queue.TakeUpAfterRestart(now);
-  if (!released) return released.error();
-  if (*released > 0) LogEvent(fmt::format("after an unclean stop: {} jobs taken up again", *released));
-  const Result<storage::SweepReport> swept = storage::Sweep(dir, catalogue, queue, previews, now);
-  if (!swept) return swept.error();
-  const Result<int> expired = spool.RemoveExpired(age);
-  if (!expired) return expired.error();
-  if (swept->removed + *expired > 0) {
+  SKYQUILT_TRY_ASSIGN(const int released, queue.TakeUpAfterRestart(now));
+  if (released > 0) LogEvent(fmt::format("after an unclean stop: {} jobs taken up again", released));
+  SKYQUILT_TRY_ASSIGN(const storage::SweepReport swept, storage::Sweep(dir, catalogue, queue, previews, now));
+  SKYQUILT_TRY_ASSIGN(const int expired, spool.RemoveExpired(age));
+  if (swept.removed + expired > 0) {
     LogEvent(fmt::format(
         "{} temporary files and folders of this server were removed: uploads that were cut off or expired, "
         "work of jobs that have ended, previews that are drawn anew",
-        swept->removed + *expired));
+        swept.removed + expired));
   }
-  for (const std::string& line : swept->moved) LogEvent(line);
-  const Result<std::vector<std::filesystem::path>> stray = spool.StrayFiles();
-  if (!stray) return stray.error();
+  for (const std::string& line : swept.moved) LogEvent(line);
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::filesystem::path> stray, spool.StrayFiles());
   storage::LostFolder lost(dir, now);
-  for (const std::filesystem::path& path : *stray) LogEvent(lost.Take(path, "is no upload in the catalogue"));
+  for (const std::filesystem::path& path : stray) LogEvent(lost.Take(path, "is no upload in the catalogue"));
   return {};
 }
 

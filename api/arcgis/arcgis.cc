@@ -7,6 +7,7 @@
 #include "api/ogc/map_view.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -74,12 +75,11 @@ Response MapServer(Service& service, const Request& request) {
 }
 
 Result<Response> Tile(Service& service, const Request& request) {
-  const Result<TilePath> path =
-      ParseTilePath(request.Parameter("z"), request.Parameter("column"), request.Parameter("row"));
-  if (!path) return path.error();
+  SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("z"), request.Parameter("column"),
+                                                         request.Parameter("row")));
   TileWish wish;
   wish.flight_id = request.Parameter("flight");
-  wish.tile = path->tile;
+  wish.tile = path.tile;
   return AnswerTile(service, request, wish);
 }
 

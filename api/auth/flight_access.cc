@@ -5,6 +5,7 @@
 #include "api/auth/access.h"
 #include "api/http/problem.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -76,9 +77,8 @@ bool MayChange(const Request& request, const std::string& owner) {
 
 Result<void> CheckMayChange(Service& service, const Request& request, const std::string& flight_id) {
   if (request.is_admin) return {};
-  const Result<std::string> owner = service.catalogue.OwnerOf(flight_id);
-  if (!owner) return owner.error();
-  if (MayChange(request, *owner)) return {};
+  SKYQUILT_TRY_ASSIGN(const std::string owner, service.catalogue.OwnerOf(flight_id));
+  if (MayChange(request, owner)) return {};
   return Error{ErrorCode::kForbidden,
                "This flight belongs to another token. Only that one, or one of scope admin, may change it.",
                ""};

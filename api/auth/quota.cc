@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/service.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -23,9 +24,8 @@ std::string Readable(std::int64_t bytes) {
 Result<IncomingBytes> IncomingBytes::For(Service& service, const std::string& owner) {
   IncomingBytes incoming(service, owner);
   if (owner.empty()) return incoming;
-  const auto known = service.tokens.Known();
-  if (!known) return known.error();
-  for (const storage::Token& token : (*known)->tokens) {
+  SKYQUILT_TRY_ASSIGN(const auto known, service.tokens.Known());
+  for (const storage::Token& token : known->tokens) {
     if (token.id != owner) continue;
     incoming.token_name_ = token.name;
     incoming.max_bytes_ = token.max_bytes;
@@ -34,9 +34,8 @@ Result<IncomingBytes> IncomingBytes::For(Service& service, const std::string& ow
 }
 
 Result<IncomingBytes> IncomingBytes::Into(Service& service, const std::string& flight_id) {
-  const Result<std::string> owner = service.catalogue.OwnerOf(flight_id);
-  if (!owner) return owner.error();
-  return For(service, *owner);
+  SKYQUILT_TRY_ASSIGN(const std::string owner, service.catalogue.OwnerOf(flight_id));
+  return For(service, owner);
 }
 
 IncomingBytes::IncomingBytes(IncomingBytes&& other) noexcept
@@ -54,9 +53,8 @@ IncomingBytes::~IncomingBytes() {
 }
 
 Result<void> IncomingBytes::Ask() const {
-  const Result<std::int64_t> held = service_->catalogue.BytesOf(owner_);
-  if (!held) return held.error();
-  service_->quotas.accounts_[owner_].held = *held;
+  SKYQUILT_TRY_ASSIGN(const std::int64_t held, service_->catalogue.BytesOf(owner_));
+  service_->quotas.accounts_[owner_].held = held;
   return {};
 }
 
@@ -67,8 +65,7 @@ Result<void> IncomingBytes::Take(std::int64_t bytes) {
   ByteLedger::Account& account = ledger.accounts_[owner_];
   const auto fits = [&] { return account.held && *account.held + account.on_the_way + bytes <= *max_bytes_; };
   if (!fits()) {
-    const Result<void> asked = Ask();
-    if (!asked) return asked.error();
+    SKYQUILT_TRY(Ask());
   }
   if (!fits()) return Refusal();
   account.on_the_way += bytes;
@@ -99,16 +96,14 @@ Result<std::optional<std::int64_t>> IncomingBytes::Room() const {
   if (!max_bytes_) return std::optional<std::int64_t>();
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
-  const Result<void> asked = Ask();
-  if (!asked) return asked.error();
+  SKYQUILT_TRY(Ask());
   const ByteLedger::Account& account = ledger.accounts_[owner_];
   return std::optional(std::max<std::int64_t>(0, *max_bytes_ - *account.held - account.on_the_way));
 }
 
 Result<void> IncomingBytes::CheckRoom(std::optional<std::uint64_t> content_length) const {
-  const Result<std::optional<std::int64_t>> room = Room();
-  if (!room) return room.error();
-  if (*room && content_length.value_or(0) > static_cast<std::uint64_t>(**room)) return Refusal();
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::int64_t> room, Room());
+  if (room && content_length.value_or(0) > static_cast<std::uint64_t>(*room)) return Refusal();
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "api/downloads/zip_layout.h"
 #include "api/http/problem.h"
 #include "api/shown_map.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -24,16 +25,15 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
   // A revision retired between the look-up and the opening is looked up again.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
-    const Result<ShownMap> map = FindShownMap(service, id);
-    if (!map) return map.error();
-    Result<Response> sent = SendFile(request, map->folder / product.file, product.content_type,
-                                     fmt::format("\"{}-r{}-{}\"", id, map->revision, product.file));
+    SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, id));
+    Result<Response> sent = SendFile(request, map.folder / product.file, product.content_type,
+                                     fmt::format("\"{}-r{}-{}\"", id, map.revision, product.file));
     if (!sent) {
       if (sent.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return sent.error();
     }
     if (product.extension != nullptr && sent->status != 304) {
-      sent->headers.Add("Content-Disposition", Disposition(map->flight_name, product.extension));
+      sent->headers.Add("Content-Disposition", Disposition(map.flight_name, product.extension));
     }
     sent->headers.Add("Cache-Control", "no-cache");
     return sent;
@@ -43,25 +43,23 @@ Result<Response> Send(Service& service, const Request& request, const Product& p
 // Everything that the map's folder has, as one archive.
 Result<Response> SendAll(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
-  const Result<ShownMap> map = FindShownMap(service, id);
-  if (!map) return map.error();
+  SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, id));
   std::vector<ZipEntry> entries;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(map->folder, error)) {
+  for (const auto& entry : std::filesystem::directory_iterator(map.folder, error)) {
     if (entry.is_regular_file(error)) entries.push_back({entry.path().filename().string(), "", entry.path()});
   }
   if (error)
     return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", error.message()};
   std::sort(entries.begin(), entries.end(),
             [](const ZipEntry& a, const ZipEntry& b) { return a.name < b.name; });
-  Result<ZipLayout> planned = PlanZip(entries);
-  if (!planned) return planned.error();
-  const auto layout = std::make_shared<const ZipLayout>(*std::move(planned));
+  SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
+  const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
   Result<Response> sent =
-      SendParts(request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, map->revision),
+      SendParts(request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, map.revision),
                 [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
   if (!sent) return sent.error();
-  sent->headers.Add("Content-Disposition", Disposition(map->flight_name, "zip"));
+  sent->headers.Add("Content-Disposition", Disposition(map.flight_name, "zip"));
   sent->headers.Add("Cache-Control", "no-cache");
   return sent;
 }

@@ -11,6 +11,7 @@
 #include "api/downloads/send_file.h"
 #include "api/flights/flights.h"
 #include "api/http/responses.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -36,13 +37,12 @@ const char* ImageTypeOf(std::string name) {
 Result<Response> Send(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const std::string& name = request.Parameter("name");
-  if (auto checked = CheckId(flight_id, "flight"); !checked) return checked.error();
-  if (auto there = RequireFlight(service, flight_id); !there) return there.error();
-  const Result<std::vector<storage::StoredFile>> files = service.catalogue.ListFiles(flight_id);
-  if (!files) return files.error();
-  const auto file = std::find_if(files->begin(), files->end(),
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
+  const auto file = std::find_if(files.begin(), files.end(),
                                  [&](const storage::StoredFile& stored) { return stored.name == name; });
-  if (file == files->end()) return Error{ErrorCode::kNotFound, "This flight has no file of this name.", name};
+  if (file == files.end()) return Error{ErrorCode::kNotFound, "This flight has no file of this name.", name};
   const char* image_type = ImageTypeOf(name);
   // Stored names are never used again: the bytes behind one never change.
   Result<Response> sent = SendFile(request, service.store.PathOf(flight_id, file->stored_name),

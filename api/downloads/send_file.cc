@@ -13,6 +13,7 @@
 #include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/http/range.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -85,10 +86,9 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
     response.headers.Add("Content-Range",
                          fmt::format("bytes {}-{}/{}", range.first, range.first + range.length - 1, size));
   }
-  Result<std::unique_ptr<BodySource>> source =
-      range.kind == RangeKind::kPart ? open(range.first, range.length) : open(0, size);
-  if (!source) return source.error();
-  response.source = *std::move(source);
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<BodySource> source,
+                      range.kind == RangeKind::kPart ? open(range.first, range.length) : open(0, size));
+  response.source = std::move(source);
   return response;
 }
 

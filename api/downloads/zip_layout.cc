@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -234,9 +235,8 @@ Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries) {
       content.crc = static_cast<std::uint32_t>(crc32_z(
           crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(entry.bytes.data()), entry.bytes.size()));
     } else {
-      const Result<Measured> measured = MeasureFile(entry.path);
-      if (!measured) return measured.error();
-      content = *measured;
+      SKYQUILT_TRY_ASSIGN(const Measured measured, MeasureFile(entry.path));
+      content = measured;
     }
     placed.push_back({entry.name, content, layout.length});
     std::string header = LocalHeader(placed.back());

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "api/events/event_text.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -25,8 +26,7 @@ void EventHub::Stop() {
 
 Result<EventHub::Seat> EventHub::Join(const std::string& client, const storage::EventFilter& filter) {
   // Asked before the lock: who joins while nobody listens begins with what is new from now on.
-  const Result<std::int64_t> latest = events_.Latest();
-  if (!latest) return latest.error();
+  SKYQUILT_TRY_ASSIGN(const std::int64_t latest, events_.Latest());
   const std::lock_guard lock(mutex_);
   if (listeners_.size() >= kMaxListeners) return Seat{Joined::kFull, 0};
   if (!client.empty()) {
@@ -39,7 +39,7 @@ Result<EventHub::Seat> EventHub::Join(const std::string& client, const storage::
     items_.clear();
     progress_.clear();
     begins_anew_ = true;
-    seq_before_ = tail_ = std::max(tail_, *latest);
+    seq_before_ = tail_ = std::max(tail_, latest);
   }
   const std::uint64_t id = next_id_++;
   listeners_[id] = {client, filter, nullptr};
@@ -117,19 +117,17 @@ void EventHub::Run() {
 Result<EventHub::Items> EventHub::ReadNew(std::int64_t tail) {
   Items items;
   for (bool is_full = true; is_full;) {
-    const Result<std::vector<storage::Event>> events = events_.After(tail, {}, kMaxAtOnce);
-    if (!events) return events.error();
-    for (const storage::Event& event : *events) {
+    SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, events_.After(tail, {}, kMaxAtOnce));
+    for (const storage::Event& event : events) {
       items.push_back(
           std::make_shared<const Item>(Item{event.seq, event.flight_id, event.job_id, EventText(event)}));
       tail = event.seq;
     }
-    is_full = events->size() == kMaxAtOnce;
+    is_full = events.size() == kMaxAtOnce;
   }
-  const Result<std::vector<storage::Job>> running = queue_.ListRunning();
-  if (!running) return running.error();
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> running, queue_.ListRunning());
   std::map<std::string, std::pair<double, std::string>> told;
-  for (const storage::Job& job : *running) {
+  for (const storage::Job& job : running) {
     auto now = std::pair(job.progress, job.message);
     const auto before = told_.find(job.id);
     if (before == told_.end() || before->second != now) {

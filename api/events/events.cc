@@ -11,6 +11,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::api {
@@ -39,8 +40,7 @@ class EventStream final : public LiveSource {
     std::string text;
     if (is_first_) text = "retry: 2000\n\n";
     is_first_ = false;
-    const Result<void> told = next_ ? HandOn(text) : CatchUp(text);
-    if (!told) return told.error();
+    SKYQUILT_TRY(next_ ? HandOn(text) : CatchUp(text));
     if (!text.empty()) spoke_at_ = Clock::now();
     if (text.empty() && Clock::now() - spoke_at_ >= kPing) {
       text = ": still here\n\n";
@@ -57,13 +57,12 @@ class EventStream final : public LiveSource {
   }
 
   Result<void> HandOn(std::string& text) {
-    const auto items = service_.event_hub.Since(*next_);
-    if (!items) return items.error();
-    if (!*items) {
+    SKYQUILT_TRY_ASSIGN(const auto items, service_.event_hub.Since(*next_));
+    if (!items) {
       next_.reset();  // too slow: the rest is in the log
       return {};
     }
-    for (const auto& item : **items) {
+    for (const auto& item : *items) {
       if (EventHub::Matches(*item, filter_)) text += item->text;
       if (item->seq > 0) after_ = item->seq;
     }
@@ -73,13 +72,13 @@ class EventStream final : public LiveSource {
   Result<void> CatchUp(std::string& text) {
     // Before the look: what comes meanwhile is not taken for looked through.
     const std::int64_t tail = service_.event_hub.tail();
-    const Result<std::vector<storage::Event>> events = service_.events.After(after_, filter_, kMaxAtOnce);
-    if (!events) return events.error();
-    for (const storage::Event& event : *events) {
+    SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events,
+                        service_.events.After(after_, filter_, kMaxAtOnce));
+    for (const storage::Event& event : events) {
       text += EventText(event);
       after_ = event.seq;
     }
-    if (events->size() == kMaxAtOnce) return {};
+    if (events.size() == kMaxAtOnce) return {};
     after_ = std::max(after_, tail);
     const auto place = service_.event_hub.Enter(after_);
     if (!place) return {};

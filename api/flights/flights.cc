@@ -6,6 +6,7 @@
 #include "api/flights/trash.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::api {
@@ -16,16 +17,13 @@ constexpr int kLargestPage = 200;
 
 Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   FlightView view;
-  Result<std::optional<storage::Job>> job = service.queue.LatestOf(flight.id);
-  if (!job) return job.error();
-  view.job = *std::move(job);
-  Result<std::optional<storage::Revision>> revision = service.catalogue.ActiveRevision(flight.id);
-  if (!revision) return revision.error();
-  view.revision = *std::move(revision);
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::Job> job, service.queue.LatestOf(flight.id));
+  view.job = std::move(job);
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::Revision> revision, service.catalogue.ActiveRevision(flight.id));
+  view.revision = std::move(revision);
   if (!view.revision) {
-    Result<std::optional<storage::Preview>> preview = service.previews.Find(flight.id);
-    if (!preview) return preview.error();
-    view.preview = *std::move(preview);
+    SKYQUILT_TRY_ASSIGN(std::optional<storage::Preview> preview, service.previews.Find(flight.id));
+    view.preview = std::move(preview);
   }
   view.flight = std::move(flight);
   return view;
@@ -107,9 +105,8 @@ Response Delete(Service& service, const Request& request) {
 }  // namespace
 
 Result<void> RequireFlight(Service& service, const std::string& id) {
-  const Result<bool> known = service.catalogue.HasFlight(id);
-  if (!known) return known.error();
-  if (!*known) return Error{ErrorCode::kNotFound, "There is no flight " + id + ".", ""};
+  SKYQUILT_TRY_ASSIGN(const bool known, service.catalogue.HasFlight(id));
+  if (!known) return Error{ErrorCode::kNotFound, "There is no flight " + id + ".", ""};
   return {};
 }
 
@@ -120,11 +117,9 @@ std::string DefaultFlightName(storage::Time now) {
 }
 
 Result<FlightView> ViewFlight(Service& service, const std::string& id) {
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return checked.error();
-  Result<storage::Flight> flight = service.catalogue.GetFlight(id);
-  if (!flight) return flight.error();
-  return WithJobAndMap(service, *std::move(flight));
+  SKYQUILT_TRY(CheckId(id, "flight"));
+  SKYQUILT_TRY_ASSIGN(storage::Flight flight, service.catalogue.GetFlight(id));
+  return WithJobAndMap(service, std::move(flight));
 }
 
 void AddFlightRoutes(Router& router, Service& service) {

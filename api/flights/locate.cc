@@ -9,6 +9,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/shown_map.h"
+#include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
 
 namespace skyquilt::api {
@@ -29,9 +30,8 @@ Result<double> Number(const Request& request, const char* name) {
 }
 
 Result<pipeline::LocatedMap> ReadMap(Service& service, const std::string& id) {
-  const Result<ShownMap> shown = FindShownMap(service, id);
-  if (!shown) return shown.error();
-  const auto path = shown->folder / "locate.json";
+  SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));
+  const auto path = shown.folder / "locate.json";
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",

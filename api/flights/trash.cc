@@ -9,6 +9,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -67,16 +68,14 @@ Response RemoveForGood(Service& service, const Request& request) {
 
 Result<void> DeleteFlight(Service& service, const std::string& id) {
   if (service.trash_days == 0) return RemoveFlight(service, id);
-  const Result<void> put = service.db.Free([&] { return service.trash.Put(id, storage::Now()); });
-  if (!put) return put.error();
+  SKYQUILT_TRY(service.db.Free([&] { return service.trash.Put(id, storage::Now()); }));
   service.tilesets.Forget(id);
   return {};
 }
 
 Result<void> RemoveFlight(Service& service, const std::string& id) {
   // The catalogue first: what is then left on the disk is garbage that any start-up removes.
-  const Result<void> deleted = service.db.Free([&] { return service.catalogue.DeleteFlight(id); });
-  if (!deleted) return deleted.error();
+  SKYQUILT_TRY(service.db.Free([&] { return service.catalogue.DeleteFlight(id); }));
   service.tilesets.Forget(id);
   service.store.RemoveFlight(id);
   service.db.FillReserve();
@@ -84,11 +83,10 @@ Result<void> RemoveFlight(Service& service, const std::string& id) {
 }
 
 Result<int> RemoveOldTrash(Service& service) {
-  const auto old =
-      service.trash.DeletedUntil(service.db.ages().Now() - std::chrono::days(service.trash_days));
-  if (!old) return old.error();
+  SKYQUILT_TRY_ASSIGN(const auto old, service.trash.DeletedUntil(service.db.ages().Now() -
+                                                                 std::chrono::days(service.trash_days)));
   int removed = 0;
-  for (const std::string& id : *old) {
+  for (const std::string& id : old) {
     const Result<void> done = RemoveFlight(service, id);
     // One that was restored or removed a moment ago needs nothing more.
     if (!done && done.error().code != ErrorCode::kNotFound) return done.error();

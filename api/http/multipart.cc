@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "api/http/part_header.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -18,13 +19,12 @@ Error Refuse(ErrorCode code, std::string_view why) {
 }  // namespace
 
 Result<std::string> MultipartBoundary(std::string_view content_type) {
-  const Result<HeaderValue> parsed = ParseHeaderValue(content_type);
-  if (!parsed) return parsed.error();
-  if (parsed->value != "multipart/form-data") {
+  SKYQUILT_TRY_ASSIGN(const HeaderValue parsed, ParseHeaderValue(content_type));
+  if (parsed.value != "multipart/form-data") {
     return Error{ErrorCode::kUnsupportedFormat, "Send files as multipart/form-data, or one at a time by PUT.",
                  ""};
   }
-  for (const auto& [name, boundary] : parsed->parameters) {
+  for (const auto& [name, boundary] : parsed.parameters) {
     if (name != "boundary") continue;
     const bool is_good = !boundary.empty() && boundary.size() <= 70 && boundary.back() != ' ' &&
                          std::all_of(boundary.begin(), boundary.end(), [](char c) {
@@ -47,9 +47,8 @@ Result<void> MultipartParser::Push(std::span<const std::uint8_t> bytes) {
   if (state_ == State::kEpilogue) return {};
   buffer_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   while (state_ != State::kEpilogue) {
-    const Result<bool> more = Step();
-    if (!more) return more.error();
-    if (!*more) break;
+    SKYQUILT_TRY_ASSIGN(const bool more, Step());
+    if (!more) break;
   }
   if (state_ == State::kEpilogue) buffer_.clear();
   return {};
@@ -84,9 +83,7 @@ MultipartParser::Delimiter MultipartParser::Classify(std::size_t at, std::size_t
 // Hands the first `count` bytes on (or drops them before the first part).
 Result<void> MultipartParser::Emit(std::size_t count) {
   if (count > 0 && state_ == State::kBody) {
-    const Result<void> taken =
-        receiver_.PartBytes({reinterpret_cast<const std::uint8_t*>(buffer_.data()), count});
-    if (!taken) return taken.error();
+    SKYQUILT_TRY(receiver_.PartBytes({reinterpret_cast<const std::uint8_t*>(buffer_.data()), count}));
   }
   buffer_.erase(0, count);
   return {};
@@ -98,20 +95,17 @@ Result<bool> MultipartParser::StepBody() {
     // All but what could be the start of a delimiter is surely content.
     const std::size_t keep = delimiter_.size() - 1;
     if (buffer_.size() > keep) {
-      const Result<void> emitted = Emit(buffer_.size() - keep);
-      if (!emitted) return emitted.error();
+      SKYQUILT_TRY(Emit(buffer_.size() - keep));
     }
     return false;
   }
   std::size_t end = 0;
   const Delimiter kind = Classify(at, &end);
-  const Result<void> emitted = Emit(kind == Delimiter::kNone ? at + 2 : at);
-  if (!emitted) return emitted.error();
+  SKYQUILT_TRY(Emit(kind == Delimiter::kNone ? at + 2 : at));
   if (kind == Delimiter::kUndecided) return false;
   if (kind == Delimiter::kNone) return true;
   if (state_ == State::kBody) {
-    const Result<void> ended = receiver_.EndPart();
-    if (!ended) return ended.error();
+    SKYQUILT_TRY(receiver_.EndPart());
   }
   if (kind == Delimiter::kEnd) {
     state_ = State::kEpilogue;
@@ -130,10 +124,8 @@ Result<bool> MultipartParser::StepHeader() {
   if (end == std::string::npos) return false;
   if (++parts_ > kMaxParts) return Refuse(ErrorCode::kTooLarge, "it has more than 20,000 parts");
   const std::string_view block = end == 0 ? std::string_view() : std::string_view(buffer_).substr(2, end - 2);
-  const Result<PartHeader> header = ParsePartHeader(block);
-  if (!header) return header.error();
-  const Result<void> begun = receiver_.BeginPart(*header);
-  if (!begun) return begun.error();
+  SKYQUILT_TRY_ASSIGN(const PartHeader header, ParsePartHeader(block));
+  SKYQUILT_TRY(receiver_.BeginPart(header));
   buffer_.erase(0, end + 4);
   state_ = State::kBody;
   return true;

@@ -6,6 +6,7 @@
 #include "api/http/digest.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -70,11 +71,9 @@ Response Once(Service& service, const Request& request, std::string_view body,
 
 Result<bool> HasKeptAnswer(Service& service, const Request& request) {
   if (!request.headers.Has("Idempotency-Key")) return false;
-  const Result<storage::IdempotencyKey> key = KeyOf(request);
-  if (!key) return key.error();
-  const auto known = service.idempotent_answers.Find(*key, service.db.ages().Now());
-  if (!known) return known.error();
-  return known->has_value();
+  SKYQUILT_TRY_ASSIGN(const storage::IdempotencyKey key, KeyOf(request));
+  SKYQUILT_TRY_ASSIGN(const auto known, service.idempotent_answers.Find(key, service.db.ages().Now()));
+  return known.has_value();
 }
 
 }  // namespace skyquilt::api

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "api/http/http_message.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -79,16 +80,15 @@ const std::string* FindParameter(const HeaderValue& header, std::string_view nam
 }
 
 Result<PartHeader> FromDisposition(std::string_view text) {
-  const Result<HeaderValue> parsed = ParseHeaderValue(text);
-  if (!parsed) return parsed.error();
-  if (parsed->value != "form-data") return Refuse("a part is not form-data");
-  const std::string* name = FindParameter(*parsed, "name");
+  SKYQUILT_TRY_ASSIGN(const HeaderValue parsed, ParseHeaderValue(text));
+  if (parsed.value != "form-data") return Refuse("a part is not form-data");
+  const std::string* name = FindParameter(parsed, "name");
   if (name == nullptr) return Refuse("a part has no name");
   PartHeader header;
   header.field = WithQuotes(*name);
-  if (const std::string* file_name = FindParameter(*parsed, "filename")) {
+  if (const std::string* file_name = FindParameter(parsed, "filename")) {
     header.file_name = WithQuotes(*file_name);
-  } else if (const std::string* extended = FindParameter(*parsed, "filename*")) {
+  } else if (const std::string* extended = FindParameter(parsed, "filename*")) {
     if (!Lower(*extended).starts_with("utf-8'")) return Refuse("a file name is not in UTF-8");
     const std::size_t quote = extended->find('\'', 6);
     if (quote == std::string::npos) return Refuse("an extended file name is broken");
@@ -114,9 +114,8 @@ Result<HeaderValue> ParseHeaderValue(std::string_view text) {
     text = Trim(text.substr(equals + 1));
     std::string value;
     if (text.starts_with('"')) {
-      Result<std::string> quoted = TakeQuoted(text);
-      if (!quoted) return quoted.error();
-      value = *std::move(quoted);
+      SKYQUILT_TRY_ASSIGN(std::string quoted, TakeQuoted(text));
+      value = std::move(quoted);
       text = Trim(text);
     } else {
       const std::size_t stop = std::min(text.find(';'), text.size());
@@ -146,9 +145,8 @@ Result<PartHeader> ParsePartHeader(std::string_view block) {
     const std::string_view value = Trim(line.substr(colon + 1));
     if (name == "content-disposition") {
       if (header) return Refuse("a part has two dispositions");
-      Result<PartHeader> parsed = FromDisposition(value);
-      if (!parsed) return parsed.error();
-      header = *std::move(parsed);
+      SKYQUILT_TRY_ASSIGN(PartHeader parsed, FromDisposition(value));
+      header = std::move(parsed);
     } else if (name == "content-transfer-encoding" && Lower(value) != "binary" && Lower(value) != "8bit" &&
                Lower(value) != "7bit") {
       return Refuse("a part is transfer-encoded; send plain bytes");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "storage/uploads/photo_store.h"
 
 namespace skyquilt::api {
@@ -57,13 +58,12 @@ Result<std::vector<std::string>> ParsePath(std::string_view path) {
   while (path.size() > 1) {
     path.remove_prefix(1);
     const std::size_t end = std::min(path.find('/'), path.size());
-    Result<std::string> segment = Decode(path.substr(0, end), "", false);
-    if (!segment) return segment.error();
-    if (segment->empty()) return Refuse("a path segment is empty");
-    if (*segment == "." || *segment == "..") return Refuse("a path segment means a folder");
-    if (segment->find_first_of("/\\") != std::string::npos) return Refuse("a path segment has a slash in it");
+    SKYQUILT_TRY_ASSIGN(std::string segment, Decode(path.substr(0, end), "", false));
+    if (segment.empty()) return Refuse("a path segment is empty");
+    if (segment == "." || segment == "..") return Refuse("a path segment means a folder");
+    if (segment.find_first_of("/\\") != std::string::npos) return Refuse("a path segment has a slash in it");
     if (segments.size() == kMaxSegments) return Refuse("the path has too many segments");
-    segments.push_back(*std::move(segment));
+    segments.push_back(std::move(segment));
     path.remove_prefix(end);
   }
   if (path == "/" && !segments.empty()) return Refuse("a path segment is empty");
@@ -76,14 +76,12 @@ Result<Target> ParseTarget(std::string_view target) {
   if (target.empty() || target.front() != '/') return Refuse("it must begin with a slash");
   if (target.size() > kMaxTargetBytes) return Refuse("it is too long");
   const std::size_t question = target.find('?');
-  Result<std::vector<std::string>> segments = ParsePath(target.substr(0, question));
-  if (!segments) return segments.error();
+  SKYQUILT_TRY_ASSIGN(std::vector<std::string> segments, ParsePath(target.substr(0, question)));
   Target parsed;
-  parsed.segments = *std::move(segments);
+  parsed.segments = std::move(segments);
   if (question == std::string_view::npos) return parsed;
-  Result<std::vector<std::pair<std::string, std::string>>> query = ParseQuery(target.substr(question + 1));
-  if (!query) return query.error();
-  parsed.query = *std::move(query);
+  SKYQUILT_TRY_ASSIGN(auto query, ParseQuery(target.substr(question + 1)));
+  parsed.query = std::move(query);
   return parsed;
 }
 
@@ -95,12 +93,11 @@ Result<std::vector<std::pair<std::string, std::string>>> ParseQuery(std::string_
     if (item.empty()) continue;
     if (query.size() == kMaxQueryItems) return Refuse("the query has too many items");
     const std::size_t equals = item.find('=');
-    Result<std::string> name = Decode(item.substr(0, equals), "/?", true);
-    if (!name) return name.error();
-    Result<std::string> value =
-        Decode(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1), "/?", true);
-    if (!value) return value.error();
-    query.emplace_back(*std::move(name), *std::move(value));
+    SKYQUILT_TRY_ASSIGN(std::string name, Decode(item.substr(0, equals), "/?", true));
+    SKYQUILT_TRY_ASSIGN(
+        std::string value,
+        Decode(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1), "/?", true));
+    query.emplace_back(std::move(name), std::move(value));
   }
   return query;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "api/json/json_text.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -106,8 +107,7 @@ Result<void> SetLayers(const json& value, pipeline::MosaicOptions* options) {
 }  // namespace
 
 Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
-  const Result<void> fit = CheckJsonText(text);
-  if (!fit) return fit.error();
+  SKYQUILT_TRY(CheckJsonText(text));
   const json parsed = json::parse(text, nullptr, false);
   if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The options are not JSON.", ""};
   if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The options must be a JSON object.", ""};

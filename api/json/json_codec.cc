@@ -8,6 +8,7 @@
 
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -91,8 +92,7 @@ const char* FlightState(const FlightView& view) {
 
 Result<ordered_json> ParseObject(std::string_view body) {
   if (body.find_first_not_of(" \t\r\n") == std::string_view::npos) return ordered_json::object();
-  const Result<void> fit = CheckJsonText(body);
-  if (!fit) return fit.error();
+  SKYQUILT_TRY(CheckJsonText(body));
   ordered_json parsed = ordered_json::parse(body, nullptr, false);
   if (parsed.is_discarded()) return Error{ErrorCode::kInvalidArgument, "The body is not JSON.", ""};
   if (!parsed.is_object()) return Error{ErrorCode::kUnprocessable, "The body must be a JSON object.", ""};
@@ -217,31 +217,27 @@ std::string JsonArray(const std::vector<std::string>& items) {
 }
 
 Result<FlightFields> ParseFlightFields(std::string_view body) {
-  const Result<ordered_json> parsed = ParseObject(body);
-  if (!parsed) return parsed.error();
+  SKYQUILT_TRY_ASSIGN(const ordered_json parsed, ParseObject(body));
   FlightFields fields;
-  for (const auto& [field, value] : parsed->items()) {
+  for (const auto& [field, value] : parsed.items()) {
     if (field != "name" && field != "options") return UnknownField(field);
-    const Result<std::string> checked = field == "name" ? CheckedName(value) : CheckedOptions(value);
-    if (!checked) return checked.error();
-    (field == "name" ? fields.name : fields.options) = *checked;
+    SKYQUILT_TRY_ASSIGN(const std::string checked,
+                        field == "name" ? CheckedName(value) : CheckedOptions(value));
+    (field == "name" ? fields.name : fields.options) = checked;
   }
   return fields;
 }
 
 Result<JobRequest> ParseJobRequest(std::string_view body) {
-  const Result<ordered_json> parsed = ParseObject(body);
-  if (!parsed) return parsed.error();
+  SKYQUILT_TRY_ASSIGN(const ordered_json parsed, ParseObject(body));
   JobRequest request;
-  for (const auto& [field, value] : parsed->items()) {
+  for (const auto& [field, value] : parsed.items()) {
     if (field == "options") {
-      const Result<std::string> checked = CheckedOptions(value);
-      if (!checked) return checked.error();
-      request.options = *checked;
+      SKYQUILT_TRY_ASSIGN(const std::string checked, CheckedOptions(value));
+      request.options = checked;
     } else if (field == "priority") {
-      const Result<int> priority = CheckedPriority(value);
-      if (!priority) return priority.error();
-      request.priority = *priority;
+      SKYQUILT_TRY_ASSIGN(const int priority, CheckedPriority(value));
+      request.priority = priority;
     } else {
       return UnknownField(field);
     }

@@ -11,6 +11,7 @@
 #include "api/http/problem.h"
 #include "api/json/json_codec.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -122,43 +123,37 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
     std::error_code error;
     if (fs::is_regular_file(folder / ours, error)) entries.push_back({theirs, "", folder / ours});
   }
-  const Result<Json> report = ReadJson(folder / "report.json");
-  if (!report) return report.error();
-  const Result<Json> photos = ReadJson(folder / "photos.geojson");
-  if (!photos) return photos.error();
-  const Result<std::vector<storage::StoredFile>> files = service.catalogue.ListFiles(task.flight_id);
-  if (!files) return files.error();
-  const Result<std::vector<std::string>> lines = NodeOutput(service, task.flight_id);
-  if (!lines) return lines.error();
+  SKYQUILT_TRY_ASSIGN(const Json report, ReadJson(folder / "report.json"));
+  SKYQUILT_TRY_ASSIGN(const Json photos, ReadJson(folder / "photos.geojson"));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
+                      service.catalogue.ListFiles(task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task.flight_id));
   Json images = Json::array();
-  for (const storage::StoredFile& file : *files)
+  for (const storage::StoredFile& file : files)
     images.push_back({{"filename", file.name}, {"size", file.bytes}});
   std::string output;
-  for (const std::string& line : *lines) output += line + "\n";
-  entries.push_back({"odm_report/shots.geojson", Dump(Shots(*photos)), {}});
-  entries.push_back({"odm_report/stats.json", Dump(Stats(*report, *photos)), {}});
+  for (const std::string& line : lines) output += line + "\n";
+  entries.push_back({"odm_report/shots.geojson", Dump(Shots(photos)), {}});
+  entries.push_back({"odm_report/stats.json", Dump(Stats(report, photos)), {}});
   entries.push_back({"images.json", Dump(images), {}});
   entries.push_back({"task_output.txt", output, {}});
   entries.push_back({"log.json",
                      Dump({{"options", Json::parse(task.options, nullptr, false)},
-                           {"timings", report->value("timings", Json::array())}}),
+                           {"timings", report.value("timings", Json::array())}}),
                      {}});
   return entries;
 }
 
 Result<Response> Archive(Service& service, const Request& request, const storage::NodeTask& task) {
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
-  if (!flight) return flight.error();
-  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
-  if (!job) return job.error();
-  const bool is_done = *job && (*job)->state == storage::JobState::kSuccessful;
-  if (!flight->active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready", ""};
-  const Result<std::vector<ZipEntry>> entries =
-      EntriesOf(service, task, service.store.dir().Revision(task.flight_id, *flight->active_revision));
-  if (!entries) return entries.error();
-  Result<ZipLayout> planned = PlanZip(*entries);
-  if (!planned) return planned.error();
-  const auto layout = std::make_shared<const ZipLayout>(*std::move(planned));
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  const bool is_done = job && job->state == storage::JobState::kSuccessful;
+  if (!flight.active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready", ""};
+  SKYQUILT_TRY_ASSIGN(
+      const std::vector<ZipEntry> entries,
+      EntriesOf(service, task, service.store.dir().Revision(task.flight_id, *flight.active_revision)));
+  SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
+  const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
   // The directory at the end has every name, size and checksum.
   const std::string etag = StrongEtag(std::hash<std::string>()(layout->pieces.back().bytes), "zip");
   return SendParts(

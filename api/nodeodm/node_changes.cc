@@ -7,6 +7,7 @@
 #include "api/json/json_text.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -25,8 +26,7 @@ Result<Wish> ParseWish(const Request& request, const std::string& body) {
   wish.owner = request.owner;
   const std::string_view type = request.headers.Find("Content-Type");
   if (EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json")) {
-    const Result<void> fit = CheckJsonText(body);
-    if (!fit) return fit.error();
+    SKYQUILT_TRY(CheckJsonText(body));
     const Json parsed = Json::parse(body, nullptr, false);
     if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
     if (parsed.contains("uuid") && parsed["uuid"].is_string()) wish.uuid = parsed["uuid"];
@@ -35,9 +35,8 @@ Result<Wish> ParseWish(const Request& request, const std::string& body) {
       wish.options = options.is_string() ? options.get<std::string>() : options.dump();
     }
   } else {
-    const auto fields = ParseQuery(body);
-    if (!fields) return fields.error();
-    for (const auto& [name, value] : *fields) {
+    SKYQUILT_TRY_ASSIGN(const auto fields, ParseQuery(body));
+    for (const auto& [name, value] : fields) {
       if (name == "uuid") wish.uuid = value;
       if (name == "options" && !value.empty()) wish.options = value;
     }
@@ -57,10 +56,9 @@ Response Outcome(const Result<void>& done, const Request& request) {
 }
 
 Result<void> CancelTask(Service& service, const storage::NodeTask& task) {
-  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
-  if (!job) return job.error();
-  if (!*job) return {};
-  const Result<storage::Job> cancelled = service.queue.Cancel((*job)->id, storage::Now());
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  if (!job) return {};
+  const Result<storage::Job> cancelled = service.queue.Cancel(job->id, storage::Now());
   // A task that has ended cannot be stopped any more; asking is no mistake.
   if (!cancelled && cancelled.error().code != ErrorCode::kConflict) return cancelled.error();
   return {};
@@ -71,20 +69,16 @@ Result<void> RemoveTask(Service& service, const storage::NodeTask& task) {
 }
 
 Result<void> RestartTask(Service& service, const storage::NodeTask& task, const Wish& wish) {
-  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
-  if (!job) return job.error();
-  if (!*job || !(*job)->finished) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  if (!job || !job->finished) {
     return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended.", ""};
   }
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
-  if (!flight) return flight.error();
-  NodeChoice choice{flight->options, task.options};
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
+  NodeChoice choice{flight.options, task.options};
   if (wish.options) {
-    const Result<NodeChoice> parsed = ParseNodeOptions(*wish.options);
-    if (!parsed) return parsed.error();
-    choice = *parsed;
-    const Result<void> set = service.catalogue.SetFlightOptions(task.flight_id, choice.job_options);
-    if (!set) return set.error();
+    SKYQUILT_TRY_ASSIGN(const NodeChoice parsed, ParseNodeOptions(*wish.options));
+    choice = parsed;
+    SKYQUILT_TRY(service.catalogue.SetFlightOptions(task.flight_id, choice.job_options));
   }
   const Result<storage::Job> queued =
       service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wish.owner});

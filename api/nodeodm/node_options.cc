@@ -9,6 +9,7 @@
 
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -95,8 +96,7 @@ std::string NodeOptionsJson() {
 
 Result<NodeChoice> ParseNodeOptions(std::string_view text) {
   if (text.empty()) return NodeChoice{"{}", "[]"};
-  const Result<void> fit = CheckJsonText(text);
-  if (!fit) return fit.error();
+  SKYQUILT_TRY(CheckJsonText(text));
   const Json list = Json::parse(text, nullptr, false);
   if (!list.is_array()) {
     return Error{ErrorCode::kInvalidArgument, "Invalid options: give a JSON list of {name, value}.", ""};

@@ -16,6 +16,7 @@
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -195,38 +196,33 @@ Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) 
 }
 
 Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id) {
-  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(flight_id);
-  if (!job) return job.error();
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(flight_id));
   std::vector<std::string> lines;
-  if (!*job) return lines;
+  if (!job) return lines;
   constexpr int kMaxLines = 1000;
   storage::EventFilter filter;
-  filter.job_id = (*job)->id;
-  const Result<std::vector<storage::Event>> events = service.events.After(0, filter, kMaxLines);
-  if (!events) return events.error();
-  for (const storage::Event& event : *events) lines.push_back(LineOf(event));
+  filter.job_id = job->id;
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, service.events.After(0, filter, kMaxLines));
+  for (const storage::Event& event : events) lines.push_back(LineOf(event));
   return lines;
 }
 
 std::int64_t NodeNowMs() { return storage::ToUs(storage::Now()) / 1000; }
 
 Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task) {
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(task.flight_id);
-  if (!flight) return flight.error();
-  const Result<std::optional<storage::Job>> job = service.queue.LatestOf(task.flight_id);
-  if (!job) return job.error();
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   Value answer;
   answer["uuid"] = task.uuid;
-  answer["name"] = flight->name;
+  answer["name"] = flight.name;
   answer["dateCreated"] = task.created_ms;
-  answer["processingTime"] = ProcessingMs(*job);
-  const int code = StatusCode(*job);
+  answer["processingTime"] = ProcessingMs(job);
+  const int code = StatusCode(job);
   answer["status"] = {{"code", code}};
-  if (code == 30)
-    answer["status"]["errorMessage"] = (*job)->error ? (*job)->error->message : "Processing failed";
+  if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
   answer["options"] = Value::parse(task.options, nullptr, false);
-  answer["imagesCount"] = flight->file_count;
-  answer["progress"] = code == 40 ? 100.0 : *job ? std::min(99.0, (*job)->progress * 100.0) : 0.0;
+  answer["imagesCount"] = flight.file_count;
+  answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
   return Dump(answer);
 }
 

@@ -10,6 +10,7 @@
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/form_receiver.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -92,9 +93,8 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Form
     return Error{ErrorCode::kUnprocessable,
                  "This node fetches nothing by itself (zipurl). Upload the photos.", ""};
   }
-  const Result<NodeChoice> choice = ParseNodeOptions(form.Text("options").value_or(""));
-  if (!choice) return choice.error();
-  task.choice = *choice;
+  SKYQUILT_TRY_ASSIGN(const NodeChoice choice, ParseNodeOptions(form.Text("options").value_or("")));
+  task.choice = choice;
   task.name = form.Text("name").value_or("");
   if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
   const Result<FlightFields> checked = ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));

@@ -6,6 +6,7 @@
 
 #include "api/http/responses.h"
 #include "api/tiles/tiles.h"
+#include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 
@@ -36,13 +37,10 @@ std::string MapView::Link(std::string_view path) const {
 }
 
 Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id) {
-  const Result<void> checked = CheckId(flight_id, "flight");
-  if (!checked) return checked.error();
-  const Result<storage::Flight> flight = service.catalogue.GetFlight(flight_id);
-  if (!flight) return flight.error();
-  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight_id);
-  if (!tileset) return tileset.error();
-  return MapView{flight_id, flight->name, *tileset, request.base_url, TokenOf(request)};
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
+  return MapView{flight_id, flight.name, tileset, request.base_url, TokenOf(request)};
 }
 
 std::vector<TileMatrix> MatricesOf(const MapView& map) {

@@ -12,6 +12,7 @@
 #include "api/ogc/map_view.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "storage/db/ids.h"
 
@@ -250,13 +251,12 @@ Result<Response> Tile(Service& service, const Request& request, const MapView& m
   // OGC has the row before the column.
   const std::string& last = request.Parameter("column");
   const std::size_t dot = std::min(last.find('.'), last.size());
-  const Result<TilePath> path = ParseTilePath(request.Parameter("matrix"), last.substr(0, dot),
-                                              request.Parameter("row") + last.substr(dot));
-  if (!path) return path.error();
+  SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("matrix"), last.substr(0, dot),
+                                                         request.Parameter("row") + last.substr(dot)));
   TileWish wish;
   wish.flight_id = map.id;
-  wish.tile = path->tile;
-  wish.format = path->format;
+  wish.tile = path.tile;
+  wish.format = path.format;
   wish.empty = EmptyTile::kNoContent;
   return AnswerTile(service, request, wish);
 }

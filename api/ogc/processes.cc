@@ -12,6 +12,7 @@
 #include "api/jobs/queue_job.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -118,8 +119,7 @@ struct Execution {
 };
 
 Result<Execution> ParseExecution(const std::string& body) {
-  const Result<void> fit = CheckJsonText(body);
-  if (!fit) return fit.error();
+  SKYQUILT_TRY(CheckJsonText(body));
   const Value parsed = Value::parse(body, nullptr, false);
   const bool has_flight = parsed.is_object() && parsed.contains("inputs") && parsed["inputs"].is_object() &&
                           parsed["inputs"].contains("flight") && parsed["inputs"]["flight"].is_string();

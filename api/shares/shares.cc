@@ -9,6 +9,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::api {
@@ -21,8 +22,7 @@ constexpr std::size_t kMaxShares = 100;  // of one flight; each request looks th
 // Days until the share ends; absent: never.
 Result<std::optional<int>> ParseDays(const std::string& body) {
   if (body.find_first_not_of(" \t\r\n") == std::string::npos) return std::optional<int>(kUsualDays);
-  const Result<void> fit = CheckJsonText(body);
-  if (!fit) return fit.error();
+  SKYQUILT_TRY(CheckJsonText(body));
   const auto parsed = nlohmann::json::parse(body, nullptr, false);
   if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"expires_in_days\": 30}.", ""};
   std::optional<int> days = kUsualDays;
@@ -52,11 +52,9 @@ std::vector<std::pair<std::string_view, std::string>> Described(const storage::T
 }
 
 Result<void> RequireFlight(Service& service, const std::string& flight_id) {
-  const Result<void> checked = CheckId(flight_id, "flight");
-  if (!checked) return checked.error();
-  const Result<bool> known = service.catalogue.HasFlight(flight_id);
-  if (!known) return known.error();
-  if (!*known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY_ASSIGN(const bool known, service.catalogue.HasFlight(flight_id));
+  if (!known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
   return {};
 }
 

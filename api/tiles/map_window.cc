@@ -6,6 +6,7 @@
 #include <map>
 
 #include "api/tiles/tiles.h"
+#include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 
@@ -32,11 +33,10 @@ class ZoomPicture {
     const std::int64_t x = FloorDiv(column);
     const std::int64_t y = FloorDiv(row);
     if (x != last_x_ || y != last_y_ || last_ == nullptr) {
-      const Result<const Pixels*> tile = TileAt(x, y);
-      if (!tile) return tile.error();
+      SKYQUILT_TRY_ASSIGN(const Pixels* const tile, TileAt(x, y));
       last_x_ = x;
       last_y_ = y;
-      last_ = *tile;
+      last_ = tile;
     }
     if (last_->rgba.empty()) return static_cast<const std::uint8_t*>(nullptr);
     const auto inside_x = static_cast<std::size_t>(column - x * side_px_);
@@ -54,17 +54,14 @@ class ZoomPicture {
     if (!is_new) return &found->second;
     const Result<geo::TileId> id = geo::TileId::Make(zoom_, x, y);
     if (!id) return &found->second;  // outside the world
-    Result<std::optional<storage::FoundTile>> stored = reader_.Find(*id);
-    if (!stored) return stored.error();
-    if (!*stored) return &found->second;
-    const Result<std::string> bytes = reader_.Load(**std::move(stored));
-    if (!bytes) return bytes.error();
-    Result<Pixels> pixels = DecodeTile(*bytes);
-    if (!pixels) return pixels.error();
-    if (pixels->width != side_px_ || pixels->height != side_px_) {
+    SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> stored, reader_.Find(*id));
+    if (!stored) return &found->second;
+    SKYQUILT_TRY_ASSIGN(const std::string bytes, reader_.Load(*std::move(stored)));
+    SKYQUILT_TRY_ASSIGN(Pixels pixels, DecodeTile(bytes));
+    if (pixels.width != side_px_ || pixels.height != side_px_) {
       return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
     }
-    found->second = *std::move(pixels);
+    found->second = std::move(pixels);
     return &found->second;
   }
 
@@ -109,11 +106,10 @@ Result<void> Blend(ZoomPicture& picture, const Place& x, const Place& y, std::ui
     const double weight =
         (is_right ? x.fraction : 1.0 - x.fraction) * (is_below ? y.fraction : 1.0 - y.fraction);
     if (weight == 0.0) continue;
-    const Result<const std::uint8_t*> pixel = picture.At(x.first + is_right, y.first + is_below);
-    if (!pixel) return pixel.error();
-    if (*pixel == nullptr) continue;
-    const double alpha = weight * (*pixel)[3];
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += alpha * (*pixel)[c];
+    SKYQUILT_TRY_ASSIGN(const std::uint8_t* const pixel, picture.At(x.first + is_right, y.first + is_below));
+    if (pixel == nullptr) continue;
+    const double alpha = weight * pixel[3];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += alpha * pixel[c];
     sum[3] += alpha;
   }
   if (sum[3] <= 0.0) return {};
@@ -141,8 +137,7 @@ Result<Pixels> RenderWindow(const storage::Tileset& tileset, const MapWindow& wi
     const Place y = PlaceOf((geo::kMercHalfWidthM - window.y_in_merc(row)) / source_pixel_m - 0.5);
     picture.ForgetAbove(y.first);
     for (const Place& x : columns) {
-      const Result<void> blended = Blend(picture, x, y, pixel);
-      if (!blended) return blended.error();
+      SKYQUILT_TRY(Blend(picture, x, y, pixel));
       pixel += 4;
     }
   }

@@ -1,5 +1,7 @@
 #include "api/tiles/tile_path.h"
 
+#include "core/base/try.h"
+
 namespace skyquilt::api {
 namespace {
 
@@ -45,9 +47,8 @@ Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::stri
     return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row.",
                  ""};
   }
-  const Result<geo::TileId> tile = geo::TileId::Make(*zoom, *column, *row);
-  if (!tile) return tile.error();
-  path.tile = *tile;
+  SKYQUILT_TRY_ASSIGN(const geo::TileId tile, geo::TileId::Make(*zoom, *column, *row));
+  path.tile = tile;
   return path;
 }
 

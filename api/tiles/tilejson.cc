@@ -10,6 +10,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/tiles/tiles.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -45,19 +46,18 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
 }
 
 Result<Value> MapDocument(Service& service, const Request& request, const storage::Flight& flight) {
-  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight.id);
-  if (!tileset) return tileset.error();
-  const storage::Revision& revision = (*tileset)->revision;
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight.id));
+  const storage::Revision& revision = tileset->revision;
   Value document =
       Document(request, flight,
                {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision), revision.bounds,
-                revision.min_zoom, revision.max_zoom, TileSizePx(**tileset), ""});
-  const auto& metadata = (*tileset)->reader->metadata();
+                revision.min_zoom, revision.max_zoom, TileSizePx(*tileset), ""});
+  const auto& metadata = tileset->reader->metadata();
   for (const char* key : {"attribution", "description"}) {
     const auto found = metadata.find(key);
     if (found != metadata.end() && !found->second.empty()) document[key] = found->second;
   }
-  for (const auto& [layer, reader] : (*tileset)->layers) {
+  for (const auto& [layer, reader] : tileset->layers) {
     const char* name = render::NameOf(layer);
     document["layers"].push_back(
         {{"id", name},
@@ -84,18 +84,16 @@ Result<Value> PreviewDocument(Service& service, const Request& request, const st
 
 Result<Value> LayerDocument(Service& service, const Request& request, const storage::Flight& flight,
                             render::MapLayer layer) {
-  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(flight.id);
-  if (!tileset) return tileset.error();
-  const Result<std::shared_ptr<storage::MbtilesReader>> reader = FindLayer(**tileset, layer);
-  if (!reader) return reader.error();
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight.id));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader, FindLayer(*tileset, layer));
   const auto zoom = [&](const char* key, int otherwise) {
-    const auto found = (*reader)->metadata().find(key);
-    if (found != (*reader)->metadata().end()) {
+    const auto found = reader->metadata().find(key);
+    if (found != reader->metadata().end()) {
       std::from_chars(found->second.data(), found->second.data() + found->second.size(), otherwise);
     }
     return otherwise;
   };
-  const storage::Revision& revision = (*tileset)->revision;
+  const storage::Revision& revision = tileset->revision;
   Value document =
       Document(request, flight,
                {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision), revision.bounds,
@@ -115,23 +113,20 @@ Result<std::string> BeforeJson(std::string_view segment) {
 }
 
 Result<storage::Flight> FlightNamed(Service& service, const std::string& id) {
-  const Result<void> checked = CheckId(id, "flight");
-  if (!checked) return checked.error();
+  SKYQUILT_TRY(CheckId(id, "flight"));
   return service.catalogue.GetFlight(id);
 }
 
 // Of the map, or of a layer beside it.
 Result<Response> TileJson(Service& service, const Request& request, const std::string& id,
                           std::optional<render::MapLayer> layer) {
-  const Result<storage::Flight> flight = FlightNamed(service, id);
-  if (!flight) return flight.error();
-  const Result<Value> document = layer ? LayerDocument(service, request, *flight, *layer)
-                                 : ShowsPreview(service, request, flight->id)
-                                     ? PreviewDocument(service, request, *flight)
-                                     : MapDocument(service, request, *flight);
-  if (!document) return document.error();
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, FlightNamed(service, id));
+  SKYQUILT_TRY_ASSIGN(const Value document, layer ? LayerDocument(service, request, flight, *layer)
+                                            : ShowsPreview(service, request, flight.id)
+                                                ? PreviewDocument(service, request, flight)
+                                                : MapDocument(service, request, flight));
   Response response =
-      Text(200, document->dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
+      Text(200, document.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
   const std::string etag = StrongEtag(std::hash<std::string>()(response.body));
   response.headers.Add("ETag", etag);

@@ -17,6 +17,7 @@
 #include "api/tiles/map_window.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/transcode_tile.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -74,12 +75,11 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
 
 Result<Response> Blank(const Request& request, const TileWish& tile_wish, int side_px,
                        const char* cache_control) {
-  const Result<EmptyTile> wish = EmptyTileWish(request, tile_wish.empty);
-  if (!wish) return wish.error();
-  if (*wish == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
+  SKYQUILT_TRY_ASSIGN(const EmptyTile wish, EmptyTileWish(request, tile_wish.empty));
+  if (wish == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
   Response response;
   response.headers.Add("Cache-Control", cache_control);
-  if (*wish == EmptyTile::kNoContent) {
+  if (wish == EmptyTile::kNoContent) {
     response.status = 204;
     return response;
   }
@@ -105,9 +105,8 @@ Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::T
   window.pixel_m = (bounds.max.x() - bounds.min.x()) / window.width_px;
   window.x_in_merc = [&](int column) { return bounds.min.x() + (column + 0.5) * window.pixel_m; };
   window.y_in_merc = [&](int row) { return bounds.max.y() - (row + 0.5) * window.pixel_m; };
-  Result<Pixels> pixels = RenderWindow(tileset, window);
-  if (!pixels) return pixels.error();
-  return EncodeTile(*std::move(pixels), format);
+  SKYQUILT_TRY_ASSIGN(Pixels pixels, RenderWindow(tileset, window));
+  return EncodeTile(std::move(pixels), format);
 }
 
 // From those that were made before, or made here if this is the place. Null: it is not.
@@ -125,13 +124,13 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
                  "The tiles of this map are so large that there are none of twice the size.", ""};
   }
   const pyramid::TileFormat format = wish.format.value_or(pyramid::TileFormat::kPng);
-  const auto made =
+  SKYQUILT_TRY_ASSIGN(
+      const auto made,
       Made(service, request, {tileset.flight_id, tileset.revision.revision, wish.tile, format, 2},
-           [&] { return MakeDoubleTile(tileset, wish.tile, format); });
-  if (!made) return made.error();
-  if (*made == nullptr) return AskFor(Work::kCompute);
+           [&] { return MakeDoubleTile(tileset, wish.tile, format); }));
+  if (made == nullptr) return AskFor(Work::kCompute);
   Response response;
-  const std::string etag = StrongEtag((*made)->digest, "2x");
+  const std::string etag = StrongEtag(made->digest, "2x");
   response.headers.Add("Cache-Control", CacheControl(request, tileset));
   response.headers.Add("ETag", etag);
   if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
@@ -139,7 +138,7 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
     return response;
   }
   response.headers.Add("Content-Type", ContentTypeOf(format));
-  response.body = (*made)->bytes;
+  response.body = made->bytes;
   return response;
 }
 
@@ -168,44 +167,41 @@ Result<Response> Stored(Service& service, const Request& request, const TileWish
     response.status = 304;
     return response;
   }
-  Result<std::string> bytes = found.bytes ? *std::move(found.bytes) : reader->Load(std::move(found));
-  if (!bytes) return bytes.error();
-  const std::optional<pyramid::TileFormat> stored = TileFormatOf(*bytes);
+  SKYQUILT_TRY_ASSIGN(std::string bytes,
+                      found.bytes ? *std::move(found.bytes) : reader->Load(std::move(found)));
+  const std::optional<pyramid::TileFormat> stored = TileFormatOf(bytes);
   if (wish.format && stored && *wish.format != *stored) {
     response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
     if (tileset == nullptr) {
       if (request.work < Work::kCompute) return AskFor(Work::kCompute);
-      Result<std::string> converted = TranscodeTile(*bytes, *wish.format);
-      if (!converted) return converted.error();
-      response.body = *std::move(converted);
+      SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *wish.format));
+      response.body = std::move(converted);
       return response;
     }
-    const auto made =
+    SKYQUILT_TRY_ASSIGN(
+        const auto made,
         Made(service, request, {tileset->flight_id, tileset->revision.revision, wish.tile, *wish.format, 1},
-             [&] { return TranscodeTile(*bytes, *wish.format); });
-    if (!made) return made.error();
-    if (*made == nullptr) return AskFor(Work::kCompute);
-    response.body = (*made)->bytes;
+             [&] { return TranscodeTile(bytes, *wish.format); }));
+    if (made == nullptr) return AskFor(Work::kCompute);
+    response.body = made->bytes;
     return response;
   }
   response.headers.Add("Content-Type", stored ? ContentTypeOf(*stored) : "application/octet-stream");
-  response.body = *std::move(bytes);
+  response.body = std::move(bytes);
   return response;
 }
 
 // Codes, not pictures: as they are stored, in no other size or format.
 Result<Response> LayerTile(Service& service, const Request& request, const storage::Tileset& tileset,
                            const TileWish& wish) {
-  const Result<std::shared_ptr<storage::MbtilesReader>> reader = FindLayer(tileset, *wish.layer);
-  if (!reader) return reader.error();
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader, FindLayer(tileset, *wish.layer));
   if (wish.is_double || wish.format.value_or(pyramid::TileFormat::kPng) != pyramid::TileFormat::kPng) {
     return Error{ErrorCode::kInvalidArgument,
                  "Layers are there as .png of one size: their colours are codes.", ""};
   }
-  Result<std::optional<storage::FoundTile>> found = (*reader)->Find(wish.tile);
-  if (!found) return found.error();
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader->Find(wish.tile));
   const char* cache_control = CacheControl(request, tileset);
-  if (!*found) {
+  if (!found) {
     if (!Touches(wish.tile, tileset.revision)) {
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
     }
@@ -213,13 +209,12 @@ Result<Response> LayerTile(Service& service, const Request& request, const stora
   }
   TileWish as_stored = wish;
   as_stored.format.reset();
-  return Stored(service, request, as_stored, **std::move(found), reader->get(), &tileset, cache_control);
+  return Stored(service, request, as_stored, *std::move(found), reader.get(), &tileset, cache_control);
 }
 
 // A tile of a map that is not made yet. Always 256 pixels: there is nothing finer to show for it.
 Result<Response> PreviewTile(Service& service, const Request& request, const TileWish& wish) {
-  const Result<void> checked = CheckId(wish.flight_id, "flight");
-  if (!checked) return checked.error();
+  SKYQUILT_TRY(CheckId(wish.flight_id, "flight"));
   const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(wish.flight_id);
   if (!open) {
     // Who shows the preview learns of its end a moment after it: until then it has nothing more, which is no
@@ -231,28 +226,26 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
   if (wish.tile.z() < preview.min_zoom || wish.tile.z() > preview.max_zoom) {
     return Error{ErrorCode::kNotFound, "The preview has no tiles of this zoom.", ""};
   }
-  Result<std::optional<storage::FoundTile>> found = (*open)->tiles->Find(wish.tile);
-  if (!found) return found.error();
-  if (!*found) return Blank(request, wish, kPreviewTileSizePx, kGrowing);
-  return Stored(service, request, wish, **std::move(found), nullptr, nullptr, kGrowing);
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, (*open)->tiles->Find(wish.tile));
+  if (!found) return Blank(request, wish, kPreviewTileSizePx, kGrowing);
+  return Stored(service, request, wish, *std::move(found), nullptr, nullptr, kGrowing);
 }
 
 Result<Response> Tile(Service& service, const Request& request) {
-  const Result<TilePath> path =
-      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
-  if (!path) return path.error();
+  SKYQUILT_TRY_ASSIGN(const TilePath path,
+                      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
   TileWish wish;
   wish.flight_id = request.Parameter("flight");
-  wish.tile = path->tile;
-  wish.format = path->format ? path->format : FormatByAccept(request);
-  wish.is_double = path->is_double;
+  wish.tile = path.tile;
+  wish.format = path.format ? path.format : FormatByAccept(request);
+  wish.is_double = path.is_double;
   // Previews are written while they are read, and a map is opened by whoever asks first.
   const bool is_open = service.tilesets.IsOpen(wish.flight_id) && request.Query("rev") != kPreviewRevision;
   if (request.work < Work::kRead && !is_open) return AskFor(Work::kRead);
   Result<Response> answer = ShowsPreview(service, request, wish.flight_id)
                                 ? PreviewTile(service, request, wish)
                                 : AnswerTile(service, request, wish);
-  if (answer && !path->format) answer->headers.Add("Vary", "Accept");
+  if (answer && !path.format) answer->headers.Add("Vary", "Accept");
   return answer;
 }
 
@@ -267,28 +260,26 @@ bool ShowsPreview(Service& service, const Request& request, const std::string& f
 }
 
 Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish) {
-  const Result<void> checked = CheckId(wish.flight_id, "flight");
-  if (!checked) return checked.error();
+  SKYQUILT_TRY(CheckId(wish.flight_id, "flight"));
   if (request.work < Work::kRead && !service.tilesets.IsOpen(wish.flight_id)) return AskFor(Work::kRead);
-  const Result<std::shared_ptr<const storage::Tileset>> tileset = service.tilesets.Get(wish.flight_id);
-  if (!tileset) return tileset.error();
-  const storage::Revision& revision = (*tileset)->revision;
-  if (wish.layer) return LayerTile(service, request, **tileset, wish);
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset,
+                      service.tilesets.Get(wish.flight_id));
+  const storage::Revision& revision = tileset->revision;
+  if (wish.layer) return LayerTile(service, request, *tileset, wish);
   if (wish.tile.z() < revision.min_zoom || wish.tile.z() > revision.max_zoom) {
     return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
   }
-  storage::MbtilesReader& reader = *(*tileset)->reader;
-  Result<std::optional<storage::FoundTile>> found = reader.Find(wish.tile);
-  if (!found) return found.error();
-  if (!*found) {
+  storage::MbtilesReader& reader = *tileset->reader;
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader.Find(wish.tile));
+  if (!found) {
     if (!Touches(wish.tile, revision))
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
-    return Blank(request, wish, TileSizePx(**tileset) * (wish.is_double ? 2 : 1),
-                 CacheControl(request, **tileset));
+    return Blank(request, wish, TileSizePx(*tileset) * (wish.is_double ? 2 : 1),
+                 CacheControl(request, *tileset));
   }
-  if (wish.is_double) return DoubleTile(service, request, **tileset, wish);
-  return Stored(service, request, wish, **std::move(found), &reader, tileset->get(),
-                CacheControl(request, **tileset));
+  if (wish.is_double) return DoubleTile(service, request, *tileset, wish);
+  return Stored(service, request, wish, *std::move(found), &reader, tileset.get(),
+                CacheControl(request, *tileset));
 }
 
 int TileSizePx(const storage::Tileset& tileset) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "core/pyramid/png_encoder.h"
 
 namespace skyquilt::api {
@@ -49,8 +50,7 @@ Result<Pixels> DecodeJpeg(std::string_view bytes) {
       0) {
     return Damaged();
   }
-  const Result<void> sized = Resize(&pixels, width, height);
-  if (!sized) return sized.error();
+  SKYQUILT_TRY(Resize(&pixels, width, height));
   if (tjDecompress2(jpeg.get(), Raw(bytes), bytes.size(), pixels.rgba.data(), width, 0, height, TJPF_RGBA,
                     0) != 0) {
     return Damaged();
@@ -79,8 +79,7 @@ Result<Pixels> DecodeWebp(std::string_view bytes) {
   int width = 0;
   int height = 0;
   if (WebPGetInfo(Raw(bytes), bytes.size(), &width, &height) == 0) return Damaged();
-  const Result<void> sized = Resize(&pixels, width, height);
-  if (!sized) return sized.error();
+  SKYQUILT_TRY(Resize(&pixels, width, height));
   if (WebPDecodeRGBAInto(Raw(bytes), bytes.size(), pixels.rgba.data(), pixels.rgba.size(), width * 4) ==
       nullptr) {
     return Damaged();
@@ -194,9 +193,8 @@ std::string EncodeTile(Pixels pixels, TileFormat to) {
 }
 
 Result<std::string> TranscodeTile(std::string_view bytes, TileFormat to) {
-  Result<Pixels> pixels = DecodeTile(bytes);
-  if (!pixels) return pixels.error();
-  return EncodeTile(*std::move(pixels), to);
+  SKYQUILT_TRY_ASSIGN(Pixels pixels, DecodeTile(bytes));
+  return EncodeTile(std::move(pixels), to);
 }
 
 std::string TransparentPng(int side_px) {

@@ -7,6 +7,7 @@
 #include "api/ogc/map_view.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -60,16 +61,15 @@ Response TileMap(Service& service, const Request& request) {
 }
 
 Result<Response> Tile(Service& service, const Request& request) {
-  const Result<TilePath> path =
-      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
-  if (!path) return path.error();
-  const Result<geo::TileId> tile = geo::TileId::Make(path->tile.z(), path->tile.x(), path->tile.TmsRow());
-  if (!tile) return tile.error();
+  SKYQUILT_TRY_ASSIGN(const TilePath path,
+                      ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
+  SKYQUILT_TRY_ASSIGN(const geo::TileId tile,
+                      geo::TileId::Make(path.tile.z(), path.tile.x(), path.tile.TmsRow()));
   TileWish wish;
   wish.flight_id = request.Parameter("flight");
-  wish.tile = *tile;
-  wish.format = path->format;
-  wish.is_double = path->is_double;
+  wish.tile = tile;
+  wish.format = path.format;
+  wish.is_double = path.is_double;
   return AnswerTile(service, request, wish);
 }
 

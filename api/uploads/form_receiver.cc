@@ -8,6 +8,7 @@
 
 #include "api/json/json_text.h"
 #include "api/uploads/unpack.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 
@@ -58,20 +59,18 @@ Result<void> FormReceiver::BeginFile(const std::string& name) {
   // end.
   const Result<void> named = name.empty() ? Result<void>() : storage::CheckFileName(name);
   if (!named) return Skip(named.error());
-  Result<IncomingBytes> incoming = IncomingBytes::Into(service_, flight_id_);
-  if (!incoming) return incoming.error();
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service_, flight_id_));
   Result<storage::Upload> upload = service_.store.Begin(flight_id_, 0);
   if (!upload) return Skip(upload.error());
   upload_ = *std::move(upload);
-  incoming_.emplace(*std::move(incoming));
+  incoming_.emplace(std::move(incoming));
   return {};
 }
 
 Result<void> FormReceiver::PartBytes(std::span<const std::uint8_t> bytes) {
   if (is_file_) {
     if (is_skipped_) return {};
-    const Result<void> taken = incoming_->Take(static_cast<std::int64_t>(bytes.size()));
-    if (!taken) return taken.error();
+    SKYQUILT_TRY(incoming_->Take(static_cast<std::int64_t>(bytes.size())));
     const Result<void> written = upload_->Write(bytes);
     return written ? written : Skip(written.error());
   }

@@ -12,6 +12,7 @@
 #include "api/uploads/files.h"
 #include "api/uploads/form_digest.h"
 #include "api/uploads/form_receiver.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -101,18 +102,14 @@ class NewFlight final : public BodySink {
     if (name && !name->empty())
       members.emplace_back("name", JsonString(*name));  // an empty box means no name
     if (chosen) members.emplace_back("options", *chosen);
-    const Result<FlightFields> fields = ParseFlightFields(JsonObject(members));
-    if (!fields) return fields.error();
-    if (fields->name) {
-      const Result<void> renamed = service_.catalogue.RenameFlight(flight_id_, *fields->name);
-      if (!renamed) return renamed.error();
+    SKYQUILT_TRY_ASSIGN(const FlightFields fields, ParseFlightFields(JsonObject(members)));
+    if (fields.name) {
+      SKYQUILT_TRY(service_.catalogue.RenameFlight(flight_id_, *fields.name));
     }
-    if (fields->options) {
-      const Result<void> set = service_.catalogue.SetFlightOptions(flight_id_, *fields->options);
-      if (!set) return set.error();
+    if (fields.options) {
+      SKYQUILT_TRY(service_.catalogue.SetFlightOptions(flight_id_, *fields.options));
     }
-    return service_.queue.Add(flight_id_, fields->options.value_or("{}"), storage::Now(),
-                              {0, request_.owner});
+    return service_.queue.Add(flight_id_, fields.options.value_or("{}"), storage::Now(), {0, request_.owner});
   }
 
   Service& service_;

@@ -8,6 +8,7 @@
 #include "api/json/json_codec.h"
 #include "api/uploads/files.h"
 #include "api/uploads/unpack.h"
+#include "core/base/try.h"
 #include "storage/uploads/unpack_archive.h"
 
 namespace skyquilt::api {
@@ -26,8 +27,7 @@ class PutFile final : public BodySink {
         sha256_(std::move(sha256)) {}
 
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
-    const Result<void> taken = incoming_.Take(static_cast<std::int64_t>(bytes.size()));
-    if (!taken) return taken.error();
+    SKYQUILT_TRY(incoming_.Take(static_cast<std::int64_t>(bytes.size())));
     if (sha256_) digest_.Add(bytes);
     return upload_.Write(bytes);
   }

@@ -12,6 +12,7 @@
 #include "api/json/json_codec.h"
 #include "api/uploads/tus_headers.h"
 #include "api/uploads/unpack.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -85,8 +86,7 @@ class Chunk final : public BodySink {
 
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
     if (incoming_) {
-      const Result<void> taken = incoming_->Take(static_cast<std::int64_t>(bytes.size()));
-      if (!taken) return taken.error();
+      SKYQUILT_TRY(incoming_->Take(static_cast<std::int64_t>(bytes.size())));
     }
     if (digest_) digest_->Add(bytes);
     const Result<void> written = append_->Write(bytes);
@@ -183,8 +183,7 @@ Result<SpooledUpload> WishOf(const Request& request) {
   if (wish.flight_id.empty() || wish.name.empty()) {
     return bad("Upload-Metadata must have \"flight\" (the flight's id) and \"filename\".");
   }
-  const Result<void> checked = CheckId(wish.flight_id, "flight");
-  if (!checked) return checked.error();
+  SKYQUILT_TRY(CheckId(wish.flight_id, "flight"));
   return wish;
 }
 
@@ -221,16 +220,13 @@ Begun BeginCreation(Service& service, const Request& request) {
 
 // A length that comes late counts as a whole from here on.
 Result<void> DeclareLength(Service& service, const std::string& id, std::int64_t length) {
-  const Result<SpooledUpload> upload = service.spool.Find(id, service.db.ages().Now());
-  if (!upload) return upload.error();
-  if (upload->length || length < upload->offset)
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload, service.spool.Find(id, service.db.ages().Now()));
+  if (upload.length || length < upload.offset)
     return service.spool.DeclareLength(id, length, service.db.ages().Now());
-  Result<IncomingBytes> incoming = IncomingBytes::Into(service, upload->flight_id);
-  if (!incoming) return incoming.error();
-  const Result<void> fits = incoming->Take(length - upload->offset);
-  if (!fits) return fits.error();
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, upload.flight_id));
+  SKYQUILT_TRY(incoming.Take(length - upload.offset));
   const Result<void> declared = service.spool.DeclareLength(id, length, service.db.ages().Now());
-  if (declared) incoming->Kept(length - upload->offset);
+  if (declared) incoming.Kept(length - upload.offset);
   return declared;
 }
 

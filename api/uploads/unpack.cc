@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/try.h"
 #include "storage/uploads/unpack_archive.h"
 
 namespace skyquilt::api {
@@ -52,23 +53,20 @@ Result<std::vector<FileOutcome>> AddAll(Service& service, const std::string& fli
 Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::string& flight_id,
                                               const storage::StoredFile& file) {
   if (!storage::IsArchiveName(file.name)) return std::vector<FileOutcome>{Outcome(file.name, file.bytes)};
-  Result<IncomingBytes> incoming = IncomingBytes::Into(service, flight_id);
-  if (!incoming) return incoming.error();
-  const Result<std::optional<std::int64_t>> room = incoming->Room();
-  if (!room) return room.error();
+  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::int64_t> room, incoming.Room());
   // The archive's own bytes are counted still, and go when it is unpacked.
-  const std::int64_t max_bytes = *room ? **room + file.bytes : std::numeric_limits<std::int64_t>::max();
+  const std::int64_t max_bytes = room ? *room + file.bytes : std::numeric_limits<std::int64_t>::max();
   const Result<std::vector<storage::UnpackedFile>> unpacked =
       service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name), max_bytes);
   const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
   if (removed) {
     service.store.Remove(flight_id, removed->stored_name);
-    incoming->Freed(removed->bytes);
+    incoming.Freed(removed->bytes);
   }
-  if (!unpacked)
-    return unpacked.error().code == ErrorCode::kTooLarge ? incoming->Refusal() : unpacked.error();
+  if (!unpacked) return unpacked.error().code == ErrorCode::kTooLarge ? incoming.Refusal() : unpacked.error();
   const std::int64_t bytes = SizeOf(*unpacked);
-  const Result<void> taken = incoming->Take(bytes);
+  const Result<void> taken = incoming.Take(bytes);
   if (!taken) {
     for (const storage::UnpackedFile& one : *unpacked) {
       if (!one.error) service.store.Remove(flight_id, one.file.stored_name);
@@ -76,7 +74,7 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
     return taken.error();
   }
   Result<std::vector<FileOutcome>> outcomes = AddAll(service, flight_id, *unpacked);
-  incoming->Kept(bytes);
+  incoming.Kept(bytes);
   return outcomes;
 }
 

@@ -11,6 +11,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -24,8 +25,7 @@ struct Wish {
 };
 
 Result<Wish> ParseWish(const std::string& body) {
-  const Result<void> fit = CheckJsonText(body);
-  if (!fit) return fit.error();
+  SKYQUILT_TRY(CheckJsonText(body));
   const auto parsed = nlohmann::json::parse(body, nullptr, false);
   if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"url\": \"https://...\"}.", ""};
   Wish wish;

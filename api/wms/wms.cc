@@ -9,6 +9,7 @@
 #include "api/http/problem.h"
 #include "api/ogc/map_view.h"
 #include "api/tiles/map_window.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -144,19 +145,18 @@ Result<std::string> Draw(const MapView& map, const WmsMap& wish) {
     window.x_in_merc = [=](int column) { return wish.west + (column + 0.5) * width; };
     window.y_in_merc = [=](int row) { return wish.north - (row + 0.5) * height; };
   }
-  Result<Pixels> pixels = RenderWindow(*map.tileset, window);
-  if (!pixels) return pixels.error();
+  SKYQUILT_TRY_ASSIGN(Pixels pixels, RenderWindow(*map.tileset, window));
   if (!wish.is_transparent) {
-    for (std::size_t i = 0; i < pixels->rgba.size(); i += 4) {
-      const int alpha = pixels->rgba[i + 3];
+    for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
+      const int alpha = pixels.rgba[i + 3];
       for (std::size_t c = 0; c < 3; ++c) {
-        pixels->rgba[i + c] =
-            static_cast<std::uint8_t>((pixels->rgba[i + c] * alpha + 255 * (255 - alpha) + 127) / 255);
+        pixels.rgba[i + c] =
+            static_cast<std::uint8_t>((pixels.rgba[i + c] * alpha + 255 * (255 - alpha) + 127) / 255);
       }
-      pixels->rgba[i + 3] = 255;
+      pixels.rgba[i + 3] = 255;
     }
   }
-  return EncodeTile(*std::move(pixels), wish.format);
+  return EncodeTile(std::move(pixels), wish.format);
 }
 
 Response GetMap(Service& service, const Request& request) {
@@ -217,13 +217,11 @@ Result<WmsMap> ParseGetMap(const Request& request) {
       std::abs(map.east) > most || std::abs(map.south) > most || std::abs(map.north) > most) {
     return Bad("", "BBOX must go from its lower left to its upper right corner, within the world.");
   }
-  const Result<int> width = Side(request, "WIDTH");
-  if (!width) return width.error();
-  const Result<int> height = Side(request, "HEIGHT");
-  if (!height) return height.error();
-  if (*width * *height > kMaxPixels) return Bad("", "WIDTH times HEIGHT must not be above 8 million.");
-  map.width_px = *width;
-  map.height_px = *height;
+  SKYQUILT_TRY_ASSIGN(const int width, Side(request, "WIDTH"));
+  SKYQUILT_TRY_ASSIGN(const int height, Side(request, "HEIGHT"));
+  if (width * height > kMaxPixels) return Bad("", "WIDTH times HEIGHT must not be above 8 million.");
+  map.width_px = width;
+  map.height_px = height;
   const std::string format = Parameter(request, "FORMAT").value_or("");
   if (format == "image/jpeg") {
     map.format = pyramid::TileFormat::kJpeg;

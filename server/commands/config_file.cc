@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "core/base/try.h"
+
 namespace skyquilt::server {
 namespace {
 
@@ -62,9 +64,8 @@ Result<std::vector<std::string>> ExpandConfig(std::vector<std::string> words) {
     if (words[i] == "--config" && i + 1 < words.size()) path = words[i + 1];
     if (words[i].starts_with(kJoined)) path = words[i].substr(kJoined.size());
     if (path.empty()) continue;
-    const Result<std::vector<std::string>> from_file = WordsOf(path);
-    if (!from_file) return from_file.error();
-    words.insert(words.begin() + 1, from_file->begin(), from_file->end());
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> from_file, WordsOf(path));
+    words.insert(words.begin() + 1, from_file.begin(), from_file.end());
     return words;
   }
   return words;

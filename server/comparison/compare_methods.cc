@@ -15,6 +15,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
 #include "server/commands/terminal_progress.h"
 #include "server/jobs/stitch_job.h"
@@ -147,9 +148,8 @@ Result<std::vector<MethodOutcome>> CompareMethods(const std::vector<flight::Inpu
   for (const auto& [name, method] : kMethods) {
     pipeline::MosaicOptions of_method = options;
     of_method.method = method;
-    Result<MethodOutcome> outcome = RunMethod(name, files, of_method, truth_json, out_dir);
-    if (!outcome) return outcome.error();
-    outcomes.push_back(*std::move(outcome));
+    SKYQUILT_TRY_ASSIGN(MethodOutcome outcome, RunMethod(name, files, of_method, truth_json, out_dir));
+    outcomes.push_back(std::move(outcome));
   }
   return outcomes;
 }

@@ -8,6 +8,7 @@
 
 #include "api/tiles/map_window.h"
 #include "api/tiles/transcode_tile.h"
+#include "core/base/try.h"
 #include "core/geo/bounds.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/picture_sheet.h"
@@ -39,9 +40,8 @@ Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const Look& loo
   window.y_in_merc = [&](int row) {
     return look.middle_in_merc.y() - (row + 0.5 - 0.5 * kPanelPx) * look.pixel_m;
   };
-  Result<api::Pixels> pixels = api::RenderWindow(tileset, window);
-  if (!pixels) return pixels.error();
-  pyramid::RgbaImage image{pixels->width, pixels->height, {pixels->rgba.begin(), pixels->rgba.end()}};
+  SKYQUILT_TRY_ASSIGN(api::Pixels pixels, api::RenderWindow(tileset, window));
+  pyramid::RgbaImage image{pixels.width, pixels.height, {pixels.rgba.begin(), pixels.rgba.end()}};
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     for (std::size_t c = 0; c < 3; ++c) {
       image.rgba[i + c] = static_cast<std::uint8_t>(image.rgba[i + c] * image.rgba[i + 3] / 255);
@@ -58,10 +58,9 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
   geo::Bounds2 all;
   for (const MethodOutcome& outcome : outcomes) {
     if (!outcome.failure.empty()) continue;
-    auto reader = storage::MbtilesReader::Open(outcome.folder / "mosaic.mbtiles");
-    if (!reader) return reader.error();
+    SKYQUILT_TRY_ASSIGN(auto reader, storage::MbtilesReader::Open(outcome.folder / "mosaic.mbtiles"));
     storage::Tileset tileset;
-    tileset.reader = *std::move(reader);
+    tileset.reader = std::move(reader);
     tileset.revision.min_zoom = outcome.min_zoom;
     tileset.revision.max_zoom = outcome.max_zoom;
     tilesets.push_back(std::move(tileset));
@@ -78,8 +77,7 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
   std::vector<pyramid::SheetPicture> pictures;
   for (const Look& look : {whole, detail}) {
     for (std::size_t k = 0; k < drawn.size(); ++k) {
-      Result<pyramid::RgbaImage> image = Draw(tilesets[k], look);
-      if (!image) return image.error();
+      SKYQUILT_TRY_ASSIGN(pyramid::RgbaImage image, Draw(tilesets[k], look));
       const MethodOutcome& outcome = *drawn[k];
       std::string caption =
           fmt::format("{}: {} of {} photos", outcome.method, outcome.placed, outcome.photos);
@@ -87,7 +85,7 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
       if (pictures.size() >= drawn.size()) {
         caption = fmt::format("{}: the middle, {:.1f} cm a pixel", outcome.method, 100.0 * best.gsd_m);
       }
-      pictures.push_back({std::move(caption), *std::move(image)});
+      pictures.push_back({std::move(caption), std::move(image)});
     }
   }
   const pyramid::RgbaImage sheet = pyramid::PictureSheet(pictures, static_cast<int>(drawn.size()));

@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/try.h"
 #include "server/confinement/sandbox.h"
 #include "server/confinement/spawn_self.h"
 #include "server/routing/request_log.h"
@@ -163,13 +164,12 @@ Result<std::string> RunApart(const ApartTask& task) {
   const Descriptor input(FileOf(task.input));
   if (input.get() < 0) return NoMeans();
   const Clock::time_point begun = Clock::now();
-  const Result<pid_t> child = SpawnSelf(task.words, theirs.get(), input.get());
-  if (!child) return child.error();
+  SKYQUILT_TRY_ASSIGN(const pid_t child, SpawnSelf(task.words, theirs.get(), input.get()));
   theirs.Close();
   const Clock::time_point end = begun + task.deadline;
   Heard heard = Listen(ours.get(), task, end);
   const bool is_over = heard.is_stopped || !heard.why_not.empty();
-  const Ended ended = Collect(*child, is_over ? Clock::now() : end);
+  const Ended ended = Collect(child, is_over ? Clock::now() : end);
   const bool is_well = !is_over && WIFEXITED(ended.status) && WEXITSTATUS(ended.status) == 0;
   const std::string how = is_well ? "well" : heard.why_not.empty() ? HowItEnded(ended.status) : heard.why_not;
   LogEvent(fmt::format("{} apart: {:.2f} s, {:.2f} s of CPU, {} MiB, ended {}", task.name,

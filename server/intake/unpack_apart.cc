@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/try.h"
 #include "server/confinement/run_apart.h"
 #include "storage/db/ids.h"
 
@@ -118,8 +119,7 @@ Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, 
                  "The server could not make a folder for what is in the archive. Try again.",
                  unmade.message()};
   }
-  const Result<storage::DataDir> staging = storage::DataDir::Open(folder.path());
-  if (!staging) return staging.error();
+  SKYQUILT_TRY_ASSIGN(const storage::DataDir staging, storage::DataDir::Open(folder.path()));
   const Result<std::string> answer = RunApart(
       {.name = "unpack",
        .words = {"unpack", "--staging", folder.path().string(), "--flight", flight_id, "--parent",
@@ -128,9 +128,8 @@ Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, 
        .max_answer_bytes = kMaxAnswerBytes,
        .refusal = kRefusal});
   if (!answer) return answer.error();
-  Result<std::vector<UnpackedFile>> files = Parse(*answer);
-  if (!files) return files.error();
-  return TakeOver(store, flight_id, *staging, *std::move(files));
+  SKYQUILT_TRY_ASSIGN(std::vector<UnpackedFile> files, Parse(*answer));
+  return TakeOver(store, flight_id, staging, std::move(files));
 }
 
 void UnpackHere(const fs::path& staging, const std::string& flight_id, const fs::path& archive,

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "api/json/job_options.h"
+#include "core/base/try.h"
 #include "core/pipeline/inspect_flight.h"
 #include "server/confinement/run_apart.h"
 #include "server/jobs/open_elevation_model.h"
@@ -59,15 +60,13 @@ std::int64_t DataBytesFor(const std::vector<flight::InputFile>& files) {
 }
 
 Result<std::string> Inspect(const std::vector<flight::InputFile>& files, const std::string& options) {
-  const Result<pipeline::MosaicOptions> mosaic = api::ParseJobOptions(options);
-  if (!mosaic) return mosaic.error();
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions mosaic, api::ParseJobOptions(options));
   SilentProgress progress;
-  const auto elevations = OpenElevationModel(mosaic->dem_path, files);
-  if (!elevations) return elevations.error();
-  auto verdict = pipeline::InspectFlight(files, *mosaic, progress, elevations->source.get());
-  if (!verdict) return verdict.error();
-  verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
-  return pipeline::VerdictJson(*verdict);
+  SKYQUILT_TRY_ASSIGN(const auto elevations, OpenElevationModel(mosaic.dem_path, files));
+  SKYQUILT_TRY_ASSIGN(auto verdict,
+                      pipeline::InspectFlight(files, mosaic, progress, elevations.source.get()));
+  verdict.warnings.insert(verdict.warnings.end(), elevations.warnings.begin(), elevations.warnings.end());
+  return pipeline::VerdictJson(verdict);
 }
 
 }  // namespace

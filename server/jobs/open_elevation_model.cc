@@ -1,5 +1,6 @@
 #include "server/jobs/open_elevation_model.h"
 
+#include "core/base/try.h"
 #include "core/flight/lists/elevation_model_file.h"
 #include "storage/rasters/geotiff_dem.h"
 
@@ -7,8 +8,7 @@ namespace skyquilt::server {
 namespace {
 
 Result<std::unique_ptr<storage::GeotiffDem>> Open(const std::filesystem::path& path) {
-  const Result<void> short_enough = flight::CheckTiffDirectories(path);
-  if (!short_enough) return short_enough.error();
+  SKYQUILT_TRY(flight::CheckTiffDirectories(path));
   return storage::GeotiffDem::Open(path);
 }
 
@@ -18,9 +18,8 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
                                            const std::vector<flight::InputFile>& files) {
   GivenElevations given;
   if (!dem_path.empty()) {
-    auto opened = Open(dem_path);
-    if (!opened) return opened.error();
-    given.source = *std::move(opened);
+    SKYQUILT_TRY_ASSIGN(auto opened, Open(dem_path));
+    given.source = std::move(opened);
     return given;
   }
   for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "api/json/job_options.h"
+#include "core/base/try.h"
 #include "server/jobs/job_progress.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
@@ -48,8 +49,7 @@ Result<void> Sync(const fs::path& path, int flags) {
 Result<void> SyncTree(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const Result<void> synced = Sync(entry.path(), 0);
-    if (!synced) return synced.error();
+    SKYQUILT_TRY(Sync(entry.path(), 0));
   }
   if (error) return OsError("list " + folder.string(), error.value());
   return Sync(folder, O_DIRECTORY);
@@ -93,10 +93,9 @@ void AdoptEarlierAttempt(const fs::path& work, const storage::Lease& lease) {
 
 // The folder of the map that the flight shows now; empty when it has none.
 Result<fs::path> ShownMap(const WorkerContext& context, const std::string& flight_id) {
-  const Result<std::vector<std::int64_t>> revisions = context.catalogue.Revisions(flight_id);
-  if (!revisions) return revisions.error();
-  if (revisions->empty()) return fs::path();
-  return context.dir.Revision(flight_id, *std::max_element(revisions->begin(), revisions->end()));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, context.catalogue.Revisions(flight_id));
+  if (revisions.empty()) return fs::path();
+  return context.dir.Revision(flight_id, *std::max_element(revisions.begin(), revisions.end()));
 }
 
 StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const fs::path& out_dir,
@@ -164,25 +163,20 @@ void RemoveRetired(WorkerContext& context, const std::string& flight_id,
 // False: the lease was lost, and nothing was shown.
 Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
                      storage::Revision revision) {
-  const Result<void> plain = CheckProducts(made);
-  if (!plain) return plain.error();
-  const Result<void> synced = SyncTree(made);
-  if (!synced) return synced.error();
-  const Result<std::vector<std::int64_t>> before = context.catalogue.Revisions(lease.flight_id);
-  if (!before) return before.error();
-  const Result<std::optional<std::int64_t>> number = context.queue.ReserveRevision(lease);
-  if (!number) return number.error();
-  if (!*number) return false;
+  SKYQUILT_TRY(CheckProducts(made));
+  SKYQUILT_TRY(SyncTree(made));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> before, context.catalogue.Revisions(lease.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::int64_t> number, context.queue.ReserveRevision(lease));
+  if (!number) return false;
   // One rename puts all products in place; the catalogue decides afterwards whether anyone sees them.
-  WorkFolder placed(context.dir.Revision(lease.flight_id, **number));
+  WorkFolder placed(context.dir.Revision(lease.flight_id, *number));
   if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
-  const Result<void> named = Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY);
-  if (!named) return named.error();
-  revision.revision = **number;
+  SKYQUILT_TRY(Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY));
+  revision.revision = *number;
   const Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
   if (!published || !*published) return published;
   placed.Keep();
-  RemoveRetired(context, lease.flight_id, *before);
+  RemoveRetired(context, lease.flight_id, before);
   storage::SweepPreviews(context.dir, lease.flight_id, "");
   return true;
 }

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "api/json/job_options.h"
+#include "core/base/try.h"
 #include "server/confinement/confined_child.h"
 #include "server/confinement/process_limits.h"
 #include "server/confinement/sandbox.h"
@@ -87,31 +88,29 @@ StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
 }
 
 Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
-  Result<pipeline::MosaicOptions> options = api::ParseJobOptions(task.options);
-  if (!options) return options.error();
-  options->title = task.title;
+  SKYQUILT_TRY_ASSIGN(pipeline::MosaicOptions options, api::ParseJobOptions(task.options));
+  options.title = task.title;
   StitchJobOptions job;
-  job.mosaic = *std::move(options);
+  job.mosaic = std::move(options);
   job.previous_dir = task.previous_dir;
-  const Result<pipeline::MosaicReport> report = StitchToDirectory(task.files, job, task.out_dir, progress);
-  if (!report) return report.error();
-  return OutcomeOf(*report);
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicReport report,
+                      StitchToDirectory(task.files, job, task.out_dir, progress));
+  return OutcomeOf(report);
 }
 
 Result<StitchOutcome> StitchTold(const std::string& text, MessageWriter& writer) {
-  const Result<StitchTask> task = ParseTask(text);
-  if (!task) return task.error();
-  if (!TakeFolder(task->out_dir))
-    return Error{ErrorCode::kIo, "The server could not use the folder of the job.", task->out_dir.string()};
-  KeepTemporaryFilesIn(task->out_dir);
+  SKYQUILT_TRY_ASSIGN(const StitchTask task, ParseTask(text));
+  if (!TakeFolder(task.out_dir))
+    return Error{ErrorCode::kIo, "The server could not use the folder of the job.", task.out_dir.string()};
+  KeepTemporaryFilesIn(task.out_dir);
   LimitThisProcess(
-      {.more_memory_bytes = task->memory_bytes, .more_cpu_s = task->cpu_s, .file_bytes = kFileBytes});
-  FileAccess access{.reads = {task->files_dir}, .writes = {task->out_dir}};
-  if (!task->previous_dir.empty()) access.reads.push_back(task->previous_dir);
-  if (auto confined = Confine(std::move(access)); !confined) return confined.error();
+      {.more_memory_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = kFileBytes});
+  FileAccess access{.reads = {task.files_dir}, .writes = {task.out_dir}};
+  if (!task.previous_dir.empty()) access.reads.push_back(task.previous_dir);
+  SKYQUILT_TRY(Confine(std::move(access)));
   ToldProgress progress(writer);
   try {
-    return Stitch(*task, progress);
+    return Stitch(task, progress);
   } catch (const std::exception& thrown) {
     return Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
                  thrown.what()};

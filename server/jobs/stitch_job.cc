@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/scoped_timer.h"
+#include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/pipeline/build_mosaic.h"
 #include "core/pipeline/memory_budget.h"
@@ -93,14 +94,13 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
   std::vector<std::unique_ptr<storage::MbtilesWriter>> writers;
   std::vector<render::LayerSink> sinks;
   for (const render::MapLayer layer : options.layers) {
-    auto writer = storage::MbtilesWriter::Create(out_dir / render::LayerFileName(layer));
-    if (!writer) return writer.error();
-    writers.push_back(*std::move(writer));
+    SKYQUILT_TRY_ASSIGN(auto writer, storage::MbtilesWriter::Create(out_dir / render::LayerFileName(layer)));
+    writers.push_back(std::move(writer));
     sinks.push_back({layer, *writers.back()});
   }
-  const Result<render::HeightRange> heights = render::RenderLayers(
-      built.flight, built.ground, built.seams, built.plan, sinks, options.threads, progress);
-  if (!heights) return heights.error();
+  SKYQUILT_TRY_ASSIGN(const render::HeightRange heights,
+                      render::RenderLayers(built.flight, built.ground, built.seams, built.plan, sinks,
+                                           options.threads, progress));
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
     storage::TilesetMetadata metadata = MetadataOf(built.report);
@@ -114,7 +114,7 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
   std::vector<std::string> photo_names;
   for (const alignment::AlignedPhoto& photo : built.flight.photos) photo_names.push_back(photo.photo.name);
   return storage::WriteFileAtomically(out_dir / "layers.json",
-                                      render::LayersJson(options.layers, photo_names, *heights));
+                                      render::LayersJson(options.layers, photo_names, heights));
 }
 
 void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
@@ -127,63 +127,59 @@ void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
 }  // namespace
 
 Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& out_dir) {
-  const Result<std::string> bytes = storage::MapKeeper::FactsOf(out_dir);
-  if (!bytes) return bytes.error();
-  const Result<pipeline::FlightFacts> facts = pipeline::ParseFacts(*bytes);
-  if (!facts) return facts.error();
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::MapKeeper::FactsOf(out_dir));
+  SKYQUILT_TRY_ASSIGN(const pipeline::FlightFacts facts, pipeline::ParseFacts(bytes));
   std::vector<flight::InputFile> files;
-  for (const pipeline::NamedDigest& input : facts->inputs) files.push_back(input.file);
+  for (const pipeline::NamedDigest& input : facts.inputs) files.push_back(input.file);
   return files;
 }
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,
                                                  const StitchJobOptions& options,
                                                  const std::filesystem::path& out_dir, Progress& progress) {
-  if (auto made = MakeFolder(out_dir); !made) return made.error();
+  SKYQUILT_TRY(MakeFolder(out_dir));
   const std::filesystem::path mbtiles = out_dir / "mosaic.mbtiles";
   if (options.is_fresh) ForgetEarlierRuns(out_dir);
-  auto keeper = storage::MapKeeper::Create(out_dir, options.previous_dir);
-  if (!keeper) return keeper.error();
+  SKYQUILT_TRY_ASSIGN(auto keeper, storage::MapKeeper::Create(out_dir, options.previous_dir));
   const flight::FilePhotoSource photos(pipeline::MostDecodeBytes(options.mosaic));
-  const auto elevations = OpenElevationModel(options.mosaic.dem_path, files);
-  if (!elevations) return elevations.error();
-  Result<pipeline::BuiltMosaic> built = pipeline::BuildMosaic(
-      files, options.mosaic, photos, **keeper, progress, elevations->source.get(), keeper->get());
-  if (!built) return built.error();
-  built->report.warnings.insert(built->report.warnings.end(), elevations->warnings.begin(),
-                                elevations->warnings.end());
-  if (auto published = (*keeper)->Publish(MetadataOf(built->report)); !published) return published.error();
+  SKYQUILT_TRY_ASSIGN(const auto elevations, OpenElevationModel(options.mosaic.dem_path, files));
+  SKYQUILT_TRY_ASSIGN(pipeline::BuiltMosaic built,
+                      pipeline::BuildMosaic(files, options.mosaic, photos, *keeper, progress,
+                                            elevations.source.get(), keeper.get()));
+  built.report.warnings.insert(built.report.warnings.end(), elevations.warnings.begin(),
+                               elevations.warnings.end());
+  SKYQUILT_TRY(keeper->Publish(MetadataOf(built.report)));
   progress.BeginStage("export");
   pipeline::StageTiming exported_in{"export", 0.0, 0.0};
   {
     ScopedTimer timer(exported_in.wall_s);
     ScopedCpuTimer cpu_timer(exported_in.cpu_s);
-    if (auto exported = Export(mbtiles, options, built->report, out_dir, progress); !exported)
+    if (auto exported = Export(mbtiles, options, built.report, out_dir, progress); !exported)
       return exported.error();
-    if (auto written = WriteLayers(*built, options.mosaic, out_dir, progress); !written)
+    if (auto written = WriteLayers(built, options.mosaic, out_dir, progress); !written)
       return written.error();
   }
-  built->report.timings.push_back(exported_in);
+  built.report.timings.push_back(exported_in);
   if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",
-                                                  pipeline::PhotosGeoJson(built->flight, built->ground));
+                                                  pipeline::PhotosGeoJson(built.flight, built.ground));
       !written) {
     return written.error();
   }
-  for (const auto& [name, text] : {std::pair{"cameras.json", pipeline::OdmCamerasJson(built->flight)},
-                                   std::pair{"geo.txt", pipeline::OdmGeoTxt(built->flight)}}) {
-    if (auto written = storage::WriteFileAtomically(out_dir / name, text); !written) return written.error();
+  for (const auto& [name, text] : {std::pair{"cameras.json", pipeline::OdmCamerasJson(built.flight)},
+                                   std::pair{"geo.txt", pipeline::OdmGeoTxt(built.flight)}}) {
+    SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
   }
   if (auto written = storage::WriteFileAtomically(out_dir / "locate.json",
-                                                  pipeline::LocateJson(built->flight, built->ground));
+                                                  pipeline::LocateJson(built.flight, built.ground));
       !written) {
     return written.error();
   }
   if (auto written =
-          storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built->report));
+          storage::WriteFileAtomically(out_dir / "report.json", pipeline::ReportJson(built.report));
       !written) {
     return written.error();
   }
-  return std::move(built->report);
+  return std::move(built.report);
 }
 
 }  // namespace skyquilt::server

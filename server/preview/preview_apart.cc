@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/try.h"
 #include "server/confinement/spawn_self.h"
 #include "server/routing/request_log.h"
 
@@ -168,33 +169,29 @@ Result<void> PreviewApart::Show(const storage::PreviewWork& work, const PreviewR
   preview.flight_id = work.flight_id;
   preview.folder = session->second->folder();
   preview.edition = request.preview ? request.preview->edition + 1 : 1;
-  const Result<bool> shown = previews_.Show(preview);
-  if (!shown) return shown.error();
-  session->second->SetShown(*shown);
+  SKYQUILT_TRY_ASSIGN(const bool shown, previews_.Show(preview));
+  session->second->SetShown(shown);
   // The map came first, or a photo was taken out: what was drawn is nobody's now.
-  if (!*shown) sessions_.erase(session);
+  if (!shown) sessions_.erase(session);
   return {};
 }
 
 Result<bool> PreviewApart::Step() {
-  const Result<std::optional<storage::PreviewWork>> claimed = previews_.Claim(kPhotosAtOnce);
-  if (!claimed) return claimed.error();
-  if (!*claimed) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::PreviewWork> claimed, previews_.Claim(kPhotosAtOnce));
+  if (!claimed) {
     std::erase_if(sessions_, [](const auto& one) { return Clock::now() - one.second->used > kIdle; });
     return false;
   }
-  const storage::PreviewWork& work = **claimed;
+  const storage::PreviewWork& work = *claimed;
   PreviewRequest request{work.fresh, work.tried, std::nullopt};
   bool may_ask_again = true;
   while (true) {
-    Result<std::optional<Preview>> preview = previews_.Find(work.flight_id);
-    if (!preview) return preview.error();
-    request.preview = *std::move(preview);
-    const Result<Session*> session = SessionOf(work.flight_id, request.preview);
-    if (!session) return session.error();
-    Answer answer = Ask(**session, request);
+    SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, previews_.Find(work.flight_id));
+    request.preview = std::move(preview);
+    SKYQUILT_TRY_ASSIGN(const Session* session, SessionOf(work.flight_id, request.preview));
+    Answer answer = Ask(*session, request);
     if (answer.drawn) {
-      if (auto shown = Show(work, request, *answer.drawn); !shown) return shown.error();
+      SKYQUILT_TRY(Show(work, request, *answer.drawn));
       return true;
     }
     sessions_.erase(work.flight_id);
@@ -208,7 +205,7 @@ Result<bool> PreviewApart::Step() {
     std::vector<StoredFile> culprit;
     std::copy_if(request.fresh.begin(), request.fresh.end(), std::back_inserter(culprit), is_it);
     std::copy_if(request.tried.begin(), request.tried.end(), std::back_inserter(culprit), is_it);
-    if (auto forgone = previews_.Forgo(culprit); !forgone) return forgone.error();
+    SKYQUILT_TRY(previews_.Forgo(culprit));
     LogEvent(fmt::format("{} is not in the preview: {}", culprit.front().name, answer.why));
     Remove(request.fresh, answer.culprit);
     Remove(request.tried, answer.culprit);

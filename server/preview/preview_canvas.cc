@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "api/tiles/transcode_tile.h"
+#include "core/base/try.h"
 #include "core/pyramid/encode_tile.h"
 
 namespace skyquilt::server {
@@ -15,18 +16,17 @@ constexpr int kJpegQuality = 75;
 constexpr int kSidePx = PreviewCanvas::kTileSizePx;
 
 Result<RgbaImage> Decode(std::string_view bytes) {
-  Result<api::Pixels> pixels = api::DecodeTile(bytes);
-  if (!pixels) return pixels.error();
-  if (pixels->width != kSidePx || pixels->height != kSidePx) {
+  SKYQUILT_TRY_ASSIGN(api::Pixels pixels, api::DecodeTile(bytes));
+  if (pixels.width != kSidePx || pixels.height != kSidePx) {
     return Error{ErrorCode::kCorrupt, "A tile of the preview has another size than the rest.", ""};
   }
-  for (std::size_t i = 0; i < pixels->rgba.size(); i += 4) {
-    const int alpha = pixels->rgba[i + 3];
+  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
+    const int alpha = pixels.rgba[i + 3];
     for (std::size_t c = i; c < i + 3; ++c) {
-      pixels->rgba[c] = static_cast<std::uint8_t>((pixels->rgba[c] * alpha + 127) / 255);
+      pixels.rgba[c] = static_cast<std::uint8_t>((pixels.rgba[c] * alpha + 127) / 255);
     }
   }
-  return RgbaImage{kSidePx, kSidePx, {pixels->rgba.begin(), pixels->rgba.end()}};
+  return RgbaImage{kSidePx, kSidePx, {pixels.rgba.begin(), pixels.rgba.end()}};
 }
 
 void LayOver(const RgbaImage& above, RgbaImage& below) {
@@ -43,20 +43,17 @@ void LayOver(const RgbaImage& above, RgbaImage& below) {
 Result<RgbaImage> PreviewCanvas::Load(const geo::TileId& tile) {
   const auto found = changed_.find(tile);
   if (found != changed_.end()) return found->second;
-  const Result<std::optional<storage::FoundTile>> stored = stored_.Find(tile);
-  if (!stored) return stored.error();
-  if (!*stored) return RgbaImage::Transparent(kSidePx, kSidePx);
-  return Decode(*(*stored)->bytes);
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::FoundTile> stored, stored_.Find(tile));
+  if (!stored) return RgbaImage::Transparent(kSidePx, kSidePx);
+  return Decode(*stored->bytes);
 }
 
 Result<void> PreviewCanvas::Lay(const geo::TileId& tile, std::string_view bytes) {
   if (tile.z() != max_zoom_) return {};
-  const Result<RgbaImage> above = Decode(bytes);
-  if (!above) return above.error();
-  Result<RgbaImage> below = Load(tile);
-  if (!below) return below.error();
-  LayOver(*above, *below);
-  changed_[tile] = *std::move(below);
+  SKYQUILT_TRY_ASSIGN(const RgbaImage above, Decode(bytes));
+  SKYQUILT_TRY_ASSIGN(RgbaImage below, Load(tile));
+  LayOver(above, below);
+  changed_[tile] = std::move(below);
   return {};
 }
 
@@ -69,9 +66,8 @@ Result<void> PreviewCanvas::DrawParents(int zoom) {
     RgbaImage image = RgbaImage::Transparent(kSidePx, kSidePx);
     const auto children = parent.Children();
     for (int i = 0; i < 4; ++i) {
-      const Result<RgbaImage> child = Load(children[static_cast<std::size_t>(i)]);
-      if (!child) return child.error();
-      pyramid::Paste(pyramid::Halve(*child), (i % 2) * kSidePx / 2, (i / 2) * kSidePx / 2, image);
+      SKYQUILT_TRY_ASSIGN(const RgbaImage child, Load(children[static_cast<std::size_t>(i)]));
+      pyramid::Paste(pyramid::Halve(child), (i % 2) * kSidePx / 2, (i / 2) * kSidePx / 2, image);
     }
     changed_[parent] = std::move(image);
   }
@@ -80,8 +76,7 @@ Result<void> PreviewCanvas::DrawParents(int zoom) {
 
 Result<storage::PreviewTiles::Tiles> PreviewCanvas::Finish() {
   for (int zoom = max_zoom_ - 1; zoom >= min_zoom_; --zoom) {
-    const Result<void> drawn = DrawParents(zoom);
-    if (!drawn) return drawn.error();
+    SKYQUILT_TRY(DrawParents(zoom));
   }
   storage::PreviewTiles::Tiles tiles;
   for (const auto& [tile, image] : changed_) {

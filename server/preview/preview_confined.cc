@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/try.h"
 #include "server/confinement/process_limits.h"
 #include "server/confinement/sandbox.h"
 #include "server/preview/preview_apart.h"
@@ -16,11 +17,9 @@ constexpr std::chrono::minutes kPlacePatience{1};
 constexpr std::chrono::hours kRequestPatience{24};
 
 PreviewMessage Answer(PreviewPainter& painter, const std::string& text) {
-  const Result<PreviewRequest> request = ParseRequest(text);
-  if (!request) return request.error();
-  Result<PreviewDrawn> drawn = painter.Draw(*request);
-  if (!drawn) return drawn.error();
-  return *std::move(drawn);
+  SKYQUILT_TRY_ASSIGN(const PreviewRequest request, ParseRequest(text));
+  SKYQUILT_TRY_ASSIGN(PreviewDrawn drawn, painter.Draw(request));
+  return drawn;
 }
 
 }  // namespace

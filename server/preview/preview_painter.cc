@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/web_mercator.h"
@@ -92,9 +93,8 @@ Result<PreviewDrawn> PreviewPainter::Draw(const PreviewRequest& request) {
     }
   }
   if (waiting_.empty()) return drawn;
-  Result<std::optional<Preview>> preview = DrawWaiting(request.preview);
-  if (!preview) return preview.error();
-  drawn.preview = *std::move(preview);
+  SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, DrawWaiting(request.preview));
+  drawn.preview = std::move(preview);
   return drawn;
 }
 
@@ -128,14 +128,13 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
       preview->min_zoom = std::max(0, drawn->max_zoom - kOverviewLevels);
     }
     if (!tiles) {
-      Result<std::shared_ptr<storage::PreviewTiles>> opened = storage::PreviewTiles::Open(folder_);
-      if (!opened) return opened.error();
-      tiles = *std::move(opened);
+      SKYQUILT_TRY_ASSIGN(std::shared_ptr<storage::PreviewTiles> opened,
+                          storage::PreviewTiles::Open(folder_));
+      tiles = std::move(opened);
       canvas.emplace(*tiles, preview->min_zoom, preview->max_zoom);
     }
     for (const auto& [tile, bytes] : collected.tiles) {
-      const Result<void> laid = canvas->Lay(tile, bytes);
-      if (!laid) return laid.error();
+      SKYQUILT_TRY(canvas->Lay(tile, bytes));
     }
     if (!changed) changed = drawn->bounds;
     Include(drawn->bounds, *changed);
@@ -143,10 +142,8 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
     ++preview->photos;
   }
   if (!changed) return std::optional<Preview>();
-  const Result<storage::PreviewTiles::Tiles> made = canvas->Finish();
-  if (!made) return made.error();
-  const Result<void> put = tiles->Put(*made);
-  if (!put) return put.error();
+  SKYQUILT_TRY_ASSIGN(const storage::PreviewTiles::Tiles made, canvas->Finish());
+  SKYQUILT_TRY(tiles->Put(made));
   preview->changed = *changed;
   return preview;
 }

@@ -12,6 +12,7 @@
 #include "api/downloads/send_file.h"
 #include "api/http/problem.h"
 #include "api/http/target.h"
+#include "core/base/try.h"
 
 namespace skyquilt::server {
 namespace {
@@ -85,9 +86,8 @@ bool TakesGzip(const api::Request& request) {
 Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request,
                            const std::string& basemap_origin) {
   const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
-  Result<api::Target> target = api::ParseTarget(request.path);
-  if (!target) return target.error();
-  std::vector<std::string> segments = std::move(target->segments);
+  SKYQUILT_TRY_ASSIGN(api::Target target, api::ParseTarget(request.path));
+  std::vector<std::string> segments = std::move(target.segments);
   if (segments.empty()) segments = {"index.html"};
   const char* type = TypeOf(segments.back());
   if (type == nullptr || !IsOfThePage(segments)) return missing;

@@ -20,6 +20,8 @@
 #include <exception>
 #include <optional>
 
+#include "core/base/try.h"
+
 namespace skyquilt::server {
 namespace {
 
@@ -142,12 +144,11 @@ bool IsPublicAddress(const std::string& address) {
 }
 
 Result<void> PostMessage(const OutgoingMessage& message) {
-  const Result<Place> place = PlaceOf(message.url);
-  if (!place) return place.error();
+  SKYQUILT_TRY_ASSIGN(const Place place, PlaceOf(message.url));
   net::io_context io;
   std::optional<int> status;
   std::exception_ptr failure;
-  net::co_spawn(io, Send(io, message, *place), [&](std::exception_ptr thrown, int answered) {
+  net::co_spawn(io, Send(io, message, place), [&](std::exception_ptr thrown, int answered) {
     failure = thrown;
     if (!thrown) status = answered;
   });
@@ -156,16 +157,16 @@ Result<void> PostMessage(const OutgoingMessage& message) {
     try {
       std::rethrow_exception(failure);
     } catch (const std::invalid_argument& refused) {
-      return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", place->host),
+      return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", place.host),
                    refused.what()};
     } catch (const std::exception& broken) {
-      return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer.", place->host), broken.what()};
+      return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer.", place.host), broken.what()};
     }
   }
   if (!status)
-    return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer in time.", place->host), ""};
+    return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer in time.", place.host), ""};
   if (*status < 200 || *status > 299) {
-    return Error{ErrorCode::kUnavailable, fmt::format("{} answered {}.", place->host, *status), ""};
+    return Error{ErrorCode::kUnavailable, fmt::format("{} answered {}.", place.host, *status), ""};
   }
   return {};
 }

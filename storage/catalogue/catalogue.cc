@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -32,28 +33,25 @@ Flight FlightFrom(const Statement& row) {
 }
 
 Result<Flight> ReadFlight(SqliteDb& db, const std::string& id) {
-  Result<Statement> query = db.Prepare(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, id).Step();
-  if (!row) return row.error();
-  if (!*row) return NoSuchFlight(id);
-  return FlightFrom(*query);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db.Prepare(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Step());
+  if (!row) return NoSuchFlight(id);
+  return FlightFrom(query);
 }
 
 Result<bool> Exists(SqliteDb& db, std::string_view sql, std::string_view first,
                     std::string_view second = {}) {
-  Result<Statement> query = db.Prepare(sql);
-  if (!query) return query.error();
-  query->Bind(1, first);
-  if (second.data() != nullptr) query->Bind(2, second);
-  return query->Step();
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
+  query.Bind(1, first);
+  if (second.data() != nullptr) query.Bind(2, second);
+  return query.Step();
 }
 
 Result<void> RequireNotRunning(SqliteDb& db, const std::string& flight_id) {
-  const Result<bool> running =
-      Exists(db, "SELECT 1 FROM job WHERE flight_id=? AND state='running'", flight_id);
-  if (!running) return running.error();
-  if (*running) {
+  SKYQUILT_TRY_ASSIGN(const bool running,
+                      Exists(db, "SELECT 1 FROM job WHERE flight_id=? AND state='running'", flight_id));
+  if (running) {
     return Error{ErrorCode::kConflict,
                  "This flight is being stitched. Cancel its job or wait for its end, then try again.", ""};
   }
@@ -61,10 +59,10 @@ Result<void> RequireNotRunning(SqliteDb& db, const std::string& flight_id) {
 }
 
 Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const StoredFile& file, Time now) {
-  Result<Statement> insert =
-      db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)");
-  if (!insert) return insert.error();
-  return insert->Bind(1, flight_id)
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
+  return insert.Bind(1, flight_id)
       .Bind(2, file.name)
       .Bind(3, file.bytes)
       .Bind(4, file.stored_name)
@@ -73,15 +71,13 @@ Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const Stored
 }
 
 Result<std::vector<std::string>> UploadsOf(SqliteDb& db, const std::string& flight_id) {
-  Result<Statement> query = db.Prepare("SELECT id FROM upload WHERE flight_id=?");
-  if (!query) return query.error();
-  query->Bind(1, flight_id);
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM upload WHERE flight_id=?"));
+  query.Bind(1, flight_id);
   std::vector<std::string> ids;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return ids;
-    ids.emplace_back(query->ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return ids;
+    ids.emplace_back(query.ColumnText(0));
   }
 }
 
@@ -102,9 +98,8 @@ Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& f
 Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now,
                                     const std::string& owner) {
   const auto db = db_.Lock();
-  Result<Statement> insert =
-      db->Prepare("INSERT INTO flight(id,name,created_us,options,owner) VALUES(?,?,?,?,?)");
-  if (!insert) return insert.error();
+  SKYQUILT_TRY_ASSIGN(Statement insert,
+                      db->Prepare("INSERT INTO flight(id,name,created_us,options,owner) VALUES(?,?,?,?,?)"));
   Flight flight;
   flight.id = NewId();
   flight.name = name;
@@ -117,11 +112,10 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
     record.options = options;
     record.owner = owner;
     record.created = now;
-    const Result<void> begun = records_->Begin(flight.id, record);
-    if (!begun) return begun.error();
+    SKYQUILT_TRY(records_->Begin(flight.id, record));
   }
   const Result<void> done =
-      insert->Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner).Run();
+      insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner).Run();
   if (!done && records_) records_->Undo(flight.id);
   if (!done) return done.error();
   return flight;
@@ -129,24 +123,22 @@ Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& 
 
 Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
-      " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
-      "    WHERE f.owner=?1 AND is_done=0)");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, owner).Step();
-  if (!row) return row.error();
-  return query->ColumnInt64(0);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
+          " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
+          "    WHERE f.owner=?1 AND is_done=0)"));
+  SKYQUILT_TRY(query.Bind(1, owner).Step());
+  return query.ColumnInt64(0);
 }
 
 Result<std::string> Catalogue::OwnerOf(const std::string& flight_id) const {
   const auto db = db_.Lock();
-  Result<Statement> query = db->Prepare("SELECT owner FROM flight WHERE id=?");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, flight_id).Step();
-  if (!row) return row.error();
-  if (!*row) return NoSuchFlight(flight_id);
-  return std::string(query->ColumnText(0));
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT owner FROM flight WHERE id=?"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+  if (!row) return NoSuchFlight(flight_id);
+  return std::string(query.ColumnText(0));
 }
 
 Result<Flight> Catalogue::GetFlight(const std::string& id) const {
@@ -156,36 +148,34 @@ Result<Flight> Catalogue::GetFlight(const std::string& id) const {
 
 Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::string>& cursor) const {
   const auto db = db_.Read();
-  Result<Statement> query =
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
       db->Prepare(std::string(kFlightColumns) +
-                  "WHERE (?1 IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2");
-  if (!query) return query.error();
+                  "WHERE (?1 IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2"));
   if (cursor) {
-    query->Bind(1, *cursor);
+    query.Bind(1, *cursor);
   } else {
-    query->BindNull(1);
+    query.BindNull(1);
   }
-  query->Bind(2, limit + 1);  // one more than asked tells whether another page follows
+  query.Bind(2, limit + 1);  // one more than asked tells whether another page follows
   FlightPage page;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) break;
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) break;
     if (static_cast<int>(page.flights.size()) == limit) {
       page.next_cursor = page.flights.back().id;
       break;
     }
-    page.flights.push_back(FlightFrom(*query));
+    page.flights.push_back(FlightFrom(query));
   }
   return page;
 }
 
 Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& name) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE flight SET name=? WHERE id=? AND deleted_us IS NULL");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, name).Bind(2, id).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE flight SET name=? WHERE id=? AND deleted_us IS NULL"));
+  SKYQUILT_TRY(update.Bind(1, name).Bind(2, id).Run());
   if (db->Changes() == 0) return NoSuchFlight(id);
   if (!records_) return {};
   FlightRecord change;
@@ -195,10 +185,9 @@ Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& n
 
 Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::string& options) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE flight SET options=? WHERE id=? AND deleted_us IS NULL");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, options).Bind(2, id).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE flight SET options=? WHERE id=? AND deleted_us IS NULL"));
+  SKYQUILT_TRY(update.Bind(1, options).Bind(2, id).Run());
   if (db->Changes() == 0) return NoSuchFlight(id);
   if (!records_) return {};
   FlightRecord change;
@@ -208,23 +197,20 @@ Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::strin
 
 Result<void> Catalogue::DeleteFlight(const std::string& id) {
   const auto db = db_.Lock();
-  Result<Statement> remove = db->Prepare("DELETE FROM flight WHERE id=?");
-  if (!remove) return remove.error();
-  const Result<bool> known = Exists(*db, "SELECT 1 FROM flight WHERE id=?", id);
-  if (!known) return known.error();
-  if (!*known) return NoSuchFlight(id);
-  const Result<std::vector<std::string>> uploads = UploadsOf(*db, id);
-  if (!uploads) return uploads.error();
+  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM flight WHERE id=?"));
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", id));
+  if (!known) return NoSuchFlight(id);
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads, UploadsOf(*db, id));
   // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight:
   // the record only tells a repair of a lost catalogue not to bring the flight back.
   if (records_) (void)records_->Deleting(id, Now()).ok();
-  const Result<void> done = remove->Bind(1, id).Run();
+  const Result<void> done = remove.Bind(1, id).Run();
   if (!done && records_) (void)records_->Change(id, {}).ok();
   if (!done) return done.error();
   if (!records_) return {};
   (void)records_->Deleted(id, Now()).ok();
   // Its resumable uploads went with it; bytes that stay here, the next start moves to lost/.
-  for (const std::string& upload : *uploads) unlink((records_->dir().Uploads() / upload).c_str());
+  for (const std::string& upload : uploads) unlink((records_->dir().Uploads() / upload).c_str());
   return {};
 }
 
@@ -235,47 +221,36 @@ Result<bool> Catalogue::HasFlight(const std::string& id) const {
 
 Result<std::vector<std::string>> Catalogue::FlightIds() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare("SELECT id FROM flight ORDER BY id");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM flight ORDER BY id"));
   std::vector<std::string> ids;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return ids;
-    ids.emplace_back(query->ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return ids;
+    ids.emplace_back(query.ColumnText(0));
   }
 }
 
 Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredFile& file, Time now) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
-  const Result<bool> known = Exists(*db, kIsThere, flight_id);
-  if (!known) return known.error();
-  if (!*known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, kIsThere, flight_id));
+  if (!known) return NoSuchFlight(flight_id);
   AddedFile added;
   {
-    Result<Statement> old = db->Prepare("SELECT stored_name FROM file WHERE flight_id=? AND name=?");
-    if (!old) return old.error();
-    const Result<bool> row = old->Bind(1, flight_id).Bind(2, file.name).Step();
-    if (!row) return row.error();
-    added.replaced = *row;
-    if (*row) added.replaced_stored_name = old->ColumnText(0);
+    SKYQUILT_TRY_ASSIGN(Statement old,
+                        db->Prepare("SELECT stored_name FROM file WHERE flight_id=? AND name=?"));
+    SKYQUILT_TRY_ASSIGN(const bool row, old.Bind(1, flight_id).Bind(2, file.name).Step());
+    added.replaced = row;
+    if (row) added.replaced_stored_name = old.ColumnText(0);
   }
   if (added.replaced) {
-    const Result<void> idle = RequireNotRunning(*db, flight_id);
-    if (!idle) return idle.error();
-    Result<Statement> remove = db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?");
-    if (!remove) return remove.error();
-    const Result<void> removed = remove->Bind(1, flight_id).Bind(2, file.name).Run();
-    if (!removed) return removed.error();
+    SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
+    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?"));
+    SKYQUILT_TRY(remove.Bind(1, flight_id).Bind(2, file.name).Run());
   }
-  const Result<void> inserted = InsertFile(*db, flight_id, file, now);
-  if (!inserted) return inserted.error();
-  const Result<void> recorded = Record(flight_id, file, now);
-  if (!recorded) return recorded.error();
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
+  SKYQUILT_TRY(Record(flight_id, file, now));
+  SKYQUILT_TRY(transaction.Commit());
   if (added.replaced && records_)
     (void)records_->RemoveFile(flight_id, added.replaced_stored_name).ok();  // as below
   return added;
@@ -284,61 +259,48 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
 Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file,
                                                    Time now, const std::optional<std::string>& upload_id) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
-  const Result<bool> known = Exists(*db, kIsThere, flight_id);
-  if (!known) return known.error();
-  if (!*known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, kIsThere, flight_id));
+  if (!known) return NoSuchFlight(flight_id);
   StoredFile added = file;
   for (int number = 2;; ++number) {
-    const Result<bool> taken =
-        Exists(*db, "SELECT 1 FROM file WHERE flight_id=? AND name=?", flight_id, added.name);
-    if (!taken) return taken.error();
-    if (!*taken) break;
+    SKYQUILT_TRY_ASSIGN(const bool taken, Exists(*db, "SELECT 1 FROM file WHERE flight_id=? AND name=?",
+                                                 flight_id, added.name));
+    if (!taken) break;
     // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
     // mark.
     constexpr int kMaxNumbers = 20;
     added.name = MarkedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
   }
-  const Result<void> inserted = InsertFile(*db, flight_id, added, now);
-  if (!inserted) return inserted.error();
-  const Result<void> recorded = Record(flight_id, added, now);
-  if (!recorded) return recorded.error();
+  SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
+  SKYQUILT_TRY(Record(flight_id, added, now));
   if (upload_id) {
-    Result<Statement> update = db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0");
-    if (!update) return update.error();
-    const Result<void> updated = update->Bind(1, *upload_id).Run();
-    if (!updated) return updated.error();
+    SKYQUILT_TRY_ASSIGN(Statement update,
+                        db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0"));
+    SKYQUILT_TRY(update.Bind(1, *upload_id).Run());
     if (db->Changes() == 0)
       return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
   }
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(transaction.Commit());
   return added;
 }
 
 Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std::string& name) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
-  const Result<bool> known = Exists(*db, kIsThere, flight_id);
-  if (!known) return known.error();
-  if (!*known) return NoSuchFlight(flight_id);
-  const Result<void> idle = RequireNotRunning(*db, flight_id);
-  if (!idle) return idle.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, kIsThere, flight_id));
+  if (!known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
   StoredFile removed;
   {
-    Result<Statement> remove =
-        db->Prepare("DELETE FROM file WHERE flight_id=? AND name=? RETURNING name, stored_name, bytes");
-    if (!remove) return remove.error();
-    const Result<bool> row = remove->Bind(1, flight_id).Bind(2, name).Step();
-    if (!row) return row.error();
-    if (!*row) return Error{ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""};
-    removed = {std::string(remove->ColumnText(0)), std::string(remove->ColumnText(1)),
-               remove->ColumnInt64(2)};
+    SKYQUILT_TRY_ASSIGN(
+        Statement remove,
+        db->Prepare("DELETE FROM file WHERE flight_id=? AND name=? RETURNING name, stored_name, bytes"));
+    SKYQUILT_TRY_ASSIGN(const bool row, remove.Bind(1, flight_id).Bind(2, name).Step());
+    if (!row) return Error{ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""};
+    removed = {std::string(remove.ColumnText(0)), std::string(remove.ColumnText(1)), remove.ColumnInt64(2)};
   }
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(transaction.Commit());
   // A record that cannot take it (a full disk) still names a file that is about to go, which does no harm.
   if (records_) (void)records_->RemoveFile(flight_id, removed.stored_name).ok();
   return removed;
@@ -346,20 +308,18 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
 
 Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {
   const auto db = db_.Read();
-  const Result<bool> known = Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id);
-  if (!known) return known.error();
-  if (!*known) return NoSuchFlight(flight_id);
-  Result<Statement> query =
-      db->Prepare("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name");
-  if (!query) return query.error();
-  query->Bind(1, flight_id);
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id));
+  if (!known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name"));
+  query.Bind(1, flight_id);
   std::vector<StoredFile> files;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return files;
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return files;
     files.push_back(
-        {std::string(query->ColumnText(0)), std::string(query->ColumnText(1)), query->ColumnInt64(2)});
+        {std::string(query.ColumnText(0)), std::string(query.ColumnText(1)), query.ColumnInt64(2)});
   }
 }
 
@@ -367,66 +327,62 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
   const auto db = db_.Lock();
   FlightRecord record;
   {
-    Result<Statement> query =
-        db->Prepare("SELECT name, options, owner, created_us, deleted_us FROM flight WHERE id=?");
-    if (!query) return query.error();
-    const Result<bool> row = query->Bind(1, flight_id).Step();
-    if (!row) return row.error();
-    if (!*row) return NoSuchFlight(flight_id);
-    record.name = std::string(query->ColumnText(0));
-    record.options = std::string(query->ColumnText(1));
-    record.owner = std::string(query->ColumnText(2));
-    record.created = FromUs(query->ColumnInt64(3));
-    if (!query->IsNull(4)) record.trashed = FromUs(query->ColumnInt64(4));
+    SKYQUILT_TRY_ASSIGN(
+        Statement query,
+        db->Prepare("SELECT name, options, owner, created_us, deleted_us FROM flight WHERE id=?"));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+    if (!row) return NoSuchFlight(flight_id);
+    record.name = std::string(query.ColumnText(0));
+    record.options = std::string(query.ColumnText(1));
+    record.owner = std::string(query.ColumnText(2));
+    record.created = FromUs(query.ColumnInt64(3));
+    if (!query.IsNull(4)) record.trashed = FromUs(query.ColumnInt64(4));
   }
-  Result<Statement> query =
-      db->Prepare("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?");
-  if (!query) return query.error();
-  query->Bind(1, flight_id);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?"));
+  query.Bind(1, flight_id);
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return record;
-    record.files[std::string(query->ColumnText(0))] = {
-        std::string(query->ColumnText(1)), query->ColumnInt64(2), FromUs(query->ColumnInt64(3)), false};
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return record;
+    record.files[std::string(query.ColumnText(0))] = {std::string(query.ColumnText(1)), query.ColumnInt64(2),
+                                                      FromUs(query.ColumnInt64(3)), false};
   }
 }
 
 Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& flight_id) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
-      " photos_aligned, photos_pose_only, photos_left_out FROM flight f"
-      " JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision WHERE f.id=? AND f.deleted_us IS NULL");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, flight_id).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<Revision>();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
+          " photos_aligned, photos_pose_only, photos_left_out FROM flight f"
+          " JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision WHERE f.id=? AND f.deleted_us IS NULL"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+  if (!row) return std::optional<Revision>();
   Revision revision;
-  revision.revision = query->ColumnInt64(0);
-  revision.created = FromUs(query->ColumnInt64(1));
-  for (int i = 0; i < 4; ++i) revision.bounds[static_cast<std::size_t>(i)] = query->ColumnDouble(2 + i);
-  revision.min_zoom = static_cast<int>(query->ColumnInt64(6));
-  revision.max_zoom = static_cast<int>(query->ColumnInt64(7));
-  revision.gsd_m = query->ColumnDouble(8);
-  revision.photos_total = static_cast<int>(query->ColumnInt64(9));
-  revision.photos_aligned = static_cast<int>(query->ColumnInt64(10));
-  revision.photos_pose_only = static_cast<int>(query->ColumnInt64(11));
-  revision.photos_left_out = static_cast<int>(query->ColumnInt64(12));
+  revision.revision = query.ColumnInt64(0);
+  revision.created = FromUs(query.ColumnInt64(1));
+  for (int i = 0; i < 4; ++i) revision.bounds[static_cast<std::size_t>(i)] = query.ColumnDouble(2 + i);
+  revision.min_zoom = static_cast<int>(query.ColumnInt64(6));
+  revision.max_zoom = static_cast<int>(query.ColumnInt64(7));
+  revision.gsd_m = query.ColumnDouble(8);
+  revision.photos_total = static_cast<int>(query.ColumnInt64(9));
+  revision.photos_aligned = static_cast<int>(query.ColumnInt64(10));
+  revision.photos_pose_only = static_cast<int>(query.ColumnInt64(11));
+  revision.photos_left_out = static_cast<int>(query.ColumnInt64(12));
   return std::optional<Revision>(revision);
 }
 
 Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight_id) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare("SELECT revision FROM revision WHERE flight_id=? ORDER BY revision");
-  if (!query) return query.error();
-  query->Bind(1, flight_id);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare("SELECT revision FROM revision WHERE flight_id=? ORDER BY revision"));
+  query.Bind(1, flight_id);
   std::vector<std::int64_t> revisions;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return revisions;
-    revisions.push_back(query->ColumnInt64(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return revisions;
+    revisions.push_back(query.ColumnInt64(0));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/base/try.h"
 #include "storage/db/statement.h"
 #include "storage/uploads/photo_store.h"
 
@@ -39,16 +40,16 @@ std::string FreeName(const std::string& name, const std::string& stored_name,
 }
 
 Result<bool> HasRow(SqliteDb& db, std::string_view sql, std::string_view first) {
-  Result<Statement> query = db.Prepare(sql);
-  if (!query) return query.error();
-  return query->Bind(1, first).Step();
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
+  return query.Bind(1, first).Step();
 }
 
 // `age`: now, by the AgeClock: the days of a flight in the trash count anew.
 Result<void> InsertFlight(SqliteDb& db, const DiskFlight& flight, const FlightRecord& record, Time age) {
-  Result<Statement> insert = db.Prepare(
-      "INSERT INTO flight(id,name,created_us,options,owner,deleted_us,deleted_age_us) VALUES(?,?,?,?,?,?,?)");
-  if (!insert) return insert.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db.Prepare(
+          "INSERT INTO flight(id,name,created_us,options,owner,deleted_us,deleted_age_us) VALUES(?,?,?,?,?,?,?)"));
   Time created = record.created.value_or(Time{});
   if (!record.created) {
     for (const DiskFile& file : flight.files) {
@@ -58,39 +59,36 @@ Result<void> InsertFlight(SqliteDb& db, const DiskFlight& flight, const FlightRe
   const std::string name = record.name.value_or("Recovered flight " + flight.id);
   const std::string options = record.options.value_or("{}");
   const std::string owner = record.owner.value_or("");
-  insert->Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(created)).Bind(4, options).Bind(5, owner);
+  insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(created)).Bind(4, options).Bind(5, owner);
   if (record.trashed) {
-    insert->Bind(6, ToUs(*record.trashed)).Bind(7, ToUs(age));
+    insert.Bind(6, ToUs(*record.trashed)).Bind(7, ToUs(age));
   } else {
-    insert->BindNull(6).BindNull(7);
+    insert.BindNull(6).BindNull(7);
   }
-  return insert->Run();
+  return insert.Run();
 }
 
 Result<std::set<std::string>> NamesOf(SqliteDb& db, const std::string& flight_id) {
-  Result<Statement> query = db.Prepare("SELECT name FROM file WHERE flight_id=?");
-  if (!query) return query.error();
-  query->Bind(1, flight_id);
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT name FROM file WHERE flight_id=?"));
+  query.Bind(1, flight_id);
   std::set<std::string> names;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return names;
-    names.emplace(query->ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return names;
+    names.emplace(query.ColumnText(0));
   }
 }
 
 Result<void> InsertFiles(SqliteDb& db, const DiskFlight& flight, const FlightRecord& record,
                          EnteredFlight& entered) {
-  Result<std::set<std::string>> names = NamesOf(db, flight.id);
-  if (!names) return names.error();
-  Result<Statement> insert =
-      db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)");
-  if (!insert) return insert.error();
+  SKYQUILT_TRY_ASSIGN(std::set<std::string> names, NamesOf(db, flight.id));
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
   for (const DiskFile& file : flight.files) {
-    const Result<bool> is_known = HasRow(db, "SELECT 1 FROM file WHERE stored_name=?", file.stored_name);
-    if (!is_known) return is_known.error();
-    if (*is_known) continue;
+    SKYQUILT_TRY_ASSIGN(const bool is_known,
+                        HasRow(db, "SELECT 1 FROM file WHERE stored_name=?", file.stored_name));
+    if (is_known) continue;
     const auto recorded = record.files.find(file.stored_name);
     if (recorded == record.files.end() ? record.is_whole : recorded->second.is_removed) continue;
     std::string name = NameByContent(flight.folder / "files" / file.stored_name, file.stored_name);
@@ -103,52 +101,45 @@ Result<void> InsertFiles(SqliteDb& db, const DiskFlight& flight, const FlightRec
       entered.notes.push_back(fmt::format("flights/{}/files/{} ({}) has {} bytes instead of {}", flight.id,
                                           file.stored_name, name, file.bytes, recorded->second.bytes));
     }
-    name = FreeName(name, file.stored_name, *names);
-    names->insert(name);
-    const Result<void> inserted = insert->Bind(1, flight.id)
-                                      .Bind(2, name)
-                                      .Bind(3, file.bytes)
-                                      .Bind(4, file.stored_name)
-                                      .Bind(5, ToUs(created))
-                                      .Run();
-    if (!inserted) return inserted.error();
+    name = FreeName(name, file.stored_name, names);
+    names.insert(name);
+    SKYQUILT_TRY(insert.Bind(1, flight.id)
+                     .Bind(2, name)
+                     .Bind(3, file.bytes)
+                     .Bind(4, file.stored_name)
+                     .Bind(5, ToUs(created))
+                     .Run());
     ++entered.files;
   }
   return {};
 }
 
 Result<void> ShowMap(SqliteDb& db, const std::string& flight_id, const Revision& map) {
-  Result<Statement> insert =
-      db.Prepare("INSERT OR REPLACE INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
-  if (!insert) return insert.error();
-  insert->Bind(1, flight_id).Bind(2, map.revision).Bind(3, ToUs(map.created));
-  for (int i = 0; i < 4; ++i) insert->Bind(4 + i, map.bounds[static_cast<std::size_t>(i)]);
-  insert->Bind(8, map.min_zoom).Bind(9, map.max_zoom).Bind(10, map.gsd_m);
-  insert->Bind(11, map.photos_total).Bind(12, map.photos_aligned);
-  insert->Bind(13, map.photos_pose_only).Bind(14, map.photos_left_out);
-  const Result<void> inserted = insert->Run();
-  if (!inserted) return inserted.error();
+  SKYQUILT_TRY_ASSIGN(Statement insert,
+                      db.Prepare("INSERT OR REPLACE INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
+  insert.Bind(1, flight_id).Bind(2, map.revision).Bind(3, ToUs(map.created));
+  for (int i = 0; i < 4; ++i) insert.Bind(4 + i, map.bounds[static_cast<std::size_t>(i)]);
+  insert.Bind(8, map.min_zoom).Bind(9, map.max_zoom).Bind(10, map.gsd_m);
+  insert.Bind(11, map.photos_total).Bind(12, map.photos_aligned);
+  insert.Bind(13, map.photos_pose_only).Bind(14, map.photos_left_out);
+  SKYQUILT_TRY(insert.Run());
   for (const char* sql :
        {"DELETE FROM preview WHERE flight_id=?", "UPDATE file SET preview_state=2 WHERE flight_id=?"}) {
-    Result<Statement> statement = db.Prepare(sql);
-    if (!statement) return statement.error();
-    const Result<void> done = statement->Bind(1, flight_id).Run();
-    if (!done) return done.error();
+    SKYQUILT_TRY_ASSIGN(Statement statement, db.Prepare(sql));
+    SKYQUILT_TRY(statement.Bind(1, flight_id).Run());
   }
-  Result<Statement> show = db.Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1");
-  if (!show) return show.error();
-  return show->Bind(1, flight_id).Bind(2, map.revision).Run();
+  SKYQUILT_TRY_ASSIGN(Statement show, db.Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1"));
+  return show.Bind(1, flight_id).Bind(2, map.revision).Run();
 }
 
 // The newest map that can be read, unless that is the one which is shown.
 Result<void> ShowNewestMap(SqliteDb& db, const DiskFlight& flight, EnteredFlight& entered) {
   std::int64_t active = 0;
   {
-    Result<Statement> query = db.Prepare("SELECT coalesce(active_revision, 0) FROM flight WHERE id=?");
-    if (!query) return query.error();
-    const Result<bool> row = query->Bind(1, flight.id).Step();
-    if (!row) return row.error();
-    active = query->ColumnInt64(0);
+    SKYQUILT_TRY_ASSIGN(Statement query,
+                        db.Prepare("SELECT coalesce(active_revision, 0) FROM flight WHERE id=?"));
+    SKYQUILT_TRY(query.Bind(1, flight.id).Step());
+    active = query.ColumnInt64(0);
   }
   for (auto number = flight.revisions.rbegin(); number != flight.revisions.rend() && *number != active;
        ++number) {
@@ -158,16 +149,15 @@ Result<void> ShowNewestMap(SqliteDb& db, const DiskFlight& flight, EnteredFlight
           fmt::format("flights/{}/{} is no map that can be read", flight.id, RevisionFolderName(*number)));
       continue;
     }
-    const Result<void> shown = ShowMap(db, flight.id, *map);
-    if (!shown) return shown.error();
+    SKYQUILT_TRY(ShowMap(db, flight.id, *map));
     entered.revision = *number;
     break;
   }
   if (flight.revisions.empty()) return {};
   // A number that lies on disk is never given out again.
-  Result<Statement> next = db.Prepare("UPDATE flight SET next_revision=max(next_revision, ?2) WHERE id=?1");
-  if (!next) return next.error();
-  return next->Bind(1, flight.id).Bind(2, flight.revisions.back() + 1).Run();
+  SKYQUILT_TRY_ASSIGN(Statement next,
+                      db.Prepare("UPDATE flight SET next_revision=max(next_revision, ?2) WHERE id=?1"));
+  return next.Bind(1, flight.id).Bind(2, flight.revisions.back() + 1).Run();
 }
 
 }  // namespace
@@ -175,23 +165,17 @@ Result<void> ShowNewestMap(SqliteDb& db, const DiskFlight& flight, EnteredFlight
 Result<EnteredFlight> EnterFlight(CatalogueDb& catalogue, const DiskFlight& flight,
                                   const std::optional<FlightRecord>& record) {
   const auto db = catalogue.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   EnteredFlight entered;
-  const Result<bool> is_known = HasRow(*db, "SELECT 1 FROM flight WHERE id=?", flight.id);
-  if (!is_known) return is_known.error();
+  SKYQUILT_TRY_ASSIGN(const bool is_known, HasRow(*db, "SELECT 1 FROM flight WHERE id=?", flight.id));
   const FlightRecord facts = record.value_or(FlightRecord());
-  entered.is_new = !*is_known;
+  entered.is_new = !is_known;
   if (entered.is_new) {
-    const Result<void> inserted = InsertFlight(*db, flight, facts, catalogue.ages().Now());
-    if (!inserted) return inserted.error();
+    SKYQUILT_TRY(InsertFlight(*db, flight, facts, catalogue.ages().Now()));
   }
-  const Result<void> files = InsertFiles(*db, flight, facts, entered);
-  if (!files) return files.error();
-  const Result<void> shown = ShowNewestMap(*db, flight, entered);
-  if (!shown) return shown.error();
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(InsertFiles(*db, flight, facts, entered));
+  SKYQUILT_TRY(ShowNewestMap(*db, flight, entered));
+  SKYQUILT_TRY(transaction.Commit());
   return entered;
 }
 

@@ -1,37 +1,38 @@
 #include "storage/catalogue/idempotent_answers.h"
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 
 Result<std::optional<IdempotentAnswer>> IdempotentAnswers::Find(const IdempotencyKey& key, Time now) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE owner=? AND key=? AND "
-      "route=? AND created_us>?");
-  if (!query) return query.error();
-  const Result<bool> row =
-      query->Bind(1, key.owner).Bind(2, key.key).Bind(3, key.route).Bind(4, ToUs(now - kKeptFor)).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<IdempotentAnswer>();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT fingerprint, status, location, body FROM idempotent_answer WHERE owner=? AND key=? AND "
+          "route=? AND created_us>?"));
+  SKYQUILT_TRY_ASSIGN(
+      const bool row,
+      query.Bind(1, key.owner).Bind(2, key.key).Bind(3, key.route).Bind(4, ToUs(now - kKeptFor)).Step());
+  if (!row) return std::optional<IdempotentAnswer>();
   IdempotentAnswer answer;
-  const auto fingerprint = query->ColumnBlob(0);
+  const auto fingerprint = query.ColumnBlob(0);
   answer.fingerprint.assign(fingerprint.begin(), fingerprint.end());
-  answer.status = static_cast<int>(query->ColumnInt64(1));
-  answer.location = query->ColumnText(2);
-  answer.body = query->ColumnText(3);
+  answer.status = static_cast<int>(query.ColumnInt64(1));
+  answer.location = query.ColumnText(2);
+  answer.body = query.ColumnText(3);
   return std::optional<IdempotentAnswer>(std::move(answer));
 }
 
 Result<void> IdempotentAnswers::Keep(const IdempotencyKey& key, const IdempotentAnswer& answer, Time now) {
   const auto db = db_.Lock();
-  Result<Statement> forget = db->Prepare("DELETE FROM idempotent_answer WHERE created_us<=?");
-  if (!forget) return forget.error();
-  const Result<void> forgotten = forget->Bind(1, ToUs(now - kKeptFor)).Run();
-  if (!forgotten) return forgotten.error();
-  Result<Statement> insert = db->Prepare("INSERT OR REPLACE INTO idempotent_answer VALUES(?,?,?,?,?,?,?,?)");
-  if (!insert) return insert.error();
+  SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare("DELETE FROM idempotent_answer WHERE created_us<=?"));
+  SKYQUILT_TRY(forget.Bind(1, ToUs(now - kKeptFor)).Run());
+  SKYQUILT_TRY_ASSIGN(Statement insert,
+                      db->Prepare("INSERT OR REPLACE INTO idempotent_answer VALUES(?,?,?,?,?,?,?,?)"));
   const std::span<const std::uint8_t> fingerprint(
       reinterpret_cast<const std::uint8_t*>(answer.fingerprint.data()), answer.fingerprint.size());
-  return insert->Bind(1, key.owner)
+  return insert.Bind(1, key.owner)
       .Bind(2, key.key)
       .Bind(3, key.route)
       .Bind(4, fingerprint)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -15,14 +17,13 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
   const auto db = db_.Lock();
   // Its client knows nothing of a trash: the name of a task that it removed is free. The flight there is
   // kept.
-  Result<Statement> let_go = db->Prepare(
-      "DELETE FROM node_task WHERE uuid=? AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NOT NULL)");
-  if (!let_go) return let_go.error();
-  const Result<void> gone = let_go->Bind(1, task.uuid).Run();
-  if (!gone) return gone.error();
-  Result<Statement> insert = db->Prepare("INSERT INTO node_task VALUES(?,?,?,?,?)");
-  if (!insert) return insert.error();
-  return insert->Bind(1, task.uuid)
+  SKYQUILT_TRY_ASSIGN(
+      Statement let_go,
+      db->Prepare(
+          "DELETE FROM node_task WHERE uuid=? AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NOT NULL)"));
+  SKYQUILT_TRY(let_go.Bind(1, task.uuid).Run());
+  SKYQUILT_TRY_ASSIGN(Statement insert, db->Prepare("INSERT INTO node_task VALUES(?,?,?,?,?)"));
+  return insert.Bind(1, task.uuid)
       .Bind(2, task.flight_id)
       .Bind(3, task.options)
       .Bind(4, task.created_ms)
@@ -32,43 +33,39 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
 
 Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT uuid, flight_id, options, created_ms, is_committed FROM node_task WHERE uuid=?"
-      " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, uuid).Step();
-  if (!row) return row.error();
-  if (!*row) return NoSuchTask(uuid);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT uuid, flight_id, options, created_ms, is_committed FROM node_task WHERE uuid=?"
+                  " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, uuid).Step());
+  if (!row) return NoSuchTask(uuid);
   NodeTask task;
-  task.uuid = query->ColumnText(0);
-  task.flight_id = query->ColumnText(1);
-  task.options = query->ColumnText(2);
-  task.created_ms = query->ColumnInt64(3);
-  task.is_committed = query->ColumnInt64(4) != 0;
+  task.uuid = query.ColumnText(0);
+  task.flight_id = query.ColumnText(1);
+  task.options = query.ColumnText(2);
+  task.created_ms = query.ColumnInt64(3);
+  task.is_committed = query.ColumnInt64(4) != 0;
   return task;
 }
 
 Result<std::vector<std::string>> NodeTasks::List() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT uuid FROM node_task WHERE is_committed=1"
-      " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL) ORDER BY flight_id");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT uuid FROM node_task WHERE is_committed=1"
+                  " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL) ORDER BY flight_id"));
   std::vector<std::string> uuids;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return uuids;
-    uuids.emplace_back(query->ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return uuids;
+    uuids.emplace_back(query.ColumnText(0));
   }
 }
 
 Result<void> NodeTasks::Commit(const std::string& uuid) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE node_task SET is_committed=1 WHERE uuid=?");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, uuid).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE node_task SET is_committed=1 WHERE uuid=?"));
+  SKYQUILT_TRY(update.Bind(1, uuid).Run());
   if (db->Changes() == 0) return NoSuchTask(uuid);
   return {};
 }
@@ -76,10 +73,9 @@ Result<void> NodeTasks::Commit(const std::string& uuid) {
 Result<void> NodeTasks::Restart(const std::string& uuid, const std::string& options,
                                 std::int64_t created_ms) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE node_task SET options=?2, created_ms=?3 WHERE uuid=?1");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, uuid).Bind(2, options).Bind(3, created_ms).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE node_task SET options=?2, created_ms=?3 WHERE uuid=?1"));
+  SKYQUILT_TRY(update.Bind(1, uuid).Bind(2, options).Bind(3, created_ms).Run());
   if (db->Changes() == 0) return NoSuchTask(uuid);
   return {};
 }

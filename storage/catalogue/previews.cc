@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -10,9 +11,8 @@ namespace {
 Result<std::vector<StoredFile>> FilesOf(Statement& query) {
   std::vector<StoredFile> files;
   while (true) {
-    const Result<bool> row = query.Step();
-    if (!row) return row.error();
-    if (!*row) return files;
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return files;
     files.push_back(
         {std::string(query.ColumnText(0)), std::string(query.ColumnText(1)), query.ColumnInt64(2)});
   }
@@ -24,95 +24,82 @@ Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
   const auto db = db_.Lock();
   {
     // Whoever finds nothing only reads.
-    Result<Statement> look = db->Prepare(
-        "SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
-        " WHERE f.preview_state=0 AND t.deleted_us IS NULL)");
-    if (!look) return look.error();
-    const Result<bool> row = look->Step();
-    if (!row) return row.error();
-    if (look->ColumnInt64(0) == 0) return std::optional<PreviewWork>();
+    SKYQUILT_TRY_ASSIGN(Statement look,
+                        db->Prepare("SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
+                                    " WHERE f.preview_state=0 AND t.deleted_us IS NULL)"));
+    SKYQUILT_TRY(look.Step());
+    if (look.ColumnInt64(0) == 0) return std::optional<PreviewWork>();
   }
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
-  const Result<void> done = db->Exec(
-      "UPDATE file SET preview_state=2 WHERE preview_state=0"
-      " AND flight_id IN (SELECT id FROM flight WHERE active_revision IS NOT NULL)");
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY(
+      db->Exec("UPDATE file SET preview_state=2 WHERE preview_state=0"
+               " AND flight_id IN (SELECT id FROM flight WHERE active_revision IS NOT NULL)"));
   std::optional<PreviewWork> work;
   {
-    Result<Statement> choose = db->Prepare(
-        "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
-        " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
-        " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1");
-    if (!choose) return choose.error();
-    const Result<bool> row = choose->Step();
-    if (!row) return row.error();
-    if (*row) work = PreviewWork{std::string(choose->ColumnText(0)), {}, {}};
+    SKYQUILT_TRY_ASSIGN(
+        Statement choose,
+        db->Prepare(
+            "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
+            " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
+            " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1"));
+    SKYQUILT_TRY_ASSIGN(const bool row, choose.Step());
+    if (row) work = PreviewWork{std::string(choose.ColumnText(0)), {}, {}};
   }
   if (work) {
     constexpr const char* kFiles =
         "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND preview_state=";
-    Result<Statement> tried = db->Prepare(std::string(kFiles) + "1 ORDER BY created_us, name");
-    if (!tried) return tried.error();
-    tried->Bind(1, work->flight_id);
-    Result<std::vector<StoredFile>> before = FilesOf(*tried);
-    if (!before) return before.error();
-    work->tried = *std::move(before);
-    Result<Statement> fresh = db->Prepare(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?");
-    if (!fresh) return fresh.error();
-    fresh->Bind(1, work->flight_id).Bind(2, limit);
-    Result<std::vector<StoredFile>> found = FilesOf(*fresh);
-    if (!found) return found.error();
-    work->fresh = *std::move(found);
-    Result<Statement> mark = db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?");
-    if (!mark) return mark.error();
+    SKYQUILT_TRY_ASSIGN(Statement tried, db->Prepare(std::string(kFiles) + "1 ORDER BY created_us, name"));
+    tried.Bind(1, work->flight_id);
+    SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> before, FilesOf(tried));
+    work->tried = std::move(before);
+    SKYQUILT_TRY_ASSIGN(Statement fresh,
+                        db->Prepare(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?"));
+    fresh.Bind(1, work->flight_id).Bind(2, limit);
+    SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> found, FilesOf(fresh));
+    work->fresh = std::move(found);
+    SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?"));
     for (const StoredFile& file : work->fresh) {
-      const Result<void> marked = mark->Bind(1, file.stored_name).Run();
-      if (!marked) return marked.error();
+      SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
     }
   }
-  const Result<void> committed = transaction->Commit();
-  if (!committed) return committed.error();
+  SKYQUILT_TRY(transaction.Commit());
   return work;
 }
 
 Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west, "
-      "changed_south,"
-      " changed_east, changed_north FROM preview WHERE flight_id=?");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, flight_id).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<Preview>();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT folder, edition, photos, min_zoom, max_zoom, west, south, east, north, changed_west, "
+          "changed_south,"
+          " changed_east, changed_north FROM preview WHERE flight_id=?"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+  if (!row) return std::optional<Preview>();
   Preview preview;
   preview.flight_id = flight_id;
-  preview.folder = query->ColumnText(0);
-  preview.edition = query->ColumnInt64(1);
-  preview.photos = query->ColumnInt64(2);
-  preview.min_zoom = static_cast<int>(query->ColumnInt64(3));
-  preview.max_zoom = static_cast<int>(query->ColumnInt64(4));
+  preview.folder = query.ColumnText(0);
+  preview.edition = query.ColumnInt64(1);
+  preview.photos = query.ColumnInt64(2);
+  preview.min_zoom = static_cast<int>(query.ColumnInt64(3));
+  preview.max_zoom = static_cast<int>(query.ColumnInt64(4));
   for (int i = 0; i < 4; ++i) {
-    preview.bounds[static_cast<std::size_t>(i)] = query->ColumnDouble(5 + i);
-    preview.changed[static_cast<std::size_t>(i)] = query->ColumnDouble(9 + i);
+    preview.bounds[static_cast<std::size_t>(i)] = query.ColumnDouble(5 + i);
+    preview.changed[static_cast<std::size_t>(i)] = query.ColumnDouble(9 + i);
   }
   return std::optional<Preview>(std::move(preview));
 }
 
 Result<void> Previews::Forgo(const std::vector<StoredFile>& files) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   {
-    Result<Statement> mark = db->Prepare("UPDATE file SET preview_state=2 WHERE stored_name=?");
-    if (!mark) return mark.error();
+    SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=2 WHERE stored_name=?"));
     for (const StoredFile& file : files) {
-      const Result<void> marked = mark->Bind(1, file.stored_name).Run();
-      if (!marked) return marked.error();
+      SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
     }
   }
-  return transaction->Commit();
+  return transaction.Commit();
 }
 
 Result<bool> Previews::Show(const Preview& preview) {
@@ -132,8 +119,7 @@ Result<bool> Previews::Show(const Preview& preview) {
     write->Bind(7 + i, preview.bounds[static_cast<std::size_t>(i)]);
     write->Bind(11 + i, preview.changed[static_cast<std::size_t>(i)]);
   }
-  const Result<void> written = write->Run();
-  if (!written) return written.error();
+  SKYQUILT_TRY(write->Run());
   return db->Changes() > 0;
 }
 

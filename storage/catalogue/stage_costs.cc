@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/median.h"
+#include "core/base/try.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -27,37 +28,34 @@ double JobCost::TotalS() const {
 
 Result<void> StageCosts::Add(const JobCost& cost) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   {
-    Result<Statement> insert = db->Prepare("INSERT OR REPLACE INTO stage_cost VALUES(?,?,?,?)");
-    if (!insert) return insert.error();
+    SKYQUILT_TRY_ASSIGN(Statement insert, db->Prepare("INSERT OR REPLACE INTO stage_cost VALUES(?,?,?,?)"));
     for (const auto& [stage, seconds] : cost.stages_s) {
-      insert->Bind(1, cost.job_id).Bind(2, stage).Bind(3, cost.photos).Bind(4, seconds);
-      const Result<void> inserted = insert->Run();
-      if (!inserted) return inserted.error();
+      insert.Bind(1, cost.job_id).Bind(2, stage).Bind(3, cost.photos).Bind(4, seconds);
+      SKYQUILT_TRY(insert.Run());
     }
   }
-  return transaction->Commit();
+  return transaction.Commit();
 }
 
 Result<std::vector<JobCost>> StageCosts::Latest(int jobs) const {
   const auto db = db_.Read();
   // Ids grow by time.
-  Result<Statement> query = db->Prepare(
-      "SELECT job_id, photos, stage, seconds FROM stage_cost WHERE job_id IN"
-      " (SELECT DISTINCT job_id FROM stage_cost ORDER BY job_id DESC LIMIT ?) ORDER BY job_id DESC");
-  if (!query) return query.error();
-  query->Bind(1, jobs);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT job_id, photos, stage, seconds FROM stage_cost WHERE job_id IN"
+          " (SELECT DISTINCT job_id FROM stage_cost ORDER BY job_id DESC LIMIT ?) ORDER BY job_id DESC"));
+  query.Bind(1, jobs);
   std::vector<JobCost> costs;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return costs;
-    if (costs.empty() || costs.back().job_id != query->ColumnText(0)) {
-      costs.push_back({std::string(query->ColumnText(0)), static_cast<int>(query->ColumnInt64(1)), {}});
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return costs;
+    if (costs.empty() || costs.back().job_id != query.ColumnText(0)) {
+      costs.push_back({std::string(query.ColumnText(0)), static_cast<int>(query.ColumnInt64(1)), {}});
     }
-    costs.back().stages_s.emplace_back(query->ColumnText(2), query->ColumnDouble(3));
+    costs.back().stages_s.emplace_back(query.ColumnText(2), query.ColumnDouble(3));
   }
 }
 

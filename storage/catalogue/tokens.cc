@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -34,18 +35,18 @@ bool TokenSet::HasLiveOne(Time now) const {
 
 Result<void> Tokens::Add(const Token& token) {
   const auto db = db_.Lock();
-  Result<Statement> insert = db->Prepare(
-      "INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute,"
-      "flight_id) VALUES(?,?,?,?,?,?,?,?,?)");
-  if (!insert) return insert.error();
-  insert->Bind(1, token.id).Bind(2, token.name).Bind(3, Bytes(token.hash)).Bind(4, ScopeName(token.scope));
-  insert->Bind(5, ToUs(token.created)).BindNull(6);
-  if (token.expires) insert->Bind(6, ToUs(*token.expires));
-  insert->BindNull(7).BindNull(8).BindNull(9);
-  if (token.max_bytes) insert->Bind(7, *token.max_bytes);
-  if (token.requests_per_minute) insert->Bind(8, *token.requests_per_minute);
-  if (!token.flight_id.empty()) insert->Bind(9, token.flight_id);
-  const Result<void> inserted = insert->Run();
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db->Prepare("INSERT INTO token(id,name,hash,scope,created_us,expires_us,most_bytes,requests_per_minute,"
+                  "flight_id) VALUES(?,?,?,?,?,?,?,?,?)"));
+  insert.Bind(1, token.id).Bind(2, token.name).Bind(3, Bytes(token.hash)).Bind(4, ScopeName(token.scope));
+  insert.Bind(5, ToUs(token.created)).BindNull(6);
+  if (token.expires) insert.Bind(6, ToUs(*token.expires));
+  insert.BindNull(7).BindNull(8).BindNull(9);
+  if (token.max_bytes) insert.Bind(7, *token.max_bytes);
+  if (token.requests_per_minute) insert.Bind(8, *token.requests_per_minute);
+  if (!token.flight_id.empty()) insert.Bind(9, token.flight_id);
+  const Result<void> inserted = insert.Run();
   has_changed_ = true;
   if (!inserted && inserted.error().code == ErrorCode::kConflict) {
     return Error{ErrorCode::kConflict, fmt::format("There is a token named \"{}\" already.", token.name), ""};
@@ -55,10 +56,8 @@ Result<void> Tokens::Add(const Token& token) {
 
 Result<void> Tokens::Revoke(const std::string& name) {
   const auto db = db_.Lock();
-  Result<Statement> remove = db->Prepare("DELETE FROM token WHERE name=?");
-  if (!remove) return remove.error();
-  const Result<void> removed = remove->Bind(1, name).Run();
-  if (!removed) return removed.error();
+  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM token WHERE name=?"));
+  SKYQUILT_TRY(remove.Bind(1, name).Run());
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, fmt::format("There is no token named \"{}\".", name), ""};
   has_changed_ = true;
@@ -67,10 +66,8 @@ Result<void> Tokens::Revoke(const std::string& name) {
 
 Result<void> Tokens::RevokeShare(const std::string& flight_id, const std::string& id) {
   const auto db = db_.Lock();
-  Result<Statement> remove = db->Prepare("DELETE FROM token WHERE id=? AND flight_id=?");
-  if (!remove) return remove.error();
-  const Result<void> removed = remove->Bind(1, id).Bind(2, flight_id).Run();
-  if (!removed) return removed.error();
+  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM token WHERE id=? AND flight_id=?"));
+  SKYQUILT_TRY(remove.Bind(1, id).Bind(2, flight_id).Run());
   if (db->Changes() == 0)
     return Error{ErrorCode::kNotFound, "This flight has no such share. It may have been revoked.", ""};
   has_changed_ = true;
@@ -79,45 +76,42 @@ Result<void> Tokens::RevokeShare(const std::string& flight_id, const std::string
 
 Result<void> Tokens::LetEverybodyIn() {
   const auto db = db_.Lock();
-  const Result<void> said = db->Exec("UPDATE token_policy SET asks_for_token=0");
-  if (!said) return said.error();
+  SKYQUILT_TRY(db->Exec("UPDATE token_policy SET asks_for_token=0"));
   has_changed_ = true;
   return {};
 }
 
 Result<TokenSet> Tokens::Read() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT id, name, hash, scope, created_us, expires_us, most_bytes, requests_per_minute, flight_id"
-      " FROM token ORDER BY id");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT id, name, hash, scope, created_us, expires_us, most_bytes, requests_per_minute, flight_id"
+          " FROM token ORDER BY id"));
   TokenSet set;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) break;
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) break;
     Token token;
-    token.id = query->ColumnText(0);
-    token.name = query->ColumnText(1);
-    const auto hash = query->ColumnBlob(2);
+    token.id = query.ColumnText(0);
+    token.name = query.ColumnText(1);
+    const auto hash = query.ColumnBlob(2);
     token.hash.assign(hash.begin(), hash.end());
-    const std::optional<Scope> scope = ScopeFrom(query->ColumnText(3));
+    const std::optional<Scope> scope = ScopeFrom(query.ColumnText(3));
     SKYQUILT_CHECK(scope.has_value(), "the schema allows no other scope");
     token.scope = *scope;
-    token.created = FromUs(query->ColumnInt64(4));
-    if (!query->IsNull(5)) token.expires = FromUs(query->ColumnInt64(5));
-    if (!query->IsNull(6)) token.max_bytes = query->ColumnInt64(6);
-    if (!query->IsNull(7)) token.requests_per_minute = query->ColumnInt64(7);
-    if (!query->IsNull(8)) token.flight_id = query->ColumnText(8);
+    token.created = FromUs(query.ColumnInt64(4));
+    if (!query.IsNull(5)) token.expires = FromUs(query.ColumnInt64(5));
+    if (!query.IsNull(6)) token.max_bytes = query.ColumnInt64(6);
+    if (!query.IsNull(7)) token.requests_per_minute = query.ColumnInt64(7);
+    if (!query.IsNull(8)) token.flight_id = query.ColumnText(8);
     set.tokens.push_back(std::move(token));
   }
   // Asked after the list: a token that is made in between closes the server, and never is one left out that
   // opens it.
-  Result<Statement> policy = db->Prepare("SELECT asks_for_token FROM token_policy");
-  if (!policy) return policy.error();
-  const Result<bool> row = policy->Step();
-  if (!row) return row.error();
-  set.asks_for_token = !*row || policy->ColumnInt64(0) != 0;
+  SKYQUILT_TRY_ASSIGN(Statement policy, db->Prepare("SELECT asks_for_token FROM token_policy"));
+  SKYQUILT_TRY_ASSIGN(const bool row, policy.Step());
+  set.asks_for_token = !row || policy.ColumnInt64(0) != 0;
   return set;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -39,46 +41,41 @@ void Trash::Record(const std::string& flight_id, std::optional<Time> trashed) co
 
 Result<void> Trash::Put(const std::string& flight_id, Time now) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   const std::int64_t age = ToUs(db_.ages().Now());
   {
-    Result<Statement> cancel = db->Prepare(
-        "UPDATE job SET cancel=1, finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
-        " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
-        " WHERE flight_id=?1 AND state IN ('accepted','running')");
-    if (!cancel) return cancel.error();
-    const Result<void> cancelled = cancel->Bind(1, flight_id).Bind(2, ToUs(now)).Run();
-    if (!cancelled) return cancelled.error();
+    SKYQUILT_TRY_ASSIGN(
+        Statement cancel,
+        db->Prepare(
+            "UPDATE job SET cancel=1, finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
+            " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
+            " WHERE flight_id=?1 AND state IN ('accepted','running')"));
+    SKYQUILT_TRY(cancel.Bind(1, flight_id).Bind(2, ToUs(now)).Run());
     for (const char* sql : {"DELETE FROM preview WHERE flight_id=?",
                             "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
-      Result<Statement> forget = db->Prepare(sql);
-      if (!forget) return forget.error();
-      const Result<void> forgotten = forget->Bind(1, flight_id).Run();
-      if (!forgotten) return forgotten.error();
+      SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare(sql));
+      SKYQUILT_TRY(forget.Bind(1, flight_id).Run());
     }
-    Result<Statement> put =
-        db->Prepare("UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL");
-    if (!put) return put.error();
-    const Result<void> done = put->Bind(1, flight_id).Bind(2, ToUs(now)).Bind(3, age).Run();
-    if (!done) return done.error();
+    SKYQUILT_TRY_ASSIGN(
+        Statement put,
+        db->Prepare("UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL"));
+    SKYQUILT_TRY(put.Bind(1, flight_id).Bind(2, ToUs(now)).Bind(3, age).Run());
     if (db->Changes() == 0) {
       return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
     }
   }
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(transaction.Commit());
   Record(flight_id, now);
   return {};
 }
 
 Result<void> Trash::Restore(const std::string& flight_id) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE flight SET deleted_us=NULL, deleted_age_us=NULL WHERE id=? AND deleted_us IS NOT NULL");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, flight_id).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(
+          "UPDATE flight SET deleted_us=NULL, deleted_age_us=NULL WHERE id=? AND deleted_us IS NOT NULL"));
+  SKYQUILT_TRY(update.Bind(1, flight_id).Run());
   if (db->Changes() == 0) return NotInTrash(flight_id);
   Record(flight_id, std::nullopt);
   return {};
@@ -86,39 +83,36 @@ Result<void> Trash::Restore(const std::string& flight_id) {
 
 Result<std::vector<TrashedFlight>> Trash::List() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(std::string(kColumns) + "ORDER BY deleted_age_us DESC, id");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(std::string(kColumns) + "ORDER BY deleted_age_us DESC, id"));
   std::vector<TrashedFlight> flights;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return flights;
-    flights.push_back(FlightFrom(*query));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return flights;
+    flights.push_back(FlightFrom(query));
   }
 }
 
 Result<TrashedFlight> Trash::Find(const std::string& flight_id) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(std::string(kColumns) + "AND id=?");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, flight_id).Step();
-  if (!row) return row.error();
-  if (!*row) return NotInTrash(flight_id);
-  return FlightFrom(*query);
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kColumns) + "AND id=?"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+  if (!row) return NotInTrash(flight_id);
+  return FlightFrom(query);
 }
 
 Result<std::vector<std::string>> Trash::DeletedUntil(Time age) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us");
-  if (!query) return query.error();
-  query->Bind(1, ToUs(age));
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(
+          "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us"));
+  query.Bind(1, ToUs(age));
   std::vector<std::string> ids;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return ids;
-    ids.emplace_back(query->ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return ids;
+    ids.emplace_back(query.ColumnText(0));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/base/try.h"
 #include "storage/db/schema.h"
 
 namespace skyquilt::storage {
@@ -24,12 +25,12 @@ void KeepFromOthers(const std::filesystem::path& path) {
 }
 
 Result<bool> IsCatalogue(SqliteDb& db) {
-  Result<Statement> query = db.Prepare(
-      "SELECT count(*) FROM sqlite_master WHERE type='table' AND name IN ('flight','file','revision','job')");
-  if (!query) return query.error();
-  const Result<bool> row = query->Step();
-  if (!row) return row.error();
-  return query->ColumnInt64(0) == 4;
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Prepare(
+          "SELECT count(*) FROM sqlite_master WHERE type='table' AND name IN ('flight','file','revision','job')"));
+  SKYQUILT_TRY(query.Step());
+  return query.ColumnInt64(0) == 4;
 }
 
 // Room to start with, where the disk is full.
@@ -48,17 +49,13 @@ void KeepRoom(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Prepare(SqliteDb db, const std::filesystem::path& path,
                                                           int readers) {
-  const Result<void> tuned = db.Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;");
-  if (!tuned) return tuned.error();
-  const Result<void> prepared = PrepareSchema(db);
-  if (!prepared) return prepared.error();
-  const Result<AgeClock> ages = AgeClock::Open(db);
-  if (!ages) return ages.error();
-  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), *ages, SpaceReserve(path)));
+  SKYQUILT_TRY(db.Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"));
+  SKYQUILT_TRY(PrepareSchema(db));
+  SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(db));
+  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), ages, SpaceReserve(path)));
   for (int i = 0; i < readers; ++i) {
-    Result<SqliteDb> reader = SqliteDb::Open(path, OpenMode::kReadShared);
-    if (!reader) return reader.error();
-    catalogue->idle_readers_.push_back(std::make_unique<SqliteDb>(std::move(*reader)));
+    SKYQUILT_TRY_ASSIGN(SqliteDb reader, SqliteDb::Open(path, OpenMode::kReadShared));
+    catalogue->idle_readers_.push_back(std::make_unique<SqliteDb>(std::move(reader)));
   }
   return catalogue;
 }
@@ -67,9 +64,8 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Open(const std::filesystem::pa
   GiveRoom(path);
   KeepRoom(path);
   KeepFromOthers(path);
-  Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadWriteCreate);
-  if (!db) return db.error();
-  return Prepare(std::move(*db), path, readers);
+  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path, OpenMode::kReadWriteCreate));
+  return Prepare(std::move(db), path, readers);
 }
 
 Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenExisting(const std::filesystem::path& path,
@@ -79,15 +75,13 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenExisting(const std::filesy
   if (stat(path.c_str(), &status) != 0 || status.st_size == 0) return none;
   if (!S_ISREG(status.st_mode)) return none;
   GiveRoom(path);
-  Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadWrite);
-  if (!db) return db.error();
+  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path, OpenMode::kReadWrite));
   // Before anything is changed in it: it may be another program's.
-  const Result<bool> is_ours = IsCatalogue(*db);
-  if (!is_ours) return is_ours.error();
-  if (!*is_ours) return none;
+  SKYQUILT_TRY_ASSIGN(const bool is_ours, IsCatalogue(db));
+  if (!is_ours) return none;
   KeepRoom(path);
   KeepFromOthers(path);
-  return Prepare(std::move(*db), path, readers);
+  return Prepare(std::move(db), path, readers);
 }
 
 std::unique_ptr<SqliteDb> CatalogueDb::TakeReader() {

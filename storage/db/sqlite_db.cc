@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "storage/db/sqlite_error.h"
 
 namespace skyquilt::storage {
@@ -106,8 +107,7 @@ Result<void> SqliteDb::Close() {
 }
 
 Result<Transaction> Transaction::Begin(SqliteDb& db) {
-  const Result<void> begun = db.Exec("BEGIN IMMEDIATE");
-  if (!begun) return begun.error();
+  SKYQUILT_TRY(db.Exec("BEGIN IMMEDIATE"));
   return Transaction(db);
 }
 
@@ -120,8 +120,7 @@ Transaction::~Transaction() {
 }
 
 Result<void> Transaction::Commit() {
-  const Result<void> done = db_->Exec("COMMIT");
-  if (!done) return done.error();
+  SKYQUILT_TRY(db_->Exec("COMMIT"));
   db_ = nullptr;
   return {};
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "storage/db/sqlite_error.h"
 
 namespace skyquilt::storage {
@@ -73,9 +74,8 @@ Result<bool> Statement::Step() {
 
 Result<void> Statement::Run() {
   while (true) {
-    const Result<bool> row = Step();
-    if (!row) return row.error();
-    if (!*row) break;
+    SKYQUILT_TRY_ASSIGN(const bool row, Step());
+    if (!row) break;
   }
   Reset();
   return {};

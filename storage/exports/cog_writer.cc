@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/parallel_for.h"
+#include "core/base/try.h"
 #include "storage/exports/fringe_tile.h"
 #include "storage/exports/tiff_head.h"
 #include "storage/tilesets/mbtiles_reader.h"
@@ -112,10 +113,9 @@ class Export {
 
   // Empty: the tileset has no such tile.
   Result<std::string> Load(const geo::TileId& tile) const {
-    Result<std::optional<FoundTile>> found = tiles_.Find(tile);
-    if (!found) return found.error();
-    if (!*found) return std::string();
-    return tiles_.Load(**std::move(found));
+    SKYQUILT_TRY_ASSIGN(std::optional<FoundTile> found, tiles_.Find(tile));
+    if (!found) return std::string();
+    return tiles_.Load(*std::move(found));
   }
 
   static ReadyTile Failed(Error error) {
@@ -154,19 +154,17 @@ int TileSizeOf(const MbtilesReader& tiles) {
 
 Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                       const CogOptions& options, Progress& progress) {
-  auto tiles = MbtilesReader::Open(mbtiles);
-  if (!tiles) return tiles.error();
-  const int tile_size_px = TileSizeOf(**tiles);
-  const auto format = (*tiles)->metadata().find("format");
-  const bool is_webp = format != (*tiles)->metadata().end() && format->second == "webp";
+  SKYQUILT_TRY_ASSIGN(auto tiles, MbtilesReader::Open(mbtiles));
+  const int tile_size_px = TileSizeOf(*tiles);
+  const auto format = tiles->metadata().find("format");
+  const bool is_webp = format != tiles->metadata().end() && format->second == "webp";
   const TiffTiles kind = is_webp ? TiffTiles::kWebp : TiffTiles::kJpeg;
   std::vector<GridLevel> grid;
   {
-    auto db = SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable);
-    if (!db) return db.error();
-    auto made = GridOf(*db, tile_size_px, is_webp ? GridAlignment::kAllLevels : GridAlignment::kFineLevels);
-    if (!made) return made.error();
-    grid = *std::move(made);
+    SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
+    SKYQUILT_TRY_ASSIGN(auto made, GridOf(db, tile_size_px,
+                                          is_webp ? GridAlignment::kAllLevels : GridAlignment::kFineLevels));
+    grid = std::move(made);
   }
   std::error_code unknown_size;
   std::uint64_t expected_bytes = std::filesystem::file_size(mbtiles, unknown_size);
@@ -175,10 +173,9 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
   expected_bytes += static_cast<std::uint64_t>(cells) * 64;
 
   TiffHead head(grid, tile_size_px, kind, expected_bytes > kClassicLimitBytes);
-  auto file = StreamFile::Create(path);
-  if (!file) return file.error();
-  (*file)->Write(head.bytes());
-  const Export work(**tiles, kind, tile_size_px, options);
+  SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
+  file->Write(head.bytes());
+  const Export work(*tiles, kind, tile_size_px, options);
   std::int64_t done = 0;
   // The smallest overview first: a reader that fetches the file's beginning has a picture at once.
   for (std::size_t level = grid.size(); level-- > 0;) {
@@ -201,15 +198,15 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
           ++done;
           if (ready.image.empty()) return;
           const auto number = static_cast<std::int64_t>(cell);
-          head.SetTile(level, number, WriteBlock(**file, ready.image), ready.image.size());
+          head.SetTile(level, number, WriteBlock(*file, ready.image), ready.image.size());
           if (kind == TiffTiles::kJpeg)
-            head.SetMask(level, number, WriteBlock(**file, ready.mask), ready.mask.size());
+            head.SetMask(level, number, WriteBlock(*file, ready.mask), ready.mask.size());
           progress.Report(static_cast<double>(done) / static_cast<double>(cells), "writing GeoTIFF");
         });
     if (failure) return *failure;
   }
-  (*file)->WriteAt(0, head.bytes());
-  return (*file)->Publish();
+  file->WriteAt(0, head.bytes());
+  return file->Publish();
 }
 
 }  // namespace skyquilt::storage

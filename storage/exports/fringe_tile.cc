@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/base/try.h"
 #include "storage/exports/png_tile.h"
 
 namespace skyquilt::storage {
@@ -68,9 +69,8 @@ std::string EncodeJpeg(const TileCanvas& canvas, int quality) {
 Error Damaged() { return {ErrorCode::kCorrupt, "a stored tile is damaged; stitch the flight again", ""}; }
 
 Result<TileCanvas> DecodePng(std::string_view bytes, int side_px) {
-  auto rgba = DecodePngTile(bytes, side_px);
-  if (!rgba) return rgba.error();
-  return TileCanvas{side_px, *std::move(rgba)};
+  SKYQUILT_TRY_ASSIGN(auto rgba, DecodePngTile(bytes, side_px));
+  return TileCanvas{side_px, std::move(rgba)};
 }
 
 Result<TileCanvas> DecodeJpeg(std::string_view bytes, int side_px) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/db/sqlite_db.h"
@@ -113,11 +114,12 @@ std::string Kml(const std::string& name, const std::string& content) {
 class TileWalk {
  public:
   static Result<TileWalk> Of(SqliteDb& db) {
-    auto rows = db.Prepare(
-        "SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles ORDER BY zoom_level, tile_column, "
-        "tile_row");
-    if (!rows) return rows.error();
-    return TileWalk(*std::move(rows));
+    SKYQUILT_TRY_ASSIGN(
+        auto rows,
+        db.Prepare(
+            "SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles ORDER BY zoom_level, tile_column, "
+            "tile_row"));
+    return TileWalk(std::move(rows));
   }
   // False: no more.
   Result<bool> Next() {
@@ -125,9 +127,9 @@ class TileWalk {
     if (!more || !*more) return more;
     const std::int64_t zoom = rows_.ColumnInt64(0);
     const auto side = std::int64_t{1} << std::clamp<std::int64_t>(zoom, 0, geo::kMaxZoom);
-    const auto tile = geo::TileId::Make(zoom, rows_.ColumnInt64(1), side - 1 - rows_.ColumnInt64(2));
-    if (!tile) return tile.error();
-    tile_ = *tile;
+    SKYQUILT_TRY_ASSIGN(const auto tile,
+                        geo::TileId::Make(zoom, rows_.ColumnInt64(1), side - 1 - rows_.ColumnInt64(2)));
+    tile_ = tile;
     return true;
   }
   const geo::TileId& tile() const { return tile_; }
@@ -143,10 +145,9 @@ class TileWalk {
 };
 
 Result<std::int64_t> CountTiles(SqliteDb& db) {
-  auto count = db.Prepare("SELECT count(*) FROM tiles");
-  if (!count) return count.error();
-  if (auto row = count->Step(); !row) return row.error();
-  return count->ColumnInt64(0);
+  SKYQUILT_TRY_ASSIGN(auto count, db.Prepare("SELECT count(*) FROM tiles"));
+  SKYQUILT_TRY(count.Step());
+  return count.ColumnInt64(0);
 }
 
 // A tile's picture, and links to what is below it.
@@ -154,9 +155,8 @@ Result<std::string> KmlOf(const geo::TileId& tile, std::string_view extension, M
   std::string links;
   if (tile.z() < geo::kMaxZoom) {
     for (const geo::TileId& child : tile.Children()) {
-      const auto found = tiles.Find(child);
-      if (!found) return found.error();
-      if (*found) links += Link(child, "../../");
+      SKYQUILT_TRY_ASSIGN(const auto found, tiles.Find(child));
+      if (found) links += Link(child, "../../");
     }
   }
   const std::string overlay = fmt::format(
@@ -170,54 +170,45 @@ Result<std::string> KmlOf(const geo::TileId& tile, std::string_view extension, M
 
 Result<void> WriteKmz(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                       Progress& progress) {
-  auto tiles = MbtilesReader::Open(mbtiles);
-  if (!tiles) return tiles.error();
-  auto db = SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable);
-  if (!db) return db.error();
-  const Result<std::int64_t> count = CountTiles(*db);
-  if (!count) return count.error();
-  if (*count == 0) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
+  SKYQUILT_TRY_ASSIGN(auto tiles, MbtilesReader::Open(mbtiles));
+  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t count, CountTiles(db));
+  if (count == 0) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
 
-  auto file = StreamFile::Create(path);
-  if (!file) return file.error();
-  ZipFile zip(**file);
+  SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
+  ZipFile zip(*file);
   // A KMZ opens with its first KML: links to the tiles of the coarsest zoom.
   {
-    auto walk = TileWalk::Of(*db);
-    if (!walk) return walk.error();
+    SKYQUILT_TRY_ASSIGN(auto walk, TileWalk::Of(db));
     std::string links;
     std::optional<int> coarsest;
     while (true) {
-      const Result<bool> more = walk->Next();
-      if (!more) return more.error();
-      if (!*more || walk->tile().z() != coarsest.value_or(walk->tile().z())) break;
-      coarsest = walk->tile().z();
-      links += Link(walk->tile(), "");
+      SKYQUILT_TRY_ASSIGN(const bool more, walk.Next());
+      if (!more || walk.tile().z() != coarsest.value_or(walk.tile().z())) break;
+      coarsest = walk.tile().z();
+      links += Link(walk.tile(), "");
     }
-    const auto name = (*tiles)->metadata().find("name");
-    zip.Add("doc.kml", Kml(name != (*tiles)->metadata().end() ? name->second : "Map", links));
+    const auto name = tiles->metadata().find("name");
+    zip.Add("doc.kml", Kml(name != tiles->metadata().end() ? name->second : "Map", links));
   }
-  auto walk = TileWalk::Of(*db);
-  if (!walk) return walk.error();
+  SKYQUILT_TRY_ASSIGN(auto walk, TileWalk::Of(db));
   for (std::int64_t done = 1;; ++done) {
     if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
-    const Result<bool> more = walk->Next();
-    if (!more) return more.error();
-    if (!*more) break;
-    const std::string_view bytes = walk->bytes();
+    SKYQUILT_TRY_ASSIGN(const bool more, walk.Next());
+    if (!more) break;
+    const std::string_view bytes = walk.bytes();
     if (bytes.starts_with("RIFF")) {
       return Error{ErrorCode::kUnprocessable, "KML viewers show no WebP; leave out --kmz or --format webp",
                    ""};
     }
     const std::string_view extension = bytes.starts_with("\x89PNG") ? "png" : "jpg";
-    const Result<std::string> kml = KmlOf(walk->tile(), extension, **tiles);
-    if (!kml) return kml.error();
-    zip.Add(Name(walk->tile(), "kml"), *kml);
-    zip.Add(Name(walk->tile(), extension), bytes);
-    progress.Report(static_cast<double>(done) / static_cast<double>(*count), "writing KMZ");
+    SKYQUILT_TRY_ASSIGN(const std::string kml, KmlOf(walk.tile(), extension, *tiles));
+    zip.Add(Name(walk.tile(), "kml"), kml);
+    zip.Add(Name(walk.tile(), extension), bytes);
+    progress.Report(static_cast<double>(done) / static_cast<double>(count), "writing KMZ");
   }
   zip.Close();
-  return (*file)->Publish();
+  return file->Publish();
 }
 
 }  // namespace skyquilt::storage

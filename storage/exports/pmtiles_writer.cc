@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/try.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/gzip.h"
 #include "storage/exports/pmtiles_directory.h"
@@ -41,37 +42,34 @@ struct Layout {
 };
 
 Result<Metadata> ReadMetadata(SqliteDb& db) {
-  auto rows = db.Prepare("SELECT name, value FROM metadata");
-  if (!rows) return rows.error();
+  SKYQUILT_TRY_ASSIGN(auto rows, db.Prepare("SELECT name, value FROM metadata"));
   Metadata metadata;
   while (true) {
-    const Result<bool> more = rows->Step();
-    if (!more) return more.error();
-    if (!*more) return metadata;
-    metadata[std::string(rows->ColumnText(0))] = std::string(rows->ColumnText(1));
+    SKYQUILT_TRY_ASSIGN(const bool more, rows.Step());
+    if (!more) return metadata;
+    metadata[std::string(rows.ColumnText(0))] = std::string(rows.ColumnText(1));
   }
 }
 
 Result<Layout> LayOut(SqliteDb& db) {
-  auto rows = db.Prepare(
-      "SELECT s.zoom_level, s.tile_column, s.tile_row, s.tile_data_id, length(d.tile_data) "
-      "FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id");
-  if (!rows) return rows.error();
+  SKYQUILT_TRY_ASSIGN(
+      auto rows,
+      db.Prepare("SELECT s.zoom_level, s.tile_column, s.tile_row, s.tile_data_id, length(d.tile_data) "
+                 "FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id"));
   Layout layout;
   layout.min_zoom = geo::kMaxZoom;
   std::vector<TileRow> tiles;
   while (true) {
-    const Result<bool> more = rows->Step();
-    if (!more) return more.error();
-    if (!*more) break;
-    const auto zoom = rows->ColumnInt64(0);
+    SKYQUILT_TRY_ASSIGN(const bool more, rows.Step());
+    if (!more) break;
+    const auto zoom = rows.ColumnInt64(0);
     const auto side = std::int64_t{1} << std::clamp<std::int64_t>(zoom, 0, geo::kMaxZoom);
-    const auto tile = geo::TileId::Make(zoom, rows->ColumnInt64(1), side - 1 - rows->ColumnInt64(2));
-    if (!tile) return tile.error();
+    SKYQUILT_TRY_ASSIGN(const auto tile,
+                        geo::TileId::Make(zoom, rows.ColumnInt64(1), side - 1 - rows.ColumnInt64(2)));
     tiles.push_back(
-        {PmtilesNumber(*tile), rows->ColumnInt64(3), static_cast<std::uint32_t>(rows->ColumnInt64(4))});
-    layout.min_zoom = std::min(layout.min_zoom, tile->z());
-    layout.max_zoom = std::max(layout.max_zoom, tile->z());
+        {PmtilesNumber(tile), rows.ColumnInt64(3), static_cast<std::uint32_t>(rows.ColumnInt64(4))});
+    layout.min_zoom = std::min(layout.min_zoom, tile.z());
+    layout.max_zoom = std::max(layout.max_zoom, tile.z());
   }
   if (tiles.empty()) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
   std::sort(tiles.begin(), tiles.end(),
@@ -174,33 +172,27 @@ std::string Header(const Layout& layout, const Metadata& metadata, const Pmtiles
 
 Result<void> WritePmtiles(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
                           Progress& progress) {
-  auto db = SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable);
-  if (!db) return db.error();
-  const Result<Metadata> metadata = ReadMetadata(*db);
-  if (!metadata) return metadata.error();
-  const Result<Layout> layout = LayOut(*db);
-  if (!layout) return layout.error();
-  const PmtilesDirectories directories = MakePmtilesDirectories(layout->entries);
-  const std::string about = Gzip(MetadataJson(*metadata));
-  auto file = StreamFile::Create(path);
-  if (!file) return file.error();
-  (*file)->Write(Header(*layout, *metadata, directories, about.size()));
-  (*file)->Write(directories.root);
-  (*file)->Write(about);
-  (*file)->Write(directories.leaves);
-  auto load = db->Prepare("SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1");
-  if (!load) return load.error();
-  for (std::size_t i = 0; i < layout->contents.size(); ++i) {
+  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
+  SKYQUILT_TRY_ASSIGN(const Metadata metadata, ReadMetadata(db));
+  SKYQUILT_TRY_ASSIGN(const Layout layout, LayOut(db));
+  const PmtilesDirectories directories = MakePmtilesDirectories(layout.entries);
+  const std::string about = Gzip(MetadataJson(metadata));
+  SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
+  file->Write(Header(layout, metadata, directories, about.size()));
+  file->Write(directories.root);
+  file->Write(about);
+  file->Write(directories.leaves);
+  SKYQUILT_TRY_ASSIGN(auto load, db.Prepare("SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"));
+  for (std::size_t i = 0; i < layout.contents.size(); ++i) {
     if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
-    const Result<bool> row = load->Bind(1, layout->contents[i]).Step();
-    if (!row) return row.error();
-    const auto blob = load->ColumnBlob(0);
-    (*file)->Write({reinterpret_cast<const char*>(blob.data()), blob.size()});
-    load->Reset();
-    progress.Report(static_cast<double>(i + 1) / static_cast<double>(layout->contents.size()),
+    SKYQUILT_TRY(load.Bind(1, layout.contents[i]).Step());
+    const auto blob = load.ColumnBlob(0);
+    file->Write({reinterpret_cast<const char*>(blob.data()), blob.size()});
+    load.Reset();
+    progress.Report(static_cast<double>(i + 1) / static_cast<double>(layout.contents.size()),
                     "writing PMTiles");
   }
-  return (*file)->Publish();
+  return file->Publish();
 }
 
 }  // namespace skyquilt::storage

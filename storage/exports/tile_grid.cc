@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -11,15 +13,16 @@ struct Extent {
 
 // `turn` moves the place where columns begin to count, so that a map across the date line stays in one piece.
 Result<Extent> ExtentOf(SqliteDb& mbtiles, int zoom, std::int64_t turn) {
-  auto query = mbtiles.Prepare(
-      "SELECT min((tile_column + ?2) % ?3), max((tile_column + ?2) % ?3), min(tile_row), max(tile_row) "
-      "FROM tiles WHERE zoom_level = ?1");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(
+      auto query,
+      mbtiles.Prepare(
+          "SELECT min((tile_column + ?2) % ?3), max((tile_column + ?2) % ?3), min(tile_row), max(tile_row) "
+          "FROM tiles WHERE zoom_level = ?1"));
   const std::int64_t side = std::int64_t{1} << zoom;
-  query->Bind(1, zoom).Bind(2, turn);
-  if (auto row = query->Bind(3, side).Step(); !row) return row.error();
-  return Extent{query->ColumnInt64(0) + turn, query->ColumnInt64(1) + turn, side - 1 - query->ColumnInt64(3),
-                side - 1 - query->ColumnInt64(2)};
+  query.Bind(1, zoom).Bind(2, turn);
+  SKYQUILT_TRY(query.Bind(3, side).Step());
+  return Extent{query.ColumnInt64(0) + turn, query.ColumnInt64(1) + turn, side - 1 - query.ColumnInt64(3),
+                side - 1 - query.ColumnInt64(2)};
 }
 
 // How many levels above the finest may share its corner for the price of an eighth of the map.
@@ -46,12 +49,11 @@ std::optional<geo::TileId> GridLevel::TileOf(std::int64_t cell, int east, int so
 Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridAlignment alignment) {
   int finest = 0, coarsest = 0;
   {
-    auto zooms = mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM tiles");
-    if (!zooms) return zooms.error();
-    if (auto row = zooms->Step(); !row) return row.error();
-    if (zooms->IsNull(0)) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
-    finest = static_cast<int>(zooms->ColumnInt64(0));
-    coarsest = static_cast<int>(zooms->ColumnInt64(1));
+    SKYQUILT_TRY_ASSIGN(auto zooms, mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM tiles"));
+    SKYQUILT_TRY(zooms.Step());
+    if (zooms.IsNull(0)) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
+    finest = static_cast<int>(zooms.ColumnInt64(0));
+    coarsest = static_cast<int>(zooms.ColumnInt64(1));
   }
   const std::int64_t half = finest > 0 ? std::int64_t{1} << (finest - 1) : 0;
   auto extent = ExtentOf(mbtiles, finest, 0);

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/try.h"
 #include "storage/rasters/register_gdal.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -51,8 +52,7 @@ Result<int> UtmEpsg(const geo::LatLon& position) {
 
 Result<void> WriteUtmGeotiff(const std::filesystem::path& cog, const std::filesystem::path& path,
                              const UtmOptions& options, Progress& progress) {
-  const Result<int> epsg = UtmEpsg(options.middle);
-  if (!epsg) return epsg.error();
+  SKYQUILT_TRY_ASSIGN(const int epsg, UtmEpsg(options.middle));
   RegisterGdalOnce();
   CPLErrorReset();
   const std::unique_ptr<GDALDataset> source(
@@ -67,7 +67,7 @@ Result<void> WriteUtmGeotiff(const std::filesystem::path& cog, const std::filesy
   const std::string pixel = fmt::format("{:.6f}", options.pixel_m);
   const std::string threads = options.threads > 0 ? std::to_string(options.threads) : "ALL_CPUS";
   add({"-t_srs",
-       fmt::format("EPSG:{}", *epsg),
+       fmt::format("EPSG:{}", epsg),
        "-tr",
        pixel,
        pixel,

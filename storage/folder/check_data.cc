@@ -7,6 +7,7 @@
 #include <set>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/previews.h"
 #include "storage/db/ids.h"
@@ -59,24 +60,21 @@ void CompareMaps(const std::string& flight_id, const std::vector<std::int64_t>& 
 
 Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db) {
   const Catalogue catalogue(db);
-  const Result<std::vector<std::string>> ids = catalogue.FlightIds();
-  if (!ids) return ids.error();
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
   std::map<std::string, DiskFlight> disk;
   for (DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
     std::string id = flight.id;
     disk.emplace(std::move(id), std::move(flight));
   }
   DataCheck check;
-  for (const std::string& id : *ids) {
+  for (const std::string& id : ids) {
     ++check.flights;
-    const Result<std::vector<StoredFile>> files = catalogue.ListFiles(id);
-    if (!files) return files.error();
-    const Result<std::vector<std::int64_t>> revisions = catalogue.Revisions(id);
-    if (!revisions) return revisions.error();
+    SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files, catalogue.ListFiles(id));
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, catalogue.Revisions(id));
     const auto found = disk.find(id);
     const DiskFlight on_disk = found == disk.end() ? DiskFlight{} : found->second;
-    CompareFiles(id, *files, on_disk, check);
-    CompareMaps(id, *revisions, on_disk, check);
+    CompareFiles(id, files, on_disk, check);
+    CompareMaps(id, revisions, on_disk, check);
     if (found != disk.end()) disk.erase(found);
   }
   for (const auto& [id, flight] : disk) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -62,19 +63,17 @@ Result<void> WriteMarker(const DataDir& dir, const std::string& id) {
 }
 
 Result<std::optional<std::string>> CatalogueId(SqliteDb& db) {
-  Result<Statement> query = db.Prepare("SELECT id FROM data_dir");
-  if (!query) return query.error();
-  const Result<bool> row = query->Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<std::string>();
-  return std::optional<std::string>(query->ColumnText(0));
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM data_dir"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+  if (!row) return std::optional<std::string>();
+  return std::optional<std::string>(query.ColumnText(0));
 }
 
 Result<void> SetCatalogueId(SqliteDb& db, const std::string& id) {
-  Result<Statement> insert =
-      db.Prepare("INSERT INTO data_dir(one, id) VALUES(1, ?) ON CONFLICT(one) DO UPDATE SET id=excluded.id");
-  if (!insert) return insert.error();
-  return insert->Bind(1, id).Run();
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db.Prepare("INSERT INTO data_dir(one, id) VALUES(1, ?) ON CONFLICT(one) DO UPDATE SET id=excluded.id"));
+  return insert.Bind(1, id).Run();
 }
 
 }  // namespace skyquilt::storage

@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/tilesets/mbtiles_reader.h"
 
@@ -100,9 +101,8 @@ std::vector<DiskFlight> FlightsOnDisk(const fs::path& flights_folder) {
 
 Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t number) {
   const fs::path tiles = revision_folder / "mosaic.mbtiles";
-  const auto reader = MbtilesReader::Open(tiles);
-  if (!reader) return reader.error();
-  const auto& metadata = (*reader)->metadata();
+  SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(tiles));
+  const auto& metadata = reader->metadata();
   Revision revision;
   revision.revision = number;
   revision.created = ChangedAt(tiles);

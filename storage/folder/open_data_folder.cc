@@ -10,6 +10,7 @@
 #include <set>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/ids.h"
 #include "storage/folder/data_marker.h"
@@ -54,15 +55,12 @@ Result<std::unique_ptr<CatalogueDb>> MakeCatalogue(const DataDir& dir, const std
   // Whole or not at all: under a name of its own until it is closed.
   const fs::path unfinished = dir.Catalogue().string() + ".new";
   {
-    const Result<std::unique_ptr<CatalogueDb>> db = CatalogueDb::Open(unfinished, 0);
-    if (!db) return db.error();
-    const Result<void> marked = SetCatalogueId(*(*db)->Lock(), id);
-    if (!marked) return marked.error();
+    SKYQUILT_TRY_ASSIGN(const std::unique_ptr<CatalogueDb> db, CatalogueDb::Open(unfinished, 0));
+    SKYQUILT_TRY(SetCatalogueId(*db->Lock(), id));
   }
   std::error_code none;  // its reserve, where the disk had room for one
   fs::rename(unfinished.string() + "-reserve", dir.Catalogue().string() + "-reserve", none);
-  const Result<void> published = PublishFile(unfinished, dir.Catalogue());
-  if (!published) return published.error();
+  SKYQUILT_TRY(PublishFile(unfinished, dir.Catalogue()));
   return CatalogueDb::OpenExisting(dir.Catalogue(), readers);
 }
 
@@ -87,13 +85,12 @@ Result<std::unique_ptr<CatalogueDb>> OpenCatalogue(const DataDir& dir, int reade
 
 Result<void> CheckWhole(const DataDir& dir, CatalogueDb& db) {
   const auto access = db.Lock();
-  Result<Statement> query = access->Prepare("PRAGMA quick_check(1)");
-  if (!query) return query.error();
-  const Result<bool> row = query->Step();
-  if (row && *row && query->ColumnText(0) == "ok") return {};
+  SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("PRAGMA quick_check(1)"));
+  const Result<bool> row = query.Step();
+  if (row && *row && query.ColumnText(0) == "ok") return {};
   return Error{ErrorCode::kCorrupt,
                fmt::format("The catalogue {} is damaged. {}", dir.Catalogue().string(), RepairAdvice(dir)),
-               row ? std::string(query->ColumnText(0)) : row.error().detail};
+               row ? std::string(query.ColumnText(0)) : row.error().detail};
 }
 
 namespace {
@@ -107,21 +104,17 @@ struct KnownFlight {
 Result<std::map<std::string, KnownFlight>> KnownFlights(CatalogueDb& db) {
   const auto access = db.Lock();
   std::map<std::string, KnownFlight> flights;
-  Result<Statement> query = access->Prepare("SELECT id, next_revision FROM flight");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("SELECT id, next_revision FROM flight"));
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) break;
-    flights[std::string(query->ColumnText(0))].next_revision = query->ColumnInt64(1);
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) break;
+    flights[std::string(query.ColumnText(0))].next_revision = query.ColumnInt64(1);
   }
-  Result<Statement> files = access->Prepare("SELECT flight_id, stored_name FROM file");
-  if (!files) return files.error();
+  SKYQUILT_TRY_ASSIGN(Statement files, access->Prepare("SELECT flight_id, stored_name FROM file"));
   while (true) {
-    const Result<bool> row = files->Step();
-    if (!row) return row.error();
-    if (!*row) return flights;
-    flights[std::string(files->ColumnText(0))].stored_names.emplace(files->ColumnText(1));
+    SKYQUILT_TRY_ASSIGN(const bool row, files.Step());
+    if (!row) return flights;
+    flights[std::string(files.ColumnText(0))].stored_names.emplace(files.ColumnText(1));
   }
 }
 
@@ -145,12 +138,11 @@ int UnknownFiles(const DiskFlight& flight, const KnownFlight& known) {
 // two files in records that are not in the catalogue (one is recorded at a time, just before it is
 // committed). A catalogue from an older backup does, and what it does not know would be taken for lost.
 Result<void> CheckIsLatest(const DataDir& dir, CatalogueDb& db) {
-  const Result<std::map<std::string, KnownFlight>> known = KnownFlights(db);
-  if (!known) return known.error();
+  SKYQUILT_TRY_ASSIGN(const auto known, KnownFlights(db));
   int flights = 0, files = 0, maps = 0;
   for (const DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
-    const auto found = known->find(flight.id);
-    if (found != known->end()) {
+    const auto found = known.find(flight.id);
+    if (found != known.end()) {
       maps += static_cast<int>(
           std::count_if(flight.revisions.begin(), flight.revisions.end(),
                         [&](std::int64_t revision) { return revision >= found->second.next_revision; }));
@@ -176,15 +168,12 @@ Result<void> CheckIsLatest(const DataDir& dir, CatalogueDb& db) {
 Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
   const FlightRecords records(dir);
   const Catalogue catalogue(db);
-  const Result<std::vector<std::string>> ids = catalogue.FlightIds();
-  if (!ids) return ids.error();
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
   int written = 0;
-  for (const std::string& id : *ids) {
+  for (const std::string& id : ids) {
     if (!IsId(id) || records.Has(id)) continue;
-    const Result<FlightRecord> record = catalogue.RecordOf(id);
-    if (!record) return record.error();
-    const Result<void> begun = records.Begin(id, *record);
-    if (!begun) return begun.error();
+    SKYQUILT_TRY_ASSIGN(const FlightRecord record, catalogue.RecordOf(id));
+    SKYQUILT_TRY(records.Begin(id, record));
     ++written;
   }
   return written;
@@ -192,16 +181,12 @@ Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
 
 Result<OpenedDataFolder> MakeNew(const DataDir& at, int readers) {
   const std::string id = NewId();
-  Result<DataDir> dir = DataDir::Open(at.root(), id);
-  if (!dir) return dir.error();
-  Result<DataDirLock> lock = DataDirLock::Take(*dir);
-  if (!lock) return lock.error();
+  SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), id));
+  SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(dir));
   // The marker last: a folder that has one has had a catalogue.
-  Result<std::unique_ptr<CatalogueDb>> db = MakeCatalogue(*dir, id, readers);
-  if (!db) return db.error();
-  const Result<void> marked = WriteMarker(*dir, id);
-  if (!marked) return marked.error();
-  return OpenedDataFolder{*std::move(dir), std::optional(*std::move(lock)), *std::move(db), {}};
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, MakeCatalogue(dir, id, readers));
+  SKYQUILT_TRY(WriteMarker(dir, id));
+  return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), std::move(db), {}};
 }
 
 }  // namespace
@@ -270,77 +255,67 @@ Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
 
 Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers) {
   const DataDir at = DataDir::At(root);
-  const Result<FolderSurvey> survey = SurveyFolder(at);
-  if (!survey) return survey.error();
+  SKYQUILT_TRY_ASSIGN(const FolderSurvey survey, SurveyFolder(at));
   Result<std::optional<std::string>> marker = ReadMarker(at);
   if (!marker && marker.error().code == ErrorCode::kCorrupt) {
     return Error{ErrorCode::kCorrupt, marker.error().message + " " + RepairAdvice(at), ""};
   }
   if (!marker) return marker.error();
-  if (!*marker && survey->is_new) return MakeNew(at, readers);
-  if (!*marker && !survey->has_catalogue && !survey->has_flights) {
-    FolderSurvey others = *survey;
+  if (!*marker && survey.is_new) return MakeNew(at, readers);
+  if (!*marker && !survey.has_catalogue && !survey.has_flights) {
+    FolderSurvey others = survey;
     if (others.strangers.empty()) others.strangers = {"flights, uploads or work that are not Skyquilt's"};
     return OfOthers(at, others);
   }
-  Result<DataDirLock> lock = DataDirLock::Take(at);
-  if (!lock) return lock.error();
+  SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(at));
   Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at, readers);
-  if (!db && !*marker && !survey->has_flights && db.error().code != ErrorCode::kIo) {
-    FolderSurvey others = *survey;  // a catalogue.db of another program
+  if (!db && !*marker && !survey.has_flights && db.error().code != ErrorCode::kIo) {
+    FolderSurvey others = survey;  // a catalogue.db of another program
     others.strangers.push_back("catalogue.db");
     return OfOthers(at, others);
   }
   if (!db) return db.error();
-  if (const Result<void> whole = CheckWhole(at, **db); !whole) return whole.error();
-  const Result<std::optional<std::string>> owner = CatalogueId(*(*db)->Lock());
-  if (!owner) return owner.error();
-  if (*marker && *owner && **marker != **owner) {
+  SKYQUILT_TRY(CheckWhole(at, **db));
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*(*db)->Lock()));
+  if (*marker && owner && **marker != *owner) {
     return Error{ErrorCode::kConflict,
                  fmt::format("The catalogue {} belongs to another data folder ({} instead of {}). {}",
-                             at.Catalogue().string(), **owner, **marker, RepairAdvice(at)),
+                             at.Catalogue().string(), *owner, **marker, RepairAdvice(at)),
                  ""};
   }
-  if (const Result<void> known = CheckIsLatest(at, **db); !known) return known.error();
+  SKYQUILT_TRY(CheckIsLatest(at, **db));
   std::vector<std::string> notes;
-  const std::string id = *marker ? **marker : *owner ? **owner : NewId();
-  if (!*owner) {
-    const Result<void> set = SetCatalogueId(*(*db)->Lock(), id);
-    if (!set) return set.error();
+  const std::string id = *marker ? **marker : owner ? *owner : NewId();
+  if (!owner) {
+    SKYQUILT_TRY(SetCatalogueId(*(*db)->Lock(), id));
   }
   if (!*marker) {
-    const Result<void> marked = WriteMarker(at, id);
-    if (!marked) return marked.error();
+    SKYQUILT_TRY(WriteMarker(at, id));
     notes.push_back("the data folder had no marker; its catalogue knows the flights in it, so it got one");
   }
-  Result<DataDir> dir = DataDir::Open(root, id);
-  if (!dir) return dir.error();
-  const Result<int> written = WriteMissingRecords(*dir, **db);
-  if (!written) return written.error();
-  if (*written > 0)
-    notes.push_back(fmt::format("{} flights of an earlier version got their record, flight.jsonl", *written));
-  return OpenedDataFolder{*std::move(dir), std::optional(*std::move(lock)), *std::move(db), std::move(notes)};
+  SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(root, id));
+  SKYQUILT_TRY_ASSIGN(const int written, WriteMissingRecords(dir, **db));
+  if (written > 0)
+    notes.push_back(fmt::format("{} flights of an earlier version got their record, flight.jsonl", written));
+  return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), *std::move(db), std::move(notes)};
 }
 
 Result<OpenedDataFolder> JoinDataFolder(const fs::path& root) {
   const DataDir at = DataDir::At(root);
-  const Result<std::optional<std::string>> marker = ReadMarker(at);
-  if (!marker) return marker.error();
-  if (!*marker) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> marker, ReadMarker(at));
+  if (!marker) {
     return Error{ErrorCode::kNotFound,
                  at.root().string() +
                      " is not a data folder of Skyquilt: it has no skyquilt-data.json. A server makes one.",
                  ""};
   }
-  Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at);
-  if (!db) return db.error();
-  const Result<std::optional<std::string>> owner = CatalogueId(*(*db)->Lock());
-  if (!owner) return owner.error();
-  if (*owner != *marker) {
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, OpenCatalogue(at));
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*db->Lock()));
+  if (owner != marker) {
     return Error{ErrorCode::kConflict, "The catalogue belongs to another data folder. " + RepairAdvice(at),
                  ""};
   }
-  return OpenedDataFolder{DataDir::At(root, **marker), std::nullopt, *std::move(db), {}};
+  return OpenedDataFolder{DataDir::At(root, *marker), std::nullopt, std::move(db), {}};
 }
 
 Result<OpenedDataFolder> OpenOrJoinDataFolder(const fs::path& root) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "storage/catalogue/enter_flight.h"
 #include "storage/db/ids.h"
 #include "storage/folder/data_marker.h"
@@ -38,9 +39,8 @@ Result<std::unique_ptr<CatalogueDb>> TakeCatalogue(const DataDir& dir, std::opti
   std::string why;
   std::unique_ptr<CatalogueDb> db = UsableCatalogue(dir, marker, why);
   if (db != nullptr) {
-    const Result<std::optional<std::string>> owner = CatalogueId(*db->Lock());
-    if (!owner) return owner.error();
-    if (!marker) marker = *owner;
+    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*db->Lock()));
+    if (!marker) marker = owner;
   } else {
     std::error_code none;
     for (const char* ending : {"", "-wal", "-shm"}) {
@@ -52,15 +52,13 @@ Result<std::unique_ptr<CatalogueDb>> TakeCatalogue(const DataDir& dir, std::opti
                      path.string() + " could not be moved away. Move it to a safe place, and try again.", ""};
       }
     }
-    Result<std::unique_ptr<CatalogueDb>> made = CatalogueDb::Open(dir.Catalogue());
-    if (!made) return made.error();
-    db = *std::move(made);
+    SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> made, CatalogueDb::Open(dir.Catalogue()));
+    db = std::move(made);
     report.made_catalogue = true;
     report.lines.push_back("a new catalogue was made; tokens and webhooks are to be added again");
   }
   if (!marker) marker = NewId();
-  const Result<void> set = SetCatalogueId(*db->Lock(), *marker);
-  if (!set) return set.error();
+  SKYQUILT_TRY(SetCatalogueId(*db->Lock(), *marker));
   return db;
 }
 
@@ -79,9 +77,8 @@ Result<void> BringBack(const DataDir& dir, const DiskFlight& lost, RepairReport&
   const fs::path home = dir.Flight(lost.id);
   std::error_code none;
   const bool has_home = fs::exists(home, none);
-  Result<std::optional<FlightRecord>> record = ReadFlightRecord(has_home ? home : lost.folder);
-  if (!record) return record.error();
-  if (*record && (*record)->is_deleted) {
+  SKYQUILT_TRY_ASSIGN(std::optional<FlightRecord> record, ReadFlightRecord(has_home ? home : lost.folder));
+  if (record && record->is_deleted) {
     report.lines.push_back(fmt::format("{} was deleted by its owner and stays there",
                                        lost.folder.lexically_relative(dir.root()).string()));
     return {};
@@ -90,7 +87,7 @@ Result<void> BringBack(const DataDir& dir, const DiskFlight& lost, RepairReport&
     if (HoldsAnything(lost)) Move(lost.folder, home, dir, report);
     return {};
   }
-  const FlightRecord facts = record->value_or(FlightRecord());
+  const FlightRecord facts = record.value_or(FlightRecord());
   for (const DiskFile& file : lost.files) {
     const auto found = facts.files.find(file.stored_name);
     if (found == facts.files.end() ? facts.is_whole : found->second.is_removed) continue;
@@ -107,8 +104,7 @@ Result<void> BringBackAll(const DataDir& dir, RepairReport& report) {
   std::reverse(items.begin(), items.end());  // the latest of two of one name
   for (const LostItem& item : items) {
     for (const DiskFlight& flight : FlightsOnDisk(item.folder / "flights")) {
-      const Result<void> back = BringBack(dir, flight, report);
-      if (!back) return back.error();
+      SKYQUILT_TRY(BringBack(dir, flight, report));
     }
   }
   return {};
@@ -116,35 +112,31 @@ Result<void> BringBackAll(const DataDir& dir, RepairReport& report) {
 
 Result<void> Enter(const DataDir& dir, CatalogueDb& db, const DiskFlight& flight, LostFolder& lost,
                    RepairReport& report) {
-  const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight.folder);
-  if (!record) return record.error();
+  SKYQUILT_TRY_ASSIGN(const std::optional<FlightRecord> record, ReadFlightRecord(flight.folder));
   const bool is_known = *Catalogue(db).HasFlight(flight.id);
-  if (!is_known && (!HoldsAnything(flight) || (*record && (*record)->is_deleted))) return {};
-  const Result<EnteredFlight> entered = EnterFlight(db, flight, *record);
-  if (!entered) return entered.error();
-  for (const std::string& note : entered->notes) report.lines.push_back(note);
-  report.flights += entered->is_new ? 1 : 0;
-  report.files += entered->files;
-  report.maps += entered->revision ? 1 : 0;
-  if (entered->is_new || entered->files > 0 || entered->revision) {
+  if (!is_known && (!HoldsAnything(flight) || (record && record->is_deleted))) return {};
+  SKYQUILT_TRY_ASSIGN(const EnteredFlight entered, EnterFlight(db, flight, record));
+  for (const std::string& note : entered.notes) report.lines.push_back(note);
+  report.flights += entered.is_new ? 1 : 0;
+  report.files += entered.files;
+  report.maps += entered.revision ? 1 : 0;
+  if (entered.is_new || entered.files > 0 || entered.revision) {
     report.lines.push_back(fmt::format(
-        "flight {}{}: {} files{}", flight.id, entered->is_new ? " is known again" : "", entered->files,
-        entered->revision ? fmt::format(", map r{} is shown", *entered->revision) : ""));
+        "flight {}{}: {} files{}", flight.id, entered.is_new ? " is known again" : "", entered.files,
+        entered.revision ? fmt::format(", map r{} is shown", *entered.revision) : ""));
   }
-  if (*record && (*record)->is_whole) return {};
-  if (*record) report.lines.push_back(lost.Take(flight.folder / kFlightRecordName, "is damaged"));
-  const Result<FlightRecord> whole = Catalogue(db).RecordOf(flight.id);
-  if (!whole) return whole.error();
-  return FlightRecords(dir).Begin(flight.id, *whole);
+  if (record && record->is_whole) return {};
+  if (record) report.lines.push_back(lost.Take(flight.folder / kFlightRecordName, "is damaged"));
+  SKYQUILT_TRY_ASSIGN(const FlightRecord whole, Catalogue(db).RecordOf(flight.id));
+  return FlightRecords(dir).Begin(flight.id, whole);
 }
 
 }  // namespace
 
 Result<RepairReport> RepairData(const fs::path& root, Time now) {
   const DataDir at = DataDir::At(root);
-  const Result<FolderSurvey> survey = SurveyFolder(at);
-  if (!survey) return survey.error();
-  if (!survey->exists) {
+  SKYQUILT_TRY_ASSIGN(const FolderSurvey survey, SurveyFolder(at));
+  if (!survey.exists) {
     return Error{ErrorCode::kNotFound,
                  "There is no folder " + at.root().string() + ". Give the data folder with --data.", ""};
   }
@@ -153,8 +145,8 @@ Result<RepairReport> RepairData(const fs::path& root, Time now) {
   if (!read && !is_damaged) return read.error();
   std::optional<std::string> marker = is_damaged ? std::nullopt : *read;
   const bool has_lost = !ListLost(at).empty();
-  if (!marker && !is_damaged && !survey->has_flights &&
-      !(survey->strangers.empty() && (survey->has_catalogue || has_lost))) {
+  if (!marker && !is_damaged && !survey.has_flights &&
+      !(survey.strangers.empty() && (survey.has_catalogue || has_lost))) {
     return Error{ErrorCode::kConflict,
                  at.root().string() +
                      " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor flights.",
@@ -165,17 +157,12 @@ Result<RepairReport> RepairData(const fs::path& root, Time now) {
   RepairReport report;
   LostFolder lost(at, now);
   if (is_damaged) report.lines.push_back(lost.Take(at.Marker(), "is damaged"));
-  Result<std::unique_ptr<CatalogueDb>> db = TakeCatalogue(at, marker, lost, report);
-  if (!db) return db.error();
-  const Result<void> marked = WriteMarker(at, *marker);
-  if (!marked) return marked.error();
-  const Result<DataDir> dir = DataDir::Open(at.root(), *marker);
-  if (!dir) return dir.error();
-  const Result<void> back = BringBackAll(*dir, report);
-  if (!back) return back.error();
-  for (const DiskFlight& flight : FlightsOnDisk(dir->Flights())) {
-    const Result<void> entered = Enter(*dir, **db, flight, lost, report);
-    if (!entered) return entered.error();
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, TakeCatalogue(at, marker, lost, report));
+  SKYQUILT_TRY(WriteMarker(at, *marker));
+  SKYQUILT_TRY_ASSIGN(const DataDir dir, DataDir::Open(at.root(), *marker));
+  SKYQUILT_TRY(BringBackAll(dir, report));
+  for (const DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
+    SKYQUILT_TRY(Enter(dir, *db, flight, lost, report));
   }
   return report;
 }

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/folder/lost_folder.h"
 
@@ -36,10 +37,9 @@ bool IsPreviewName(const std::string& name) {
 
 Result<void> TakeUnknown(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id,
                          LostFolder& lost, SweepReport& report) {
-  const Result<std::vector<std::int64_t>> known = catalogue.Revisions(flight_id);
-  if (!known) return known.error();
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> known, catalogue.Revisions(flight_id));
   std::set<std::string> keep = {"files", kFlightRecordName};
-  for (const std::int64_t revision : *known) keep.insert(RevisionFolderName(revision));
+  for (const std::int64_t revision : known) keep.insert(RevisionFolderName(revision));
   for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
     const std::string name = entry.filename().string();
     if (!keep.contains(name) && !IsPreviewName(name)) {
@@ -62,21 +62,18 @@ Result<bool> IsOfEndedJob(const JobQueue& queue, const std::string& work_name) {
 Result<SweepReport> SweepWorkTo(const DataDir& dir, const JobQueue& queue, Time now, LostFolder& lost) {
   // Listed before the leases are read: a folder that a new lease makes meanwhile is not in the list.
   const std::vector<fs::path> entries = EntriesOf(dir.Work());
-  const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
-  if (!leases) return leases.error();
+  SKYQUILT_TRY_ASSIGN(const std::vector<JobQueue::LiveLease> leases, queue.LiveLeases(now));
   std::set<std::string> live;
-  for (const auto& lease : *leases) live.insert(lease.work_name);
+  for (const auto& lease : leases) live.insert(lease.work_name);
   // What a dead attempt left lets the next one go on from there.
-  const Result<std::vector<std::string>> unfinished = queue.UnfinishedJobs();
-  if (!unfinished) return unfinished.error();
-  const std::set<std::string> jobs(unfinished->begin(), unfinished->end());
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> unfinished, queue.UnfinishedJobs());
+  const std::set<std::string> jobs(unfinished.begin(), unfinished.end());
   SweepReport report;
   for (const fs::path& entry : entries) {
     const std::string name = entry.filename().string();
     if (live.contains(name) || jobs.contains(JobOfWorkName(name))) continue;
-    const Result<bool> is_ended = IsOfEndedJob(queue, name);
-    if (!is_ended) return is_ended.error();
-    if (*is_ended || dir.IsTemporaryName(kDeletedKind, name)) {
+    SKYQUILT_TRY_ASSIGN(const bool is_ended, IsOfEndedJob(queue, name));
+    if (is_ended || dir.IsTemporaryName(kDeletedKind, name)) {
       report.removed += RemoveAll(entry);
     } else {
       report.moved.push_back(lost.Take(entry, "is of no job in the catalogue"));
@@ -91,8 +88,7 @@ Result<SweepReport> SweepRevisions(const DataDir& dir, const Catalogue& catalogu
                                    const std::string& flight_id, Time now) {
   LostFolder lost(dir, now);
   SweepReport report;
-  const Result<void> taken = TakeUnknown(dir, catalogue, flight_id, lost, report);
-  if (!taken) return taken.error();
+  SKYQUILT_TRY(TakeUnknown(dir, catalogue, flight_id, lost, report));
   return report;
 }
 
@@ -112,17 +108,14 @@ Result<SweepReport> SweepWork(const DataDir& dir, const JobQueue& queue, Time no
 
 Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const JobQueue& queue,
                           const Previews& previews, Time now) {
-  const Result<std::vector<JobQueue::LiveLease>> leases = queue.LiveLeases(now);
-  if (!leases) return leases.error();
-  const Result<std::vector<std::string>> ids = catalogue.FlightIds();
-  if (!ids) return ids.error();
+  SKYQUILT_TRY_ASSIGN(const std::vector<JobQueue::LiveLease> leases, queue.LiveLeases(now));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
   std::set<std::string> live_flights;
-  for (const auto& lease : *leases) live_flights.insert(lease.flight_id);
+  for (const auto& lease : leases) live_flights.insert(lease.flight_id);
   LostFolder lost(dir, now);
   SweepReport report;
-  const Result<SweepReport> work = SweepWorkTo(dir, queue, now, lost);
-  if (!work) return work.error();
-  report.Add(*work);
+  SKYQUILT_TRY_ASSIGN(const SweepReport work, SweepWorkTo(dir, queue, now, lost));
+  report.Add(work);
   for (const fs::path& entry : EntriesOf(dir.Incoming())) {
     const std::string name = entry.filename().string();
     if (dir.IsTemporaryName(kUploadKind, name) || dir.IsTemporaryName(kUnpackKind, name)) {
@@ -131,28 +124,25 @@ Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const 
       report.moved.push_back(lost.Take(entry, "is no upload of this server"));
     }
   }
-  const std::set<std::string> flights(ids->begin(), ids->end());
+  const std::set<std::string> flights(ids.begin(), ids.end());
   for (const fs::path& entry : EntriesOf(dir.Flights())) {
     if (!flights.contains(entry.filename().string())) {
       report.moved.push_back(lost.Take(entry, "is no flight in the catalogue"));
     }
   }
-  for (const std::string& id : *ids) {
-    const Result<std::optional<Preview>> preview = previews.Find(id);
-    if (!preview) return preview.error();
-    report.removed += SweepPreviews(dir, id, *preview ? (*preview)->folder : "");
+  for (const std::string& id : ids) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<Preview> preview, previews.Find(id));
+    report.removed += SweepPreviews(dir, id, preview ? preview->folder : "");
     if (live_flights.contains(id)) continue;
-    const Result<std::vector<StoredFile>> files = catalogue.ListFiles(id);
-    if (!files) return files.error();
+    SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files, catalogue.ListFiles(id));
     std::set<std::string> keep;
-    for (const StoredFile& file : *files) keep.insert(file.stored_name);
+    for (const StoredFile& file : files) keep.insert(file.stored_name);
     for (const fs::path& entry : EntriesOf(dir.Files(id))) {
       if (!keep.contains(entry.filename().string())) {
         report.moved.push_back(lost.Take(entry, "is no file of its flight"));
       }
     }
-    const Result<void> revisions = TakeUnknown(dir, catalogue, id, lost, report);
-    if (!revisions) return revisions.error();
+    SKYQUILT_TRY(TakeUnknown(dir, catalogue, id, lost, report));
   }
   return report;
 }

@@ -2,6 +2,7 @@
 // token.
 #include <fmt/format.h>
 
+#include "core/base/try.h"
 #include "storage/db/machine_boot.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/job_turns.h"
@@ -15,12 +16,10 @@ constexpr const char* kHeld = " WHERE id=? AND lease_token=? AND state='running'
 std::int64_t LeaseEnd(Time now) { return ToUs(now + kLeaseTime); }
 
 Result<LeaseState> ReadLease(SqliteDb& db, const Lease& lease) {
-  Result<Statement> query = db.Prepare(std::string("SELECT cancel FROM job") + kHeld);
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, lease.job_id).Bind(2, lease.token).Step();
-  if (!row) return row.error();
-  if (!*row) return LeaseState::kLost;
-  return query->ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
+  SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(std::string("SELECT cancel FROM job") + kHeld));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, lease.job_id).Bind(2, lease.token).Step());
+  if (!row) return LeaseState::kLost;
+  return query.ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
 }
 
 }  // namespace
@@ -29,61 +28,50 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
   const auto db = db_.Lock();
   {
     // An idle worker only reads; the write lock is taken when there is something to take.
-    Result<Statement> look = db->Prepare(
-        "SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
-        " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)");
-    if (!look) return look.error();
-    const Result<bool> row = look->Bind(1, ToUs(now)).Step();
-    if (!row) return row.error();
-    if (look->ColumnInt64(0) == 0) return std::optional<Lease>();
+    SKYQUILT_TRY_ASSIGN(
+        Statement look,
+        db->Prepare("SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
+                    " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)"));
+    SKYQUILT_TRY(look.Bind(1, ToUs(now)).Step());
+    if (look.ColumnInt64(0) == 0) return std::optional<Lease>();
   }
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
-  const Result<void> ended = SettleLostLeases(*db, now);
-  if (!ended) return ended.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY(SettleLostLeases(*db, now));
   std::optional<Lease> lease;
   {
-    const Result<std::optional<std::string>> next = NextJob(*db, now);
-    if (!next) return next.error();
-    if (!*next) {
-      const Result<void> ended_only = transaction->Commit();
-      if (!ended_only) return ended_only.error();
+    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(*db, now));
+    if (!next) {
+      SKYQUILT_TRY(transaction.Commit());
       return std::optional<Lease>();
     }
-    Result<Statement> claim = db->Prepare(
-        "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
-        " lease_until_us=?2, started_us=coalesce(started_us,?3), attempt_started_us=?3, stage='', progress=0,"
-        " message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts");
-    if (!claim) return claim.error();
-    claim->Bind(1, worker)
-        .Bind(2, LeaseEnd(now))
-        .Bind(3, ToUs(now))
-        .Bind(4, **next)
-        .Bind(5, MachineBoot::Id());
-    const Result<bool> row = claim->Step();
-    if (!row) return row.error();
-    if (*row) {
-      lease = Lease{std::string(claim->ColumnText(0)), std::string(claim->ColumnText(1)),
-                    std::string(claim->ColumnText(2)), claim->ColumnInt64(3),
-                    static_cast<int>(claim->ColumnInt64(4))};
+    SKYQUILT_TRY_ASSIGN(
+        Statement claim,
+        db->Prepare(
+            "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
+            " lease_until_us=?2, started_us=coalesce(started_us,?3), attempt_started_us=?3, stage='', progress=0,"
+            " message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts"));
+    claim.Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Bind(4, *next).Bind(5, MachineBoot::Id());
+    SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());
+    if (row) {
+      lease = Lease{std::string(claim.ColumnText(0)), std::string(claim.ColumnText(1)),
+                    std::string(claim.ColumnText(2)), claim.ColumnInt64(3),
+                    static_cast<int>(claim.ColumnInt64(4))};
     }
   }
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(transaction.Commit());
   return lease;
 }
 
 Result<LeaseState> JobQueue::Renew(const Lease& lease, Time now) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(std::string("UPDATE job SET lease_until_us=?3, claimed_in=?4") +
-                                         " WHERE id=?1 AND lease_token=?2 AND state='running'");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, lease.job_id)
-                                .Bind(2, lease.token)
-                                .Bind(3, LeaseEnd(now))
-                                .Bind(4, MachineBoot::Id())
-                                .Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare(std::string("UPDATE job SET lease_until_us=?3, claimed_in=?4") +
+                                  " WHERE id=?1 AND lease_token=?2 AND state='running'"));
+  SKYQUILT_TRY(update.Bind(1, lease.job_id)
+                   .Bind(2, lease.token)
+                   .Bind(3, LeaseEnd(now))
+                   .Bind(4, MachineBoot::Id())
+                   .Run());
   return ReadLease(*db, lease);
 }
 
@@ -94,32 +82,30 @@ Result<LeaseState> JobQueue::Look(const Lease& lease) const {
 
 Result<LeaseState> JobQueue::Expect(const Lease& lease, const Expectation& expectation) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE job SET expected_s=?3, expected_low_s=?4, expected_high_s=?5"
-      " WHERE id=?1 AND lease_token=?2 AND state='running'");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, lease.job_id)
-                                .Bind(2, lease.token)
-                                .Bind(3, expectation.total_s)
-                                .Bind(4, expectation.low_s)
-                                .Bind(5, expectation.high_s)
-                                .Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE job SET expected_s=?3, expected_low_s=?4, expected_high_s=?5"
+                                  " WHERE id=?1 AND lease_token=?2 AND state='running'"));
+  SKYQUILT_TRY(update.Bind(1, lease.job_id)
+                   .Bind(2, lease.token)
+                   .Bind(3, expectation.total_s)
+                   .Bind(4, expectation.low_s)
+                   .Bind(5, expectation.high_s)
+                   .Run());
   return ReadLease(*db, lease);
 }
 
 Result<LeaseState> JobQueue::ReportProgress(const Lease& lease, const JobProgress& progress) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE job SET stage=?3, progress=?4, message=?5 WHERE id=?1 AND lease_token=?2 AND state='running'");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, lease.job_id)
-                                .Bind(2, lease.token)
-                                .Bind(3, progress.stage)
-                                .Bind(4, progress.fraction)
-                                .Bind(5, progress.message)
-                                .Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(
+          "UPDATE job SET stage=?3, progress=?4, message=?5 WHERE id=?1 AND lease_token=?2 AND state='running'"));
+  SKYQUILT_TRY(update.Bind(1, lease.job_id)
+                   .Bind(2, lease.token)
+                   .Bind(3, progress.stage)
+                   .Bind(4, progress.fraction)
+                   .Bind(5, progress.message)
+                   .Run());
   return ReadLease(*db, lease);
 }
 
@@ -146,82 +132,73 @@ Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_ret
 
 Result<bool> JobQueue::Dismiss(const Lease& lease, Time now) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE job SET state='dismissed', finished_us=?3 WHERE id=?1 AND lease_token=?2 AND state='running'");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(
+          "UPDATE job SET state='dismissed', finished_us=?3 WHERE id=?1 AND lease_token=?2 AND state='running'"));
+  SKYQUILT_TRY(update.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
   return db->Changes() > 0;
 }
 
 Result<bool> JobQueue::GiveBack(const Lease& lease, Time now) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE job SET state=CASE cancel WHEN 1 THEN 'dismissed' ELSE 'accepted' END,"
-      " finished_us=CASE cancel WHEN 1 THEN ?3 ELSE NULL END, attempts=attempts-1, not_before_us=0"
-      " WHERE id=?1 AND lease_token=?2 AND state='running'");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(
+          "UPDATE job SET state=CASE cancel WHEN 1 THEN 'dismissed' ELSE 'accepted' END,"
+          " finished_us=CASE cancel WHEN 1 THEN ?3 ELSE NULL END, attempts=attempts-1, not_before_us=0"
+          " WHERE id=?1 AND lease_token=?2 AND state='running'"));
+  SKYQUILT_TRY(update.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
   return db->Changes() > 0;
 }
 
 Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE flight SET next_revision=next_revision+1 WHERE id=?3 AND EXISTS("
-      " SELECT 1 FROM job WHERE id=?1 AND lease_token=?2 AND state='running') RETURNING next_revision-1");
-  if (!update) return update.error();
-  const Result<bool> row = update->Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, lease.flight_id).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<std::int64_t>();
-  const std::int64_t revision = update->ColumnInt64(0);
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(
+          "UPDATE flight SET next_revision=next_revision+1 WHERE id=?3 AND EXISTS("
+          " SELECT 1 FROM job WHERE id=?1 AND lease_token=?2 AND state='running') RETURNING next_revision-1"));
+  SKYQUILT_TRY_ASSIGN(const bool row,
+                      update.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, lease.flight_id).Step());
+  if (!row) return std::optional<std::int64_t>();
+  const std::int64_t revision = update.ColumnInt64(0);
   // RETURNING hands out its row before the statement is done; only done is committed.
-  const Result<bool> end = update->Step();
-  if (!end) return end.error();
+  SKYQUILT_TRY(update.Step());
   return std::optional<std::int64_t>(revision);
 }
 
 Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Time now) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   {
-    Result<Statement> end = db->Prepare(
-        "UPDATE job SET state='successful', progress=1, stage='done', message='', finished_us=?3, "
-        "error_code=NULL,"
-        " error_message=NULL WHERE id=?1 AND lease_token=?2 AND state='running'");
-    if (!end) return end.error();
-    const Result<void> ended = end->Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run();
-    if (!ended) return ended.error();
+    SKYQUILT_TRY_ASSIGN(
+        Statement end,
+        db->Prepare(
+            "UPDATE job SET state='successful', progress=1, stage='done', message='', finished_us=?3, "
+            "error_code=NULL,"
+            " error_message=NULL WHERE id=?1 AND lease_token=?2 AND state='running'"));
+    SKYQUILT_TRY(end.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
     if (db->Changes() == 0) return false;
-    Result<Statement> insert = db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
-    if (!insert) return insert.error();
-    insert->Bind(1, lease.flight_id).Bind(2, revision.revision).Bind(3, ToUs(now));
-    for (int i = 0; i < 4; ++i) insert->Bind(4 + i, revision.bounds[static_cast<std::size_t>(i)]);
-    insert->Bind(8, revision.min_zoom).Bind(9, revision.max_zoom).Bind(10, revision.gsd_m);
-    insert->Bind(11, revision.photos_total).Bind(12, revision.photos_aligned);
-    insert->Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);
-    const Result<void> inserted = insert->Run();
-    if (!inserted) return inserted.error();
+    SKYQUILT_TRY_ASSIGN(Statement insert,
+                        db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
+    insert.Bind(1, lease.flight_id).Bind(2, revision.revision).Bind(3, ToUs(now));
+    for (int i = 0; i < 4; ++i) insert.Bind(4 + i, revision.bounds[static_cast<std::size_t>(i)]);
+    insert.Bind(8, revision.min_zoom).Bind(9, revision.max_zoom).Bind(10, revision.gsd_m);
+    insert.Bind(11, revision.photos_total).Bind(12, revision.photos_aligned);
+    insert.Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);
+    SKYQUILT_TRY(insert.Run());
     // The one shown until now stays readable for whoever looked it up a moment ago; older ones go.
-    Result<Statement> forget = db->Prepare(
-        "DELETE FROM revision WHERE flight_id=?1 AND revision<>?2 AND"
-        " revision IS NOT (SELECT active_revision FROM flight WHERE id=?1)");
-    if (!forget) return forget.error();
-    const Result<void> forgotten = forget->Bind(1, lease.flight_id).Bind(2, revision.revision).Run();
-    if (!forgotten) return forgotten.error();
-    Result<Statement> end_preview = db->Prepare("DELETE FROM preview WHERE flight_id=?");
-    if (!end_preview) return end_preview.error();
-    const Result<void> preview_ended = end_preview->Bind(1, lease.flight_id).Run();
-    if (!preview_ended) return preview_ended.error();
-    Result<Statement> activate = db->Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1");
-    if (!activate) return activate.error();
-    const Result<void> activated = activate->Bind(1, lease.flight_id).Bind(2, revision.revision).Run();
-    if (!activated) return activated.error();
+    SKYQUILT_TRY_ASSIGN(Statement forget,
+                        db->Prepare("DELETE FROM revision WHERE flight_id=?1 AND revision<>?2 AND"
+                                    " revision IS NOT (SELECT active_revision FROM flight WHERE id=?1)"));
+    SKYQUILT_TRY(forget.Bind(1, lease.flight_id).Bind(2, revision.revision).Run());
+    SKYQUILT_TRY_ASSIGN(Statement end_preview, db->Prepare("DELETE FROM preview WHERE flight_id=?"));
+    SKYQUILT_TRY(end_preview.Bind(1, lease.flight_id).Run());
+    SKYQUILT_TRY_ASSIGN(Statement activate, db->Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1"));
+    SKYQUILT_TRY(activate.Bind(1, lease.flight_id).Bind(2, revision.revision).Run());
   }
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(transaction.Commit());
   return true;
 }
 

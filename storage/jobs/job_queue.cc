@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_rows.h"
 
@@ -21,21 +22,18 @@ constexpr const char* kOfFlightThere =
 Result<std::vector<Job>> JobsOf(Statement& query) {
   std::vector<Job> jobs;
   while (true) {
-    const Result<bool> row = query.Step();
-    if (!row) return row.error();
-    if (!*row) return jobs;
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return jobs;
     jobs.push_back(JobFrom(query));
   }
 }
 
 Result<Job> ReadJob(SqliteDb& db, const std::string& id) {
-  Result<Statement> query =
-      db.Prepare(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere);
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, id).Step();
-  if (!row) return row.error();
-  if (!*row) return NoSuchJob(id);
-  return JobFrom(*query);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db.Prepare(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Step());
+  if (!row) return NoSuchJob(id);
+  return JobFrom(query);
 }
 
 }  // namespace
@@ -55,8 +53,7 @@ std::string JobOfWorkName(const std::string& work_name) {
 Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& options, Time now,
                           const JobTurn& turn) {
   const auto db = db_.Lock();
-  Result<Transaction> transaction = Transaction::Begin(*db);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   Job job;
   job.id = NewId();
   job.flight_id = flight_id;
@@ -64,25 +61,24 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
   job.created = now;
   job.priority = turn.priority;
   {
-    Result<Statement> look = db->Prepare(
-        "SELECT (SELECT count(*) FROM flight WHERE id=?1 AND deleted_us IS NULL),"
-        " (SELECT count(*) FROM job WHERE flight_id=?1 AND state IN ('accepted','running'))");
-    if (!look) return look.error();
-    const Result<bool> row = look->Bind(1, flight_id).Step();
-    if (!row) return row.error();
-    if (look->ColumnInt64(0) == 0) {
+    SKYQUILT_TRY_ASSIGN(
+        Statement look,
+        db->Prepare("SELECT (SELECT count(*) FROM flight WHERE id=?1 AND deleted_us IS NULL),"
+                    " (SELECT count(*) FROM job WHERE flight_id=?1 AND state IN ('accepted','running'))"));
+    SKYQUILT_TRY(look.Bind(1, flight_id).Step());
+    if (look.ColumnInt64(0) == 0) {
       return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
     }
-    if (look->ColumnInt64(1) != 0) {
+    if (look.ColumnInt64(1) != 0) {
       return Error{
           ErrorCode::kConflict,
           "This flight has a job that is not finished. Cancel it or wait for its end, then try again.", ""};
     }
-    Result<Statement> insert = db->Prepare(
-        "INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
-        " VALUES(?,?,?,'accepted',?,?,?,?)");
-    if (!insert) return insert.error();
-    const Result<void> inserted = insert->Bind(1, job.id)
+    SKYQUILT_TRY_ASSIGN(
+        Statement insert,
+        db->Prepare("INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
+                    " VALUES(?,?,?,'accepted',?,?,?,?)"));
+    const Result<void> inserted = insert.Bind(1, job.id)
                                       .Bind(2, flight_id)
                                       .Bind(3, options)
                                       .Bind(4, ToUs(now))
@@ -92,8 +88,7 @@ Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& optio
                                       .Run();
     if (!inserted) return inserted.error();
   }
-  const Result<void> done = transaction->Commit();
-  if (!done) return done.error();
+  SKYQUILT_TRY(transaction.Commit());
   return job;
 }
 
@@ -105,62 +100,56 @@ Result<Job> JobQueue::Get(const std::string& id) const {
 Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit) const {
   const auto db = db_.Read();
   // Two statements, so that each has its index.
-  Result<Statement> query =
-      db->Prepare(std::string(kJobColumns) +
-                  (flight_id ? "FROM job WHERE flight_id=?1 AND " : "FROM job WHERE ?1 IS NULL AND ") +
-                  kOfFlightThere + " ORDER BY id DESC LIMIT ?2");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kJobColumns) +
+                                                   (flight_id ? "FROM job WHERE flight_id=?1 AND "
+                                                              : "FROM job WHERE ?1 IS NULL AND ") +
+                                                   kOfFlightThere + " ORDER BY id DESC LIMIT ?2"));
   if (flight_id) {
-    query->Bind(1, *flight_id);
+    query.Bind(1, *flight_id);
   } else {
-    query->BindNull(1);
+    query.BindNull(1);
   }
-  query->Bind(2, limit);
-  return JobsOf(*query);
+  query.Bind(2, limit);
+  return JobsOf(query);
 }
 
 Result<std::optional<Job>> JobQueue::LatestOf(const std::string& flight_id) const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " +
-                                        kOfFlightThere + " ORDER BY id DESC LIMIT 1");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, flight_id).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<Job>();
-  return std::optional<Job>(JobFrom(*query));
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(std::string(kJobColumns) + "FROM job WHERE flight_id=? AND " +
+                                  kOfFlightThere + " ORDER BY id DESC LIMIT 1"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
+  if (!row) return std::optional<Job>();
+  return std::optional<Job>(JobFrom(query));
 }
 
 Result<std::vector<Job>> JobQueue::ListRunning() const {
   const auto db = db_.Read();
-  Result<Statement> query =
-      db->Prepare(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id");
-  if (!query) return query.error();
-  return JobsOf(*query);
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(std::string(kJobColumns) + "FROM job WHERE state='running' ORDER BY id"));
+  return JobsOf(query);
 }
 
 Result<JobCounts> JobQueue::Count() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare(
-      "SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
-      " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
-      " count(*) FILTER (WHERE state='dismissed') FROM job");
-  if (!query) return query.error();
-  const Result<bool> row = query->Step();
-  if (!row) return row.error();
-  const auto column = [&](int i) { return static_cast<int>(query->ColumnInt64(i)); };
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT count(*) FILTER (WHERE state='accepted'), count(*) FILTER (WHERE state='running'),"
+                  " count(*) FILTER (WHERE state='successful'), count(*) FILTER (WHERE state='failed'),"
+                  " count(*) FILTER (WHERE state='dismissed') FROM job"));
+  SKYQUILT_TRY(query.Step());
+  const auto column = [&](int i) { return static_cast<int>(query.ColumnInt64(i)); };
   return JobCounts{column(0), column(1), column(2), column(3), column(4)};
 }
 
 Result<Job> JobQueue::Cancel(const std::string& id, Time now) {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare(
-      "UPDATE job SET cancel=1,"
-      " finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
-      " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
-      " WHERE id=?1 AND state IN ('accepted','running')");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, id).Bind(2, ToUs(now)).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE job SET cancel=1,"
+                                  " finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
+                                  " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
+                                  " WHERE id=?1 AND state IN ('accepted','running')"));
+  SKYQUILT_TRY(update.Bind(1, id).Bind(2, ToUs(now)).Run());
   const bool changed = db->Changes() > 0;
   Result<Job> job = ReadJob(*db, id);
   if (job && !changed && job->state != JobState::kDismissed) {
@@ -171,43 +160,39 @@ Result<Job> JobQueue::Cancel(const std::string& id, Time now) {
 
 Result<void> JobQueue::Remove(const std::string& id) {
   const auto db = db_.Lock();
-  Result<Statement> remove =
-      db->Prepare("DELETE FROM job WHERE id=? AND state NOT IN ('accepted','running')");
-  if (!remove) return remove.error();
-  const Result<void> done = remove->Bind(1, id).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement remove,
+                      db->Prepare("DELETE FROM job WHERE id=? AND state NOT IN ('accepted','running')"));
+  SKYQUILT_TRY(remove.Bind(1, id).Run());
   if (db->Changes() == 0) return Error{ErrorCode::kConflict, "This job has not ended.", ""};
   return {};
 }
 
 Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time now) const {
   const auto db = db_.Read();
-  Result<Statement> query =
-      db->Prepare("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?");
-  if (!query) return query.error();
-  query->Bind(1, ToUs(now));
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?"));
+  query.Bind(1, ToUs(now));
   std::vector<LiveLease> leases;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return leases;
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return leases;
     Lease lease;
-    lease.job_id = query->ColumnText(1);
-    lease.token = query->ColumnInt64(2);
-    leases.push_back({std::string(query->ColumnText(0)), WorkName(lease)});
+    lease.job_id = query.ColumnText(1);
+    lease.token = query.ColumnInt64(2);
+    leases.push_back({std::string(query.ColumnText(0)), WorkName(lease)});
   }
 }
 
 Result<std::vector<std::string>> JobQueue::UnfinishedJobs() const {
   const auto db = db_.Read();
-  Result<Statement> query = db->Prepare("SELECT id FROM job WHERE state IN ('accepted', 'running')");
-  if (!query) return query.error();
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare("SELECT id FROM job WHERE state IN ('accepted', 'running')"));
   std::vector<std::string> jobs;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return jobs;
-    jobs.emplace_back(query->ColumnText(0));
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return jobs;
+    jobs.emplace_back(query.ColumnText(0));
   }
 }
 

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -25,27 +27,27 @@ void KeepFirst(Turn turn, std::optional<Turn>& first) {
 
 // Jobs under a live lease, by owner. As many rows as there are workers.
 Result<std::map<std::string, std::int64_t>> RunningByOwner(SqliteDb& db, Time now) {
-  Result<Statement> query = db.Prepare(
-      "SELECT owner, count(*) FROM job WHERE state='running' AND lease_until_us>=? GROUP BY owner");
-  if (!query) return query.error();
-  query->Bind(1, ToUs(now));
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Prepare(
+          "SELECT owner, count(*) FROM job WHERE state='running' AND lease_until_us>=? GROUP BY owner"));
+  query.Bind(1, ToUs(now));
   std::map<std::string, std::int64_t> running;
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return running;
-    running[std::string(query->ColumnText(0))] = query->ColumnInt64(1);
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return running;
+    running[std::string(query.ColumnText(0))] = query.ColumnInt64(1);
   }
 }
 
 Result<std::string> FirstOf(SqliteDb& db, const std::string& owner, std::int64_t priority, Time now) {
-  Result<Statement> query = db.Prepare(
-      "SELECT id FROM job WHERE state='accepted' AND owner=?1 AND priority=?2 AND not_before_us<=?3"
-      " ORDER BY id LIMIT 1");
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, owner).Bind(2, priority).Bind(3, ToUs(now)).Step();
-  if (!row) return row.error();
-  return *row ? std::string(query->ColumnText(0)) : std::string();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Prepare(
+          "SELECT id FROM job WHERE state='accepted' AND owner=?1 AND priority=?2 AND not_before_us<=?3"
+          " ORDER BY id LIMIT 1"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, owner).Bind(2, priority).Bind(3, ToUs(now)).Step());
+  return row ? std::string(query.ColumnText(0)) : std::string();
 }
 
 // Of the jobs that wait. Along the index: by priority, then whose turn is longest ago, then who came first.
@@ -63,52 +65,49 @@ Result<std::optional<Turn>> FirstWaiting(SqliteDb& db, const std::map<std::strin
     std::stable_sort(passed.begin(), passed.end(),
                      [](const Busy& a, const Busy& b) { return a.running < b.running; });
     for (const Busy& busy : passed) {
-      Result<std::string> job = FirstOf(db, busy.owner, priority, now);
-      if (!job) return job.error();
-      if (!job->empty()) return std::optional(Turn{-priority, busy.running, busy.last_us, *std::move(job)});
+      SKYQUILT_TRY_ASSIGN(std::string job, FirstOf(db, busy.owner, priority, now));
+      if (!job.empty()) return std::optional(Turn{-priority, busy.running, busy.last_us, std::move(job)});
     }
     passed.clear();
     return std::optional<Turn>();
   };
-  Result<Statement> owners = db.Prepare(
-      "SELECT priority, last_us, owner FROM turn ORDER BY priority DESC, last_us, first_id, owner");
-  if (!owners) return owners.error();
+  SKYQUILT_TRY_ASSIGN(
+      Statement owners,
+      db.Prepare(
+          "SELECT priority, last_us, owner FROM turn ORDER BY priority DESC, last_us, first_id, owner"));
   while (true) {
-    const Result<bool> row = owners->Step();
-    if (!row) return row.error();
-    if (!*row) return first_of_passed();
-    if (!passed.empty() && priority != owners->ColumnInt64(0)) {
+    SKYQUILT_TRY_ASSIGN(const bool row, owners.Step());
+    if (!row) return first_of_passed();
+    if (!passed.empty() && priority != owners.ColumnInt64(0)) {
       Result<std::optional<Turn>> turn = first_of_passed();
       if (!turn || *turn) return turn;
     }
-    priority = owners->ColumnInt64(0);
-    const std::int64_t last_us = owners->ColumnInt64(1);
-    std::string owner(owners->ColumnText(2));
+    priority = owners.ColumnInt64(0);
+    const std::int64_t last_us = owners.ColumnInt64(1);
+    std::string owner(owners.ColumnText(2));
     if (const auto held = running.find(owner); held != running.end()) {
       passed.push_back({held->second, last_us, std::move(owner)});
       continue;
     }
-    Result<std::string> job = FirstOf(db, owner, priority, now);
-    if (!job) return job.error();
-    if (!job->empty()) return std::optional(Turn{-priority, 0, last_us, *std::move(job)});
+    SKYQUILT_TRY_ASSIGN(std::string job, FirstOf(db, owner, priority, now));
+    if (!job.empty()) return std::optional(Turn{-priority, 0, last_us, std::move(job)});
   }
 }
 
 // Of the jobs whose leases ran out: as many at most as there were workers.
 Result<void> AddAbandoned(SqliteDb& db, const std::map<std::string, std::int64_t>& running, Time now,
                           std::optional<Turn>& first) {
-  Result<Statement> query = db.Prepare(
-      "SELECT id, owner, priority, (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE"
-      " s.owner=job.owner) FROM job WHERE state='running' AND lease_until_us<?");
-  if (!query) return query.error();
-  query->Bind(1, ToUs(now));
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Prepare("SELECT id, owner, priority, (SELECT coalesce(max(s.attempt_started_us),0) FROM job s WHERE"
+                 " s.owner=job.owner) FROM job WHERE state='running' AND lease_until_us<?"));
+  query.Bind(1, ToUs(now));
   while (true) {
-    const Result<bool> row = query->Step();
-    if (!row) return row.error();
-    if (!*row) return {};
-    const auto held = running.find(std::string(query->ColumnText(1)));
-    KeepFirst({-query->ColumnInt64(2), held == running.end() ? 0 : held->second, query->ColumnInt64(3),
-               std::string(query->ColumnText(0))},
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return {};
+    const auto held = running.find(std::string(query.ColumnText(1)));
+    KeepFirst({-query.ColumnInt64(2), held == running.end() ? 0 : held->second, query.ColumnInt64(3),
+               std::string(query.ColumnText(0))},
               first);
   }
 }
@@ -116,14 +115,11 @@ Result<void> AddAbandoned(SqliteDb& db, const std::map<std::string, std::int64_t
 }  // namespace
 
 Result<std::optional<std::string>> NextJob(SqliteDb& db, Time now) {
-  const auto running = RunningByOwner(db, now);
-  if (!running) return running.error();
+  SKYQUILT_TRY_ASSIGN(const auto running, RunningByOwner(db, now));
   std::optional<Turn> first;
-  const Result<void> added = AddAbandoned(db, *running, now, first);
-  if (!added) return added.error();
-  Result<std::optional<Turn>> waiting = FirstWaiting(db, *running, now);
-  if (!waiting) return waiting.error();
-  if (*waiting) KeepFirst(**std::move(waiting), first);
+  SKYQUILT_TRY(AddAbandoned(db, running, now, first));
+  SKYQUILT_TRY_ASSIGN(std::optional<Turn> waiting, FirstWaiting(db, running, now));
+  if (waiting) KeepFirst(*std::move(waiting), first);
   if (!first) return std::optional<std::string>();
   return std::optional<std::string>(std::move(first->job_id));
 }

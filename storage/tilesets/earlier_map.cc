@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -19,14 +21,12 @@ Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool i
   const OpenMode mode = is_finished ? OpenMode::kReadOnlyImmutable : OpenMode::kReadWriteCreate;
   for (const auto& [db, path] :
        {std::pair{&earlier->tiles, &paths.tiles}, std::pair{&earlier->state, &paths.state}}) {
-    auto opened = SqliteDb::Open(*path, mode);
-    if (!opened) return opened.error();
-    *db = *std::move(opened);
+    SKYQUILT_TRY_ASSIGN(auto opened, SqliteDb::Open(*path, mode));
+    *db = std::move(opened);
   }
   const auto prepare = [](SqliteDb& db, const char* sql, Statement& statement) -> Result<void> {
-    auto prepared = db.Prepare(sql);
-    if (!prepared) return prepared.error();
-    statement = *std::move(prepared);
+    SKYQUILT_TRY_ASSIGN(auto prepared, db.Prepare(sql));
+    statement = std::move(prepared);
     return {};
   };
   Statement count, facts, digests;
@@ -40,24 +40,22 @@ Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool i
             &earlier->select_block},
         std::tuple{&earlier->state, "SELECT name, bytes FROM facts", &facts},
         std::tuple{&earlier->state, "SELECT zoom, column, row, digest FROM blocks", &digests}}) {
-    if (auto prepared = prepare(*db, sql, *statement); !prepared) return prepared.error();
+    SKYQUILT_TRY(prepare(*db, sql, *statement));
   }
   const Error other_map{ErrorCode::kCorrupt, "the memory of the map belongs to another map", ""};
-  if (auto counted = count.Step(); !counted) return counted.error();
+  SKYQUILT_TRY(count.Step());
   std::string tiles;
   while (true) {
-    const Result<bool> row = facts.Step();
-    if (!row) return row.error();
-    if (!*row) break;
+    SKYQUILT_TRY_ASSIGN(const bool row, facts.Step());
+    if (!row) break;
     const auto bytes = facts.ColumnBlob(1);
     std::string& fact = facts.ColumnText(0) == "flight" ? earlier->facts : tiles;
     fact.assign(bytes.begin(), bytes.end());
   }
   if (is_finished && tiles != std::to_string(count.ColumnInt64(0))) return other_map;
   while (true) {
-    const Result<bool> row = digests.Step();
-    if (!row) return row.error();
-    if (!*row) break;
+    SKYQUILT_TRY_ASSIGN(const bool row, digests.Step());
+    if (!row) break;
     const auto tile =
         geo::TileId::Make(digests.ColumnInt64(0), digests.ColumnInt64(1), digests.ColumnInt64(2));
     const auto bytes = digests.ColumnBlob(3);

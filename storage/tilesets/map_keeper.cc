@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/try.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/tilesets/earlier_map.h"
 #include "storage/tilesets/map_files.h"
@@ -90,23 +91,20 @@ Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, con
   };
   look(LeftOverMap(folder), false);
   look(FinishedMap(previous.empty() ? folder : previous), true);
-  auto writer = MbtilesWriter::Create(folder / "mosaic.mbtiles");
-  if (!writer) return writer.error();
-  state->writer = *std::move(writer);
+  SKYQUILT_TRY_ASSIGN(auto writer, MbtilesWriter::Create(folder / "mosaic.mbtiles"));
+  state->writer = std::move(writer);
   const fs::path temporary = TemporaryMap(folder).state;
   std::error_code removed;
   fs::remove(temporary, removed);
   fs::remove(JournalOf(temporary), removed);
-  auto db = SqliteDb::Open(temporary, OpenMode::kReadWriteCreate);
-  if (!db) return db.error();
-  state->db = *std::move(db);
-  if (auto made = state->db.Exec(kSchema); !made) return made.error();
-  auto keep = state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)");
-  if (!keep) return keep.error();
-  state->keep = *std::move(keep);
-  auto remember = state->db.Prepare("INSERT OR REPLACE INTO facts VALUES (?1, ?2)");
-  if (!remember) return remember.error();
-  state->remember = *std::move(remember);
+  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(temporary, OpenMode::kReadWriteCreate));
+  state->db = std::move(db);
+  SKYQUILT_TRY(state->db.Exec(kSchema));
+  SKYQUILT_TRY_ASSIGN(
+      auto keep, state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)"));
+  state->keep = std::move(keep);
+  SKYQUILT_TRY_ASSIGN(auto remember, state->db.Prepare("INSERT OR REPLACE INTO facts VALUES (?1, ?2)"));
+  state->remember = std::move(remember);
   return std::unique_ptr<MapKeeper>(new MapKeeper(std::move(state)));
 }
 
@@ -156,8 +154,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
   row.Bind(1, block.z())
       .Bind(2, static_cast<std::int64_t>(block.x()))
       .Bind(3, static_cast<std::int64_t>(block.y()));
-  const Result<bool> found = row.Step();
-  if (!found) return found.error();
+  SKYQUILT_TRY(row.Step());
   KeptBlock kept;
   kept.levels = static_cast<int>(row.ColumnInt64(0));
   kept.tiles = row.ColumnInt64(1);
@@ -180,14 +177,13 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
     select.Bind(1, zoom).Bind(2, first_column).Bind(3, first_column + side - 1);
     select.Bind(4, first_row).Bind(5, first_row + side - 1);
     while (true) {
-      const Result<bool> more = select.Step();
-      if (!more) return more.error();
-      if (!*more) break;
-      const auto tile = geo::TileId::Make(zoom, select.ColumnInt64(0),
-                                          (std::int64_t{1} << zoom) - 1 - select.ColumnInt64(1));
-      if (!tile) return tile.error();
+      SKYQUILT_TRY_ASSIGN(const bool more, select.Step());
+      if (!more) break;
+      SKYQUILT_TRY_ASSIGN(const auto tile,
+                          geo::TileId::Make(zoom, select.ColumnInt64(0),
+                                            (std::int64_t{1} << zoom) - 1 - select.ColumnInt64(1)));
       const auto bytes = select.ColumnBlob(2);
-      if (auto put = Put(*tile, FormatOf(bytes), bytes); !put) return put.error();
+      SKYQUILT_TRY(Put(tile, FormatOf(bytes), bytes));
       ++tiles;
     }
     select.Reset();
@@ -196,7 +192,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
     return Error{ErrorCode::kCorrupt, "the memory of the map is damaged; delete mosaic.state and start again",
                  ""};
   }
-  if (auto again = Keep(block, earlier.digests.at(block), kept); !again) return again.error();
+  SKYQUILT_TRY(Keep(block, earlier.digests.at(block), kept));
   return kept;
 }
 

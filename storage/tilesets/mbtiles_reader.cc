@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "core/base/try.h"
 #include "storage/db/sqlite_db.h"
 
 namespace skyquilt::storage {
@@ -41,41 +42,33 @@ MbtilesReader::~MbtilesReader() = default;
 
 Result<std::shared_ptr<MbtilesReader>> MbtilesReader::Open(const std::filesystem::path& path) {
   std::shared_ptr<MbtilesReader> reader(new MbtilesReader(path));
-  Result<SqliteDb> db = SqliteDb::Open(path, OpenMode::kReadOnlyImmutable);
-  if (!db) return db.error();
+  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path, OpenMode::kReadOnlyImmutable));
   {
-    Result<Statement> columns = db->Prepare(kHasIntegerKeys);
-    if (!columns) return columns.error();
-    const Result<bool> row = columns->Step();
-    if (!row) return row.error();
-    reader->is_deduplicated_ = columns->ColumnInt64(0) == kColumnsOfIntegerKeys;
-    Result<Statement> metadata = db->Prepare("SELECT name, value FROM metadata");
+    SKYQUILT_TRY_ASSIGN(Statement columns, db.Prepare(kHasIntegerKeys));
+    SKYQUILT_TRY(columns.Step());
+    reader->is_deduplicated_ = columns.ColumnInt64(0) == kColumnsOfIntegerKeys;
+    Result<Statement> metadata = db.Prepare("SELECT name, value FROM metadata");
     if (!metadata) return Error{ErrorCode::kCorrupt, "This is not an MBTiles file.", metadata.error().detail};
     while (true) {
-      const Result<bool> more = metadata->Step();
-      if (!more) return more.error();
-      if (!*more) break;
+      SKYQUILT_TRY_ASSIGN(const bool more, metadata->Step());
+      if (!more) break;
       reader->metadata_[std::string(metadata->ColumnText(0))] = std::string(metadata->ColumnText(1));
     }
   }
-  Result<std::unique_ptr<Connection>> first = reader->Connect();
-  if (!first) return first.error();
-  reader->idle_.push_back(*std::move(first));
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> first, reader->Connect());
+  reader->idle_.push_back(std::move(first));
   return reader;
 }
 
 Result<std::unique_ptr<MbtilesReader::Connection>> MbtilesReader::Connect() const {
-  Result<SqliteDb> db = SqliteDb::Open(path_, OpenMode::kReadOnlyImmutable);
-  if (!db) return db.error();
+  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(path_, OpenMode::kReadOnlyImmutable));
   auto connection = std::make_unique<Connection>();
-  connection->db = *std::move(db);
-  Result<Statement> find = connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes);
-  if (!find) return find.error();
-  connection->find = *std::move(find);
+  connection->db = std::move(db);
+  SKYQUILT_TRY_ASSIGN(Statement find, connection->db.Prepare(is_deduplicated_ ? kFindId : kFindBytes));
+  connection->find = std::move(find);
   if (is_deduplicated_) {
-    Result<Statement> load = connection->db.Prepare(kLoadById);
-    if (!load) return load.error();
-    connection->load = *std::move(load);
+    SKYQUILT_TRY_ASSIGN(Statement load, connection->db.Prepare(kLoadById));
+    connection->load = std::move(load);
   }
   return connection;
 }
@@ -117,14 +110,12 @@ class MbtilesReader::Borrowed {
 };
 
 Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
-  Result<std::unique_ptr<Connection>> taken = Take();
-  if (!taken) return taken.error();
-  Borrowed connection(*this, *std::move(taken));
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> taken, Take());
+  Borrowed connection(*this, std::move(taken));
   Statement& find = connection->find;
   find.Bind(1, tile.z()).Bind(2, static_cast<std::int64_t>(tile.x()));
-  const Result<bool> row = find.Bind(3, static_cast<std::int64_t>(tile.TmsRow())).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<FoundTile>();
+  SKYQUILT_TRY_ASSIGN(const bool row, find.Bind(3, static_cast<std::int64_t>(tile.TmsRow())).Step());
+  if (!row) return std::optional<FoundTile>();
   FoundTile found;
   if (is_deduplicated_) {
     found.content_id = static_cast<std::uint64_t>(find.ColumnInt64(0));
@@ -137,12 +128,11 @@ Result<std::optional<FoundTile>> MbtilesReader::Find(const geo::TileId& tile) {
 
 Result<std::string> MbtilesReader::Load(FoundTile tile) {
   if (tile.bytes) return *std::move(tile.bytes);
-  Result<std::unique_ptr<Connection>> taken = Take();
-  if (!taken) return taken.error();
-  Borrowed connection(*this, *std::move(taken));
-  const Result<bool> row = connection->load.Bind(1, static_cast<std::int64_t>(tile.content_id)).Step();
-  if (!row) return row.error();
-  if (!*row) {
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Connection> taken, Take());
+  Borrowed connection(*this, std::move(taken));
+  SKYQUILT_TRY_ASSIGN(const bool row,
+                      connection->load.Bind(1, static_cast<std::int64_t>(tile.content_id)).Step());
+  if (!row) {
     return Error{ErrorCode::kCorrupt, "The tileset lacks the bytes of a tile. Stitch the flight again.",
                  path_.string()};
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/try.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -63,21 +64,19 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
   std::error_code removed;
   std::filesystem::remove(state->temporary, removed);
   std::filesystem::remove(state->temporary.string() + "-journal", removed);
-  auto db = SqliteDb::Open(state->temporary, OpenMode::kReadWriteCreate);
-  if (!db) return db.error();
-  state->db = *std::move(db);
-  if (auto made = state->db.Exec(kSchema); !made) return made.error();
+  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(state->temporary, OpenMode::kReadWriteCreate));
+  state->db = std::move(db);
+  SKYQUILT_TRY(state->db.Exec(kSchema));
   const auto prepare = [&](Statement& statement, const char* sql) -> Result<void> {
-    auto prepared = state->db.Prepare(sql);
-    if (!prepared) return prepared.error();
-    statement = *std::move(prepared);
+    SKYQUILT_TRY_ASSIGN(auto prepared, state->db.Prepare(sql));
+    statement = std::move(prepared);
     return {};
   };
   for (const auto& [statement, sql] :
        {std::pair{&state->find_bytes, "SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"},
         std::pair{&state->add_bytes, "INSERT INTO tiles_data VALUES (?1, ?2)"},
         std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4)"}}) {
-    if (auto prepared = prepare(*statement, sql); !prepared) return prepared.error();
+    SKYQUILT_TRY(prepare(*statement, sql));
   }
   return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
 }
@@ -89,9 +88,8 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, pyramid::TileFormat for
   auto id = static_cast<std::int64_t>(XXH3_64bits(bytes.data(), bytes.size()) >> 1);
   while (true) {
     state_->find_bytes.Bind(1, id);
-    const Result<bool> found = state_->find_bytes.Step();
-    if (!found) return found.error();
-    if (!*found) {
+    SKYQUILT_TRY_ASSIGN(const bool found, state_->find_bytes.Step());
+    if (!found) {
       state_->find_bytes.Reset();
       if (auto added = state_->add_bytes.Bind(1, id).Bind(2, bytes).Run(); !added) return added;
       break;
@@ -137,11 +135,10 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
       {"generator", metadata.generator},
   };
   {
-    auto add = state_->db.Prepare("INSERT INTO metadata VALUES (?1, ?2)");
-    if (!add) return add.error();
+    SKYQUILT_TRY_ASSIGN(auto add, state_->db.Prepare("INSERT INTO metadata VALUES (?1, ?2)"));
     for (const auto& [name, value] : rows) {
       if (value.empty()) continue;
-      if (auto added = add->Bind(1, name).Bind(2, value).Run(); !added) return added;
+      if (auto added = add.Bind(1, name).Bind(2, value).Run(); !added) return added;
     }
   }
   state_->find_bytes = Statement();
@@ -149,10 +146,9 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
   state_->add_tile = Statement();
   if (auto committed = state_->db.Exec("COMMIT"); !committed) return committed;
   {
-    auto check = state_->db.Prepare("SELECT count(*) FROM tiles");
-    if (!check) return check.error();
-    if (auto row = check->Step(); !row) return row.error();
-    if (check->ColumnInt64(0) != state_->tiles) {
+    SKYQUILT_TRY_ASSIGN(auto check, state_->db.Prepare("SELECT count(*) FROM tiles"));
+    SKYQUILT_TRY(check.Step());
+    if (check.ColumnInt64(0) != state_->tiles) {
       return Error{ErrorCode::kCorrupt, "the tileset lost tiles while it was written; try again",
                    state_->temporary};
     }

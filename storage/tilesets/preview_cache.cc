@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 
 Result<std::shared_ptr<const OpenPreview>> PreviewCache::Get(const std::string& flight_id) {
@@ -9,24 +11,22 @@ Result<std::shared_ptr<const OpenPreview>> PreviewCache::Get(const std::string& 
   const std::lock_guard lock(mutex_);
   const auto found = entries_.find(flight_id);
   if (found != entries_.end() && now - found->second.checked < kFreshFor) return found->second.open;
-  const Result<std::optional<Preview>> preview = previews_.Find(flight_id);
-  if (!preview) return preview.error();
-  if (!*preview) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<Preview> preview, previews_.Find(flight_id));
+  if (!preview) {
     entries_.erase(flight_id);
     return Error{ErrorCode::kNotFound, "This flight has no preview.", ""};
   }
   std::shared_ptr<PreviewTiles> tiles;
-  if (found != entries_.end() && found->second.open->preview.folder == (*preview)->folder) {
+  if (found != entries_.end() && found->second.open->preview.folder == preview->folder) {
     tiles = found->second.open->tiles;
   } else {
-    Result<std::shared_ptr<PreviewTiles>> opened =
-        PreviewTiles::OpenToRead(dir_.Flight(flight_id) / (*preview)->folder);
-    if (!opened) return opened.error();
-    tiles = *std::move(opened);
+    SKYQUILT_TRY_ASSIGN(std::shared_ptr<PreviewTiles> opened,
+                        PreviewTiles::OpenToRead(dir_.Flight(flight_id) / preview->folder));
+    tiles = std::move(opened);
   }
   // The old ones are mostly of flights that have their maps: none is worth keeping.
   if (entries_.size() >= kMaxOpen) entries_.clear();
-  auto open = std::make_shared<const OpenPreview>(OpenPreview{**preview, std::move(tiles)});
+  auto open = std::make_shared<const OpenPreview>(OpenPreview{*preview, std::move(tiles)});
   entries_[flight_id] = {open, now};
   return open;
 }

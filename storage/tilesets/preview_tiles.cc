@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 namespace {
 
@@ -12,13 +14,11 @@ constexpr const char* kFileName = "tiles.db";
 }  // namespace
 
 Result<std::shared_ptr<PreviewTiles>> PreviewTiles::Open(const std::filesystem::path& folder) {
-  Result<SqliteDb> db = SqliteDb::Open(folder / kFileName, OpenMode::kReadWriteCreate);
-  if (!db) return db.error();
-  const Result<void> ready = db->Exec(
+  SKYQUILT_TRY_ASSIGN(SqliteDb db, SqliteDb::Open(folder / kFileName, OpenMode::kReadWriteCreate));
+  SKYQUILT_TRY(db.Exec(
       "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
-      "CREATE TABLE IF NOT EXISTS tile(zoom INTEGER, x INTEGER, y INTEGER, bytes BLOB, UNIQUE(zoom, x, y))");
-  if (!ready) return ready.error();
-  return std::shared_ptr<PreviewTiles>(new PreviewTiles(*std::move(db)));
+      "CREATE TABLE IF NOT EXISTS tile(zoom INTEGER, x INTEGER, y INTEGER, bytes BLOB, UNIQUE(zoom, x, y))"));
+  return std::shared_ptr<PreviewTiles>(new PreviewTiles(std::move(db)));
 }
 
 Result<std::shared_ptr<PreviewTiles>> PreviewTiles::OpenToRead(const std::filesystem::path& folder) {
@@ -31,13 +31,11 @@ Result<std::shared_ptr<PreviewTiles>> PreviewTiles::OpenToRead(const std::filesy
 
 Result<std::optional<FoundTile>> PreviewTiles::Find(const geo::TileId& tile) {
   const std::lock_guard lock(mutex_);
-  Result<Statement> query = db_.Prepare("SELECT bytes FROM tile WHERE zoom=? AND x=? AND y=?");
-  if (!query) return query.error();
-  query->Bind(1, tile.z()).Bind(2, static_cast<std::int64_t>(tile.x()));
-  const Result<bool> row = query->Bind(3, static_cast<std::int64_t>(tile.y())).Step();
-  if (!row) return row.error();
-  if (!*row) return std::optional<FoundTile>();
-  const auto blob = query->ColumnBlob(0);
+  SKYQUILT_TRY_ASSIGN(Statement query, db_.Prepare("SELECT bytes FROM tile WHERE zoom=? AND x=? AND y=?"));
+  query.Bind(1, tile.z()).Bind(2, static_cast<std::int64_t>(tile.x()));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(3, static_cast<std::int64_t>(tile.y())).Step());
+  if (!row) return std::optional<FoundTile>();
+  const auto blob = query.ColumnBlob(0);
   return std::optional<FoundTile>(
       FoundTile{XXH3_64bits(blob.data(), blob.size()),
                 std::string(reinterpret_cast<const char*>(blob.data()), blob.size())});
@@ -45,21 +43,18 @@ Result<std::optional<FoundTile>> PreviewTiles::Find(const geo::TileId& tile) {
 
 Result<void> PreviewTiles::Put(const Tiles& tiles) {
   const std::lock_guard lock(mutex_);
-  Result<Transaction> transaction = Transaction::Begin(db_);
-  if (!transaction) return transaction.error();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(db_));
   {
-    Result<Statement> write = db_.Prepare("INSERT OR REPLACE INTO tile VALUES(?,?,?,?)");
-    if (!write) return write.error();
+    SKYQUILT_TRY_ASSIGN(Statement write, db_.Prepare("INSERT OR REPLACE INTO tile VALUES(?,?,?,?)"));
     for (const auto& [tile, bytes] : tiles) {
-      write->Bind(1, tile.z())
+      write.Bind(1, tile.z())
           .Bind(2, static_cast<std::int64_t>(tile.x()))
           .Bind(3, static_cast<std::int64_t>(tile.y()));
-      write->Bind(4, std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
-      const Result<void> written = write->Run();
-      if (!written) return written.error();
+      write.Bind(4, std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
+      SKYQUILT_TRY(write.Run());
     }
   }
-  return transaction->Commit();
+  return transaction.Commit();
 }
 
 }  // namespace skyquilt::storage

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/try.h"
+
 namespace skyquilt::storage {
 
 namespace {
@@ -23,9 +25,8 @@ Result<Tileset> OpenTileset(const std::string& flight_id, const Revision& revisi
     }
   }
   // The map last: its absence says that the folder is gone, and no layer was looked for in vain.
-  Result<std::shared_ptr<MbtilesReader>> reader = MbtilesReader::Open(folder / "mosaic.mbtiles");
-  if (!reader) return reader.error();
-  tileset.reader = *std::move(reader);
+  SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(folder / "mosaic.mbtiles"));
+  tileset.reader = std::move(reader);
   return tileset;
 }
 
@@ -49,22 +50,20 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
     const auto asked = std::chrono::steady_clock::now();
-    const Result<std::optional<Revision>> revision = catalogue_.ActiveRevision(flight_id);
-    if (!revision) return revision.error();
-    if (!*revision) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<Revision> revision, catalogue_.ActiveRevision(flight_id));
+    if (!revision) {
       Forget(flight_id);
       return Error{ErrorCode::kNotFound, fmt::format("Flight {} has no map (yet).", flight_id), ""};
     }
     {
       const std::lock_guard lock(mutex_);
       const auto found = entries_.find(flight_id);
-      if (found != entries_.end() && found->second.tileset->revision.revision >= (*revision)->revision) {
+      if (found != entries_.end() && found->second.tileset->revision.revision >= revision->revision) {
         found->second.checked = found->second.used = asked;
         return found->second.tileset;
       }
     }
-    Result<Tileset> opened =
-        OpenTileset(flight_id, **revision, dir_.Revision(flight_id, (*revision)->revision));
+    Result<Tileset> opened = OpenTileset(flight_id, *revision, dir_.Revision(flight_id, revision->revision));
     if (!opened) {
       if (opened.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return opened.error();

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -148,8 +149,7 @@ Result<std::string> Upload::Finish() {
     return OsError("rename to " + published.string(), errno);
   }
   temporary_.clear();
-  const Result<void> synced = SyncFolder(folder_);
-  if (!synced) return synced.error();
+  SKYQUILT_TRY(SyncFolder(folder_));
   return stored_name_;
 }
 
@@ -169,21 +169,17 @@ Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
 }
 
 Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::filesystem::path& path) const {
-  const Result<void> made = MakeFilesFolder(dir_, flight_id);
-  if (!made) return made.error();
+  SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
   const std::string stored_name = NewId();
   const std::filesystem::path stored = dir_.Files(flight_id) / stored_name;
   if (link(path.c_str(), stored.c_str()) != 0) return OsError("link " + stored.string(), errno);
-  const Result<void> synced = SyncFolder(dir_.Files(flight_id));
-  if (!synced) return synced.error();
+  SKYQUILT_TRY(SyncFolder(dir_.Files(flight_id)));
   return stored_name;
 }
 
 Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
-  const Result<void> fits = CheckSpace(declared_bytes);
-  if (!fits) return fits.error();
-  const Result<void> made = MakeFilesFolder(dir_, flight_id);
-  if (!made) return made.error();
+  SKYQUILT_TRY(CheckSpace(declared_bytes));
+  SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
   const std::filesystem::path folder = dir_.Files(flight_id);
   const std::filesystem::path temporary = dir_.Incoming() / dir_.NewTemporaryName(kUploadKind);
   const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "storage/uploads/zip_directory.h"
 
 namespace skyquilt::storage {
@@ -63,8 +64,7 @@ std::optional<Error> WrongWith(struct archive_entry* entry, const std::string& f
                       full_name.find('\\') != std::string::npos ||
                       (full_name.size() > 1 && full_name[1] == ':');
   if (leaves) return wrong("A name that leads out of the archive is not taken.");
-  const Result<void> named = CheckFileName(LastPart(full_name));
-  if (!named) return named.error();
+  SKYQUILT_TRY(CheckFileName(LastPart(full_name)));
   if (IsArchiveName(full_name)) return wrong("An archive inside an archive is not opened. Unpack it first.");
   return std::nullopt;
 }
@@ -101,12 +101,10 @@ class Unpacking {
     file.file.name = LastPart(full_name);
     file.error = WrongWith(entry, full_name);
     if (!file.error) {
-      Result<Upload> upload = store_.Begin(flight_id_, 0);
-      if (!upload) return upload.error();
-      const Result<void> copied = Copy(archive, *upload);
-      if (!copied) return copied.error();
-      file.file.bytes = upload->bytes();
-      const Result<std::string> stored = upload->Finish();
+      SKYQUILT_TRY_ASSIGN(Upload upload, store_.Begin(flight_id_, 0));
+      SKYQUILT_TRY(Copy(archive, upload));
+      file.file.bytes = upload.bytes();
+      const Result<std::string> stored = upload.Finish();
       if (!stored && stored.error().code != ErrorCode::kUnprocessable) return stored.error();
       if (stored) file.file.stored_name = *stored;
       if (!stored) file.error = stored.error();
@@ -160,8 +158,7 @@ class Unpacking {
         return Refuse(fmt::format("a file in it is larger than {} MiB", limits_.file_bytes >> 20));
       }
       if (const Result<void> fits = CheckTotal(); !fits) return fits;
-      const Result<void> written = upload.Write({block.data(), static_cast<std::size_t>(got)});
-      if (!written) return written.error();
+      SKYQUILT_TRY(upload.Write({block.data(), static_cast<std::size_t>(got)}));
     }
   }
 
@@ -210,8 +207,7 @@ Result<std::vector<UnpackedFile>> UnpackArchive(const PhotoStore& store, const s
     const int got = archive_read_next_header(archive.get(), &entry);
     if (got == ARCHIVE_EOF) return unpacking.Keep();
     if (got != ARCHIVE_OK && got != ARCHIVE_WARN) return Refuse("it is damaged", Words(archive.get()));
-    const Result<void> taken = unpacking.Take(archive.get(), entry);
-    if (!taken) return taken.error();
+    SKYQUILT_TRY(unpacking.Take(archive.get(), entry));
   }
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/try.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
@@ -70,23 +71,18 @@ std::shared_ptr<UploadSpool::Turn> UploadSpool::TurnOf(const std::string& id) {
 Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
   if (!IsId(id)) return NoSuchUpload();
   const auto db = db_.Read();
-  Result<Statement> query =
-      db->Prepare(std::string(kColumns) + "WHERE id=? AND expires_us>? AND " + kOfFlightThere);
-  if (!query) return query.error();
-  const Result<bool> row = query->Bind(1, id).Bind(2, ToUs(now)).Step();
-  if (!row) return row.error();
-  if (!*row) return NoSuchUpload();
-  return UploadFrom(*query);
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kColumns) +
+                                                   "WHERE id=? AND expires_us>? AND " + kOfFlightThere));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Bind(2, ToUs(now)).Step());
+  if (!row) return NoSuchUpload();
+  return UploadFrom(query);
 }
 
 Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
-  const Result<void> named = CheckFileName(wish.name);
-  if (!named) return named.error();
-  const Result<void> fits = store_.CheckSpace(wish.length.value_or(0));
-  if (!fits) return fits.error();
-  const Result<bool> known = catalogue_.HasFlight(wish.flight_id);
-  if (!known) return known.error();
-  if (!*known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  SKYQUILT_TRY(CheckFileName(wish.name));
+  SKYQUILT_TRY(store_.CheckSpace(wish.length.value_or(0)));
+  SKYQUILT_TRY_ASSIGN(const bool known, catalogue_.HasFlight(wish.flight_id));
+  if (!known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
   SpooledUpload upload = wish;
   upload.id = NewId();
   upload.expires = now + kUploadLifetime;
@@ -94,16 +90,17 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   if (fd < 0) return WriteError("open " + PathOf(upload.id).string());
   close(fd);
   const auto db = db_.Lock();
-  Result<Statement> insert = db->Prepare(
-      "INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner) VALUES(?,?,?,?,?,?,?)");
-  if (!insert) return insert.error();
-  insert->Bind(1, upload.id)
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db->Prepare(
+          "INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner) VALUES(?,?,?,?,?,?,?)"));
+  insert.Bind(1, upload.id)
       .Bind(2, upload.flight_id)
       .Bind(3, upload.name)
       .Bind(4, upload.metadata)
       .BindNull(5);
-  if (upload.length) insert->Bind(5, *upload.length);
-  const Result<void> inserted = insert->Bind(6, ToUs(upload.expires)).Bind(7, upload.owner).Run();
+  if (upload.length) insert.Bind(5, *upload.length);
+  const Result<void> inserted = insert.Bind(6, ToUs(upload.expires)).Bind(7, upload.owner).Run();
   if (!inserted) {
     unlink(PathOf(upload.id).c_str());
     return inserted.error();
@@ -112,22 +109,19 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
 }
 
 Result<void> UploadSpool::CheckOwner(const std::string& id, const std::string& asker, Time now) const {
-  const Result<SpooledUpload> upload = Read(id, now);
-  if (!upload) return upload.error();
-  if (upload->owner != asker) return NoSuchUpload();
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload, Read(id, now));
+  if (upload.owner != asker) return NoSuchUpload();
   return {};
 }
 
 Result<SpooledUpload> UploadSpool::Find(const std::string& id, Time now) {
   const std::shared_ptr<Turn> turn = TurnOf(id);
   const std::lock_guard lock(turn->mutex);
-  const Result<void> taken = TakeOver(*turn, now);
-  if (!taken) return taken.error();
+  SKYQUILT_TRY(TakeOver(*turn, now));
   Result<SpooledUpload> upload = Read(id, now);
   if (!upload || upload->is_done || upload->offset != upload->length) return upload;
   // Complete, but its server died before it became a file.
-  const Result<void> made = MakeFile(*upload);
-  if (!made) return made.error();
+  SKYQUILT_TRY(MakeFile(*upload));
   return upload;
 }
 
@@ -135,16 +129,14 @@ Result<std::unique_ptr<UploadSpool::Append>> UploadSpool::Begin(const std::strin
                                                                 bool all_or_nothing, Time now) {
   const std::shared_ptr<Turn> turn = TurnOf(id);
   const std::lock_guard lock(turn->mutex);
-  const Result<void> taken = TakeOver(*turn, now);
-  if (!taken) return taken.error();
-  Result<SpooledUpload> upload = Read(id, now);
-  if (!upload) return upload.error();
-  if (upload->offset != offset) {
+  SKYQUILT_TRY(TakeOver(*turn, now));
+  SKYQUILT_TRY_ASSIGN(SpooledUpload upload, Read(id, now));
+  if (upload.offset != offset) {
     return Error{ErrorCode::kConflict,
-                 fmt::format("The upload is at offset {}, not {}.", upload->offset, offset), ""};
+                 fmt::format("The upload is at offset {}, not {}.", upload.offset, offset), ""};
   }
   int fd = -1;
-  if (!upload->is_done) {
+  if (!upload.is_done) {
     fd = open(PathOf(id).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
     if (fd < 0) return WriteError("open " + PathOf(id).string());
     // Behind the offset there may be bytes that never were promised.
@@ -154,34 +146,31 @@ Result<std::unique_ptr<UploadSpool::Append>> UploadSpool::Begin(const std::strin
       return error;
     }
   }
-  std::unique_ptr<Append> append(new Append(*this, turn, *std::move(upload), fd, all_or_nothing));
+  std::unique_ptr<Append> append(new Append(*this, turn, std::move(upload), fd, all_or_nothing));
   turn->writer = append.get();
   return append;
 }
 
 Result<void> UploadSpool::DeclareLength(const std::string& id, std::int64_t length, Time now) {
-  const Result<SpooledUpload> upload = Read(id, now);
-  if (!upload) return upload.error();
-  if (upload->length == length) return {};
-  if (upload->length) return Error{ErrorCode::kConflict, "The upload's length is known and is another.", ""};
-  if (length > kMaxFileBytes || length < upload->offset) {
+  SKYQUILT_TRY_ASSIGN(const SpooledUpload upload, Read(id, now));
+  if (upload.length == length) return {};
+  if (upload.length) return Error{ErrorCode::kConflict, "The upload's length is known and is another.", ""};
+  if (length > kMaxFileBytes || length < upload.offset) {
     return Error{ErrorCode::kTooLarge, "The length is beyond what the server takes, or less than what came.",
                  ""};
   }
-  const Result<void> fits = store_.CheckSpace(length - upload->offset);
-  if (!fits) return fits.error();
+  SKYQUILT_TRY(store_.CheckSpace(length - upload.offset));
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE upload SET length=?2 WHERE id=?1 AND length IS NULL");
-  if (!update) return update.error();
-  return update->Bind(1, id).Bind(2, length).Run();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE upload SET length=?2 WHERE id=?1 AND length IS NULL"));
+  return update.Bind(1, id).Bind(2, length).Run();
 }
 
 Result<void> UploadSpool::SaveOffset(const std::string& id, std::int64_t offset, Time now) const {
   const auto db = db_.Lock();
-  Result<Statement> update = db->Prepare("UPDATE upload SET byte_offset=?2, expires_us=?3 WHERE id=?1");
-  if (!update) return update.error();
-  const Result<void> done = update->Bind(1, id).Bind(2, offset).Bind(3, ToUs(now + kUploadLifetime)).Run();
-  if (!done) return done.error();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE upload SET byte_offset=?2, expires_us=?3 WHERE id=?1"));
+  SKYQUILT_TRY(update.Bind(1, id).Bind(2, offset).Bind(3, ToUs(now + kUploadLifetime)).Run());
   if (db->Changes() == 0) return NoSuchUpload();
   return {};
 }
@@ -192,12 +181,11 @@ Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
   if (upload.offset == 0) {
     return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
   }
-  const Result<std::string> stored = store_.Adopt(upload.flight_id, PathOf(upload.id));
-  if (!stored) return stored.error();
+  SKYQUILT_TRY_ASSIGN(const std::string stored, store_.Adopt(upload.flight_id, PathOf(upload.id)));
   const Result<StoredFile> added = catalogue_.AddFileUnderFreeName(
-      upload.flight_id, {upload.name, *stored, upload.offset}, Now(), upload.id);
+      upload.flight_id, {upload.name, stored, upload.offset}, Now(), upload.id);
   if (!added) {
-    store_.Remove(upload.flight_id, *stored);
+    store_.Remove(upload.flight_id, stored);
     return added.error();
   }
   unlink(PathOf(upload.id).c_str());  // what stays is removed with the expired
@@ -209,16 +197,13 @@ Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
 Result<void> UploadSpool::Remove(const std::string& id, Time now) {
   const std::shared_ptr<Turn> turn = TurnOf(id);
   const std::lock_guard lock(turn->mutex);
-  const Result<void> taken = TakeOver(*turn, now);
-  if (!taken) return taken.error();
+  SKYQUILT_TRY(TakeOver(*turn, now));
   const Result<SpooledUpload> upload = Read(id, now);
   if (!upload) return upload.error();
   {
     const auto db = db_.Lock();
-    Result<Statement> remove = db->Prepare("DELETE FROM upload WHERE id=?");
-    if (!remove) return remove.error();
-    const Result<void> removed = remove->Bind(1, id).Run();
-    if (!removed) return removed.error();
+    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE id=?"));
+    SKYQUILT_TRY(remove.Bind(1, id).Run());
   }
   unlink(PathOf(id).c_str());  // what stays is removed with the expired
   return {};
@@ -228,16 +213,15 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
   std::vector<SpooledUpload> complete;
   {
     const auto db = db_.Read();
-    Result<Statement> query =
+    SKYQUILT_TRY_ASSIGN(
+        Statement query,
         db->Prepare(std::string(kColumns) + "WHERE is_done=0 AND byte_offset=length AND expires_us>? AND " +
-                    kOfFlightThere);
-    if (!query) return query.error();
-    query->Bind(1, ToUs(now));
+                    kOfFlightThere));
+    query.Bind(1, ToUs(now));
     while (true) {
-      const Result<bool> row = query->Step();
-      if (!row) return row.error();
-      if (!*row) break;
-      complete.push_back(UploadFrom(*query));
+      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+      if (!row) break;
+      complete.push_back(UploadFrom(query));
     }
   }
   // One that cannot be finished stays as it is: its owner's next look tells why.
@@ -249,14 +233,12 @@ Result<int> UploadSpool::RemoveExpired(Time now) {
   std::vector<std::string> over;
   {
     const auto db = db_.Lock();
-    Result<Statement> query = db->Prepare("SELECT id FROM upload WHERE expires_us<=?1");
-    if (!query) return query.error();
-    query->Bind(1, ToUs(now));
+    SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM upload WHERE expires_us<=?1"));
+    query.Bind(1, ToUs(now));
     while (true) {
-      const Result<bool> row = query->Step();
-      if (!row) return row.error();
-      if (!*row) break;
-      over.emplace_back(query->ColumnText(0));
+      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+      if (!row) break;
+      over.emplace_back(query.ColumnText(0));
     }
   }
   // The bytes first: as long as the row is there, they are known to be nobody's.
@@ -265,10 +247,8 @@ Result<int> UploadSpool::RemoveExpired(Time now) {
     if (unlink(PathOf(id).c_str()) == 0) ++count;
   }
   const auto db = db_.Lock();
-  Result<Statement> remove = db->Prepare("DELETE FROM upload WHERE expires_us<=?");
-  if (!remove) return remove.error();
-  const Result<void> removed = remove->Bind(1, ToUs(now)).Run();
-  if (!removed) return removed.error();
+  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE expires_us<=?"));
+  SKYQUILT_TRY(remove.Bind(1, ToUs(now)).Run());
   return count;
 }
 
@@ -276,13 +256,11 @@ Result<std::vector<fs::path>> UploadSpool::StrayFiles() const {
   std::set<std::string> known;
   {
     const auto db = db_.Lock();
-    Result<Statement> query = db->Prepare("SELECT id FROM upload");
-    if (!query) return query.error();
+    SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM upload"));
     while (true) {
-      const Result<bool> row = query->Step();
-      if (!row) return row.error();
-      if (!*row) break;
-      known.emplace(query->ColumnText(0));
+      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+      if (!row) break;
+      known.emplace(query.ColumnText(0));
     }
   }
   std::vector<fs::path> stray;
@@ -320,8 +298,7 @@ UploadSpool::Append::~Append() {
 Result<void> UploadSpool::Append::Sync(Time now) {
   if (written_ == upload_.offset) return {};
   if (fdatasync(fd_) != 0) return WriteError("sync " + spool_.PathOf(upload_.id).string());
-  const Result<void> saved = spool_.SaveOffset(upload_.id, written_, now);
-  if (!saved) return saved.error();
+  SKYQUILT_TRY(spool_.SaveOffset(upload_.id, written_, now));
   upload_.offset = written_;
   upload_.expires = now + kUploadLifetime;
   return {};
@@ -353,11 +330,9 @@ Result<void> UploadSpool::Append::Write(std::span<const std::uint8_t> bytes) {
 Result<SpooledUpload> UploadSpool::Append::Commit(Time now) {
   const std::lock_guard lock(turn_->mutex);
   if (turn_->writer != this) return TakenOver();
-  const Result<void> synced = Sync(now);
-  if (!synced) return synced.error();
+  SKYQUILT_TRY(Sync(now));
   if (!upload_.is_done && upload_.offset == upload_.length) {
-    const Result<void> made = spool_.MakeFile(upload_);
-    if (!made) return made.error();
+    SKYQUILT_TRY(spool_.MakeFile(upload_));
   }
   return upload_;
 }
