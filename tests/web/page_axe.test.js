@@ -32,7 +32,7 @@ for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
       await assertAccessible(page, 'upload');
       await page.waitForSelector('#upload-failures .callout');
       await assertAccessible(page, 'failed upload');
-      await page.click('text=Make the map without them');
+      await page.click('text=Continue without them');
       await page.waitForSelector('#job-progress');
       await assertAccessible(page, 'processing');
       await assertQuiet(opened, [/422/]);

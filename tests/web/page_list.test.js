@@ -35,7 +35,7 @@ test('a long list is searched and sorted', options, async () => {
   await page.fill('#flight-search', 'fie');
   assert.deepEqual(await names(), ['Field 2', 'Field 10']);
   await page.fill('#flight-search', 'nothing');
-  assert.match(await page.textContent('#flights-message'), /No flight/);
+  assert.match(await page.textContent('#flights-message'), /No flights match/);
   await assertAccessible(page, 'searched list');
   await assertQuiet(opened);
 });
@@ -85,11 +85,11 @@ test('a deleted flight is in the trash at once, whatever happens to the page, an
   await again.click('.flights li .row-actions button:nth-child(2)');
   await again.waitForSelector('#trash-fold');
   await again.click('#trash-fold summary');
-  await again.click('#trash button:has-text("Delete for good")');
+  await again.click('#trash button:has-text("Delete permanently")');
   await assertAccessible(again, 'question before the last step');
   await again.keyboard.press('Escape');
   assert.equal(mock.deleted.size, 1);
-  await again.click('#trash button:has-text("Delete for good")');
+  await again.click('#trash button:has-text("Delete permanently")');
   await again.click('#remove-confirm');
   await again.waitForSelector('#trash-fold', { state: 'detached' });
   assert.equal(mock.deleted.size, 0);

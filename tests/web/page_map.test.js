@@ -82,7 +82,7 @@ test('outlines of the land lie below the map until nothing is chosen, and that i
   const before = await layers();
   assert.deepEqual(before.slice(0, 3), ['ground', 'basemap-land', 'basemap-coast'], 'below the mosaic');
   await page.click('#tool-layers');
-  assert.deepEqual(await page.locator('#basemap option').allTextContents(), ['Nothing', 'Outlines of the land']);
+  assert.deepEqual(await page.locator('#basemap option').allTextContents(), ['None', 'Coastlines']);
   await page.selectOption('#basemap', 'none');
   await page.waitForFunction(() => !(/** @type {any} */ (window).skyquilt.map.getLayer('basemap-land')));
   await page.reload();

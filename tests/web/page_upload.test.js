@@ -110,7 +110,7 @@ test('a chosen folder is searched to the bottom; refused and unusable files are 
   await page.waitForSelector('#upload-failures .callout');
   assert.match(await page.textContent('#upload-failures'), /refused\.jpgThe photo is cut off/);
   assert.match(await page.textContent('#upload-failures'), /text\.jpg/);
-  await page.click('text=Make the map without them');
+  await page.click('text=Continue without them');
   await mapIdle(page);
   const flight = [...mock.flights.values()][0];
   assert.equal(flight.name, 'Meadow');
@@ -155,7 +155,7 @@ test('a paused upload waits and goes on', options, async () => {
   await page.setInputFiles('#files-input', photoFiles(12));
   await page.waitForSelector('#upload-pause');
   await page.click('#upload-pause');
-  await page.waitForFunction(() => document.querySelector('#upload-pause')?.textContent?.includes('Go on'));
+  await page.waitForFunction(() => document.querySelector('#upload-pause')?.textContent?.includes('Resume'));
   while (mock.heldUploads() > 0) await page.waitForTimeout(50);  // until the page's giving up has arrived
   release();
   await page.waitForTimeout(600);

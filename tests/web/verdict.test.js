@@ -94,7 +94,7 @@ test('missing positions, a stray photo and a long pause are told', () => {
   assert.match(warnings[2], /10\smin/);
   const in_archive = verdictWords({ ...verdictOf([]), logs: 0, archives: 1 });
   assert.deepEqual(in_archive.warnings, []);
-  assert.match(in_archive.facts, /^1 archive; what is inside/);
+  assert.match(in_archive.facts, /^1 archive; contents are checked/);
   assert.match(verdictWords({ ...verdictOf([photo(0, { lat_deg: null, lon_deg: null })]), logs: 0, archives: 0 }).warnings[0], /cannot be placed/);
 });
 

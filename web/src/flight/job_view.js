@@ -18,6 +18,7 @@ export function stageName(stage) {
 /** @param {Job} job @returns {string} how long it will take, as far as that is known */
 function timeLeft(job) {
   if (job.eta_s === null || job.eta_s === undefined) return '';
+  if ((job.eta_high_s ?? job.eta_s) < 1) return strings.job.almost_done;
   const [low, high] = [job.eta_low_s, job.eta_high_s].map((seconds) => formatDuration(seconds ?? job.eta_s ?? 0));
   return low === high ? strings.job.left(formatDuration(job.eta_s)) : strings.job.left_between(low, high);
 }
