@@ -41,7 +41,7 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
   basemap.attribution = attribution;
   if (text.empty() && !attribution.empty()) {
     return Error{ErrorCode::kInvalidArgument,
-                 "--basemap-attribution: there is no --basemap whose makers it could name.", ""};
+                 "The option --basemap-attribution needs --basemap, whose makers it names.", ""};
   }
   if (text.empty()) return basemap;
   if (text.starts_with("http://") || text.starts_with("https://")) {
@@ -49,7 +49,7 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
       if (text.find(part) == std::string::npos || text.find_first_of(" \"<>;'") != std::string::npos) {
         return Error{
             ErrorCode::kInvalidArgument,
-            "--basemap: give tiles as https://host/path/{z}/{x}/{y}.png, or the path of a PMTiles file.", ""};
+            "Give --basemap tiles as https://host/path/{z}/{x}/{y}.png, or the path of a PMTiles file.", ""};
       }
     }
     basemap.tiles = text;
@@ -57,7 +57,8 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
   }
   std::error_code missing;
   if (!std::filesystem::is_regular_file(text, missing)) {
-    return Error{ErrorCode::kNotFound, "--basemap: there is no file " + text + ".", ""};
+    return Error{ErrorCode::kNotFound,
+                 "The basemap file " + text + " does not exist. Check the path given with --basemap.", ""};
   }
   basemap.pmtiles = std::filesystem::absolute(text);
   return basemap;

@@ -66,7 +66,7 @@ Result<Json> JobValue(const Offer& offer, const Json& value) {
   const std::string_view type = offer.type;
   if (type == "enum") return value;
   const std::optional<double> number = NumberFrom(value);
-  if (!number) return Error{ErrorCode::kUnprocessable, "must be a number", ""};
+  if (!number) return Error{ErrorCode::kUnprocessable, "The value must be a number.", ""};
   if (std::string_view(offer.job_option) == "gsd_m") {
     return *number == 0.0 ? Json(nullptr) : Json(*number / 100.0);  // centimetres to metres
   }
@@ -74,7 +74,7 @@ Result<Json> JobValue(const Offer& offer, const Json& value) {
     return *number == 0.0 ? Json(nullptr) : Json(*number);
   const auto whole = static_cast<std::int64_t>(std::clamp(*number, -1e9, 1e9));
   if (static_cast<double>(whole) != *number)
-    return Error{ErrorCode::kUnprocessable, "must be a whole number", ""};
+    return Error{ErrorCode::kUnprocessable, "The value must be a whole number.", ""};
   return Json(whole);
 }
 

@@ -25,7 +25,11 @@ std::string Unquoted(std::string text) {
 
 Result<std::vector<std::string>> WordsOf(const std::string& path) {
   std::ifstream file(path);
-  if (!file) return Error{ErrorCode::kNotFound, fmt::format("--config {}: there is no such file.", path), ""};
+  if (!file)
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("The configuration file {} cannot be opened. Check the path given with --config.", path),
+        ""};
   std::vector<std::string> words;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {

@@ -103,13 +103,15 @@ Result<MethodOutcome> RunMethod(const char* name, const std::vector<flight::Inpu
   fs::create_directories(outcome.folder, failed);
   if (failed)
     return Error{ErrorCode::kIo,
-                 "cannot make the folder " + outcome.folder.string() + ": " + failed.message(), ""};
+                 "The folder " + outcome.folder.string() + " cannot be made: " + failed.message() + ".", ""};
   fmt::print(stderr, "== {}\n", name);
   std::fflush(nullptr);
   const auto start = std::chrono::steady_clock::now();
   const pid_t child = fork();
   if (child < 0)
-    return Error{ErrorCode::kIo, std::string("cannot start a process: ") + std::strerror(errno), ""};
+    return Error{ErrorCode::kIo,
+                 std::string("A process for the method cannot be started: ") + std::strerror(errno) + ".",
+                 ""};
   if (child == 0) {
     const int code = StitchAlone(files, options, outcome.folder);
     std::fflush(nullptr);
@@ -119,13 +121,14 @@ Result<MethodOutcome> RunMethod(const char* name, const std::vector<flight::Inpu
   rusage usage{};
   while (wait4(child, &status, 0, &usage) < 0) {
     if (errno != EINTR)
-      return Error{ErrorCode::kIo, std::string("lost a process: ") + std::strerror(errno), ""};
+      return Error{ErrorCode::kIo,
+                   std::string("The process of the method was lost: ") + std::strerror(errno) + ".", ""};
   }
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   outcome.cpu_s = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
   outcome.peak_memory_bytes = std::int64_t{usage.ru_maxrss} * 1024;
   if (WIFEXITED(status) && WEXITSTATUS(status) == kExitCancelled) {
-    return Error{ErrorCode::kCancelled, "the comparison was cancelled", ""};
+    return Error{ErrorCode::kCancelled, "The comparison was cancelled.", ""};
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
     ReadOutcome(truth_json, outcome);

@@ -67,7 +67,8 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
     drawn.push_back(&outcome);
     all.Include(BoundsOf(outcome));
   }
-  if (drawn.empty()) return Error{ErrorCode::kUnprocessable, "no method made a map", ""};
+  if (drawn.empty())
+    return Error{ErrorCode::kUnprocessable, "No method made a map, so there is nothing to compare.", ""};
   // The last method is the product's own: the middle of its map surely shows ground.
   const MethodOutcome& best = *drawn.back();
   const geo::Bounds2 of_best = BoundsOf(best);

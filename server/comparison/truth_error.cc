@@ -60,7 +60,8 @@ Result<TruthError> MeasureTruthError(const pipeline::LocatedMap& map, std::strin
     truth = Parse(truth_json);
   } catch (const Json::exception& broken) {
     return Error{ErrorCode::kCorrupt,
-                 "the truth is not what \"skyquilt simulate\" writes as truth/poses.json", broken.what()};
+                 "The file truth/poses.json beside the photos is not one that \"skyquilt simulate\" writes.",
+                 broken.what()};
   }
   TruthError error;
   error.photos_true = static_cast<int>(truth.cam_from_enu.size());
@@ -91,7 +92,8 @@ Result<TruthError> MeasureTruthError(const pipeline::LocatedMap& map, std::strin
     absolute.insert(absolute.end(), of_photo.begin(), of_photo.end());
   }
   if (places.empty()) {
-    return Error{ErrorCode::kUnprocessable, "the truth beside the photos knows none of them", ""};
+    return Error{ErrorCode::kUnprocessable, "The file truth/poses.json beside the photos names none of them.",
+                 ""};
   }
   const alignment::GroundSimilarity best = alignment::FitSimilarity(places);
   std::vector<double> relative;

@@ -28,7 +28,7 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
       given.source = *std::move(opened);
       return given;
     }
-    given.warnings.push_back(model.name + " is not used for the ground's heights: " + opened.error().message);
+    given.warnings.push_back(model.name + " is not used for the ground's heights. " + opened.error().message);
   }
   return given;
 }

@@ -32,7 +32,8 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) {
-    return Error{ErrorCode::kIo, "cannot make the folder " + folder.string() + ": " + failed.message(), ""};
+    return Error{ErrorCode::kIo,
+                 "The folder " + folder.string() + " cannot be made: " + failed.message() + ".", ""};
   }
   return {};
 }

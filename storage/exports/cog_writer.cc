@@ -186,7 +186,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
         static_cast<std::size_t>(cells_of.CellCount()), options.threads, window,
         [&](std::size_t cell) {
           if (progress.IsCancelled())
-            return ReadyTile{Error{ErrorCode::kCancelled, "the job was cancelled", ""}, {}, {}};
+            return ReadyTile{Error{ErrorCode::kCancelled, "The job was cancelled.", ""}, {}, {}};
           return work.Prepare(cells_of, static_cast<std::int64_t>(cell));
         },
         [&](std::size_t cell, ReadyTile&& ready) {

@@ -173,7 +173,9 @@ Result<void> WriteKmz(const std::filesystem::path& mbtiles, const std::filesyste
   SKYQUILT_TRY_ASSIGN(auto tiles, MbtilesReader::Open(mbtiles));
   SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
   SKYQUILT_TRY_ASSIGN(const std::int64_t count, CountTiles(db));
-  if (count == 0) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
+  if (count == 0)
+    return Error{ErrorCode::kCorrupt,
+                 "The tileset " + mbtiles.string() + " holds no tiles. Stitch the flight again.", ""};
 
   SKYQUILT_TRY_ASSIGN(auto file, StreamFile::Create(path));
   ZipFile zip(*file);
@@ -193,7 +195,7 @@ Result<void> WriteKmz(const std::filesystem::path& mbtiles, const std::filesyste
   }
   SKYQUILT_TRY_ASSIGN(auto walk, TileWalk::Of(db));
   for (std::int64_t done = 1;; ++done) {
-    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
     SKYQUILT_TRY_ASSIGN(const bool more, walk.Next());
     if (!more) break;
     const std::string_view bytes = walk.bytes();

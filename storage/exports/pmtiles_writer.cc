@@ -71,7 +71,8 @@ Result<Layout> LayOut(SqliteDb& db) {
     layout.min_zoom = std::min(layout.min_zoom, tile.z());
     layout.max_zoom = std::max(layout.max_zoom, tile.z());
   }
-  if (tiles.empty()) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
+  if (tiles.empty())
+    return Error{ErrorCode::kCorrupt, "The tileset of the map holds no tiles. Stitch the flight again.", ""};
   std::sort(tiles.begin(), tiles.end(),
             [](const TileRow& a, const TileRow& b) { return a.number < b.number; });
   layout.tiles = tiles.size();
@@ -184,7 +185,7 @@ Result<void> WritePmtiles(const std::filesystem::path& mbtiles, const std::files
   file->Write(directories.leaves);
   SKYQUILT_TRY_ASSIGN(auto load, db.Prepare("SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"));
   for (std::size_t i = 0; i < layout.contents.size(); ++i) {
-    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "the job was cancelled", ""};
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
     SKYQUILT_TRY(load.Bind(1, layout.contents[i]).Step());
     const auto blob = load.ColumnBlob(0);
     file->Write({reinterpret_cast<const char*>(blob.data()), blob.size()});

@@ -21,7 +21,7 @@ Result<void> WriteThumbnail(const std::filesystem::path& cog, const std::filesys
   CPLErrorReset();
   const auto failed = [] {
     const std::string detail = CPLGetLastErrorMsg();
-    return Error{ErrorCode::kIo, "cannot write the map's thumbnail: " + detail, detail};
+    return Error{ErrorCode::kIo, "The thumbnail of the map cannot be written: " + detail + ".", detail};
   };
   const std::unique_ptr<GDALDataset> map(GDALDataset::Open(cog.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!map) return failed();

@@ -51,7 +51,9 @@ Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridA
   {
     SKYQUILT_TRY_ASSIGN(auto zooms, mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM tiles"));
     SKYQUILT_TRY(zooms.Step());
-    if (zooms.IsNull(0)) return Error{ErrorCode::kCorrupt, "the tileset holds no tiles", ""};
+    if (zooms.IsNull(0))
+      return Error{ErrorCode::kCorrupt, "The tileset of the map holds no tiles. Stitch the flight again.",
+                   ""};
     finest = static_cast<int>(zooms.ColumnInt64(0));
     coarsest = static_cast<int>(zooms.ColumnInt64(1));
   }

@@ -45,7 +45,8 @@ Result<std::optional<std::string>> ReadMarker(const DataDir& dir) {
   std::string text(kMaxMarkerBytes, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad() || !file.is_open()) {
-    return Error{ErrorCode::kIo, dir.Marker().string() + " cannot be read. Does it belong to another user?",
+    return Error{ErrorCode::kIo,
+                 "The file " + dir.Marker().string() + " cannot be read. Does it belong to another user?",
                  ""};
   }
   text.resize(static_cast<std::size_t>(file.gcount()));

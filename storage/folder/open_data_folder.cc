@@ -207,15 +207,15 @@ Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
     if (fs::is_symlink(fs::symlink_status(dir.root(), error))) {
       return Error{
           ErrorCode::kNotFound,
-          root +
-              " is a link to a folder that does not exist. Is a disk not mounted? Mount it, or mend the link.",
+          "The data folder " + root +
+              " is a link to a folder that does not exist. Mount the disk it leads to, or mend the link.",
           ""};
     }
     survey.is_new = true;
     return survey;
   }
   if (!fs::is_directory(status)) {
-    return Error{ErrorCode::kConflict, root + " is not a folder. Give a folder with --data.",
+    return Error{ErrorCode::kConflict, "The path " + root + " is not a folder. Give a folder with --data.",
                  error.message()};
   }
   if (access(dir.root().c_str(), R_OK | W_OK | X_OK) != 0) {
@@ -304,10 +304,11 @@ Result<OpenedDataFolder> JoinDataFolder(const fs::path& root) {
   const DataDir at = DataDir::At(root);
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> marker, ReadMarker(at));
   if (!marker) {
-    return Error{ErrorCode::kNotFound,
-                 at.root().string() +
-                     " is not a data folder of Skyquilt: it has no skyquilt-data.json. A server makes one.",
-                 ""};
+    return Error{
+        ErrorCode::kNotFound,
+        "The folder " + at.root().string() +
+            " is not a data folder of Skyquilt: it has no skyquilt-data.json. Start a server on it to make one.",
+        ""};
   }
   SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, OpenCatalogue(at));
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*db->Lock()));

@@ -48,8 +48,10 @@ Result<std::unique_ptr<CatalogueDb>> TakeCatalogue(const DataDir& dir, std::opti
       if (!fs::exists(fs::symlink_status(path, none))) continue;
       report.lines.push_back(lost.Take(path, why));
       if (fs::exists(fs::symlink_status(path, none))) {
-        return Error{ErrorCode::kIo,
-                     path.string() + " could not be moved away. Move it to a safe place, and try again.", ""};
+        return Error{
+            ErrorCode::kIo,
+            "The file " + path.string() + " could not be moved away. Move it to a safe place, and try again.",
+            ""};
       }
     }
     SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> made, CatalogueDb::Open(dir.Catalogue()));
@@ -148,7 +150,7 @@ Result<RepairReport> RepairData(const fs::path& root, Time now) {
   if (!marker && !is_damaged && !survey.has_flights &&
       !(survey.strangers.empty() && (survey.has_catalogue || has_lost))) {
     return Error{ErrorCode::kConflict,
-                 at.root().string() +
+                 "The folder " + at.root().string() +
                      " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor flights.",
                  ""};
   }

@@ -70,12 +70,13 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   RegisterGeotiffOnce();
   std::error_code missing;
   if (!std::filesystem::is_regular_file(path, missing)) {
-    return Error{ErrorCode::kNotFound, "there is no elevation model " + path.string(), ""};
+    return Error{ErrorCode::kNotFound,
+                 "The elevation model " + path.string() + " does not exist. Check its path.", ""};
   }
   const auto refuse = [&](const std::string& why) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 "the elevation model " + path.string() + " " + why + "; give a GeoTIFF of heights in metres",
-                 ""};
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        "The elevation model " + path.string() + " " + why + ". Give a GeoTIFF of heights in metres.", ""};
   };
   auto raster = std::make_unique<Raster>();
   const char* const drivers[] = {"GTiff", nullptr};

@@ -113,7 +113,8 @@ Result<std::string> MapKeeper::FactsOf(const fs::path& folder) {
   if (!earlier || (*earlier)->facts.empty()) {
     return Error{
         ErrorCode::kNotFound,
-        folder.string() + " has no map that can be added to: mosaic.mbtiles and mosaic.state are needed",
+        "The folder " + folder.string() +
+            " has no map that can be added to: mosaic.mbtiles and mosaic.state are needed. Stitch all photos.",
         earlier ? "" : earlier.error().message};
   }
   return std::move((*earlier)->facts);
@@ -189,8 +190,8 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
     select.Reset();
   }
   if (tiles != kept.tiles) {
-    return Error{ErrorCode::kCorrupt, "the memory of the map is damaged; delete mosaic.state and start again",
-                 ""};
+    return Error{ErrorCode::kCorrupt,
+                 "The file mosaic.state beside the map is damaged. Delete it and stitch again.", ""};
   }
   SKYQUILT_TRY(Keep(block, earlier.digests.at(block), kept));
   return kept;
@@ -241,7 +242,8 @@ Result<void> MapKeeper::Publish(const TilesetMetadata& metadata) {
   std::error_code gone;
   fs::remove(finished.state, gone);
   if (gone)
-    return Error{ErrorCode::kIo, "cannot replace " + finished.state.string() + ": " + gone.message(), ""};
+    return Error{ErrorCode::kIo,
+                 "The file " + finished.state.string() + " cannot be replaced: " + gone.message() + ".", ""};
   if (auto published = state_->writer->Publish(metadata); !published) return published;
   if (auto published = PublishFile(TemporaryMap(state_->folder).state, finished.state); !published)
     return published;

@@ -149,7 +149,8 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
     SKYQUILT_TRY_ASSIGN(auto check, state_->db.Prepare("SELECT count(*) FROM tiles"));
     SKYQUILT_TRY(check.Step());
     if (check.ColumnInt64(0) != state_->tiles) {
-      return Error{ErrorCode::kCorrupt, "the tileset lost tiles while it was written; try again",
+      return Error{ErrorCode::kCorrupt,
+                   "The tileset lost tiles while it was written. Check the disk and stitch again.",
                    state_->temporary};
     }
   }

@@ -20,8 +20,15 @@ test('the markup is valid', options, () => {
   assert.equal(result.status, 0, result.stdout + result.stderr);
 });
 
+/** @param {string} folder @returns {string[]} its files and those of the folders in it */
+const filesBelow = (folder) =>
+    readdirSync(join(web_root, folder), {withFileTypes: true})
+        .flatMap(
+            (entry) =>
+                (entry.isDirectory() ? filesBelow(join(folder, entry.name)) : [join(folder, entry.name)]));
+
 test('nothing in the page names another host', () => {
-  const files = ['index.html', 'style.css', ...['src', 'styles'].flatMap((f) => readdirSync(join(web_root, f)).map((n) => join(f, n)))];
+  const files = ['index.html', 'style.css', ...['src', 'styles'].flatMap((f) => filesBelow(f))];
   for (const file of files) {
     const text = readFileSync(join(web_root, file), 'utf8').replaceAll('http://www.w3.org/2000/svg', '');
     assert.doesNotMatch(text, /https?:\/\/[a-z]/i, file);
