@@ -77,10 +77,10 @@ Response MapServer(Service& service, const Request& request) {
 Result<Response> Tile(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("z"), request.Parameter("column"),
                                                          request.Parameter("row")));
-  TileWish wish;
-  wish.flight_id = request.Parameter("flight");
-  wish.tile = path.tile;
-  return AnswerTile(service, request, wish);
+  TileRequest wanted;
+  wanted.flight_id = request.Parameter("flight");
+  wanted.tile = path.tile;
+  return AnswerTile(service, request, wanted);
 }
 
 }  // namespace

@@ -118,10 +118,10 @@ Response Unauthorized(const Request& request, std::string_view pattern, bool has
   return response;
 }
 
-Response Forbidden(const Request& request, std::string_view pattern, Scope asked) {
+Response Forbidden(const Request& request, std::string_view pattern, Scope needed) {
   const Error error{
       ErrorCode::kForbidden,
-      std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(asked) + "\".",
+      std::string("This token may not do that: it needs the scope \"") + storage::ScopeName(needed) + "\".",
       ""};
   return IsNode(pattern) ? NodeRefusal(error.message) : Problem(error, request);
 }
@@ -136,11 +136,11 @@ std::optional<Scope> ScopeOf(Method method, std::string_view pattern) {
 bool IsListed(Method method, std::string_view pattern) { return FindRule(method, pattern) != nullptr; }
 
 std::optional<Response> CheckAccess(Service& service, Request& request, std::string_view pattern) {
-  const std::optional<Scope> asked = ScopeOf(request.method, pattern);
-  if (!asked) return std::nullopt;
+  const std::optional<Scope> needed = ScopeOf(request.method, pattern);
+  if (!needed) return std::nullopt;
   const auto tokens = service.tokens.Known();
   if (!tokens) return Problem(tokens.error(), request);
-  if (!(*tokens)->asks_for_token) {
+  if (!(*tokens)->requires_token) {
     request.is_admin = true;
     return std::nullopt;
   }
@@ -150,7 +150,7 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
   const bool only_reads = (shown.is_in_query && !IsNode(pattern)) || !token->flight_id.empty();
   const Scope granted = only_reads ? Scope::kRead : token->scope;
-  if (granted < *asked) return Forbidden(request, pattern, *asked);
+  if (granted < *needed) return Forbidden(request, pattern, *needed);
   request.owner = token->id;
   request.is_admin = granted == Scope::kAdmin;
   request.only_flight = token->flight_id;
@@ -162,7 +162,7 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
 bool IsStillGood(Service& service, const Request& request) {
   const auto tokens = service.tokens.Known();
   if (!tokens) return false;
-  if (!(*tokens)->asks_for_token) return true;
+  if (!(*tokens)->requires_token) return true;
   for (const storage::Token& token : (*tokens)->tokens) {
     if (token.id == request.owner) return !token.HasEnded(storage::Now());
   }

@@ -87,9 +87,9 @@ Result<void> CheckMayChange(Service& service, const Request& request, const std:
 std::optional<Response> CheckFlightAccess(Service& service, const Request& request,
                                           std::string_view pattern) {
   if (request.is_admin) return std::nullopt;
-  const std::optional<storage::Scope> asked = ScopeOf(request.method, pattern);
-  if (!asked) return std::nullopt;
-  const bool changes = *asked >= storage::Scope::kUpload;
+  const std::optional<storage::Scope> needed = ScopeOf(request.method, pattern);
+  if (!needed) return std::nullopt;
+  const bool changes = *needed >= storage::Scope::kUpload;
   if (!changes && request.only_flight.empty()) return std::nullopt;
   const auto refuse = [&](const Error& error) {
     return IsNode(pattern) ? NodeProblem(error, request) : Problem(error, request);

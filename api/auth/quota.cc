@@ -52,7 +52,7 @@ IncomingBytes::~IncomingBytes() {
   ledger.accounts_[owner_].on_the_way -= taken_;
 }
 
-Result<void> IncomingBytes::Ask() const {
+Result<void> IncomingBytes::RefreshHeld() const {
   SKYQUILT_TRY_ASSIGN(const std::int64_t held, service_->catalogue.BytesOf(owner_));
   service_->quotas.accounts_[owner_].held = held;
   return {};
@@ -65,7 +65,7 @@ Result<void> IncomingBytes::Take(std::int64_t bytes) {
   ByteLedger::Account& account = ledger.accounts_[owner_];
   const auto fits = [&] { return account.held && *account.held + account.on_the_way + bytes <= *max_bytes_; };
   if (!fits()) {
-    SKYQUILT_TRY(Ask());
+    SKYQUILT_TRY(RefreshHeld());
   }
   if (!fits()) return Refusal();
   account.on_the_way += bytes;
@@ -96,7 +96,7 @@ Result<std::optional<std::int64_t>> IncomingBytes::Room() const {
   if (!max_bytes_) return std::optional<std::int64_t>();
   ByteLedger& ledger = service_->quotas;
   const std::lock_guard lock(ledger.mutex_);
-  SKYQUILT_TRY(Ask());
+  SKYQUILT_TRY(RefreshHeld());
   const ByteLedger::Account& account = ledger.accounts_[owner_];
   return std::optional(std::max<std::int64_t>(0, *max_bytes_ - *account.held - account.on_the_way));
 }

@@ -55,7 +55,7 @@ class IncomingBytes {
  private:
   IncomingBytes(Service& service, std::string owner) : service_(&service), owner_(std::move(owner)) {}
   // The caller holds the ledger's mutex.
-  Result<void> Ask() const;
+  Result<void> RefreshHeld() const;
 
   Service* service_;
   std::string owner_;

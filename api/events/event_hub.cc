@@ -9,7 +9,7 @@
 namespace skyquilt::api {
 namespace {
 
-constexpr std::chrono::milliseconds kBetweenLooks{200};
+constexpr std::chrono::milliseconds kReadInterval{200};
 constexpr std::size_t kMaxItems = 4096;
 constexpr int kMaxAtOnce = 500;
 
@@ -98,7 +98,7 @@ void EventHub::Run() {
     changed_.wait(lock, [&] { return is_ending_ || !listeners_.empty(); });
     if (is_ending_) return;
     const std::int64_t tail = tail_;
-    if (std::exchange(begins_anew_, false)) told_.clear();
+    if (std::exchange(begins_anew_, false)) sent_progress_.clear();
     lock.unlock();
     Result<Items> found = ReadNew(tail);
     lock.lock();
@@ -110,7 +110,7 @@ void EventHub::Run() {
         if (listener.wake) listener.wake();
       }
     }
-    changed_.wait_for(lock, kBetweenLooks, [&] { return is_ending_; });
+    changed_.wait_for(lock, kReadInterval, [&] { return is_ending_; });
   }
 }
 
@@ -126,17 +126,17 @@ Result<EventHub::Items> EventHub::ReadNew(std::int64_t tail) {
     is_full = events.size() == kMaxAtOnce;
   }
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> running, queue_.ListRunning());
-  std::map<std::string, std::pair<double, std::string>> told;
+  std::map<std::string, std::pair<double, std::string>> sent_progress;
   for (const storage::Job& job : running) {
     auto now = std::pair(job.progress, job.message);
-    const auto before = told_.find(job.id);
-    if (before == told_.end() || before->second != now) {
+    const auto before = sent_progress_.find(job.id);
+    if (before == sent_progress_.end() || before->second != now) {
       items.push_back(
           std::make_shared<const Item>(Item{0, job.flight_id, job.id, ProgressText(job, storage::Now())}));
     }
-    told[job.id] = std::move(now);
+    sent_progress[job.id] = std::move(now);
   }
-  told_ = std::move(told);
+  sent_progress_ = std::move(sent_progress);
   return items;
 }
 
@@ -146,7 +146,7 @@ void EventHub::Append(Items items) {
     if (item->seq == 0) progress_[*item->job_id] = item;
     items_.push_back(item);
   }
-  std::erase_if(progress_, [&](const auto& entry) { return !told_.contains(entry.first); });
+  std::erase_if(progress_, [&](const auto& entry) { return !sent_progress_.contains(entry.first); });
   while (items_.size() > kMaxItems) {
     if (items_.front()->seq > 0) seq_before_ = items_.front()->seq;
     items_.pop_front();

@@ -104,7 +104,7 @@ class EventHub {
   std::optional<Error> failure_;                                 // of the latest look
 
   // The reader's own.
-  std::map<std::string, std::pair<double, std::string>> told_;
+  std::map<std::string, std::pair<double, std::string>> sent_progress_;
 };
 
 }  // namespace skyquilt::api

@@ -27,14 +27,18 @@ class EventStream final : public LiveSource {
  public:
   EventStream(Service& service, const Request& request, std::uint64_t seat, storage::EventFilter filter,
               std::int64_t after)
-      : service_(service), asker_(AskerOf(request)), seat_(seat), filter_(std::move(filter)), after_(after) {}
+      : service_(service),
+        requester_(RequesterOf(request)),
+        seat_(seat),
+        filter_(std::move(filter)),
+        after_(after) {}
   ~EventStream() override { service_.event_hub.Leave(seat_); }
 
   void OnNews(std::function<void()> wake) override { service_.event_hub.OnNews(seat_, std::move(wake)); }
   bool WaitsForDisk() const override { return !next_; }
 
   Result<std::string> Next() override {
-    if (!IsStillGood(service_, asker_)) {
+    if (!IsStillGood(service_, requester_)) {
       return Error{ErrorCode::kUnauthorized, "The token of this stream was revoked or has ended.", ""};
     }
     std::string text;
@@ -50,10 +54,10 @@ class EventStream final : public LiveSource {
   }
 
  private:
-  static Request AskerOf(const Request& request) {
-    Request asker;
-    asker.owner = request.owner;
-    return asker;
+  static Request RequesterOf(const Request& request) {
+    Request requester;
+    requester.owner = request.owner;
+    return requester;
   }
 
   Result<void> HandOn(std::string& text) {
@@ -90,7 +94,7 @@ class EventStream final : public LiveSource {
   }
 
   Service& service_;
-  Request asker_;
+  Request requester_;
   std::uint64_t seat_;
   storage::EventFilter filter_;
   std::int64_t after_;                 // the last event that was told or looked at

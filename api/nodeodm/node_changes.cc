@@ -14,35 +14,35 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct Wish {
+struct TaskRequest {
   std::string uuid;
   std::optional<std::string> options;  // JSON list
   std::string owner;                   // id of the token that asks
 };
 
 // Clients send these as a form or as JSON.
-Result<Wish> ParseWish(const Request& request, const std::string& body) {
-  Wish wish;
-  wish.owner = request.owner;
+Result<TaskRequest> ParseTaskRequest(const Request& request, const std::string& body) {
+  TaskRequest wanted;
+  wanted.owner = request.owner;
   const std::string_view type = request.headers.Find("Content-Type");
   if (EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json")) {
     SKYQUILT_TRY(CheckJsonText(body));
     const Json parsed = Json::parse(body, nullptr, false);
     if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
-    if (parsed.contains("uuid") && parsed["uuid"].is_string()) wish.uuid = parsed["uuid"];
+    if (parsed.contains("uuid") && parsed["uuid"].is_string()) wanted.uuid = parsed["uuid"];
     if (parsed.contains("options")) {
       const Json& options = parsed["options"];
-      wish.options = options.is_string() ? options.get<std::string>() : options.dump();
+      wanted.options = options.is_string() ? options.get<std::string>() : options.dump();
     }
   } else {
     SKYQUILT_TRY_ASSIGN(const auto fields, ParseQuery(body));
     for (const auto& [name, value] : fields) {
-      if (name == "uuid") wish.uuid = value;
-      if (name == "options" && !value.empty()) wish.options = value;
+      if (name == "uuid") wanted.uuid = value;
+      if (name == "options" && !value.empty()) wanted.options = value;
     }
   }
-  if (wish.uuid.empty()) return Error{ErrorCode::kInvalidArgument, "uuid param missing.", ""};
-  return wish;
+  if (wanted.uuid.empty()) return Error{ErrorCode::kInvalidArgument, "uuid param missing.", ""};
+  return wanted;
 }
 
 Response Outcome(const Result<void>& done, const Request& request) {
@@ -68,38 +68,38 @@ Result<void> RemoveTask(Service& service, const storage::NodeTask& task) {
   return DeleteFlight(service, task.flight_id);
 }
 
-Result<void> RestartTask(Service& service, const storage::NodeTask& task, const Wish& wish) {
+Result<void> RestartTask(Service& service, const storage::NodeTask& task, const TaskRequest& wanted) {
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   if (!job || !job->finished) {
     return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended.", ""};
   }
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
   NodeChoice choice{flight.options, task.options};
-  if (wish.options) {
-    SKYQUILT_TRY_ASSIGN(const NodeChoice parsed, ParseNodeOptions(*wish.options));
+  if (wanted.options) {
+    SKYQUILT_TRY_ASSIGN(const NodeChoice parsed, ParseNodeOptions(*wanted.options));
     choice = parsed;
     SKYQUILT_TRY(service.catalogue.SetFlightOptions(task.flight_id, choice.job_options));
   }
   const Result<storage::Job> queued =
-      service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wish.owner});
+      service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wanted.owner});
   if (!queued) return queued.error();
   return service.node_tasks.Restart(task.uuid, choice.shown, NodeNowMs());
 }
 
-using Change = std::function<Result<void>(const storage::NodeTask&, const Wish&)>;
+using Change = std::function<Result<void>(const storage::NodeTask&, const TaskRequest&)>;
 
 void AddChange(Router& router, Service& service, const char* pattern, Change change) {
   router.AddUpload(Method::kPost, pattern,
                    [&service, change = std::move(change)](
                        const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
                      return CollectBody([&service, change, request](const std::string& body) {
-                       const Result<Wish> wish = ParseWish(request, body);
-                       if (!wish) return NodeProblem(wish.error(), request);
-                       const Result<storage::NodeTask> task = FindNodeTask(service, wish->uuid);
+                       const Result<TaskRequest> wanted = ParseTaskRequest(request, body);
+                       if (!wanted) return NodeProblem(wanted.error(), request);
+                       const Result<storage::NodeTask> task = FindNodeTask(service, wanted->uuid);
                        if (!task) return Outcome(task.error(), request);
                        const Result<void> may = CheckMayChange(service, request, task->flight_id);
                        if (!may) return Outcome(may.error(), request);
-                       return Outcome(change(*task, *wish), request);
+                       return Outcome(change(*task, *wanted), request);
                      });
                    });
 }
@@ -108,11 +108,11 @@ void AddChange(Router& router, Service& service, const char* pattern, Change cha
 
 void AddNodeChangeRoutes(Router& router, Service& service) {
   AddChange(router, service, "/task/cancel",
-            [&](const storage::NodeTask& task, const Wish&) { return CancelTask(service, task); });
+            [&](const storage::NodeTask& task, const TaskRequest&) { return CancelTask(service, task); });
   AddChange(router, service, "/task/remove",
-            [&](const storage::NodeTask& task, const Wish&) { return RemoveTask(service, task); });
-  AddChange(router, service, "/task/restart", [&](const storage::NodeTask& task, const Wish& wish) {
-    return RestartTask(service, task, wish);
+            [&](const storage::NodeTask& task, const TaskRequest&) { return RemoveTask(service, task); });
+  AddChange(router, service, "/task/restart", [&](const storage::NodeTask& task, const TaskRequest& wanted) {
+    return RestartTask(service, task, wanted);
   });
 }
 

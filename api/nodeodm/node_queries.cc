@@ -110,14 +110,14 @@ Value LinesFrom(const std::vector<std::string>& lines, std::int64_t from) {
 Response TaskInfo(Service& service, const Request& request) {
   const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
   if (!task) return NodeProblem(task.error(), request);
-  const Result<std::string> told = NodeTaskJson(service, *task);
-  if (!told) return NodeProblem(told.error(), request);
-  const auto wish = request.Query("with_output");
-  if (!wish) return NodeAnswer(*told);
+  const Result<std::string> description = NodeTaskJson(service, *task);
+  if (!description) return NodeProblem(description.error(), request);
+  const auto first_line = request.Query("with_output");
+  if (!first_line) return NodeAnswer(*description);
   const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
   if (!lines) return NodeProblem(lines.error(), request);
-  Value answer = Value::parse(*told);
-  answer["output"] = LinesFrom(*lines, WholeNumber(*wish).value_or(0));
+  Value answer = Value::parse(*description);
+  answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
   return NodeAnswer(Dump(answer));
 }
 

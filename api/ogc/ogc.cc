@@ -253,12 +253,12 @@ Result<Response> Tile(Service& service, const Request& request, const MapView& m
   const std::size_t dot = std::min(last.find('.'), last.size());
   SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("matrix"), last.substr(0, dot),
                                                          request.Parameter("row") + last.substr(dot)));
-  TileWish wish;
-  wish.flight_id = map.id;
-  wish.tile = path.tile;
-  wish.format = path.format;
-  wish.empty = EmptyTile::kNoContent;
-  return AnswerTile(service, request, wish);
+  TileRequest wanted;
+  wanted.flight_id = map.id;
+  wanted.tile = path.tile;
+  wanted.format = path.format;
+  wanted.empty = EmptyTile::kNoContent;
+  return AnswerTile(service, request, wanted);
 }
 
 using OfMap = std::function<Response(const MapView&, const Request&)>;

@@ -78,7 +78,7 @@ Response List(Service& service, const Request& request) {
   for (const storage::Token& share : SharesOf(*set, flight_id, storage::Now())) {
     items.push_back(JsonObject(Described(share)));
   }
-  return Json(200, JsonObject({{"needs_token", set->asks_for_token ? "true" : "false"},
+  return Json(200, JsonObject({{"needs_token", set->requires_token ? "true" : "false"},
                                {"shares", JsonArray(items)}}));
 }
 
@@ -106,7 +106,7 @@ Response Add(Service& service, const Request& request, const std::string& body) 
   if (!days) return Problem(days.error(), request);
   const Result<storage::TokenSet> set = service.tokens.Read();
   if (!set) return Problem(set.error(), request);
-  if (!set->asks_for_token) {
+  if (!set->requires_token) {
     // A first token would close the server to everybody else.
     return Problem(
         {ErrorCode::kConflict,

@@ -28,12 +28,12 @@ constexpr const char* kGrowing = "no-cache";  // a preview: another edition may 
 constexpr const char* kEnded = "no-store";  // what was asked for is no more, and nothing is to be kept of it
 constexpr const char* kImmutable = "public, max-age=31536000, immutable";
 
-Result<EmptyTile> EmptyTileWish(const Request& request, EmptyTile otherwise) {
-  const auto wish = request.Query("empty");
-  if (!wish) return otherwise;
-  if (*wish == "blank") return EmptyTile::kBlank;
-  if (*wish == "204") return EmptyTile::kNoContent;
-  if (*wish == "404") return EmptyTile::kNotFound;
+Result<EmptyTile> ParseEmptyTile(const Request& request, EmptyTile otherwise) {
+  const auto wanted = request.Query("empty");
+  if (!wanted) return otherwise;
+  if (*wanted == "blank") return EmptyTile::kBlank;
+  if (*wanted == "204") return EmptyTile::kNoContent;
+  if (*wanted == "404") return EmptyTile::kNotFound;
   return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404.", ""};
 }
 
@@ -46,7 +46,7 @@ bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
 }
 
 // Not here: to be asked again where such work is done.
-Response AskFor(Work work) {
+Response DeferTo(Work work) {
   Response response;
   response.wants = work;
   return response;
@@ -73,13 +73,13 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
   return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
 }
 
-Result<Response> Blank(const Request& request, const TileWish& tile_wish, int side_px,
+Result<Response> Blank(const Request& request, const TileRequest& wanted, int side_px,
                        const char* cache_control) {
-  SKYQUILT_TRY_ASSIGN(const EmptyTile wish, EmptyTileWish(request, tile_wish.empty));
-  if (wish == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
+  SKYQUILT_TRY_ASSIGN(const EmptyTile wanted, ParseEmptyTile(request, wanted.empty));
+  if (wanted == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
   Response response;
   response.headers.Add("Cache-Control", cache_control);
-  if (wish == EmptyTile::kNoContent) {
+  if (wanted == EmptyTile::kNoContent) {
     response.status = 204;
     return response;
   }
@@ -90,7 +90,7 @@ Result<Response> Blank(const Request& request, const TileWish& tile_wish, int si
     return response;
   }
   const std::string* png = BlankTile(std::min(side_px, kMaxSidePx), request.work);
-  if (png == nullptr) return AskFor(Work::kCompute);
+  if (png == nullptr) return DeferTo(Work::kCompute);
   response.headers.Add("Content-Type", "image/png");
   response.body = *png;
   return response;
@@ -118,17 +118,17 @@ Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Re
 }
 
 Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
-                            const TileWish& wish) {
+                            const TileRequest& wanted) {
   if (2 * TileSizePx(tileset) > kMaxSidePx) {
     return Error{ErrorCode::kNotFound,
                  "The tiles of this map are so large that there are none of twice the size.", ""};
   }
-  const pyramid::TileFormat format = wish.format.value_or(pyramid::TileFormat::kPng);
+  const pyramid::TileFormat format = wanted.format.value_or(pyramid::TileFormat::kPng);
   SKYQUILT_TRY_ASSIGN(
       const auto made,
-      Made(service, request, {tileset.flight_id, tileset.revision.revision, wish.tile, format, 2},
-           [&] { return MakeDoubleTile(tileset, wish.tile, format); }));
-  if (made == nullptr) return AskFor(Work::kCompute);
+      Made(service, request, {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 2},
+           [&] { return MakeDoubleTile(tileset, wanted.tile, format); }));
+  if (made == nullptr) return DeferTo(Work::kCompute);
   Response response;
   const std::string etag = StrongEtag(made->digest, "2x");
   response.headers.Add("Cache-Control", CacheControl(request, tileset));
@@ -154,13 +154,13 @@ std::optional<pyramid::TileFormat> FormatByAccept(const Request& request) {
 
 // A tile as it is stored, or in the format asked for. `reader` gives the bytes that `found` does not have;
 // without a tileset (a preview, which grows) what is made is not kept.
-Result<Response> Stored(Service& service, const Request& request, const TileWish& wish,
+Result<Response> Stored(Service& service, const Request& request, const TileRequest& wanted,
                         storage::FoundTile found, storage::MbtilesReader* reader,
                         const storage::Tileset* tileset, const char* cache_control) {
   Response response;
   response.headers.Add("Cache-Control", cache_control);
   // The format asked for is part of the tag: the same content has other bytes in another format.
-  std::string etag = StrongEtag(found.content_id, wish.format ? ExtensionOf(*wish.format) : "");
+  std::string etag = StrongEtag(found.content_id, wanted.format ? ExtensionOf(*wanted.format) : "");
   const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
   response.headers.Add("ETag", std::move(etag));
   if (is_known) {
@@ -170,19 +170,19 @@ Result<Response> Stored(Service& service, const Request& request, const TileWish
   SKYQUILT_TRY_ASSIGN(std::string bytes,
                       found.bytes ? *std::move(found.bytes) : reader->Load(std::move(found)));
   const std::optional<pyramid::TileFormat> stored = TileFormatOf(bytes);
-  if (wish.format && stored && *wish.format != *stored) {
-    response.headers.Add("Content-Type", ContentTypeOf(*wish.format));
+  if (wanted.format && stored && *wanted.format != *stored) {
+    response.headers.Add("Content-Type", ContentTypeOf(*wanted.format));
     if (tileset == nullptr) {
-      if (request.work < Work::kCompute) return AskFor(Work::kCompute);
-      SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *wish.format));
+      if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
+      SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *wanted.format));
       response.body = std::move(converted);
       return response;
     }
-    SKYQUILT_TRY_ASSIGN(
-        const auto made,
-        Made(service, request, {tileset->flight_id, tileset->revision.revision, wish.tile, *wish.format, 1},
-             [&] { return TranscodeTile(bytes, *wish.format); }));
-    if (made == nullptr) return AskFor(Work::kCompute);
+    SKYQUILT_TRY_ASSIGN(const auto made,
+                        Made(service, request,
+                             {tileset->flight_id, tileset->revision.revision, wanted.tile, *wanted.format, 1},
+                             [&] { return TranscodeTile(bytes, *wanted.format); }));
+    if (made == nullptr) return DeferTo(Work::kCompute);
     response.body = made->bytes;
     return response;
   }
@@ -193,58 +193,60 @@ Result<Response> Stored(Service& service, const Request& request, const TileWish
 
 // Codes, not pictures: as they are stored, in no other size or format.
 Result<Response> LayerTile(Service& service, const Request& request, const storage::Tileset& tileset,
-                           const TileWish& wish) {
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader, FindLayer(tileset, *wish.layer));
-  if (wish.is_double || wish.format.value_or(pyramid::TileFormat::kPng) != pyramid::TileFormat::kPng) {
+                           const TileRequest& wanted) {
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader,
+                      FindLayer(tileset, *wanted.layer));
+  if (wanted.is_double || wanted.format.value_or(pyramid::TileFormat::kPng) != pyramid::TileFormat::kPng) {
     return Error{ErrorCode::kInvalidArgument,
                  "Layers are there as .png of one size: their colours are codes.", ""};
   }
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader->Find(wish.tile));
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader->Find(wanted.tile));
   const char* cache_control = CacheControl(request, tileset);
   if (!found) {
-    if (!Touches(wish.tile, tileset.revision)) {
+    if (!Touches(wanted.tile, tileset.revision)) {
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
     }
-    return Blank(request, wish, render::kLayerTilePx, cache_control);
+    return Blank(request, wanted, render::kLayerTilePx, cache_control);
   }
-  TileWish as_stored = wish;
+  TileRequest as_stored = wanted;
   as_stored.format.reset();
   return Stored(service, request, as_stored, *std::move(found), reader.get(), &tileset, cache_control);
 }
 
 // A tile of a map that is not made yet. Always 256 pixels: there is nothing finer to show for it.
-Result<Response> PreviewTile(Service& service, const Request& request, const TileWish& wish) {
-  SKYQUILT_TRY(CheckId(wish.flight_id, "flight"));
-  const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(wish.flight_id);
+Result<Response> PreviewTile(Service& service, const Request& request, const TileRequest& wanted) {
+  SKYQUILT_TRY(CheckId(wanted.flight_id, "flight"));
+  const Result<std::shared_ptr<const storage::OpenPreview>> open =
+      service.preview_cache.Get(wanted.flight_id);
   if (!open) {
     // Who shows the preview learns of its end a moment after it: until then it has nothing more, which is no
     // mistake.
-    if (service.tilesets.Get(wish.flight_id)) return Blank(request, wish, kPreviewTileSizePx, kEnded);
+    if (service.tilesets.Get(wanted.flight_id)) return Blank(request, wanted, kPreviewTileSizePx, kEnded);
     return open.error();
   }
   const storage::Preview& preview = (*open)->preview;
-  if (wish.tile.z() < preview.min_zoom || wish.tile.z() > preview.max_zoom) {
+  if (wanted.tile.z() < preview.min_zoom || wanted.tile.z() > preview.max_zoom) {
     return Error{ErrorCode::kNotFound, "The preview has no tiles of this zoom.", ""};
   }
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, (*open)->tiles->Find(wish.tile));
-  if (!found) return Blank(request, wish, kPreviewTileSizePx, kGrowing);
-  return Stored(service, request, wish, *std::move(found), nullptr, nullptr, kGrowing);
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, (*open)->tiles->Find(wanted.tile));
+  if (!found) return Blank(request, wanted, kPreviewTileSizePx, kGrowing);
+  return Stored(service, request, wanted, *std::move(found), nullptr, nullptr, kGrowing);
 }
 
 Result<Response> Tile(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const TilePath path,
                       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
-  TileWish wish;
-  wish.flight_id = request.Parameter("flight");
-  wish.tile = path.tile;
-  wish.format = path.format ? path.format : FormatByAccept(request);
-  wish.is_double = path.is_double;
+  TileRequest wanted;
+  wanted.flight_id = request.Parameter("flight");
+  wanted.tile = path.tile;
+  wanted.format = path.format ? path.format : FormatByAccept(request);
+  wanted.is_double = path.is_double;
   // Previews are written while they are read, and a map is opened by whoever asks first.
-  const bool is_open = service.tilesets.IsOpen(wish.flight_id) && request.Query("rev") != kPreviewRevision;
-  if (request.work < Work::kRead && !is_open) return AskFor(Work::kRead);
-  Result<Response> answer = ShowsPreview(service, request, wish.flight_id)
-                                ? PreviewTile(service, request, wish)
-                                : AnswerTile(service, request, wish);
+  const bool is_open = service.tilesets.IsOpen(wanted.flight_id) && request.Query("rev") != kPreviewRevision;
+  if (request.work < Work::kRead && !is_open) return DeferTo(Work::kRead);
+  Result<Response> answer = ShowsPreview(service, request, wanted.flight_id)
+                                ? PreviewTile(service, request, wanted)
+                                : AnswerTile(service, request, wanted);
   if (answer && !path.format) answer->headers.Add("Vary", "Accept");
   return answer;
 }
@@ -259,26 +261,26 @@ bool ShowsPreview(Service& service, const Request& request, const std::string& f
   return service.preview_cache.Get(flight_id).ok();
 }
 
-Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish) {
-  SKYQUILT_TRY(CheckId(wish.flight_id, "flight"));
-  if (request.work < Work::kRead && !service.tilesets.IsOpen(wish.flight_id)) return AskFor(Work::kRead);
+Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted) {
+  SKYQUILT_TRY(CheckId(wanted.flight_id, "flight"));
+  if (request.work < Work::kRead && !service.tilesets.IsOpen(wanted.flight_id)) return DeferTo(Work::kRead);
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset,
-                      service.tilesets.Get(wish.flight_id));
+                      service.tilesets.Get(wanted.flight_id));
   const storage::Revision& revision = tileset->revision;
-  if (wish.layer) return LayerTile(service, request, *tileset, wish);
-  if (wish.tile.z() < revision.min_zoom || wish.tile.z() > revision.max_zoom) {
+  if (wanted.layer) return LayerTile(service, request, *tileset, wanted);
+  if (wanted.tile.z() < revision.min_zoom || wanted.tile.z() > revision.max_zoom) {
     return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
   }
   storage::MbtilesReader& reader = *tileset->reader;
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader.Find(wish.tile));
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader.Find(wanted.tile));
   if (!found) {
-    if (!Touches(wish.tile, revision))
+    if (!Touches(wanted.tile, revision))
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
-    return Blank(request, wish, TileSizePx(*tileset) * (wish.is_double ? 2 : 1),
+    return Blank(request, wanted, TileSizePx(*tileset) * (wanted.is_double ? 2 : 1),
                  CacheControl(request, *tileset));
   }
-  if (wish.is_double) return DoubleTile(service, request, *tileset, wish);
-  return Stored(service, request, wish, *std::move(found), &reader, tileset.get(),
+  if (wanted.is_double) return DoubleTile(service, request, *tileset, wanted);
+  return Stored(service, request, wanted, *std::move(found), &reader, tileset.get(),
                 CacheControl(request, *tileset));
 }
 
@@ -323,13 +325,13 @@ void AddTileRoutes(Router& router, Service& service) {
     const Result<TilePath> path =
         ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y"));
     if (!path) return TileResponse(path.error(), request);
-    TileWish wish;
-    wish.flight_id = request.Parameter("flight");
-    wish.layer = *layer;
-    wish.tile = path->tile;
-    wish.format = path->format;
-    wish.is_double = path->is_double;
-    return TileResponse(AnswerTile(service, request, wish), request);
+    TileRequest wanted;
+    wanted.flight_id = request.Parameter("flight");
+    wanted.layer = *layer;
+    wanted.tile = path->tile;
+    wanted.format = path->format;
+    wanted.is_double = path->is_double;
+    return TileResponse(AnswerTile(service, request, wanted), request);
   });
 }
 

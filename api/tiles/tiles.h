@@ -19,7 +19,7 @@ void AddTileJsonRoute(Router& router, Service& service);
 enum class EmptyTile { kBlank, kNoContent, kNotFound };
 
 // One tile as an answer, whatever address it was asked by.
-struct TileWish {
+struct TileRequest {
   std::string flight_id;
   std::optional<render::MapLayer> layer;  // beside the map; absent: the map itself
   geo::TileId tile;
@@ -27,7 +27,7 @@ struct TileWish {
   bool is_double = false;                     // twice the side, for dense screens
   EmptyTile empty = EmptyTile::kBlank;        // where the map has nothing, unless ?empty= says
 };
-Result<Response> AnswerTile(Service& service, const Request& request, const TileWish& wish);
+Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted);
 // With the header that lets pages of other sites show it, and problems as documents.
 Response TileResponse(Result<Response> answer, const Request& request);
 

@@ -65,12 +65,12 @@ Result<Response> Tile(Service& service, const Request& request) {
                       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
   SKYQUILT_TRY_ASSIGN(const geo::TileId tile,
                       geo::TileId::Make(path.tile.z(), path.tile.x(), path.tile.TmsRow()));
-  TileWish wish;
-  wish.flight_id = request.Parameter("flight");
-  wish.tile = tile;
-  wish.format = path.format;
-  wish.is_double = path.is_double;
-  return AnswerTile(service, request, wish);
+  TileRequest wanted;
+  wanted.flight_id = request.Parameter("flight");
+  wanted.tile = tile;
+  wanted.format = path.format;
+  wanted.is_double = path.is_double;
+  return AnswerTile(service, request, wanted);
 }
 
 }  // namespace

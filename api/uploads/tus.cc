@@ -54,7 +54,7 @@ std::optional<Response> CheckVersion(const Request& request) {
 }
 
 // Before anything is done with an upload that is there: the version, and whose it is.
-std::optional<Response> CheckAsker(const Service& service, const Request& request) {
+std::optional<Response> CheckOwner(const Service& service, const Request& request) {
   if (auto refused = CheckVersion(request)) return refused;
   if (request.is_admin) return std::nullopt;
   const Result<void> checked =
@@ -154,8 +154,8 @@ Begun BeginChunk(Service& service, const Request& request, const std::string& id
 }
 
 // What a creation asks for.
-Result<SpooledUpload> WishOf(const Request& request) {
-  SpooledUpload wish;
+Result<SpooledUpload> RequestedUpload(const Request& request) {
+  SpooledUpload wanted;
   const bool has_length = request.headers.Has("Upload-Length");
   const bool is_deferred = request.headers.Has("Upload-Defer-Length");
   const auto bad = [](const char* why) { return Error{ErrorCode::kInvalidArgument, why, ""}; };
@@ -163,50 +163,50 @@ Result<SpooledUpload> WishOf(const Request& request) {
   if (is_deferred && request.headers.Find("Upload-Defer-Length") != "1")
     return bad("Upload-Defer-Length must be 1.");
   if (has_length) {
-    wish.length = ParseTusNumber(request.headers.Find("Upload-Length"));
-    if (!wish.length) return bad("Upload-Length is not a number.");
-    if (*wish.length == 0) {
+    wanted.length = ParseTusNumber(request.headers.Find("Upload-Length"));
+    if (!wanted.length) return bad("Upload-Length is not a number.");
+    if (*wanted.length == 0) {
       return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?",
                    ""};
     }
   }
-  wish.metadata = request.headers.Find("Upload-Metadata");
-  const auto metadata = ParseTusMetadata(wish.metadata);
+  wanted.metadata = request.headers.Find("Upload-Metadata");
+  const auto metadata = ParseTusMetadata(wanted.metadata);
   if (!metadata) return bad("Upload-Metadata is not a list of keys with base64 values.");
   const auto value = [&](const char* key) {
     const auto found = metadata->find(key);
     return found == metadata->end() ? std::string() : found->second;
   };
-  wish.owner = request.owner;
-  wish.flight_id = value("flight");
-  wish.name = value("filename");
-  if (wish.flight_id.empty() || wish.name.empty()) {
+  wanted.owner = request.owner;
+  wanted.flight_id = value("flight");
+  wanted.name = value("filename");
+  if (wanted.flight_id.empty() || wanted.name.empty()) {
     return bad("Upload-Metadata must have \"flight\" (the flight's id) and \"filename\".");
   }
-  SKYQUILT_TRY(CheckId(wish.flight_id, "flight"));
-  return wish;
+  SKYQUILT_TRY(CheckId(wanted.flight_id, "flight"));
+  return wanted;
 }
 
 Begun BeginCreation(Service& service, const Request& request) {
   if (auto refused = CheckVersion(request)) return *std::move(refused);
-  const Result<SpooledUpload> wish = WishOf(request);
-  if (!wish) return Refuse(wish.error(), request);
+  const Result<SpooledUpload> wanted = RequestedUpload(request);
+  if (!wanted) return Refuse(wanted.error(), request);
   const bool has_body = request.content_length.value_or(1) > 0 && request.headers.Has("Content-Type");
   if (has_body && !IsChunk(request)) {
     return Refuse(415, "The first bytes of an upload come as application/offset+octet-stream.", request);
   }
-  const Result<void> may = CheckMayChange(service, request, wish->flight_id);
+  const Result<void> may = CheckMayChange(service, request, wanted->flight_id);
   if (!may) return Refuse(may.error(), request);
   const storage::Time now = service.db.ages().Now();
   const Result<int> expired = service.spool.RemoveExpired(now);
   if (!expired) return Refuse(expired.error(), request);
-  Result<IncomingBytes> incoming = IncomingBytes::Into(service, wish->flight_id);
+  Result<IncomingBytes> incoming = IncomingBytes::Into(service, wanted->flight_id);
   if (!incoming) return Refuse(incoming.error(), request);
-  const Result<void> fits = incoming->Take(wish->length.value_or(0));
+  const Result<void> fits = incoming->Take(wanted->length.value_or(0));
   if (!fits) return Refuse(fits.error(), request);
-  const Result<SpooledUpload> upload = service.spool.Create(*wish, now);
+  const Result<SpooledUpload> upload = service.spool.Create(*wanted, now);
   if (!upload) return Refuse(upload.error(), request);
-  incoming->Kept(wish->length.value_or(0));  // a length that is known counts from here on
+  incoming->Kept(wanted->length.value_or(0));  // a length that is known counts from here on
   const auto created = [&service](const SpooledUpload& made) {
     Response response = WithVersion(Response());
     response.status = 201;
@@ -231,7 +231,7 @@ Result<void> DeclareLength(Service& service, const std::string& id, std::int64_t
 }
 
 Begun BeginPatch(Service& service, const Request& request) {
-  if (auto refused = CheckAsker(service, request)) return *std::move(refused);
+  if (auto refused = CheckOwner(service, request)) return *std::move(refused);
   const std::string& id = request.Parameter("upload");
   const std::optional<std::int64_t> offset = ParseTusNumber(request.headers.Find("Upload-Offset"));
   if (!offset) return Refuse(400, "Upload-Offset is missing or not a number.", request);
@@ -250,7 +250,7 @@ Begun BeginPatch(Service& service, const Request& request) {
 }
 
 Response Get(Service& service, const Request& request) {
-  if (auto refused = CheckAsker(service, request)) return *std::move(refused);
+  if (auto refused = CheckOwner(service, request)) return *std::move(refused);
   const Result<SpooledUpload> upload =
       service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
   if (!upload) return Refuse(upload.error(), request);
@@ -276,7 +276,7 @@ Response Get(Service& service, const Request& request) {
 }
 
 Response Delete(Service& service, const Request& request) {
-  if (auto refused = CheckAsker(service, request)) return *std::move(refused);
+  if (auto refused = CheckOwner(service, request)) return *std::move(refused);
   const Result<void> removed = service.db.Free(
       [&] { return service.spool.Remove(request.Parameter("upload"), service.db.ages().Now()); });
   if (!removed) return Refuse(removed.error(), request);

@@ -19,36 +19,36 @@ namespace {
 constexpr std::size_t kLongestUrl = 2000;
 constexpr std::size_t kShortestSecret = 16;
 
-struct Wish {
+struct NewWebhook {
   std::string url;
   std::string secret;
 };
 
-Result<Wish> ParseWish(const std::string& body) {
+Result<NewWebhook> ParseNewWebhook(const std::string& body) {
   SKYQUILT_TRY(CheckJsonText(body));
   const auto parsed = nlohmann::json::parse(body, nullptr, false);
   if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "Send {\"url\": \"https://...\"}.", ""};
-  Wish wish;
+  NewWebhook wanted;
   for (const auto& [field, value] : parsed.items()) {
     if ((field != "url" && field != "secret") || !value.is_string()) {
       return Error{ErrorCode::kUnprocessable,
                    "A webhook has a \"url\" and may have a \"secret\", both texts.", ""};
     }
-    (field == "url" ? wish.url : wish.secret) = value.get<std::string>();
+    (field == "url" ? wanted.url : wanted.secret) = value.get<std::string>();
   }
-  const bool is_http = wish.url.starts_with("http://") || wish.url.starts_with("https://");
-  for (const char c : wish.url) {
+  const bool is_http = wanted.url.starts_with("http://") || wanted.url.starts_with("https://");
+  for (const char c : wanted.url) {
     if (c <= ' ' || c == 0x7f || c == '@')
       return Error{ErrorCode::kUnprocessable, "This address cannot be used.", ""};
   }
-  if (!is_http || wish.url.size() > kLongestUrl) {
+  if (!is_http || wanted.url.size() > kLongestUrl) {
     return Error{ErrorCode::kUnprocessable, "The \"url\" must be an http or https address.", ""};
   }
-  if (!wish.secret.empty() && wish.secret.size() < kShortestSecret) {
+  if (!wanted.secret.empty() && wanted.secret.size() < kShortestSecret) {
     return Error{ErrorCode::kUnprocessable, "The \"secret\" must have 16 characters or more.", ""};
   }
-  if (wish.secret.empty()) wish.secret = NewTokenText();
-  return wish;
+  if (wanted.secret.empty()) wanted.secret = NewTokenText();
+  return wanted;
 }
 
 std::string Described(const storage::Webhook& webhook, bool with_secret) {
@@ -66,9 +66,9 @@ Response Add(Service& service, const Request& request, const std::string& body) 
         {ErrorCode::kForbidden, "This server speaks to nobody by itself; serve --webhooks changes that.", ""},
         request);
   }
-  const Result<Wish> wish = ParseWish(body);
-  if (!wish) return Problem(wish.error(), request);
-  const Result<storage::Webhook> made = service.webhooks.Add(wish->url, wish->secret, storage::Now());
+  const Result<NewWebhook> wanted = ParseNewWebhook(body);
+  if (!wanted) return Problem(wanted.error(), request);
+  const Result<storage::Webhook> made = service.webhooks.Add(wanted->url, wanted->secret, storage::Now());
   if (!made) return Problem(made.error(), request);
   return Json(201, Described(*made, true));
 }

@@ -124,29 +124,29 @@ std::string Capabilities(const MapView& map, bool is_newer) {
       is_newer ? "</WMS_Capabilities>" : "</WMT_MS_Capabilities>");
 }
 
-Result<std::string> Draw(const MapView& map, const WmsMap& wish) {
-  const double width = (wish.east - wish.west) / wish.width_px;
-  const double height = (wish.north - wish.south) / wish.height_px;
+Result<std::string> Draw(const MapView& map, const WmsMap& wanted) {
+  const double width = (wanted.east - wanted.west) / wanted.width_px;
+  const double height = (wanted.north - wanted.south) / wanted.height_px;
   MapWindow window;
-  window.width_px = wish.width_px;
-  window.height_px = wish.height_px;
-  if (wish.is_geographic) {
+  window.width_px = wanted.width_px;
+  window.height_px = wanted.height_px;
+  if (wanted.is_geographic) {
     const auto merc = [](double lat_deg, double lon_deg) {
       return geo::MercFromLatLon({.lat_deg = lat_deg, .lon_deg = lon_deg});
     };
-    const double lat_deg = std::min(std::abs((wish.south + wish.north) / 2), 85.0);
+    const double lat_deg = std::min(std::abs((wanted.south + wanted.north) / 2), 85.0);
     window.pixel_m = std::min(merc(0.0, width).x(), merc(lat_deg + height, 0.0).y() - merc(lat_deg, 0.0).y());
-    window.x_in_merc = [=](int column) { return merc(0.0, wish.west + (column + 0.5) * width).x(); };
+    window.x_in_merc = [=](int column) { return merc(0.0, wanted.west + (column + 0.5) * width).x(); };
     window.y_in_merc = [=](int row) {
-      return merc(std::clamp(wish.north - (row + 0.5) * height, -89.9, 89.9), 0.0).y();
+      return merc(std::clamp(wanted.north - (row + 0.5) * height, -89.9, 89.9), 0.0).y();
     };
   } else {
     window.pixel_m = std::min(width, height);
-    window.x_in_merc = [=](int column) { return wish.west + (column + 0.5) * width; };
-    window.y_in_merc = [=](int row) { return wish.north - (row + 0.5) * height; };
+    window.x_in_merc = [=](int column) { return wanted.west + (column + 0.5) * width; };
+    window.y_in_merc = [=](int row) { return wanted.north - (row + 0.5) * height; };
   }
   SKYQUILT_TRY_ASSIGN(Pixels pixels, RenderWindow(*map.tileset, window));
-  if (!wish.is_transparent) {
+  if (!wanted.is_transparent) {
     for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
       const int alpha = pixels.rgba[i + 3];
       for (std::size_t c = 0; c < 3; ++c) {
@@ -156,18 +156,18 @@ Result<std::string> Draw(const MapView& map, const WmsMap& wish) {
       pixels.rgba[i + 3] = 255;
     }
   }
-  return EncodeTile(std::move(pixels), wish.format);
+  return EncodeTile(std::move(pixels), wanted.format);
 }
 
 Response GetMap(Service& service, const Request& request) {
-  const Result<WmsMap> wish = ParseGetMap(request);
-  if (!wish) return Exception(request, 400, wish.error().detail, wish.error().message);
+  const Result<WmsMap> wanted = ParseGetMap(request);
+  if (!wanted) return Exception(request, 400, wanted.error().detail, wanted.error().message);
   const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
   if (!map) return Exception(request, StatusOf(map.error().code), "", map.error().message);
-  Result<std::string> drawn = Draw(*map, *wish);
+  Result<std::string> drawn = Draw(*map, *wanted);
   if (!drawn) return Exception(request, StatusOf(drawn.error().code), "", drawn.error().message);
   Response response;
-  response.headers.Add("Content-Type", ContentTypeOf(wish->format));
+  response.headers.Add("Content-Type", ContentTypeOf(wanted->format));
   response.headers.Add("Cache-Control", "no-cache");
   response.body = *std::move(drawn);
   return response;
@@ -177,10 +177,10 @@ Response Answer(Service& service, const Request& request) {
   if (!EqualsIgnoringCase(Parameter(request, "SERVICE").value_or("WMS"), "WMS")) {
     return Exception(request, 400, "", "This is a WMS.");
   }
-  const std::string asked = Parameter(request, "REQUEST").value_or("");
-  if (EqualsIgnoringCase(asked, "GetMap") || EqualsIgnoringCase(asked, "map"))
+  const std::string operation = Parameter(request, "REQUEST").value_or("");
+  if (EqualsIgnoringCase(operation, "GetMap") || EqualsIgnoringCase(operation, "map"))
     return GetMap(service, request);
-  if (EqualsIgnoringCase(asked, "GetCapabilities") || EqualsIgnoringCase(asked, "capabilities")) {
+  if (EqualsIgnoringCase(operation, "GetCapabilities") || EqualsIgnoringCase(operation, "capabilities")) {
     const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
     if (!map) return Exception(request, StatusOf(map.error().code), "", map.error().message);
     const bool is_newer = IsNewer(request);

@@ -143,11 +143,11 @@ Response AnswerTileAt(Service& service, const Request& request, std::string_view
   if (dot != std::string_view::npos) y += column_and_extension.substr(dot);
   const Result<TilePath> path = ParseTilePath(matrix, column_and_extension.substr(0, dot), y);
   if (!path) return Exception(400, "TileOutOfRange", "TileRow", path.error().message);
-  TileWish wish;
-  wish.flight_id = request.Parameter("flight");
-  wish.tile = path->tile;
-  wish.format = path->format;
-  Result<Response> answer = AnswerTile(service, request, wish);
+  TileRequest wanted;
+  wanted.flight_id = request.Parameter("flight");
+  wanted.tile = path->tile;
+  wanted.format = path->format;
+  Result<Response> answer = AnswerTile(service, request, wanted);
   if (!answer) return Exception(answer.error());
   return TileResponse(std::move(answer), request);
 }
@@ -185,18 +185,18 @@ Response KvpTile(Service& service, const Request& request) {
 }
 
 Response Kvp(Service& service, const Request& request) {
-  const std::optional<std::string> asked = Parameter(request, "Request");
+  const std::optional<std::string> operation = Parameter(request, "Request");
   const std::string service_name = Parameter(request, "Service").value_or("WMTS");
   if (!EqualsIgnoringCase(service_name, "WMTS")) {
     return Exception(400, "InvalidParameterValue", "Service", "This is a WMTS.");
   }
-  if (!asked)
+  if (!operation)
     return Exception(400, "MissingParameterValue", "Request", "Say Request=GetCapabilities or GetTile.");
-  if (EqualsIgnoringCase(*asked, "GetCapabilities")) return AnswerCapabilities(service, request);
+  if (EqualsIgnoringCase(*operation, "GetCapabilities")) return AnswerCapabilities(service, request);
   const std::string version = Parameter(request, "Version").value_or("1.0.0");
   if (version != "1.0.0") return Exception(400, "InvalidParameterValue", "Version", "The version is 1.0.0.");
-  if (EqualsIgnoringCase(*asked, "GetTile")) return KvpTile(service, request);
-  return Exception(501, "OperationNotSupported", *asked, "Operations are GetCapabilities and GetTile.");
+  if (EqualsIgnoringCase(*operation, "GetTile")) return KvpTile(service, request);
+  return Exception(501, "OperationNotSupported", *operation, "Operations are GetCapabilities and GetTile.");
 }
 
 Response RestTile(Service& service, const Request& request) {

@@ -48,7 +48,7 @@ constexpr std::chrono::milliseconds kStopTime{9'000};
 // one.
 constexpr int kReaders = 8;
 constexpr int kTileReaders = 4;
-constexpr timespec kLookAfterWorkers{0, 500'000'000};
+constexpr timespec kSupervisionInterval{0, 500'000'000};
 
 struct ServeOptions {
   std::string data_dir;
@@ -158,7 +158,7 @@ sigset_t BlockSignals() {
 
 // Until told to stop: workers that ended are collected and started again, but not while the data folder is
 // gone: then those that run are told to give their jobs back.
-void LookAfter(WorkerPool& workers, const storage::DataDirWatch& watch, const sigset_t& signals) {
+void SuperviseWorkers(WorkerPool& workers, const storage::DataDirWatch& watch, const sigset_t& signals) {
   bool was_in_place = true;
   while (true) {
     const Result<void> in_place = watch.Check();
@@ -168,7 +168,7 @@ void LookAfter(WorkerPool& workers, const storage::DataDirWatch& watch, const si
       was_in_place = in_place.ok();
     }
     if (in_place) workers.StartMissing();
-    const int number = sigtimedwait(&signals, nullptr, &kLookAfterWorkers);
+    const int number = sigtimedwait(&signals, nullptr, &kSupervisionInterval);
     if (number == SIGTERM || number == SIGINT || number == SIGHUP) return;
     workers.Reap();
   }
@@ -198,11 +198,11 @@ api::Response NoPage(const api::Request& request) {
 }
 
 // Once there was a token, the server asks for one; --open alone, where none is left, lets everybody in again.
-bool AsksForToken(storage::CatalogueDb& db, bool is_open) {
+bool RequiresToken(storage::CatalogueDb& db, bool is_open) {
   storage::Tokens tokens(db);
   const Result<storage::TokenSet> set = tokens.Read();
   if (!set) Fail(set.error());
-  if (!set->asks_for_token || set->HasLiveOne(storage::Now())) return set->asks_for_token;
+  if (!set->requires_token || set->HasLiveOne(storage::Now())) return set->requires_token;
   if (!is_open) {
     LogEvent("all tokens were revoked or have ended: nobody gets in until one is made or --open is said");
     return true;
@@ -237,8 +237,8 @@ void RunServer(const ServeOptions& options) {
   Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders);
   if (!storage) Fail(storage.error());
   Storage& opened = *storage;
-  const bool asks_for_token = AsksForToken(*opened.db, options.open);
-  const Result<HttpSettings> settings = SettingsFrom(options, asks_for_token);
+  const bool requires_token = RequiresToken(*opened.db, options.open);
+  const Result<HttpSettings> settings = SettingsFrom(options, requires_token);
   if (!settings) Fail(settings.error());
   storage::Catalogue catalogue(*opened.db, storage::FlightRecords(opened.dir));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
@@ -290,7 +290,7 @@ void RunServer(const ServeOptions& options) {
       opened.dir, options.workers, options.previews && options.workers > 0, queue,
       {"--job-timeout", std::to_string(options.job_timeout_s), "--job-memory",
        std::to_string(options.job_memory_mib), "--photo-timeout", std::to_string(options.photo_timeout_s)});
-  LookAfter(workers, opened.watch, signals);
+  SuperviseWorkers(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);
   const auto deadline = std::chrono::steady_clock::now() + kStopTime;

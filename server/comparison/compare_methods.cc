@@ -53,8 +53,8 @@ int StitchAlone(const std::vector<flight::InputFile>& files, const pipeline::Mos
     const Result<pipeline::MosaicReport> report = StitchToDirectory(files, job, folder, progress);
     if (report) return 0;
     if (report.error().code == ErrorCode::kCancelled) return kExitCancelled;
-    const Result<void> told = storage::WriteFileAtomically(folder / kFailureFile, report.error().message);
-    return told ? 1 : 2;
+    const Result<void> written = storage::WriteFileAtomically(folder / kFailureFile, report.error().message);
+    return written ? 1 : 2;
   } catch (const std::exception& out_of_something) {
     fmt::print(stderr, "skyquilt: {}\n", out_of_something.what());
     return 70;

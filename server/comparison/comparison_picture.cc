@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPanelPx = 480;
 
-struct Look {
+struct View {
   Eigen::Vector2d middle_in_merc;
   double pixel_m = 1.0;  // in merc
 };
@@ -30,15 +30,15 @@ geo::Bounds2 BoundsOf(const MethodOutcome& outcome) {
   return bounds;
 }
 
-Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const Look& look) {
+Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const View& view) {
   api::MapWindow window;
   window.width_px = window.height_px = kPanelPx;
-  window.pixel_m = look.pixel_m;
+  window.pixel_m = view.pixel_m;
   window.x_in_merc = [&](int column) {
-    return look.middle_in_merc.x() + (column + 0.5 - 0.5 * kPanelPx) * look.pixel_m;
+    return view.middle_in_merc.x() + (column + 0.5 - 0.5 * kPanelPx) * view.pixel_m;
   };
   window.y_in_merc = [&](int row) {
-    return look.middle_in_merc.y() - (row + 0.5 - 0.5 * kPanelPx) * look.pixel_m;
+    return view.middle_in_merc.y() - (row + 0.5 - 0.5 * kPanelPx) * view.pixel_m;
   };
   SKYQUILT_TRY_ASSIGN(api::Pixels pixels, api::RenderWindow(tileset, window));
   pyramid::RgbaImage image{pixels.width, pixels.height, {pixels.rgba.begin(), pixels.rgba.end()}};
@@ -73,12 +73,12 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
   const MethodOutcome& best = *drawn.back();
   const geo::Bounds2 of_best = BoundsOf(best);
   const double lat_deg = 0.5 * (best.bounds_deg[1] + best.bounds_deg[3]);
-  const Look whole{0.5 * (all.min + all.max), std::max(all.Width(), all.Height()) / kPanelPx};
-  const Look detail{0.5 * (of_best.min + of_best.max), best.gsd_m / geo::GroundMetresPerMercMetre(lat_deg)};
+  const View whole{0.5 * (all.min + all.max), std::max(all.Width(), all.Height()) / kPanelPx};
+  const View detail{0.5 * (of_best.min + of_best.max), best.gsd_m / geo::GroundMetresPerMercMetre(lat_deg)};
   std::vector<pyramid::SheetPicture> pictures;
-  for (const Look& look : {whole, detail}) {
+  for (const View& view : {whole, detail}) {
     for (std::size_t k = 0; k < drawn.size(); ++k) {
-      SKYQUILT_TRY_ASSIGN(pyramid::RgbaImage image, Draw(tilesets[k], look));
+      SKYQUILT_TRY_ASSIGN(pyramid::RgbaImage image, Draw(tilesets[k], view));
       const MethodOutcome& outcome = *drawn[k];
       std::string caption =
           fmt::format("{}: {} of {} photos", outcome.method, outcome.placed, outcome.photos);

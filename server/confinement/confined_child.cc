@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 // A child that does not read what it is told within this has lost its mind.
 constexpr std::chrono::seconds kTellPatience{30};
-constexpr std::chrono::milliseconds kLookAgain{2};
+constexpr std::chrono::milliseconds kExitPollInterval{2};
 // The parent's own words: a flight of 20 000 files with long names is 6 MiB.
 constexpr std::size_t kMaxTaskBytes = std::size_t{256} << 20;
 
@@ -92,7 +92,7 @@ int ConfinedChild::End(std::chrono::milliseconds patience) {
       }
       break;
     }
-    std::this_thread::sleep_for(kLookAgain);
+    std::this_thread::sleep_for(kExitPollInterval);
   }
   status_ = status;
   return status;

@@ -29,7 +29,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-constexpr std::chrono::milliseconds kLookAround{100};  // how soon a stopping server is noticed
+constexpr std::chrono::milliseconds kStopPollInterval{100};  // how soon a stopping server is noticed
 constexpr std::chrono::milliseconds kUntilGone{5};     // between two looks whether a process has ended
 constexpr char kGood = '+';
 constexpr char kBad = '-';
@@ -98,7 +98,7 @@ Heard Listen(int fd, const ApartTask& task, Clock::time_point end) {
       return heard;
     }
     pollfd ready{fd, POLLIN, 0};
-    const int polled = poll(&ready, 1, static_cast<int>(std::min(left, kLookAround).count()) + 1);
+    const int polled = poll(&ready, 1, static_cast<int>(std::min(left, kStopPollInterval).count()) + 1);
     if (polled == 0 || (polled < 0 && errno == EINTR)) continue;
     const ssize_t got = read(fd, block, sizeof(block));
     if (got < 0 && errno == EINTR) continue;
@@ -143,13 +143,13 @@ Result<std::string> Understand(std::string text, const std::string& refusal) {
   const bool is_good = text[0] == kGood;
   text.erase(0, 1);
   if (is_good) return text;
-  const Json told = Json::parse(text, nullptr, false);
-  if (!told.is_object()) return nonsense;
-  const std::string name = told.value("code", "");
+  const Json answer = Json::parse(text, nullptr, false);
+  if (!answer.is_object()) return nonsense;
+  const std::string name = answer.value("code", "");
   const auto code = std::find_if(kAllErrorCodes.begin(), kAllErrorCodes.end(),
                                  [&](ErrorCode each) { return ErrorCodeName(each) == name; });
   if (code == kAllErrorCodes.end()) return nonsense;
-  return Error{*code, told.value("message", refusal), told.value("detail", "")};
+  return Error{*code, answer.value("message", refusal), answer.value("detail", "")};
 }
 
 }  // namespace
@@ -206,10 +206,10 @@ void TellParent(const Result<std::string>& answer) {
   if (answer) {
     text += *answer;
   } else {
-    const Json told = {{"code", ErrorCodeName(answer.error().code)},
-                       {"message", answer.error().message},
-                       {"detail", answer.error().detail}};
-    text += told.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const Json failure = {{"code", ErrorCodeName(answer.error().code)},
+                          {"message", answer.error().message},
+                          {"detail", answer.error().detail}};
+    text += failure.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   WriteAll(STDOUT_FILENO, text);
 }

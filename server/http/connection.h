@@ -56,8 +56,8 @@ class Connection {
   // Both with one deadline.
   virtual Awaitable<void> Write(std::string_view head, std::span<const std::uint8_t> body) = 0;
   // Runs `work` on the pool, and comes back to this connection's own thread. Not kTaken: it was not run.
-  virtual Awaitable<RequestPool::Answer> AskPool(RequestPool& pool, const std::string& client,
-                                                 std::function<void()> work) = 0;
+  virtual Awaitable<RequestPool::Answer> RunOnPool(RequestPool& pool, const std::string& client,
+                                                   std::function<void()> work) = 0;
   // The same for a piece of what is under way already, which is never refused.
   virtual Awaitable<void> OnPool(RequestPool& pool, std::function<void()> work) = 0;
   // Until `time` has passed or the waker, which may be called from any thread, was called since the last

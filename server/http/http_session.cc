@@ -95,7 +95,7 @@ class Session : public std::enable_shared_from_this<Session> {
       co_await Receive(*routed.route, std::move(routed.request), has_body);
       co_return;
     }
-    // A body that nobody asked for is not read: the answer, then the end of the connection.
+    // An unexpected body is not read: the response is sent and the connection closed.
     if (has_body) keep_alive_ = false;
     api::Response response = std::move(routed.response);
     if (routed.route != nullptr) response = co_await CarryOut(*routed.route, routed.request);
@@ -124,7 +124,7 @@ class Session : public std::enable_shared_from_this<Session> {
       }
       RequestPool& pool = context_.pools.Of(request.work);
       const RequestPool::Answer taken =
-          co_await connection_->AskPool(pool, request.client, [&] { response = call(); });
+          co_await connection_->RunOnPool(pool, request.client, [&] { response = call(); });
       if (taken != RequestPool::Answer::kTaken) co_return TooMany(taken, pool, request);
       SKYQUILT_CHECK(!response.wants || *response.wants > request.work, "work that comes back for the same");
     }
@@ -174,7 +174,7 @@ class Session : public std::enable_shared_from_this<Session> {
     is_upload_ = true;
     request.work = api::Work::kWrite;
     RequestPool& pool = context_.pools.Of(request.work);
-    const RequestPool::Answer taken = co_await connection_->AskPool(pool, request.client, [&] {
+    const RequestPool::Answer taken = co_await connection_->RunOnPool(pool, request.client, [&] {
       response = Guarded(request, [&] {
         if (auto refused = Refused(request, route)) return *std::move(refused);
         auto begun = route.upload(request);
@@ -237,14 +237,14 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
   Awaitable<void> Send(api::Response response, bool is_quick) {
-    const RequestHead& asked = connection_->head();
+    const RequestHead& request_head = connection_->head();
     for (const auto& [name, value] : cors_.list()) response.headers.Add(name, value);
     const bool is_live = response.live != nullptr;
     const bool has_length = response.status != 204 && response.status != 304 && !is_live;
     if (is_live) keep_alive_ = false;  // the end of the connection is the only end it has
     const std::uint64_t length =
         response.source != nullptr ? response.source->length() : response.body.size();
-    if (asked.version < 11) keep_alive_ = false;
+    if (request_head.version < 11) keep_alive_ = false;
     const std::string head = ResponseHead(
         response, has_length ? std::optional<std::uint64_t>(length) : std::nullopt, keep_alive_, request_id_);
     const bool has_body = has_length && !is_head_;
@@ -253,13 +253,14 @@ class Session : public std::enable_shared_from_this<Session> {
     if (!connection_->has_failed() && has_body && response.source != nullptr)
       co_await SendSource(*response.source);
     if (!connection_->has_failed() && is_live && !is_head_) co_await SendLive(std::move(response.live));
-    const auto route_class = is_quick                            ? api::RouteClass::kTile
-                             : is_upload_                        ? api::RouteClass::kUpload
-                             : asked.target.starts_with("/api/") ? api::RouteClass::kApi
-                                                                 : api::RouteClass::kPage;
+    const auto route_class = is_quick                                   ? api::RouteClass::kTile
+                             : is_upload_                               ? api::RouteClass::kUpload
+                             : request_head.target.starts_with("/api/") ? api::RouteClass::kApi
+                                                                        : api::RouteClass::kPage;
     context_.service.metrics.CountRequest(route_class, response.status, Clock::now() - started_,
                                           has_body ? length : 0);
-    if (response.status >= 500) LogResponse(request_id_, asked.method, PathOf(asked.target), response.status);
+    if (response.status >= 500)
+      LogResponse(request_id_, request_head.method, PathOf(request_head.target), response.status);
     is_upload_ = false;
   }
 

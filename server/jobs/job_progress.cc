@@ -93,14 +93,14 @@ void JobProgress::Beat() {
 
 LeaseState JobProgress::TellQueue(bool is_changed, const storage::JobProgress& progress) {
   const bool is_due = Clock::now() - renewed_ >= kRenewEvery;
-  Result<LeaseState> told = is_due ? queue_.Renew(lease_, storage::Now()) : queue_.Look(lease_);
-  if (told && *told == LeaseState::kHeld && is_changed) told = queue_.ReportProgress(lease_, progress);
-  if (told) {
+  Result<LeaseState> state = is_due ? queue_.Renew(lease_, storage::Now()) : queue_.LeaseStateOf(lease_);
+  if (state && *state == LeaseState::kHeld && is_changed) state = queue_.ReportProgress(lease_, progress);
+  if (state) {
     if (is_due) renewed_ = Clock::now();
-    return *told;
+    return *state;
   }
   // A busy or full database is no reason to stop, until the lease may have gone to another.
-  LogFailure(lease_.job_id, "heartbeat", told.error().detail);
+  LogFailure(lease_.job_id, "heartbeat", state.error().detail);
   return Clock::now() - renewed_ < storage::kLeaseTime ? LeaseState::kHeld : LeaseState::kLost;
 }
 

@@ -197,8 +197,8 @@ std::optional<storage::Expectation> Expect(WorkerContext& context, const storage
   std::optional<storage::Expectation> expectation =
       storage::ExpectationFrom(*costs, static_cast<int>(flight->file_count));
   if (expectation) {
-    const Result<LeaseState> told = context.queue.Expect(lease, *expectation);
-    if (!told) LogFailure(lease.job_id, "expect", told.error().detail);
+    const Result<LeaseState> state = context.queue.Expect(lease, *expectation);
+    if (!state) LogFailure(lease.job_id, "expect", state.error().detail);
   }
   return expectation;
 }
@@ -214,9 +214,9 @@ template <typename Tell>
 void TellUntilHeard(const storage::Lease& lease, Tell tell) {
   constexpr int kTries = 5;
   for (int attempt = 1; attempt <= kTries; ++attempt) {
-    const Result<bool> told = tell();
-    if (told) return;
-    LogFailure(lease.job_id, "queue", told.error().detail);
+    const Result<bool> written = tell();
+    if (written) return;
+    LogFailure(lease.job_id, "queue", written.error().detail);
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
   // Not heard: the lease runs out, and the queue hands the job to the next attempt.

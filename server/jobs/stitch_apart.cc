@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kPollInterval{50};
 // From its last word to its end there is nothing left to do.
 constexpr std::chrono::seconds kEndPatience{10};
 // Address space is more than memory: files are mapped, and each thread has its stack and arena.
@@ -98,7 +98,7 @@ StitchedApart StitchApart(StitchTask task, const JobLimits& limits, Progress& pr
     while (!said && !child.is_silent()) {
       if (progress.IsCancelled()) return {Error{ErrorCode::kCancelled, "The job was cancelled.", ""}};
       if (const auto excess = Excess(child, limits, began, where)) return {*excess};
-      const std::optional<std::string> text = child.Listen(kLook);
+      const std::optional<std::string> text = child.Listen(kPollInterval);
       if (!text) continue;
       Result<JobMessage> message = ParseJobMessage(*text);
       if (!message) return {message.error()};

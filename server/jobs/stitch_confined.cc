@@ -29,20 +29,20 @@ constexpr std::chrono::milliseconds kTellEvery{100};
 // A map of the most pixels that are rendered (core/render/plan_mosaic) is smaller.
 constexpr std::int64_t kFileBytes = std::int64_t{1} << 40;
 
-class ToldProgress final : public Progress {
+class PipeProgress final : public Progress {
  public:
-  explicit ToldProgress(MessageWriter& writer) : writer_(writer) {}
+  explicit PipeProgress(MessageWriter& writer) : writer_(writer) {}
 
   void BeginStage(std::string_view stage) override {
     const std::lock_guard lock(mutex_);
-    told_ = {};
+    sent_ = {};
     Tell(StageBegun{std::string(stage)});
   }
   void Report(double fraction, std::string_view message) override {
     const std::lock_guard lock(mutex_);
     const auto now = Clock::now();
-    if (now - told_ < kTellEvery) return;
-    told_ = now;
+    if (now - sent_ < kTellEvery) return;
+    sent_ = now;
     Tell(StageProgress{fraction, std::string(message)});
   }
   // Who wishes it to end, ends this process.
@@ -53,7 +53,7 @@ class ToldProgress final : public Progress {
 
   MessageWriter& writer_;
   std::mutex mutex_;
-  Clock::time_point told_;
+  Clock::time_point sent_;
 };
 
 // What SQLite and GDAL put down for a moment.
@@ -98,7 +98,7 @@ Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
   return OutcomeOf(report);
 }
 
-Result<StitchOutcome> StitchTold(const std::string& text, MessageWriter& writer) {
+Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writer) {
   SKYQUILT_TRY_ASSIGN(const StitchTask task, ParseTask(text));
   if (!TakeFolder(task.out_dir))
     return Error{ErrorCode::kIo, "The server could not use the folder of the job.", task.out_dir.string()};
@@ -108,7 +108,7 @@ Result<StitchOutcome> StitchTold(const std::string& text, MessageWriter& writer)
   FileAccess access{.reads = {task.files_dir}, .writes = {task.out_dir}};
   if (!task.previous_dir.empty()) access.reads.push_back(task.previous_dir);
   SKYQUILT_TRY(Confine(std::move(access)));
-  ToldProgress progress(writer);
+  PipeProgress progress(writer);
   try {
     return Stitch(task, progress);
   } catch (const std::exception& thrown) {
@@ -125,7 +125,7 @@ int StitchConfined(int parent) {
   MessageReader reader = ParentsMessages();
   const std::optional<std::string> task = reader.Read(std::chrono::minutes(1));
   if (!task) return 1;
-  Result<StitchOutcome> outcome = StitchTold(*task, *writer);
+  Result<StitchOutcome> outcome = RunStitchTask(*task, *writer);
   const JobMessage last = outcome ? JobMessage(*std::move(outcome)) : JobMessage(outcome.error());
   return writer->Write(ToText(last)) ? 0 : 1;
 }

@@ -23,7 +23,7 @@ using storage::StoredFile;
 constexpr int kPhotosAtOnce = 3;
 constexpr std::size_t kMaxSessions = 4;
 constexpr std::chrono::seconds kIdle{20};
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kPollInterval{50};
 // A process that waits for the disk takes no processor time; on a machine with other work to do it gets a
 // share.
 constexpr double kWallPerCpu = 5.0;
@@ -106,7 +106,7 @@ Result<PreviewApart::Session*> PreviewApart::SessionOf(const std::string& flight
   return (sessions_[flight_id] = std::move(session)).get();
 }
 
-PreviewApart::Answer PreviewApart::Ask(Session& session, const PreviewRequest& request) const {
+PreviewApart::Answer PreviewApart::Exchange(Session& session, const PreviewRequest& request) const {
   ConfinedChild& child = session.child();
   Answer answer;
   if (!child.Tell(ToText(request))) return {{}, "", "its process does not listen"};
@@ -122,7 +122,7 @@ PreviewApart::Answer PreviewApart::Ask(Session& session, const PreviewRequest& r
       answer.why = fmt::format("it takes more than {:.0f} seconds of processor time", limits_.cpu_s);
       return answer;
     }
-    const std::optional<std::string> text = child.Listen(kLook);
+    const std::optional<std::string> text = child.Listen(kPollInterval);
     if (!text) continue;
     Result<PreviewMessage> message = ParsePreviewMessage(*text);
     if (!message) {
@@ -184,12 +184,12 @@ Result<bool> PreviewApart::Step() {
   }
   const storage::PreviewWork& work = *claimed;
   PreviewRequest request{work.fresh, work.tried, std::nullopt};
-  bool may_ask_again = true;
+  bool may_retry = true;
   while (true) {
     SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, previews_.Find(work.flight_id));
     request.preview = std::move(preview);
     SKYQUILT_TRY_ASSIGN(const Session* session, SessionOf(work.flight_id, request.preview));
-    Answer answer = Ask(*session, request);
+    Answer answer = Exchange(*session, request);
     if (answer.drawn) {
       SKYQUILT_TRY(Show(work, request, *answer.drawn));
       return true;
@@ -197,7 +197,7 @@ Result<bool> PreviewApart::Step() {
     sessions_.erase(work.flight_id);
     if (answer.culprit.empty()) {
       // No photo is to blame: killed from outside while it waited, or the disk is full.
-      if (std::exchange(may_ask_again, false)) continue;
+      if (std::exchange(may_retry, false)) continue;
       return Error{ErrorCode::kUnavailable, "A preview could not be drawn.", answer.why};
     }
     // Passed over for good: no later process reads it again.

@@ -45,7 +45,7 @@ class PreviewApart {
     std::string why;
   };
   Result<Session*> SessionOf(const std::string& flight_id, const std::optional<storage::Preview>& preview);
-  Answer Ask(Session& session, const PreviewRequest& request) const;
+  Answer Exchange(Session& session, const PreviewRequest& request) const;
   Result<void> Show(const storage::PreviewWork& work, const PreviewRequest& request,
                     const PreviewDrawn& drawn);
   void EndIdle();

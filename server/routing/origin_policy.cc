@@ -54,12 +54,12 @@ bool IsAddressOfThisMachine(const AddressBytes& address) {
   constexpr std::chrono::seconds kFreshFor{5};
   static std::mutex mutex;
   static std::vector<AddressBytes> known;
-  static std::optional<std::chrono::steady_clock::time_point> asked_at;
+  static std::optional<std::chrono::steady_clock::time_point> read_at;
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex);
-  if (!asked_at || now - *asked_at > kFreshFor) {
+  if (!read_at || now - *read_at > kFreshFor) {
     known = AddressesOfThisMachine();
-    asked_at = now;
+    read_at = now;
   }
   return std::find(known.begin(), known.end(), address) != known.end();
 }
@@ -83,11 +83,11 @@ bool IsOwnHost(std::string_view host, const HttpSettings& settings) {
   for (const std::string& known : settings.hosts) {
     if (api::EqualsIgnoringCase(known, name) || api::EqualsIgnoringCase(known, host)) return true;
   }
-  const std::optional<AddressBytes> asked = ParseAddress(name);
-  if (!asked) return false;
-  if (asked == ParseAddress(settings.address)) return true;
+  const std::optional<AddressBytes> address = ParseAddress(name);
+  if (!address) return false;
+  if (address == ParseAddress(settings.address)) return true;
   const bool is_any = settings.address == "0.0.0.0" || settings.address == "::";
-  return is_any && IsAddressOfThisMachine(*asked);
+  return is_any && IsAddressOfThisMachine(*address);
 }
 
 bool IsFromForeignPage(const RequestHead& head, const HttpSettings& settings) {
@@ -97,19 +97,19 @@ bool IsFromForeignPage(const RequestHead& head, const HttpSettings& settings) {
   return !origin.empty() && !api::EqualsIgnoringCase(origin, OwnOrigin(head, settings));
 }
 
-bool IsOriginAllowed(std::string_view origin, const HttpSettings& settings, bool asks_for_token) {
-  if (settings.cors_origins.empty()) return asks_for_token;
+bool IsOriginAllowed(std::string_view origin, const HttpSettings& settings, bool requires_token) {
+  if (settings.cors_origins.empty()) return requires_token;
   return std::any_of(settings.cors_origins.begin(), settings.cors_origins.end(),
                      [&](const std::string& known) { return api::EqualsIgnoringCase(known, origin); });
 }
 
-api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, bool asks_for_token) {
+api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, bool requires_token) {
   api::Headers cors;
   const std::string_view origin = head.headers.Find("Origin");
   const bool is_any = settings.cors_origins.empty();
   if (!is_any) cors.Add("Vary", "Origin");
   // Where any page may, all are told the same, so that caches need not tell them apart.
-  if (is_any ? !asks_for_token : origin.empty() || !IsOriginAllowed(origin, settings, asks_for_token))
+  if (is_any ? !requires_token : origin.empty() || !IsOriginAllowed(origin, settings, requires_token))
     return cors;
   cors.Add("Access-Control-Allow-Origin", is_any ? "*" : std::string(origin));
   cors.Add("Access-Control-Expose-Headers", kMayRead);

@@ -23,8 +23,8 @@ bool IsOwnHost(std::string_view host, const HttpSettings& settings);
 bool IsFromForeignPage(const RequestHead& head, const HttpSettings& settings);
 
 // May pages of this origin read answers? Then what the answer says of it.
-bool IsOriginAllowed(std::string_view origin, const HttpSettings& settings, bool asks_for_token);
-api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, bool asks_for_token);
+bool IsOriginAllowed(std::string_view origin, const HttpSettings& settings, bool requires_token);
+api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, bool requires_token);
 // What a preflight is told besides: `allow` lists the methods of the path.
 void AddPreflightHeaders(const std::string& allow, api::Headers& cors);
 

@@ -48,8 +48,8 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   const auto problem = [&](ErrorCode code, const char* message) {
     return api::Problem({code, message, ""}, path, request_id);
   };
-  const bool asks_for_token = service.tokens.AsksForToken();
-  if ((!asks_for_token || settings.always_checks_host) && !head.host.empty() &&
+  const bool requires_token = service.tokens.RequiresToken();
+  if ((!requires_token || settings.always_checks_host) && !head.host.empty() &&
       !IsOwnHost(head.host, settings)) {
     return answer(api::ProblemWithStatus(
         421,
@@ -57,7 +57,7 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
                     head.host),
         path, request_id));
   }
-  routed.cors = CorsHeaders(head, settings, asks_for_token);
+  routed.cors = CorsHeaders(head, settings, requires_token);
   if (head.target == "*") return answer(Options("GET, HEAD, POST, PUT, PATCH, DELETE, OPTIONS"));
   Result<api::Target> target = api::ParseTarget(head.target);
   if (!target) return answer(api::Problem(target.error(), path, request_id));
@@ -72,7 +72,7 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   }
   const bool changes = *method != api::Method::kGet && *method != api::Method::kOptions;
   if (changes && IsFromForeignPage(head, settings) &&
-      !IsOriginAllowed(head.headers.Find("Origin"), settings, asks_for_token)) {
+      !IsOriginAllowed(head.headers.Find("Origin"), settings, requires_token)) {
     return answer(problem(ErrorCode::kForbidden, "Pages of other sites may not change anything here."));
   }
   if (match.route == nullptr) {

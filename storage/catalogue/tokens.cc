@@ -111,7 +111,7 @@ Result<TokenSet> Tokens::Read() const {
   // opens it.
   SKYQUILT_TRY_ASSIGN(Statement policy, db->Prepare("SELECT asks_for_token FROM token_policy"));
   SKYQUILT_TRY_ASSIGN(const bool row, policy.Step());
-  set.asks_for_token = !row || policy.ColumnInt64(0) != 0;
+  set.requires_token = !row || policy.ColumnInt64(0) != 0;
   return set;
 }
 
@@ -126,15 +126,15 @@ Result<std::shared_ptr<const TokenSet>> Tokens::Known() {
   }
   known_ = std::make_shared<const TokenSet>(*std::move(tokens));
   read_at_ = now;
-  asks_for_token_ = known_->asks_for_token;
+  requires_token_ = known_->requires_token;
   was_read_ = true;
   return known_;
 }
 
-bool Tokens::AsksForToken() {
+bool Tokens::RequiresToken() {
   // A catalogue that cannot be read opens nothing.
-  if (!was_read_ || has_changed_) return !Known() || asks_for_token_;
-  return asks_for_token_;
+  if (!was_read_ || has_changed_) return !Known() || requires_token_;
+  return requires_token_;
 }
 
 }  // namespace skyquilt::storage

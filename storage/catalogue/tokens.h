@@ -40,7 +40,7 @@ struct Token {
 
 // All tokens, and whether the server asks for one at all.
 struct TokenSet {
-  bool asks_for_token = false;
+  bool requires_token = false;
   std::vector<Token> tokens;  // those that have ended among them
 
   bool HasLiveOne(Time now) const;
@@ -59,14 +59,14 @@ class Tokens {
   // The same, from memory where it is younger than a second: for every request.
   Result<std::shared_ptr<const TokenSet>> Known();
   // Whether the server asks for a token, as Known found it last; from memory but for the first time.
-  bool AsksForToken();
+  bool RequiresToken();
 
  private:
   CatalogueDb& db_;
   std::mutex mutex_;
   std::atomic<bool> has_changed_ = false;  // since known_ was read
   std::atomic<bool> was_read_ = false;
-  std::atomic<bool> asks_for_token_ = true;
+  std::atomic<bool> requires_token_ = true;
   std::shared_ptr<const TokenSet> known_;
   std::chrono::steady_clock::time_point read_at_;
 };

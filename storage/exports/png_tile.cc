@@ -81,13 +81,13 @@ void AddMeans(const std::uint8_t* above, std::size_t count, std::uint8_t* row) {
 #endif
 }
 
-// Adds what the row's filter foretells from the pixel to the left and the row above. `row` and `above` have
+// Adds what the row's filter predicts from the pixel to the left and the row above. `row` and `above` have
 // one pixel of zeros before them.
 bool Unfilter(int filter, const std::uint8_t* above, std::size_t count, std::uint8_t* row) {
-  const auto add = [&](auto&& foretold) {
+  const auto add = [&](auto&& predict) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint8_t* up = above + i;
-      row[i] = static_cast<std::uint8_t>(row[i] + foretold(*(row + i - kPixel), *up, *(up - kPixel)));
+      row[i] = static_cast<std::uint8_t>(row[i] + predict(*(row + i - kPixel), *up, *(up - kPixel)));
     }
   };
   switch (filter) {

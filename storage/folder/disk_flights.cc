@@ -39,7 +39,7 @@ std::optional<std::int64_t> RevisionOfName(const std::string& name) {
   return number;
 }
 
-DiskFlight LookAt(const fs::path& folder) {
+DiskFlight SurveyFlight(const fs::path& folder) {
   DiskFlight flight;
   flight.id = folder.filename().string();
   flight.folder = folder;
@@ -92,7 +92,7 @@ std::vector<DiskFlight> FlightsOnDisk(const fs::path& flights_folder) {
   for (const auto& entry : fs::directory_iterator(flights_folder, none)) {
     std::error_code gone;
     if (IsId(entry.path().filename().string()) && entry.is_directory(gone))
-      flights.push_back(LookAt(entry.path()));
+      flights.push_back(SurveyFlight(entry.path()));
   }
   std::sort(flights.begin(), flights.end(),
             [](const DiskFlight& a, const DiskFlight& b) { return a.id < b.id; });

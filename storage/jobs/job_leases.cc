@@ -75,7 +75,7 @@ Result<LeaseState> JobQueue::Renew(const Lease& lease, Time now) {
   return ReadLease(*db, lease);
 }
 
-Result<LeaseState> JobQueue::Look(const Lease& lease) const {
+Result<LeaseState> JobQueue::LeaseStateOf(const Lease& lease) const {
   const auto db = db_.Read();
   return ReadLease(*db, lease);
 }

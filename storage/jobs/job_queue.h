@@ -113,7 +113,7 @@ class JobQueue {
   // For workers.
   Result<std::optional<Lease>> Claim(std::string_view worker, Time now);
   Result<LeaseState> Renew(const Lease& lease, Time now);
-  Result<LeaseState> Look(const Lease& lease) const;  // like Renew, but only reads
+  Result<LeaseState> LeaseStateOf(const Lease& lease) const;  // like Renew, but only reads
   // How long the whole of it should take.
   Result<LeaseState> Expect(const Lease& lease, const Expectation& expectation);
   Result<LeaseState> ReportProgress(const Lease& lease, const JobProgress& progress);

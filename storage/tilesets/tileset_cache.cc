@@ -49,7 +49,7 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
   // Only a revision retired twice within one request can vanish between the look and the opening.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
-    const auto asked = std::chrono::steady_clock::now();
+    const auto read_at = std::chrono::steady_clock::now();
     SKYQUILT_TRY_ASSIGN(const std::optional<Revision> revision, catalogue_.ActiveRevision(flight_id));
     if (!revision) {
       Forget(flight_id);
@@ -59,7 +59,7 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
       const std::lock_guard lock(mutex_);
       const auto found = entries_.find(flight_id);
       if (found != entries_.end() && found->second.tileset->revision.revision >= revision->revision) {
-        found->second.checked = found->second.used = asked;
+        found->second.checked = found->second.used = read_at;
         return found->second.tileset;
       }
     }
@@ -75,7 +75,7 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
     if (entry.tileset == nullptr || entry.tileset->revision.revision < tileset->revision.revision) {
       entry.tileset = std::move(tileset);
     }
-    entry.checked = entry.used = asked;
+    entry.checked = entry.used = read_at;
     std::shared_ptr<const Tileset> answer = entry.tileset;
     if (entries_.size() > kMaxOpen) DropLeastUsed();
     return answer;

@@ -108,9 +108,9 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   return upload;
 }
 
-Result<void> UploadSpool::CheckOwner(const std::string& id, const std::string& asker, Time now) const {
+Result<void> UploadSpool::CheckOwner(const std::string& id, const std::string& requester, Time now) const {
   SKYQUILT_TRY_ASSIGN(const SpooledUpload upload, Read(id, now));
-  if (upload.owner != asker) return NoSuchUpload();
+  if (upload.owner != requester) return NoSuchUpload();
   return {};
 }
 

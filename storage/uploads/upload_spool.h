@@ -47,7 +47,7 @@ class UploadSpool {
   // `now` here and below: by the AgeClock.
   Result<SpooledUpload> Create(const SpooledUpload& wish, Time now);
   // kNotFound for an upload that another token began: to all others it is not there.
-  Result<void> CheckOwner(const std::string& id, const std::string& asker, Time now) const;
+  Result<void> CheckOwner(const std::string& id, const std::string& requester, Time now) const;
   // Stops a writer that is under way, so that the offset holds until the next one.
   Result<SpooledUpload> Find(const std::string& id, Time now);
   // Takes bytes from `offset` on, which must be the upload's. With `all_or_nothing` they count only at

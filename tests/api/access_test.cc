@@ -101,7 +101,7 @@ TEST(Access, TheLastTokenRevokedOrEndedOpensNothing) {
   all_are_refused();
   EXPECT_NE(sample.Get("/api/v1/flights").body.find("--open"), std::string::npos);
   // A process that starts now, or reads the catalogue anew, knows it too.
-  EXPECT_TRUE(storage::Tokens(sample.service().db).Read()->asks_for_token);
+  EXPECT_TRUE(storage::Tokens(sample.service().db).Read()->requires_token);
   MakeToken(sample, "ended", Scope::kAdmin, storage::FromUs(1));
   all_are_refused();
   EXPECT_FALSE((*sample.service().tokens.Known())->HasLiveOne(storage::Now()));

@@ -132,10 +132,10 @@ TEST_F(JobQueueTest, RetriesAFailureOfTheMachineLaterButNotOneOfTheInput) {
 TEST_F(JobQueueTest, ShowsTheWishToCancelToTheWorker) {
   const Job job = NewJob();
   const Lease lease = Claimed();
-  EXPECT_EQ(*queue_.Look(lease), LeaseState::kHeld);
+  EXPECT_EQ(*queue_.LeaseStateOf(lease), LeaseState::kHeld);
   EXPECT_EQ(queue_.Cancel(job.id, now_)->state, JobState::kRunning);
   EXPECT_TRUE(queue_.Cancel(job.id, now_));
-  EXPECT_EQ(*queue_.Look(lease), LeaseState::kCancelRequested);
+  EXPECT_EQ(*queue_.LeaseStateOf(lease), LeaseState::kCancelRequested);
   EXPECT_TRUE(*queue_.Dismiss(lease, now_));
   EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
 }

@@ -101,7 +101,7 @@ TEST_F(TrashTest, CancelsTheJobOfADeletedFlight) {
   const Job running = *queue_.Add(flight_, "{}", Now());
   const Lease lease = **queue_.Claim("w", Now());
   ASSERT_TRUE(trash_.Put(flight_, Now()));
-  EXPECT_EQ(*queue_.Look(lease), LeaseState::kCancelRequested);
+  EXPECT_EQ(*queue_.LeaseStateOf(lease), LeaseState::kCancelRequested);
   EXPECT_TRUE(*queue_.Dismiss(lease, Now()));
   ASSERT_TRUE(trash_.Restore(flight_));
   EXPECT_EQ(queue_.Get(running.id)->state, JobState::kDismissed);
