@@ -1,6 +1,6 @@
-// FindShownMap: the map that a flight shows, as a folder of files. A revision that is retired this moment may
-// be gone when it is opened: who opens asks again. Any thread. Errors: kNotFound (no such flight, or it has
-// no map yet) and the catalogue's.
+// FindShownMap: the map that a flight shows, as a folder of files. A revision that is being retired may be
+// gone when it is opened: the caller then looks it up again. Any thread. Errors: kNotFound (no such flight,
+// or it has no map yet) and the catalogue's.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Housekeeper: what a running server does every few minutes by itself: it keeps the AgeClock, and removes
-// what has grown old. A thread of its own; what fails is logged and tried again in the next round. Owned by
-// the main thread.
+// Housekeeper: the periodic work of a running server, every few minutes: saves the AgeClock and removes what
+// has expired. A thread of its own; failures are logged and retried in the next round. Owned by the main
+// thread.
 #pragma once
 
 #include <condition_variable>

@@ -1,5 +1,5 @@
-// The server's side of its data folder: opens it (storage/folder/open_data_folder), puts in order what a
-// crash left, and says so in the log. Errors as of OpenDataFolder.
+// The server's side of its data folder: opens it (storage/folder/open_data_folder), cleans up after a crash,
+// and logs what it did. Errors as of OpenDataFolder.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// A map as an ArcGIS MapServer, as far as ArcGIS' programs ask it of a tiled one: the service's description
-// and its tiles by level, row and column.
+// A map as an ArcGIS MapServer, as far as ArcGIS clients use a tiled one: the service description, and tiles
+// by level, row and column.
 #pragma once
 
 #include "api/http/router.h"

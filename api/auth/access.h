@@ -1,8 +1,8 @@
 // Access: may this request do what its route does? Until a first token is made everything is open (the server
-// then listens to its own machine, or was told to be open). From then on each route asks for a scope, shown
-// as "Authorization: Bearer ...", also when the last token is revoked or has ended; "?token=" serves clients
-// that cannot set headers, for reading, and for the node's clients, whose contract has it so. Which flights
-// it may be done to is api/auth/flight_access. Any thread.
+// then listens to its own machine only, or was started with --open). From then on each route requires a
+// scope, shown as "Authorization: Bearer ...", also after the last token is revoked or has expired. "?token="
+// is for clients that cannot set headers, for reading only, and for NodeODM clients, whose protocol uses it.
+// Which flights a request may be about is decided in api/auth/flight_access.
 #pragma once
 
 #include <optional>
@@ -15,9 +15,9 @@
 
 namespace skyquilt::api {
 
-// What a route asks for; absent: nothing. A route that is not in the list asks for everything.
+// The scope that a route requires; absent: none. A route that is not in the list requires admin.
 std::optional<storage::Scope> ScopeOf(Method method, std::string_view pattern);
-// True when the list names the route: the test that walks all routes asks it.
+// True when the list names the route: for the test that walks all routes.
 bool IsListed(Method method, std::string_view pattern);
 
 // The refusal, if the request may not pass, or its token has no more of what it may take (api/auth/limits);

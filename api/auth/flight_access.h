@@ -1,7 +1,7 @@
-// Which flights a request may be about. A flight belongs to the token that made it: another of scope upload
-// may read it, and change nothing of it; one of scope admin may change all. A token for one flight alone
-// reads that one and learns of no other. Where the server asks for no token, everybody is an admin. Reads the
-// catalogue: not for threads that serve sockets. Errors: kForbidden (it is another's), kNotFound, and the
+// Which flights a request may be about. A flight belongs to the token that made it: another token of scope
+// upload may read it and change nothing; one of scope admin may change all flights. A token for one flight
+// reads that flight and cannot see others. Where the server requires no token, everybody is an admin. Reads
+// the catalogue: not for threads that serve sockets. Errors: kForbidden (another owner's), kNotFound, and the
 // catalogue's.
 #pragma once
 
@@ -23,7 +23,7 @@ Result<void> CheckMayChange(Service& service, const Request& request, const std:
 // for who asks. An address that names nothing we have passes: its handler says so.
 std::optional<Response> CheckFlightAccess(Service& service, const Request& request, std::string_view pattern);
 
-// The flights that who asks may know of, as Catalogue::ListFlights.
+// The flights that the requester may know of, as Catalogue::ListFlights.
 Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& request, int limit,
                                                const std::optional<std::string>& cursor);
 

@@ -1,5 +1,5 @@
-// What a token may take: requests a minute. (What its flights may hold is api/auth/quota.) Any thread.
-// Errors: kRateLimited.
+// Request rate of a token: requests per minute. (The bytes that its flights may hold are in api/auth/quota.)
+// Any thread. Errors: kRateLimited.
 #pragma once
 
 #include <chrono>

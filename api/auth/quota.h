@@ -1,9 +1,9 @@
-// Quotas: the bytes that the flights of a token may hold (token add --most-gb), kept to while bytes arrive,
-// through whatever door and from whomever they come: neither an upload that does not say its length nor
-// several at once go past it. The ledger knows, by owner, what the catalogue had when it was last asked and
-// what is on its way; it may have missed that something was deleted, never that something came, and asks
-// again before it refuses. Any thread; one IncomingBytes is used by one thread at a time. Errors: kTooLarge
-// (the quota), kNotFound (no such flight), and the catalogue's.
+// Quotas: the bytes that the flights of a token may hold (token add --most-gb), enforced while bytes arrive,
+// whichever upload route they take: neither an upload without a length nor several at once can exceed it. The
+// ledger keeps, per owner, what the catalogue held when it was last read and what is being received. A
+// deletion may be missing from it, an addition never is, and it reads the catalogue again before it refuses.
+// Any thread; one IncomingBytes is used by one thread at a time. Errors: kTooLarge (the quota), kNotFound (no
+// such flight), and the catalogue's.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Files that other programs open to have the map at once: a QGIS layer, JOSM imagery, a GDAL description, an
-// ArcGIS web map.
+// Files that other programs open to show the map: a QGIS layer, JOSM imagery, a GDAL description, an ArcGIS
+// web map.
 #pragma once
 
 #include "api/http/router.h"

@@ -1,5 +1,5 @@
-// The user's own files back: a photo as it was uploaded, shown in the browser where it can be; anything else
-// only for saving, so that nothing uploaded runs as part of the page.
+// The user's own files: a photo as it was uploaded is shown in the browser where possible; any other file is
+// sent as a download only, so that nothing uploaded runs as part of the page.
 #pragma once
 
 #include "api/http/router.h"

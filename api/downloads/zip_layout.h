@@ -1,7 +1,7 @@
 // ZipLayout: a zip archive of stored (not compressed) entries as a plan: where every byte of it comes from,
-// before any byte is sent. So the archive has a length, an entity tag and byte ranges like any file, and is
-// never on the disk. What it holds is compressed already. Zip64 where a size asks for it. APPNOTE 6.3.10. A
-// value once made; any thread.
+// before any byte is sent. The archive therefore has a length, an entity tag and byte ranges like any file,
+// and is never written to disk. Its entries are compressed formats already. Zip64 where a size requires it.
+// APPNOTE 6.3.10. Immutable once made.
 #pragma once
 
 #include <cstdint>

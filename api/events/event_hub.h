@@ -1,7 +1,7 @@
-// EventHub: one reader that follows the log of events and the progress of running jobs, and hands on what is
-// new to all who listen, so that a thousand of them ask the database no oftener than one. It reads only while
-// somebody listens, in a thread of its own. The latest few thousand items stay in memory; whoever needs older
-// ones reads them from the log (EventStream does). Any thread. Errors: the log's.
+// EventHub: one reader that follows the log of events and the progress of running jobs and passes new items
+// to all subscribers, so that a thousand subscribers cost the database no more than one. It reads only while
+// there are subscribers, in a thread of its own. The latest few thousand items stay in memory; older ones are
+// read from the log (EventStream does). Any thread. Errors: the log's.
 #pragma once
 
 #include <chrono>

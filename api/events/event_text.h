@@ -1,5 +1,5 @@
-// What inliers of events are sent, as the HTML standard's text/event-stream has it (9.2.5). Pure; any
-// thread.
+// The text that subscribers to events are sent, in the format text/event-stream of the HTML standard (9.2.5).
+// Pure.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 namespace skyquilt::api {
 
 std::string EventText(const storage::Event& event);
-// How far a job is. It has no id: nobody who comes back is told what was.
+// How far a job is. It has no id: progress is not replayed after a reconnect.
 std::string ProgressText(const storage::Job& job, storage::Time now);
 
 }  // namespace skyquilt::api

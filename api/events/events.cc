@@ -74,7 +74,7 @@ class EventStream final : public LiveSource {
   }
 
   Result<void> CatchUp(std::string& text) {
-    // Before the look: what comes meanwhile is not taken for looked through.
+    // Before reading: events that arrive meanwhile must not count as read.
     const std::int64_t tail = service_.event_hub.tail();
     SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events,
                         service_.events.After(after_, filter_, kMaxAtOnce));
@@ -97,7 +97,7 @@ class EventStream final : public LiveSource {
   Request requester_;
   std::uint64_t seat_;
   storage::EventFilter filter_;
-  std::int64_t after_;                 // the last event that was told or looked at
+  std::int64_t after_;                 // the last event that was sent or skipped
   std::optional<std::uint64_t> next_;  // where in the hub it goes on; absent: from the log
   bool is_first_ = true;
   Clock::time_point spoke_at_ = Clock::now();

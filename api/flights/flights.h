@@ -1,4 +1,4 @@
-// Flights: make, list, look at, rename, delete. Making one may bring its files along (api/uploads).
+// Flights: create, list, read, rename, delete. Creating one may bring its files along (api/uploads).
 #pragma once
 
 #include "api/http/router.h"

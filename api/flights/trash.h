@@ -1,4 +1,4 @@
-// Deleting flights: into the trash, out of it, and for good.
+// Deleting flights: into the trash, out of it, and permanently.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Entity tags (RFC 9110 8.8.3) and If-None-Match. Pure; any thread.
+// Entity tags (RFC 9110 8.8.3) and If-None-Match. Pure.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
-// Once: a request under an Idempotency-Key is carried out once; sent again it gets the first answer again,
-// marked with "Idempotency-Replayed: true". Without the header it is simply carried out. Another body under
-// the same key is a mistake (422); another token's key is another key. Any thread; requests with keys go one
-// after the other.
+// Once: a request with an Idempotency-Key is carried out once; when it is sent again it gets the first
+// answer, marked with "Idempotency-Replayed: true". Without the header it is simply carried out. Another body
+// under the same key is refused (422); keys of different tokens are independent. Any thread; requests with
+// keys are serialised.
 #pragma once
 
 #include <functional>

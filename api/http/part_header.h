@@ -1,5 +1,4 @@
-// ParsePartHeader: the header block of one part of multipart/form-data. Pure; any thread.
-// Errors: kInvalidArgument.
+// ParsePartHeader: the header block of one part of multipart/form-data. Pure. Errors: kInvalidArgument.
 #pragma once
 
 #include <string_view>

@@ -1,5 +1,5 @@
 // Problem documents (RFC 9457): the one shape of every error answer, and the one table from error kinds to
-// HTTP statuses. The message goes to the client, the detail to the log only. Pure; any thread.
+// HTTP statuses. The message goes to the client, the detail to the log only. Pure.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // The Range header (RFC 9110 14) over a body of known length. One range is honoured; several, or a header
-// that does not parse, mean the whole body, as the RFC allows. Pure; any thread.
+// that does not parse, mean the whole body, as the RFC allows. Pure.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The few shapes of answers that handlers share. Pure; any thread.
+// The few shapes of answers that handlers share. Pure.
 #pragma once
 
 #include <functional>

@@ -1,7 +1,6 @@
 // ParseTarget: the request target of HTTP, strictly (RFC 3986 path and query of origin form). Every path
-// segment comes out decoded; what could ever be taken for a path inside a segment is refused: "..", ".", an
-// empty segment, and slash, backslash, NUL or a control character however encoded; so is invalid UTF-8. Pure;
-// any thread.
+// segment is decoded. Segments that could be taken for a path are refused: "..", ".", an empty segment, and
+// slash, backslash, NUL or a control character in any encoding; so is invalid UTF-8. Pure.
 #pragma once
 
 #include <string>

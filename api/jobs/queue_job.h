@@ -1,7 +1,6 @@
-// QueueJob: a stitching job for a flight, by whatever door it is asked for. Errors: kNotFound (no such
-// flight), kConflict (it has no files, or an unfinished job), kForbidden (it is
-// another's), kUnprocessable and kInvalidArgument (the
-// request), and the queue's.
+// QueueJob: queues a stitching job for a flight, for every API that offers it. Errors: kNotFound (no such
+// flight), kConflict (it has no files, or an unfinished job), kForbidden (another owner's), kUnprocessable
+// and kInvalidArgument (the request), and the queue's.
 #pragma once
 
 #include <string>

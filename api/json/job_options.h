@@ -1,6 +1,6 @@
 // The options of a job: what a client may choose, from JSON to MosaicOptions. The API checks them when a job
-// is queued; the worker reads the same text again. Pure; any thread. Errors: kInvalidArgument (not JSON),
-// kUnprocessable (unknown field, wrong kind, outside its range).
+// is queued; the worker reads the same text again. Pure. Errors: kInvalidArgument (not JSON), kUnprocessable
+// (unknown field, wrong kind, outside its range).
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // Flights, files and jobs as the JSON of the API, and the JSON that clients send as checked values. Text in,
-// text out: the JSON library stays in the .cc files. Pure; any thread. Errors: kInvalidArgument (not JSON,
-// nested too deep), kUnprocessable (a field that is unknown or of a wrong kind).
+// text out: the JSON library stays in the .cc files. Pure. Errors: kInvalidArgument (not JSON, nested too
+// deep), kUnprocessable (a field that is unknown or of a wrong kind).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // CheckJsonText: cheap limits before a JSON text is parsed: at most 64 KiB and 32 levels, so that no client
-// can make the parser recurse or the document grow. Pure; any thread.
+// can make the parser recurse or the document grow. Pure.
 #pragma once
 
 #include <string_view>

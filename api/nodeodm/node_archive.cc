@@ -104,7 +104,7 @@ Json Stats(const Json& report, const Json& photos) {
   return stats;
 }
 
-// Ours, and where the clients look for it. What a revision does not have is left out.
+// Our file, and where clients expect it. What a revision does not have is left out.
 constexpr std::pair<const char*, const char*> kFiles[] = {
     {"mosaic.tif", "odm_orthophoto/odm_orthophoto.tif"},
     {"mosaic.mbtiles", "odm_orthophoto/odm_orthophoto.mbtiles"},

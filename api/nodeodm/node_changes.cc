@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 struct TaskRequest {
   std::string uuid;
   std::optional<std::string> options;  // JSON list
-  std::string owner;                   // id of the token that asks
+  std::string owner;                   // id of the request's token
 };
 
 // Clients send these as a form or as JSON.
@@ -59,7 +59,7 @@ Result<void> CancelTask(Service& service, const storage::NodeTask& task) {
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   if (!job) return {};
   const Result<storage::Job> cancelled = service.queue.Cancel(job->id, storage::Now());
-  // A task that has ended cannot be stopped any more; asking is no mistake.
+  // A task that has ended cannot be stopped any more; the request is not an error.
   if (!cancelled && cancelled.error().code != ErrorCode::kConflict) return cancelled.error();
   return {};
 }

@@ -1,6 +1,6 @@
 // The options of the NodeODM-compatible node: what GET /options offers, and what a client's list of {name,
 // value} means to us. As the original does, names that are not known are ignored (clients send presets made
-// for other engines). Pure; any thread.
+// for other engines). Pure.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
-// What operators and monitors ask: is it alive, is it ready, what does it count, which version, what is the
-// contract.
+// For operators and monitoring: liveness, readiness, metrics, version, API contract.
 #pragma once
 
 #include "api/http/router.h"

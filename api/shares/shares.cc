@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMaxDays = 3650;
 constexpr int kUsualDays = 30;
-constexpr std::size_t kMaxShares = 100;  // of one flight; each request looks through all tokens
+constexpr std::size_t kMaxShares = 100;  // of one flight; each request reads all tokens
 
 // Days until the share ends; absent: never.
 Result<std::optional<int>> ParseDays(const std::string& body) {

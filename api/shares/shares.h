@@ -1,5 +1,5 @@
 // Shares: tokens that open one flight for reading, made and revoked by whoever may change the flight. GET and
-// POST /api/v1/flights/{flight}/shares, DELETE .../shares/{share}. The token is told once, when it is made.
+// POST /api/v1/flights/{flight}/shares, DELETE .../shares/{share}. The token is shown once, when it is made.
 #pragma once
 
 #include "api/http/router.h"

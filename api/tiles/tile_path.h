@@ -1,6 +1,6 @@
 // ParseTilePath: z, x and "y.ext" or "y@2x.ext" of a tile's address, strictly: plain decimal digits, nothing
-// before or behind. Pure; any thread. Errors: kInvalidArgument (not a number, outside the zoom's square, an
-// extension that is not a tile's).
+// before or behind. Pure. Errors: kInvalidArgument (not a number, outside the zoom's square, an extension
+// that is not a tile's).
 #pragma once
 
 #include <optional>

@@ -45,7 +45,7 @@ bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
   return tile.BoundsInMerc().Intersects(bounds_in_merc);
 }
 
-// Not here: to be asked again where such work is done.
+// Not on this thread: the request is repeated where such work is done.
 Response DeferTo(Work work) {
   Response response;
   response.wants = work;
@@ -142,7 +142,7 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
   return response;
 }
 
-// What Accept asks for, where the address does not say: an exact image type, or else as stored.
+// The format in Accept, where the address has none: an exact image type, or else as stored.
 std::optional<pyramid::TileFormat> FormatByAccept(const Request& request) {
   const std::string_view accept = request.headers.Find("Accept");
   for (const auto format :
@@ -256,7 +256,7 @@ Result<Response> Tile(Service& service, const Request& request) {
 bool ShowsPreview(Service& service, const Request& request, const std::string& flight_id) {
   const auto revision = request.Query("rev");
   if (revision) return *revision == kPreviewRevision;
-  // The map first: once it is there, nobody who does not ask for it by name sees the preview.
+  // The map first: once it exists, the preview is shown only under its own name.
   if (!CheckId(flight_id, "flight") || service.tilesets.Get(flight_id)) return false;
   return service.preview_cache.Get(flight_id).ok();
 }

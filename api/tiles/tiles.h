@@ -18,7 +18,7 @@ void AddTileJsonRoute(Router& router, Service& service);
 
 enum class EmptyTile { kBlank, kNoContent, kNotFound };
 
-// One tile as an answer, whatever address it was asked by.
+// The answer to a tile request, for every kind of address.
 struct TileRequest {
   std::string flight_id;
   std::optional<render::MapLayer> layer;  // beside the map; absent: the map itself

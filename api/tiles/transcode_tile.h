@@ -1,7 +1,7 @@
 // TranscodeTile: one encoded tile in another format; TileFormatOf: the format of encoded bytes, by their
-// magic; TransparentPng: an empty tile, as small as it gets. JPEG has no transparency: it is laid on white.
-// Pure; any thread. Errors: kCorrupt (bytes that do not decode), kTooLarge (a tile of more than 4096 pixels a
-// side).
+// magic number; TransparentPng: an empty tile of minimal size. JPEG has no transparency: transparent pixels
+// become white. Pure. Errors: kCorrupt (bytes that do not decode), kTooLarge (a tile with a side of more than
+// 4096 pixels).
 #pragma once
 
 #include <optional>

@@ -1,6 +1,6 @@
-// FormDigest: what a form says, as one SHA-256: fields, file names and bytes in their order, whatever
-// boundary they came with, for a client that sends its form again writes another. Passes the parts on as they
-// come. One thread at a time.
+// FormDigest: the content of a form as one SHA-256: fields, file names and bytes in their order, independent
+// of the boundary, because a client that sends its form again chooses another one. Passes the parts on as
+// they arrive. One thread at a time.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// FormReceiver: the parts of an upload form, as they come: files go to the photo store and the catalogue,
-// text fields are collected. A file that cannot be taken is noted and skipped; a machine that is full, or a
-// quota (kTooLarge), stops the form. One thread at a time.
+// FormReceiver: receives the parts of an upload form: files go to the photo store and the catalogue, text
+// fields are collected. A file that cannot be accepted is noted and skipped; a full disk or quota (kTooLarge)
+// ends the form. One thread at a time.
 #pragma once
 
 #include <map>

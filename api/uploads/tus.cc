@@ -153,7 +153,7 @@ Begun BeginChunk(Service& service, const Request& request, const std::string& id
                                  std::move(answer));
 }
 
-// What a creation asks for.
+// The upload that a creation request describes.
 Result<SpooledUpload> RequestedUpload(const Request& request) {
   SpooledUpload wanted;
   const bool has_length = request.headers.Has("Upload-Length");

@@ -1,4 +1,4 @@
-// The headers of tus 1.0 as values. Pure; any thread. https://tus.io/protocols/resumable-upload
+// The headers of tus 1.0 as values. Pure. https://tus.io/protocols/resumable-upload
 #pragma once
 
 #include <cstdint>

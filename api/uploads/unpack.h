@@ -1,5 +1,5 @@
-// UnpackStored: an archive that was uploaded becomes the files in it. What every door for uploads does with
-// what it has stored. Any thread.
+// UnpackStored: replaces an uploaded archive by the files in it. Every upload route calls it with what it has
+// stored. Any thread.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Webhooks: addresses that the server tells of ended jobs and new maps, where its operator allows it to speak
-// to others at all (serve --webhooks). GET, POST and DELETE /api/v1/webhooks.
+// Webhooks: addresses that the server notifies of ended jobs and new maps, where its operator allows outgoing
+// requests at all (serve --webhooks). GET, POST and DELETE /api/v1/webhooks.
 #pragma once
 
 #include "api/http/router.h"

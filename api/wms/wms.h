@@ -10,7 +10,7 @@ namespace skyquilt::api {
 
 void AddWmsRoutes(Router& router, Service& service);
 
-// The window that GetMap asks for, checked. Errors: kInvalidArgument, whose detail is WMS' own code or empty.
+// The window of a GetMap request, checked. Errors: kInvalidArgument, whose detail is WMS' own code or empty.
 struct WmsMap {
   double west = 0.0, south = 0.0, east = 0.0, north = 0.0;  // merc metres, or degrees where is_geographic
   bool is_geographic = false;

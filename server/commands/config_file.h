@@ -1,7 +1,7 @@
-// ExpandConfig: options of `serve` out of a file: every "name = value" of it becomes "--name=value" before
-// the options of the command line, which therefore count more; so does a variable of the environment. Lines
-// that begin with # are comments; values may stand in quotes. Names that the command does not know are
-// refused like any unknown option. Errors: kNotFound, kInvalidArgument (a line that is none of this).
+// ExpandConfig: options of `serve` from a file: every "name = value" becomes "--name=value" before the
+// options of the command line, which therefore take precedence; so does an environment variable. Lines that
+// begin with # are comments; values may be quoted. Names that the command does not know are refused like any
+// unknown option. Errors: kNotFound, kInvalidArgument (a line of another form).
 #pragma once
 
 #include <string>

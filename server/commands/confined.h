@@ -1,5 +1,5 @@
-// `skyquilt stitch-confined` and `skyquilt preview-confined`: what a worker starts to read what others made
-// (server/jobs/stitch_apart.h, server/preview/preview_apart.h). Not for hands.
+// `skyquilt stitch-confined` and `skyquilt preview-confined`: started by a worker to decode files of users
+// (server/jobs/stitch_apart.h, server/preview/preview_apart.h). Internal.
 #pragma once
 
 namespace CLI {

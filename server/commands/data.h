@@ -1,4 +1,4 @@
-// The `data` command: check, repair and clear the data folder of a server that is stopped.
+// The `data` command: checks, repairs and cleans the data folder of a server that is stopped.
 #pragma once
 
 namespace CLI {

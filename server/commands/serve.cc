@@ -156,8 +156,8 @@ sigset_t BlockSignals() {
   return signals;
 }
 
-// Until told to stop: workers that ended are collected and started again, but not while the data folder is
-// gone: then those that run are told to give their jobs back.
+// Until a signal stops it: workers that ended are collected and started again, but not while the data folder
+// is gone: then the running ones are stopped and their jobs return to the queue.
 void SuperviseWorkers(WorkerPool& workers, const storage::DataDirWatch& watch, const sigset_t& signals) {
   bool was_in_place = true;
   while (true) {
@@ -197,7 +197,7 @@ api::Response NoPage(const api::Request& request) {
   return response;
 }
 
-// Once there was a token, the server asks for one; --open alone, where none is left, lets everybody in again.
+// Once there was a token, the server requires one; only --open, where none is left, admits everybody again.
 bool RequiresToken(storage::CatalogueDb& db, bool is_open) {
   storage::Tokens tokens(db);
   const Result<storage::TokenSet> set = tokens.Read();

@@ -1,6 +1,6 @@
 // TerminalProgress: progress for a person at a terminal (one bar that is rewritten, with the time left) or
-// for a log (one line a stage and a line every ten percent). Writes to stderr. Ctrl-C cancels: the first one
-// ends the job cleanly. Any number of threads.
+// for a log (one line per stage and one every ten percent). Writes to stderr. The first Ctrl-C cancels the
+// job cleanly. Any number of threads.
 #pragma once
 
 #include <chrono>

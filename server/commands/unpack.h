@@ -1,5 +1,4 @@
-// `skyquilt unpack`: what `serve` starts for an uploaded archive (server/intake/unpack_apart.h). Not for
-// hands.
+// `skyquilt unpack`: started by `serve` for an uploaded archive (server/intake/unpack_apart.h). Internal.
 #pragma once
 
 namespace CLI {

@@ -1,5 +1,5 @@
-// `skyquilt verdict`: what `serve` starts for the verdict on a flight's files
-// (server/intake/verdict_apart.h). Not for hands.
+// `skyquilt verdict`: started by `serve` to inspect a flight's files (server/intake/verdict_apart.h).
+// Internal.
 #pragma once
 
 namespace CLI {

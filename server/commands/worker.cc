@@ -86,7 +86,7 @@ void RunWorker(const WorkerOptions& options) {
   for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {
     const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());
     if (!lease) {
-      // Busy or full: the queue is asked again; what is broken for good shows in the log.
+      // Busy or full: the queue is polled again; a permanent failure shows in the log.
       LogFailure("-", "claim", lease.error().detail);
       std::this_thread::sleep_for(std::chrono::seconds(2));
     } else if (*lease) {

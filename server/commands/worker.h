@@ -1,5 +1,5 @@
-// `skyquilt worker`: runs the jobs of a data folder until it is told to stop. `serve` starts its own; more
-// may run.
+// `skyquilt worker`: runs the jobs of a data folder until it is stopped. `serve` starts its own workers; more
+// may run beside them.
 #pragma once
 
 namespace CLI {

@@ -1,6 +1,6 @@
-// CompareMethods: one flight stitched by every method, each in a process of its own, so that its seconds and
-// its memory are its own; what came out as one table and one picture. Blocking. Must be called before the
-// process has started threads. Errors: kIo; kCancelled. A method that fails has its reason in the table.
+// CompareMethods: stitches one flight by every method, each in a process of its own, so that time and memory
+// are measured per method, and reports them as one table and one picture. Blocking. Precondition: the process
+// has started no threads. Errors: kIo; kCancelled. A method that fails has its reason in the table.
 #pragma once
 
 #include <cstdint>

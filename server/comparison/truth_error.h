@@ -1,7 +1,7 @@
-// MeasureTruthError: how far a finished map's photos lie from where they truly were taken, for flights that
-// `simulate` made: pixels of every photo are followed to the map's ground and to the true one. What stands up
-// from the ground (buildings) does not count. Pure; any thread. Errors: kCorrupt (not the simulator's truth),
-// kUnprocessable (the truth is of other photos).
+// MeasureTruthError: how far the pixels of a finished map's photos lie from their true place, for flights
+// that `simulate` made: pixels of every photo are projected to the map's ground and to the true one. Objects
+// above the ground (buildings) are not part of it. Pure. Errors: kCorrupt (not the simulator's truth),
+// kUnprocessable (the truth of other photos).
 #pragma once
 
 #include <string_view>

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A child that does not read what it is told within this has lost its mind.
+// A child that does not read its messages within this time is stuck.
 constexpr std::chrono::seconds kTellPatience{30};
 constexpr std::chrono::milliseconds kExitPollInterval{2};
 // The parent's own words: a flight of 20 000 files with long names is 6 MiB.

@@ -1,7 +1,7 @@
-// ConfinedChild: a process of this binary that works on what others made (server/confinement/sandbox.h), seen
-// by the process that started it: it is spoken to over a pipe each way, believed nothing, watched for what it
-// takes of the machine, and gone when this goes out of scope. It ends by itself when the thread that started
-// it ends. One thread.
+// ConfinedChild: a process of this binary that decodes files of users (server/confinement/sandbox.h), seen
+// from its parent: the two talk over one pipe in each direction; its messages are not trusted, its resource
+// use is watched, and it is ended when this object is destroyed. It ends by itself when the thread that
+// started it ends. One thread.
 #pragma once
 
 #include <sys/types.h>

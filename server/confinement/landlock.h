@@ -1,6 +1,7 @@
-// Which files this process, and every thread it starts from now on, may still open: Linux's Landlock. What is
-// not named is refused with EACCES (EXDEV for a move), whatever the process's user may do. Never undone.
-// Before other threads are started; the kernel confines the thread that calls and those it starts.
+// Which files this process, and every thread it starts from now on, may still open: Linux's Landlock.
+// Everything not listed is refused with EACCES (EXDEV for a move), whatever the rights of the process's user.
+// Irrevocable. Call before other threads are started: the kernel confines the calling thread and those it
+// starts.
 #pragma once
 
 #include <filesystem>

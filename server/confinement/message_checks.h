@@ -1,6 +1,6 @@
-// What the messages between processes of ours have in common (server/jobs/job_messages.h,
-// server/preview/preview_messages.h): the figures that a map or preview can have, and texts of bounded
-// length. Pure; any thread.
+// Checks that the messages between our processes share (server/jobs/job_messages.h,
+// server/preview/preview_messages.h): figures within the range of a map or preview, and texts of bounded
+// length. Pure.
 #pragma once
 
 #include <array>

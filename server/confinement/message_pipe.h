@@ -1,7 +1,7 @@
-// Messages over a pipe between two processes of ours, of which the other may have been taken over by what it
-// read: each message is its length (four bytes, the lowest first) and so many bytes, never more than the
-// reader agreed to. What the bytes say is for the caller to check. A reader or writer is used by one thread
-// at a time and does not own its descriptor.
+// Messages over a pipe between two of our processes, of which the other may have been compromised by the
+// files it read: each message is its length (four bytes, little-endian) and that many bytes, never more than
+// the reader's limit. Validating the content is up to the caller. A reader or writer is used by one thread at
+// a time and does not own its descriptor.
 #pragma once
 
 #include <chrono>

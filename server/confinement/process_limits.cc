@@ -67,7 +67,7 @@ void StepBack() {
 
 bool FollowParent(int parent, int signal) {
   prctl(PR_SET_PDEATHSIG, signal);
-  return getppid() == parent;  // it may have died before we asked to be told
+  return getppid() == parent;  // it may have died before the signal was requested
 }
 
 }  // namespace skyquilt::server

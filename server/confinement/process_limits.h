@@ -1,6 +1,6 @@
-// What a process of ours may take of the machine from now on, where it works on what others made: a codec or
-// an archive that was made to harm meets a wall instead of the tiles' memory. For the process that calls;
-// once, before other threads are started.
+// Resource limits of this process from now on, where it decodes files of users: a malicious image or archive
+// then fails on a limit instead of taking the memory that serves tiles. Call once, before other threads are
+// started.
 #pragma once
 
 #include <cstdint>

@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
 constexpr std::chrono::milliseconds kStopPollInterval{100};  // how soon a stopping server is noticed
-constexpr std::chrono::milliseconds kUntilGone{5};     // between two looks whether a process has ended
+constexpr std::chrono::milliseconds kUntilGone{5};           // between two checks whether a process has ended
 constexpr char kGood = '+';
 constexpr char kBad = '-';
 

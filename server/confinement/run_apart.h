@@ -1,7 +1,7 @@
-// RunApart: work on what others made, done by another process of this very program, so that whatever the
-// bytes talk a parser into harms that process alone: it has limits of memory and CPU time, its time on the
-// clock is counted from outside, and of what it says only so much is read. The parent's side is RunApart; the
-// child's side is BecomeApart, then the work, then TellParent.
+// RunApart: decodes files of users in another process of this program, so that a parser exploit or crash
+// harms that process alone: its memory and CPU time are limited, its wall time is watched from outside, and
+// its output is bounded. The parent calls RunApart; the child calls BecomeApart, does the work, then
+// TellParent.
 //
 // Blocking; any thread. The kernel ends the child when the thread that called RunApart ends.
 #pragma once
@@ -28,8 +28,9 @@ struct ApartTask {
   std::string refusal;  // the message of the error when it did not live to its end
 };
 
-// What the child told. Errors: those that the child told; kUnprocessable with the task's `refusal` where it
-// died, took too long or said too much; kUnavailable where no process could be started or the server stops.
+// The child's answer. Errors: those that the child reported; kUnprocessable with the task's `refusal` where
+// it died, took too long or said too much; kUnavailable where no process could be started or the server
+// stops.
 Result<std::string> RunApart(const ApartTask& task);
 
 // From now on no task is begun, and those that run are ended within a tenth of a second.

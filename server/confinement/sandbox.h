@@ -1,9 +1,9 @@
 // Confine: from now on this process may read the files it was given and what the system's libraries need
 // (shared objects, PROJ's and GDAL's data), write below the folders it was given, and compute; no sockets, no
-// other programs, no other processes, no way back. For processes that decode what others made: called before
-// the first foreign byte is read and before a second thread is started. Landlock holds the files where the
-// kernel has it (server/confinement/landlock.h), seccomp the rest everywhere
-// (server/confinement/system_calls.h). Error: kUnavailable; then the process must not go on.
+// other programs or processes. Irrevocable. For processes that decode files of users: called before the first
+// byte of theirs is read and before a second thread is started. Landlock restricts files where the kernel has
+// it (server/confinement/landlock.h), seccomp the system calls everywhere
+// (server/confinement/system_calls.h). Error: kUnavailable; the process must then end.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
-// SpawnSelf: another process of this very binary. It starts with no signal blocked and none ignored, whatever
-// this process does with its own. Any thread, but the kernel tells a child of its parent's death by the
-// thread that made it. Error: kUnavailable.
+// SpawnSelf: starts another process of this binary, with no signal blocked or ignored, whatever this process
+// does with its own. Any thread; but the kernel signals a child when the thread that started it ends. Error:
+// kUnavailable.
 #pragma once
 
 #include <sys/types.h>

@@ -1,7 +1,7 @@
-// Connection: one TCP connection with HTTP's framing over it: request heads in under a deadline, bodies in
-// and out in slices, and a request's work on other threads. Knows no routes and no answers
-// (server/http/http_session does). Run by the one thread of its io_context; never throws but what work on the
-// pool threw. After a read or write that failed, has_failed() is true and the connection is of no more use.
+// Connection: one TCP connection with HTTP's framing: request heads under a deadline, bodies in and out in
+// slices, and a request's work on other threads. Knows no routes and no answers (server/http/http_session
+// does). Run by the one thread of its io_context; throws only what work on the pool threw. After a failed
+// read or write has_failed() is true and the connection must be closed.
 #pragma once
 
 #include <chrono>

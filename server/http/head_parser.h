@@ -1,6 +1,5 @@
-// HeadParser: one request head out of the bytes that have come so far. Refuses what is not HTTP, not
-// unambiguous or not for this server, as early as the bytes tell. Touches no socket and never waits; one
-// thread.
+// HeadParser: parses one request head from the bytes received so far. Refuses what is not HTTP, is ambiguous
+// or not for this server as early as possible. Touches no socket and never waits; one thread.
 #pragma once
 
 #include <cstddef>

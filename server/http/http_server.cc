@@ -140,7 +140,7 @@ bool HttpServer::Drain(std::chrono::milliseconds timeout) {
     closed.set_value();
   });
   closed.get_future().wait();
-  // A connection may become idle after the first look, so the look is repeated.
+  // A connection may become idle after the first check, so the check is repeated.
   const auto end = std::chrono::steady_clock::now() + timeout;
   while (true) {
     state_->sessions.CloseIdle();

@@ -1,7 +1,6 @@
-// HttpServer: listens, deals accepted connections out to a few threads, and shuts down in order: stops
-// accepting, closes what is idle, lets what is under way finish, then ends. One caller; the router and
-// service outlive it. Errors: kInvalidArgument (no such address), kConflict (the port is taken), kForbidden,
-// kIo.
+// HttpServer: listens, distributes accepted connections over a few threads, and shuts down in order: stops
+// accepting, closes idle connections, lets requests in progress finish. One caller; the router and service
+// outlive it. Errors: kInvalidArgument (no such address), kConflict (the port is taken), kForbidden, kIo.
 #pragma once
 
 #include <chrono>

@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kReceiveSliceBytes = 128 * 1024;
 constexpr std::size_t kSendSliceBytes = 256 * 1024;
-constexpr std::chrono::seconds kLiveRest{5};      // between two looks for what is new, if nobody wakes it
+constexpr std::chrono::seconds kLiveRest{5};      // between two polls of a live response that nobody wakes
 constexpr std::chrono::seconds kComputeWait{30};  // after which who waits for a picture has gone
 constexpr int kComputeNiceness = 5;               // as the workers that stitch
 

@@ -1,4 +1,4 @@
-// HttpSettings: where the server listens and what it endures. A value; any thread.
+// HttpSettings: where the server listens, and its limits. A value.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,6 @@
-// ReadRequestHead's checks that the HTTP library leaves out (measured with Boost 1.74: it accepts no Host,
-// two Hosts, unknown transfer codings, folded headers, 8-bit targets): the raw header block is held against
-// RFC 9112 before anyone acts on it. Pure; any thread.
+// ReadRequestHead: checks that the HTTP library omits (Boost 1.74 accepts no Host, two Hosts, unknown
+// transfer codings, folded headers and 8-bit targets): the raw header block is checked against RFC 9112
+// before it is used. Pure.
 #pragma once
 
 #include <cstdint>

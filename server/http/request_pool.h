@@ -1,7 +1,7 @@
-// RequestPool: a few threads for what a request computes or waits for, so that the threads that serve sockets
-// do neither. Bounded: so many requests wait at most, of one client no more than its share, and none longer
-// than `max_wait`; whoever comes beyond that is refused at once. Clients take turns, whatever each has
-// waiting. Submit, Continue: any thread. Work never throws.
+// RequestPool: threads for requests that compute or wait, so that the threads that serve sockets do neither.
+// Bounded: the number of waiting requests, their share per client, and the time they wait (`max_wait`) are
+// limited; a request beyond that is refused at once. Clients take turns, however many requests each has
+// waiting. Submit, Continue: any thread. Work must not throw.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// SessionSet: the connections that are open, so that there are not too many, over all or of one client, and
-// so that a server which is shutting down can close the idle ones and wait for the rest. Any thread.
+// SessionSet: the open connections, to limit their number in total and per client, and so that a server that
+// is shutting down can close idle ones and wait for the rest. Any thread.
 #pragma once
 
 #include <chrono>

@@ -1,7 +1,7 @@
-// UnpackApart: an uploaded archive is unpacked by a process of its own, under limits of memory, CPU time and
-// file size, so that one made to harm the unpacker harms that process alone. It unpacks into a folder of its
-// own below incoming/; only what came out whole is taken into the flight. Blocking; any thread. Errors: those
-// of storage::UnpackArchive, and kUnprocessable where the process did not live to its end.
+// UnpackApart: unpacks an uploaded archive in a process of its own, with limits of memory, CPU time and file
+// size, so that a malicious archive harms that process alone. It unpacks into a folder of its own below
+// incoming/; only files that were unpacked completely are added to the flight. Blocking; any thread. Errors:
+// those of storage::UnpackArchive, and kUnprocessable where the process did not finish.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// VerdictApart: what is in a flight's files (core/pipeline/inspect_flight.h), found by a process of its own
-// (server/confinement/run_apart.h): its parsers read what others made. Blocking; any thread. Errors: those of
-// the inspection, kUnprocessable where it took more than it is given, kUnavailable.
+// VerdictApart: inspects a flight's files (core/pipeline/inspect_flight.h) in a process of its own
+// (server/confinement/run_apart.h), because their parsers read files of users. Blocking; any thread. Errors:
+// those of the inspection, kUnprocessable where it exceeded its limits, kUnavailable.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,7 @@
-// Verdicts: each set of files with the same options is inspected once, whoever asks and however often, and
-// the answer is kept. Who asks for what is being inspected already waits for that; only a few inspections run
-// and only a few callers wait at a time, the others are told to come back. Refusals are kept for a while
-// only: a machine that was busy may do better later. Any thread; blocking. Errors: those of the inspection,
-// and kUnavailable.
+// Verdicts: each set of files with the same options is inspected once and the answer is kept. A request for
+// what is being inspected waits for that inspection; the number of inspections and of waiting callers is
+// limited, others are refused with kUnavailable. Refusals are kept for a short time only, because a busy
+// machine may succeed later. Any thread; blocking. Errors: those of the inspection, and kUnavailable.
 #pragma once
 
 #include <chrono>

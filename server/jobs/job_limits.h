@@ -1,5 +1,5 @@
-// What a job may take of the machine: generous for any flight, in proportion to what was uploaded, and an end
-// to a file that was made to keep a decoder busy for ever. Any thread.
+// Resource limits of a job: generous for any flight, in proportion to the uploaded bytes, and an end to a
+// file that was made to keep a decoder busy for ever. Any thread.
 #pragma once
 
 #include <chrono>

@@ -1,7 +1,6 @@
-// What a worker and the confined process that makes a map for it say to each other, as JSON texts. The
-// worker's words are a StitchTask; the other's are believed only so far: what ParseJobMessage lets through
-// has bounded lengths, is UTF-8, and holds figures that a map can have. Pure; any thread. Error:
-// kUnprocessable.
+// The messages between a worker and the confined process that makes a map for it, as JSON texts. The worker
+// sends a StitchTask. What the other sends is not trusted: ParseJobMessage accepts texts of bounded length in
+// UTF-8 and figures that a map can have. Pure. Error: kUnprocessable.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
-// JobProgress: the Progress of a job that a worker runs: writes stage and fraction into the queue (a few
-// times a second at most), renews the lease, and sees the wish to cancel, a lost lease and the worker's own
-// end. A thread of its own does the database's waiting; Report never does. Any thread may report.
+// JobProgress: the Progress of a job that a worker runs: writes stage and fraction to the queue (at most a
+// few times per second), renews the lease, and notices cancellation, a lost lease and the end of the worker.
+// A thread of its own waits for the database; Report never does. Any thread may report.
 #pragma once
 
 #include <atomic>

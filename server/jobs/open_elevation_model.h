@@ -1,6 +1,6 @@
-// OpenElevationModel: the heights of the ground that a flight is given: the file named by --dem, or else the
-// first elevation model among the flight's own files that can be read; nothing where there is none. A damaged
-// one among the files costs a warning, one named by --dem is an error, as of GeotiffDem::Open.
+// OpenElevationModel: the ground heights for a flight: the file given by --dem, or else the first readable
+// elevation model among the flight's own files; none where there is neither. A damaged one among the files
+// causes a warning, one given by --dem an error, as of GeotiffDem::Open.
 #pragma once
 
 #include <memory>

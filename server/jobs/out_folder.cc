@@ -28,7 +28,7 @@ std::vector<std::string> ProductNames() {
 }
 
 std::optional<std::string> FirstProductIn(const fs::path& folder) {
-  std::error_code none;  // what cannot be looked at cannot be replaced either: writing it says why
+  std::error_code none;  // what cannot be read cannot be replaced either: writing it reports why
   for (const std::string& name : ProductNames()) {
     if (fs::exists(fs::symlink_status(folder / name, none))) return name;
   }

@@ -1,7 +1,8 @@
-// CheckOutFolder: whether a folder may take the map of these files without a loss. A finished map of other
-// photos is not replaced by the way, nor is a file that only has the name of one of our products. What may go
-// on: an empty folder, what a killed run left, and a map all of whose photos are among the files (it is made
-// again, or grows). Reads the files' bytes when there is a map. Errors: kConflict, with what to do.
+// CheckOutFolder: whether the map of these files can be written to a folder without destroying anything. A
+// finished map of other photos is not replaced, nor is a file that merely has the name of one of our
+// products. Accepted are an empty folder, what a killed run left, and a map all of whose photos are among the
+// files (it is rebuilt, or grows). Reads the files' bytes when there is a map. Errors: kConflict, with what
+// to do.
 #pragma once
 
 #include <filesystem>

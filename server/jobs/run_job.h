@@ -1,8 +1,8 @@
 // RunJob: one leased job from its files to a published revision. The products are made by a confined process
-// (server/jobs/stitch_apart.h) in a folder of the lease's own below work/, of which nothing but plain files
-// is taken, moved into the flight in one step, and shown only if the lease still holds. Whatever happens, the
-// job ends or goes back to the queue; the work folder is removed, unless the process died and another attempt
-// goes on from it. Blocking; any thread that lives as long.
+// (server/jobs/stitch_apart.h) in a folder of the lease's own below work/, of which only plain files are
+// used; they are moved into the flight in one step, and shown only if the lease still holds. In every case
+// the job ends or returns to the queue; the work folder is removed, unless the process died and another
+// attempt continues from it. Blocking; any thread that lives as long.
 #pragma once
 
 #include <atomic>

@@ -1,9 +1,9 @@
 // StitchApart: one flight from files to finished products, made by a confined process of its own: it reads
-// the flight's files, writes below the task's folder, and knows neither the catalogue nor other flights nor
-// the network. This side passes its progress on, watches its limits, and believes no more of its outcome than
-// that its figures could be a map's. Blocking. The process is gone when this returns; what it wrote is as it
-// left it. Errors: those of StitchToDirectory; kUnprocessable (it took more time or memory than it may have);
-// kCancelled; kInternal and kUnavailable (it died, or could not be started; the next attempt may do better).
+// the flight's files, writes below the task's folder, and has no access to the catalogue, other flights or
+// the network. This side forwards its progress, watches its limits, and checks that the figures of its
+// outcome are possible for a map. Blocking. The process has ended when this returns; its files stay as it
+// left them. Errors: those of StitchToDirectory; kUnprocessable (it exceeded its time or memory); kCancelled;
+// kInternal and kUnavailable (it died or could not be started; the next attempt may succeed).
 #pragma once
 
 #include "core/base/progress.h"

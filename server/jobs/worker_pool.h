@@ -1,7 +1,7 @@
-// WorkerPool: the worker processes of a server, and one that draws previews: started from this very binary,
-// started again when they end, told to stop with the server. What a dead worker held is given back to the
-// queue at once, and its work folder removed. Used by the main thread alone: the kernel tells workers of
-// their parent's death by the thread that made them.
+// WorkerPool: the worker processes of a server, and one that draws previews: started from this binary,
+// restarted when they end, stopped with the server. The jobs of a dead worker return to the queue at once,
+// and its work folder is removed. Used by the main thread only: the kernel ends workers when the thread that
+// started them ends.
 #pragma once
 
 #include <sys/types.h>

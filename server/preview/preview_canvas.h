@@ -1,6 +1,6 @@
-// PreviewCanvas: photos laid one over the other onto the tiles of a growing preview, and the overviews above
-// what they changed. Reads the tiles it needs, writes nothing: Finish hands out what the next edition
-// changes. One thread; memory: the changed tiles, decoded. Errors: kCorrupt (a stored tile), kIo.
+// PreviewCanvas: composes photos onto the tiles of a growing preview and updates the overviews above changed
+// tiles. Reads the tiles it needs and writes nothing: Finish returns what the next edition changes. One
+// thread; memory: the changed tiles, decoded. Errors: kCorrupt (a stored tile), kIo.
 #pragma once
 
 #include <map>

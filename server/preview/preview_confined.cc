@@ -28,9 +28,9 @@ int PreviewConfined(int parent) {
   auto writer = MeetParent(parent);
   if (!writer) return 1;
   MessageReader reader = ParentsMessages();
-  const std::optional<std::string> text = reader.Read(kPlacePatience);
-  if (!text) return 1;
-  const Result<PreviewPlace> place = ParsePlace(*text);
+  const std::optional<std::string> place_text = reader.Read(kPlacePatience);
+  if (!place_text) return 1;
+  const Result<PreviewPlace> place = ParsePlace(*place_text);
   if (!place) return 1;
   setenv("SQLITE_TMPDIR", place->folder.c_str(), 1);
   LimitThisProcess({.more_memory_bytes = place->memory_bytes});

@@ -1,6 +1,6 @@
-// What the process that looks after previews and the confined one that draws them say to each other, as JSON
-// texts. The first one's words are a PreviewPlace and then PreviewRequests; of the other's nothing is
-// believed that no photo could have made. Pure; any thread. Error: kUnprocessable.
+// The messages between the process that manages previews and the confined one that draws them, as JSON texts:
+// one PreviewPlace, then PreviewRequests; of the answers only values that are possible for photos are
+// accepted. Pure. Error: kUnprocessable.
 #pragma once
 
 #include <cstdint>

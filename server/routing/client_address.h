@@ -2,7 +2,7 @@
 // connection's other end, or, where that is a proxy the operator trusts, the last address in X-Forwarded-For
 // that is none (those before it anybody can write). IPv6 counts by its first 64 bits, which one household has
 // to itself. Empty for this machine itself and for a trusted proxy that names nobody: they may stand for
-// many, and would be bounded as one. Pure; any thread.
+// many, and would be bounded as one. Pure.
 #pragma once
 
 #include <string>

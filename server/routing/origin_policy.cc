@@ -108,7 +108,7 @@ api::Headers CorsHeaders(const RequestHead& head, const HttpSettings& settings, 
   const std::string_view origin = head.headers.Find("Origin");
   const bool is_any = settings.cors_origins.empty();
   if (!is_any) cors.Add("Vary", "Origin");
-  // Where any page may, all are told the same, so that caches need not tell them apart.
+  // Where any page may read, all get the same header, so that caches need not distinguish them.
   if (is_any ? !requires_token : origin.empty() || !IsOriginAllowed(origin, settings, requires_token))
     return cors;
   cors.Add("Access-Control-Allow-Origin", is_any ? "*" : std::string(origin));

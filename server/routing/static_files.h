@@ -1,6 +1,6 @@
-// ServePage: the web page's own files, from one folder: index.html at "/", and what lies in it by its name.
-// Only kinds of files that a page needs, never a hidden one, a link, or anything of the build (package.json,
-// node_modules). Where NAME.gz lies beside NAME (the build makes it), clients that take gzip get that.
+// ServePage: the web page's own files, from one folder: index.html at "/", and the files in it by name. Only
+// file types that a page needs, never a hidden file, a link, or anything of the build (package.json,
+// node_modules). Where NAME.gz lies beside NAME (the build makes it), clients that accept gzip get that.
 // Answers carry the page's Content-Security-Policy. Any thread.
 #pragma once
 

@@ -1,8 +1,8 @@
-// PostMessage: one POST to another server, the only request that this program ever sends by itself, and only
-// where its operator allows webhooks. The name is resolved once and the connection goes to what was checked;
-// private addresses are refused unless allowed; redirects are not followed. TLS certificates are verified.
-// Blocking, ten seconds at most. Errors: kInvalidArgument (the address), kForbidden (a private address),
-// kUnavailable (no answer, or not a 2xx).
+// PostMessage: one POST to another server, the only outgoing request of this program, made only where its
+// operator allows webhooks. The name is resolved once and the connection goes to the address that was
+// checked; private addresses are refused unless allowed; redirects are not followed. TLS certificates are
+// verified. Blocking, ten seconds at most. Errors: kInvalidArgument (the address), kForbidden (a private
+// address), kUnavailable (no answer, or not a 2xx).
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// WebhookSender: tells the webhooks what they are to be told, signed, until they have heard it. A thread of
-// its own, for as long as it lives.
+// WebhookSender: delivers signed webhook messages and retries until they are received. A thread of its own,
+// for as long as it lives.
 #pragma once
 
 #include <condition_variable>

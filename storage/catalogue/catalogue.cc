@@ -157,7 +157,7 @@ Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::st
   } else {
     query.BindNull(1);
   }
-  query.Bind(2, limit + 1);  // one more than asked tells whether another page follows
+  query.Bind(2, limit + 1);  // one extra row shows whether another page follows
   FlightPage page;
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());

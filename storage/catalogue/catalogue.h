@@ -1,8 +1,7 @@
 // Catalogue: which flights there are, which files belong to them, and which finished revision is shown.
 // Values in, values out; the files themselves are in PhotoStore. A flight in the trash
-// (storage/catalogue/trash.h) is to all of this as if it were not there, but where it says otherwise. Any
-// thread. Errors: kNotFound (no such flight or file), kConflict (a job is using it), kOutOfSpace,
-// kUnavailable, kIo.
+// (storage/catalogue/trash.h) does not exist for these functions unless they say otherwise. Any thread.
+// Errors: kNotFound (no such flight or file), kConflict (a job is using it), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// EnterFlight: enters into the catalogue what lies on disk of one flight and is not in it yet: the flight,
+// EnterFlight: adds one flight that is on disk to the catalogue, as far as it is missing there: the flight,
 // its files by the names in its record, its newest map. In one transaction. Errors: kOutOfSpace,
 // kUnavailable, kIo.
 #pragma once

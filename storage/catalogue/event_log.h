@@ -1,6 +1,6 @@
-// EventLog: what happened to flights and jobs, in order, for whoever follows along or comes back after a
-// break. The database's own triggers write it (storage/schema), so that no change can be missed; the oldest
-// events go after some tens of thousands. Any thread. Errors: kUnavailable, kIo.
+// EventLog: the events of flights and jobs, in order, for clients that follow them or reconnect. Triggers of
+// the database write it (storage/db/schema.sql), so that no change can be missed; only the newest tens of
+// thousands are kept. Any thread. Errors: kUnavailable, kIo.
 #pragma once
 
 #include <cstdint>

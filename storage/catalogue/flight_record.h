@@ -1,6 +1,6 @@
 // FlightRecords: beside each flight's files a record of its own, flight.jsonl, from which the catalogue can
 // be made anew: the flight's name, options, owner and time, and under which name the user sent each stored
-// file. One line of JSON a change, only ever appended and fsynced before the change is said to be done, so
+// file. One line of JSON per change, only ever appended and fsynced before the change is said to be done, so
 // that a record is whole up to its last line whatever happens. Lines:
 //   {"flight": {"name": ..., "options": ..., "owner": ..., "created_us": ..., "trashed_us": ... or null}}
 //   (any of them)

@@ -1,6 +1,6 @@
-// IdempotentAnswers: what was answered to a request under a key that its client chose, so that the same
-// request sent again (the answer got lost) is answered the same and does nothing twice. Each token has keys
-// of its own. Kept for a day of the AgeClock. Any thread. Errors: kUnavailable, kOutOfSpace, kIo.
+// IdempotentAnswers: answers to requests under a key that the client chose, so that the same request sent
+// again (because its answer was lost) is answered the same and not carried out twice. Each token has its own
+// keys. Kept for a day of the AgeClock. Any thread. Errors: kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
 #include <chrono>

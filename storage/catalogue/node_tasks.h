@@ -1,4 +1,4 @@
-// NodeTasks: which flight stands behind which task of the NodeODM-compatible node. A task goes with its
+// NodeTasks: which flight belongs to which task of the NodeODM-compatible node. A task is deleted with its
 // flight. Any thread. Errors: kNotFound (no such task), kConflict (the UUID is taken), kOutOfSpace,
 // kUnavailable, kIo.
 #pragma once

@@ -1,6 +1,6 @@
-// Previews: which flights have a preview, how far it is, and which photos wait to be drawn into one. A flight
-// has a preview while it has no map: publishing the map ends it in the same transaction. The tiles themselves
-// are in PreviewTiles. Any thread, any number of processes, of which one draws. Errors: kUnavailable, kIo.
+// Previews: which flights have a preview, its progress, and which photos wait to be drawn. A flight has a
+// preview while it has no map: publishing the map ends it in the same transaction. The tiles themselves are
+// in PreviewTiles. Any thread, any number of processes, of which one draws. Errors: kUnavailable, kIo.
 #pragma once
 
 #include <array>

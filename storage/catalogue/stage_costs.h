@@ -1,5 +1,5 @@
-// StageCosts: what the stages of finished jobs took, so that the next one can say how long it will take. Any
-// thread. Errors: kUnavailable, kOutOfSpace, kIo.
+// StageCosts: the durations of the stages of finished jobs, from which the duration of the next one is
+// predicted. Any thread. Errors: kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
 #include <optional>

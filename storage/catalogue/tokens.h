@@ -1,6 +1,6 @@
-// Tokens: who may use the server, by the SHA-256 of what they show. Made and revoked by the operator's
-// command, also while a server runs: it reads them again within a second. That a token was made is remembered
-// when none is left: the server then lets nobody in until LetEverybodyIn. Any thread. Errors: kConflict (the
+// Tokens: who may use the server, by the SHA-256 of the token. Made and revoked by the operator's command,
+// also while a server runs: it reads them again within a second. That there has been a token is remembered
+// when none is left: the server then admits nobody until LetEverybodyIn. Any thread. Errors: kConflict (the
 // name is taken), kNotFound, kUnavailable, kIo.
 #pragma once
 
@@ -38,7 +38,7 @@ struct Token {
   bool HasEnded(Time now) const { return expires && *expires <= now; }
 };
 
-// All tokens, and whether the server asks for one at all.
+// All tokens, and whether the server requires one at all.
 struct TokenSet {
   bool requires_token = false;
   std::vector<Token> tokens;  // those that have ended among them
@@ -58,7 +58,7 @@ class Tokens {
   Result<void> LetEverybodyIn();
   // The same, from memory where it is younger than a second: for every request.
   Result<std::shared_ptr<const TokenSet>> Known();
-  // Whether the server asks for a token, as Known found it last; from memory but for the first time.
+  // Whether the server requires a token, as Known found it last; read from memory except the first time.
   bool RequiresToken();
 
  private:

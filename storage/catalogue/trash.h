@@ -1,8 +1,8 @@
-// Trash: flights that were deleted and can be taken back. Nothing of theirs moves or goes: to everyone else
-// they are as if they were not there (Catalogue, JobQueue, Previews, NodeTasks and UploadSpool pass over
-// them), until they are restored, or removed for good with Catalogue::DeleteFlight. They count for their
-// owner's bytes as before. Their days count by the AgeClock. Any thread. Errors: kNotFound (no such flight,
-// or not in the trash), kOutOfSpace, kUnavailable, kIo.
+// Trash: deleted flights that can be restored. Their files stay in place; for everyone else (Catalogue,
+// JobQueue, Previews, NodeTasks and UploadSpool) they do not exist until they are restored, or removed
+// permanently with Catalogue::DeleteFlight. They still count towards their owner's quota. Their days count by
+// the AgeClock. Any thread. Errors: kNotFound (no such flight, or not in the trash), kOutOfSpace,
+// kUnavailable, kIo.
 #pragma once
 
 #include <optional>

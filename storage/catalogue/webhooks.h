@@ -1,6 +1,6 @@
-// Webhooks: who is to be told of ended jobs and new maps, and what was not heard yet. Deliveries are rows
-// that the database's own triggers write (storage/schema). Any thread, any number of processes, of which one
-// delivers. Errors: kNotFound, kUnavailable, kOutOfSpace, kIo.
+// Webhooks: who is to be notified of ended jobs and new maps, and the deliveries still to be made. Deliveries
+// are rows that triggers of the database write (storage/db/schema.sql). Any thread, any number of processes,
+// of which one delivers. Errors: kNotFound, kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
 #include <cstdint>

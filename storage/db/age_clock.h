@@ -1,9 +1,9 @@
-// AgeClock: the time by which what is stored grows old enough to be removed (uploads that nobody goes on
-// with, kept answers, the trash). It goes forward only while the machine runs, by the kernel's time since its
-// start, and is kept in the catalogue from one start to the next: setting the machine's clock, however wrong,
-// ages nothing. It stands still while the machine is off, so things are kept longer than promised, never
-// shorter. It started near the machine's clock but need not agree with it: what is shown to people goes
-// through OnTheWall. Any thread, any number of processes: all read the same. Errors: as SqliteDb.
+// AgeClock: the time by which stored things expire (abandoned uploads, kept answers, the trash). It advances
+// only while the machine runs, by the kernel's time since boot, and is stored in the catalogue from one start
+// to the next: setting the machine's clock, however wrong, expires nothing. It stands still while the machine
+// is off, so things are kept longer than promised, never shorter. It started near the machine's clock but
+// need not agree with it: times shown to people go through OnTheWall. Any thread, any number of processes:
+// all read the same. Errors: as SqliteDb.
 #pragma once
 
 #include "core/base/result.h"

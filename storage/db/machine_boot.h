@@ -1,5 +1,5 @@
-// MachineBoot: which run of the machine this is, and for how long it has been going, sleep included. Not
-// moved by anyone who sets the clock. Any thread.
+// MachineBoot: the current boot of the machine and the time since then, sleep included. Independent of the
+// wall clock. Any thread.
 #pragma once
 
 #include <chrono>

@@ -25,7 +25,7 @@ void SpaceReserve::Fill() const {
   if (FreeBytesAt(path_.parent_path()) < 2 * kSpaceReserveBytes) return;
   const int fd = open(path_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (fd < 0) return;
-  // A part of it would look whole to nobody: its size is set by the allocation.
+  // A partial reserve is recognised by its size, which the allocation sets.
   if (posix_fallocate(fd, 0, kSpaceReserveBytes) != 0) unlink(path_.c_str());
   close(fd);
 }

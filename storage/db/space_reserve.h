@@ -1,8 +1,7 @@
-// SpaceReserve: room on the disk kept back for deleting. To delete, the catalogue has to write; on a full
-// disk it could not, and no space would ever be free again. The reserve is a file beside the catalogue that
-// holds nothing; it is given up when a deletion finds no room, and made whole again when there is plenty. Any
-// thread and process. Nothing here fails: without a reserve a full disk refuses deletions, as it would
-// anyway.
+// SpaceReserve: disk space reserved for deleting. A deletion has to write to the catalogue; on a full disk it
+// could not, and no space would ever become free. The reserve is an empty file beside the catalogue; it is
+// released when a deletion finds no room, and restored when there is enough. Any thread and process. Nothing
+// here fails: without a reserve a full disk refuses deletions, as it would anyway.
 #pragma once
 
 #include <cstdint>

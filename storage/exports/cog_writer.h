@@ -2,7 +2,7 @@
 // GoogleMapsCompatible). The tiles' own JPEG (or WebP) bytes are copied, overviews from the pyramid's own
 // levels; only the partly transparent tiles at the fringe, and those few of the coarsest overviews whose
 // corner is no tile's (see tile_grid.h), are encoded anew as JPEG with a one-bit mask. Streams: memory is the
-// directories (16 bytes a tile) and a few tiles a thread. Published by rename. Blocking. Errors: kIo,
+// directories (16 bytes per tile) and a few tiles per thread. Published by rename. Blocking. Errors: kIo,
 // kOutOfSpace, kCorrupt, kCancelled.
 #pragma once
 

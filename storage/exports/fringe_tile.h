@@ -1,6 +1,6 @@
-// FringeTile: a tile as formats without alpha hold it: opaque JPEG colours and one bit of mask a pixel.
-// Beyond the edge the colours go on, so that JPEG neither darkens nor rings at the map's border. Pure; any
-// thread. Errors: kCorrupt.
+// FringeTile: a tile for formats without alpha: opaque JPEG colours and one bit of mask per pixel. Colours
+// are extended beyond the edge, so that JPEG neither darkens nor rings at the map's border. Pure. Errors:
+// kCorrupt.
 #pragma once
 
 #include <cstdint>

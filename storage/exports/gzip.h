@@ -1,4 +1,4 @@
-// Gzip: bytes to a gzip member that is the same at any time (no date, no name). Pure; any thread.
+// Gzip: bytes to a gzip member that is always the same (no date, no name). Pure.
 #pragma once
 
 #include <string>

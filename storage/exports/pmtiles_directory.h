@@ -1,5 +1,5 @@
-// The directories of a PMTiles archive: which tile lies where. Pure; any thread.
-// Source: PMTiles specification version 3, chapters 3.3 (tile numbers) and 4 (directories).
+// The directories of a PMTiles archive: which tile lies where. Pure. Source: PMTiles specification version 3,
+// chapters 3.3 (tile numbers) and 4 (directories).
 #pragma once
 
 #include <cstdint>

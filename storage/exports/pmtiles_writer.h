@@ -1,6 +1,6 @@
 // WritePmtiles: a finished MBTiles of MbtilesWriter as a PMTiles archive (version 3): the same bytes,
 // clustered along the Hilbert curve, each once. A browser reads single tiles from it on any file server with
-// range requests. Streams; memory is 40 bytes a tile. Published by rename. Blocking. Errors: kIo,
+// range requests. Streams; memory is 40 bytes per tile. Published by rename. Blocking. Errors: kIo,
 // kOutOfSpace, kCorrupt, kCancelled. Source: PMTiles specification version 3.
 #pragma once
 

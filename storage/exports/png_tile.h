@@ -1,6 +1,5 @@
-// DecodePngTile: a PNG (ISO/IEC 15948) of 8-bit RGBA without interlacing, which is what tilesets hold,
-// several times faster than a reader of every kind. Pure; any thread. Errors: kCorrupt (any other kind of
-// picture too).
+// DecodePngTile: decodes a PNG (ISO/IEC 15948) of 8-bit RGBA without interlacing, the kind that tilesets
+// hold, several times faster than a general reader. Pure. Errors: kCorrupt (any other kind of picture too).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// WriteThumbnail: the whole map as one small PNG, transparent where it shows nothing, from the overviews of
-// its GeoTIFF. Published by rename. Blocking. Errors: kIo, kOutOfSpace.
+// WriteThumbnail: the whole map as one small PNG, transparent where it is empty, from the overviews of its
+// GeoTIFF. Published by rename. Blocking. Errors: kIo, kOutOfSpace.
 #pragma once
 
 #include <filesystem>

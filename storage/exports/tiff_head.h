@@ -1,7 +1,7 @@
 // TiffHead: everything of a cloud-optimised GeoTIFF that stands before its tiles: header, GDAL's note on the
 // order of the file, and all directories with room for the places of their tiles, which are filled in as
-// tiles are written. Memory: 12 or 16 bytes a tile. One thread. Sources: TIFF 6.0; BigTIFF; GeoTIFF 1.1 (OGC
-// 19-008r4); COG layout as GDAL's COG driver documents it.
+// tiles are written. Memory: 12 or 16 bytes per tile. One thread. Sources: TIFF 6.0; BigTIFF; GeoTIFF 1.1
+// (OGC 19-008r4); COG layout as GDAL's COG driver documents it.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// CheckData: does a data folder hold what its catalogue says, and does the catalogue know all that the folder
-// holds? Reads names and sizes, changes nothing. For a folder that no server uses at the moment.
+// CheckData: compares a data folder with its catalogue in both directions: files the catalogue lists and
+// files on disk. Reads names and sizes, changes nothing. For a folder that no server uses at the moment.
 #pragma once
 
 #include <string>

@@ -2,15 +2,14 @@
 //   skyquilt-data.json              the marker: whose folder this is (storage/folder/data_marker)
 //   catalogue.db                    flights, files, revisions, jobs
 //   flights/<id>/flight.jsonl       the flight's record: its facts and the user's file names
-//   (storage/catalogue/flight_record) flights/<id>/files/<ours>       uploaded bytes, under names we made
+//   flights/<id>/files/<ours>       uploaded bytes, under names we made
 //   flights/<id>/r<revision>/       a finished map: mosaic.mbtiles, mosaic.tif, report.json, photos.geojson
 //   uploads/                        resumable uploads that are not complete
-//   incoming/                       uploads on their way in
-//   work/                           jobs on their way, and what is being deleted
-//   lost/<time>/                    what was found and belonged nowhere, under the path it had
-//   (storage/folder/lost_folder)
-// What is temporary below incoming/ and work/ carries the folder's id in its name: only that is removed after
-// a crash. A value; any thread.
+//   incoming/                       uploads in progress
+//   work/                           jobs in progress, and what is being deleted
+//   lost/<time>/                    files that belonged to nothing, under the path they had
+// Temporary names below incoming/ and work/ carry the folder's id: only those are removed after a crash. A
+// value.
 #pragma once
 
 #include <cstdint>

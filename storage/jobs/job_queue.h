@@ -1,4 +1,4 @@
-// JobQueue: stitching jobs, handed to workers by lease, by priority and then in turn to those who asked. A
+// JobQueue: stitching jobs, handed to workers by lease, by priority and then in turn to their owners. A
 // worker claims a job, renews its lease by heartbeat, and ends it; each write carries the lease's token, so
 // that a worker that slept past its lease can change nothing (fencing). A job whose worker died is handed out
 // again, three times at most; one whose worker was cut off by a restart of the server or the machine loses no
@@ -26,7 +26,7 @@ inline constexpr std::chrono::seconds kLeaseTime{15};
 inline constexpr int kMaxAttempts = 3;
 // By restarts. More than a machine sees by chance while it works on one job.
 inline constexpr int kMaxInterruptions = 10;
-// Names of workers that a server looks after begin so: it releases what they held when they die.
+// Prefix of the names of workers that a server supervises: it releases what they held when they die.
 inline constexpr const char* kServedWorkerPrefix = "serve-";
 
 enum class JobState { kAccepted, kRunning, kSuccessful, kFailed, kDismissed };
@@ -105,7 +105,7 @@ class JobQueue {
   Result<std::optional<Job>> LatestOf(const std::string& flight_id) const;
   Result<std::vector<Job>> ListRunning() const;
   Result<JobCounts> Count() const;
-  // A waiting job ends at once; a running one when its worker sees the wish. Asking twice changes nothing.
+  // A waiting job ends at once; a running one when its worker notices. Cancelling twice changes nothing.
   Result<Job> Cancel(const std::string& id, Time now);
   // Forgets a job that has ended. kConflict: it has not.
   Result<void> Remove(const std::string& id);

@@ -1,6 +1,6 @@
 // NextJob: the job whose turn it is. Priority first; among equals who has fewest jobs running now, then whose
 // last turn is longest ago, then the job that came first. A job whose worker's lease ran out waits like the
-// others. Looks at one row for each owner that has a job running and at one more, however many wait. Within
+// others. Reads one row for each owner that has a job running and at one more, however many wait. Within
 // the caller's transaction. Errors: kUnavailable, kIo.
 #pragma once
 

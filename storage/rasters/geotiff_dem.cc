@@ -25,7 +25,7 @@ constexpr std::int64_t kCacheBytes = std::int64_t{64} << 20;
 constexpr std::int64_t kMaxBlockBytes = kCacheBytes / 4;
 constexpr int kMaxBands = 16;
 
-// The one driver that is needed, and no look at files beside the one given.
+// Only the GeoTIFF driver, without reading sibling files.
 void RegisterGeotiffOnce() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -80,7 +80,7 @@ Result<std::unique_ptr<GeotiffDem>> GeotiffDem::Open(const std::filesystem::path
   };
   auto raster = std::make_unique<Raster>();
   const char* const drivers[] = {"GTiff", nullptr};
-  // What is wrong with it is told by our own words, not by GDAL's on the standard error output.
+  // Errors are reported by our own messages, not by GDAL's on stderr.
   CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
   raster->dataset.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers));
   if (!raster->dataset || raster->dataset->GetRasterCount() < 1) return refuse("cannot be read");

@@ -1,5 +1,5 @@
-// PreviewCache: the preview that a flight shows now, opened once and kept while it is asked for. Another
-// process draws it, so the catalogue is asked again after kFreshFor. Any thread. Errors: kNotFound (the
+// PreviewCache: the preview that a flight shows now, opened once and kept while it is used. Another
+// process draws it, so the catalogue is read again after kFreshFor. Any thread. Errors: kNotFound (the
 // flight has no preview), kUnavailable, kIo.
 #pragma once
 

@@ -1,6 +1,6 @@
 // StreamFile: a large file written from front to back under `<path>.tmp` and published by rename after fsync;
-// gone if it is not published. Failures are kept and told by Publish, so that writing needs no check a call.
-// One thread. Errors: kOutOfSpace, kIo.
+// gone if it is not published. Failures are kept and returned by Publish, so that single writes need no
+// check. One thread. Errors: kOutOfSpace, kIo.
 #pragma once
 
 #include <cstdint>

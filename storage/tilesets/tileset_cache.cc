@@ -24,7 +24,7 @@ Result<Tileset> OpenTileset(const std::string& flight_id, const Revision& revisi
       return reader.error();
     }
   }
-  // The map last: its absence says that the folder is gone, and no layer was looked for in vain.
+  // The map last: its absence says that the folder is gone, and the layers need not be opened.
   SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(folder / "mosaic.mbtiles"));
   tileset.reader = std::move(reader);
   return tileset;
@@ -46,7 +46,7 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flig
 }
 
 Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& flight_id) {
-  // Only a revision retired twice within one request can vanish between the look and the opening.
+  // Only a revision retired twice within one request can vanish between the query and the opening.
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
     const auto read_at = std::chrono::steady_clock::now();

@@ -1,6 +1,6 @@
 // TilesetCache: the tileset that a flight shows now, opened once and kept while it is used. What a request
 // gets it may hold to its end: a newer revision never changes an older one. Another process publishes, so the
-// catalogue is asked again after kFreshFor; a flight without a map is asked for every time. Any thread.
+// catalogue is read again after kFreshFor, and every time for a flight without a map. Any thread.
 // Errors: kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
 #pragma once
 

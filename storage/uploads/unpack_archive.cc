@@ -46,8 +46,8 @@ bool IsClutter(const std::string& full_name) {
 }
 
 // Whether an entry of a zip, just begun, is compressed in a way whose memory the format bounds. LZMA, xz,
-// Zstandard and PPMd take as much as the entry asks for, up to gigabytes, before a byte is out. libarchive
-// tells it only by a name: "ZIP 6.3 (lzma)".
+// Zstandard and PPMd allocate what the entry declares, up to gigabytes, before the first byte of output.
+// libarchive tells it only by a name: "ZIP 6.3 (lzma)".
 bool HasBoundedMemory(struct archive* archive) {
   if ((archive_format(archive) & ARCHIVE_FORMAT_BASE_MASK) != ARCHIVE_FORMAT_ZIP) return true;
   const std::string_view name = archive_format_name(archive);

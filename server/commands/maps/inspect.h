@@ -1,4 +1,4 @@
-// `skyquilt inspect IN...`: what is in these photos and logs and what will happen, before anyone waits.
+// `skyquilt inspect IN...`: what these photos and logs contain and what to expect from stitching them.
 #pragma once
 
 namespace CLI {

@@ -1,5 +1,5 @@
 // ReckoningSvg: a reckoning as a picture: displacement, rotation and drift of every interval by both rules
-// beside the record, and the drift over fixed windows. Pure; any thread.
+// beside the record, and the drift over fixed windows. Pure.
 #pragma once
 
 #include <string>

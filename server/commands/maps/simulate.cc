@@ -56,7 +56,7 @@ camera::Intrinsics LensOf(const SimulateArguments& arguments) {
     Fail({ErrorCode::kInvalidArgument,
           "--size is '" + arguments.size + "'; write it as WIDTHxHEIGHT, like 4000x3000.", ""});
   }
-  // A common drone lens sees 67 degrees across when nothing else is asked for.
+  // A common drone lens sees 67 degrees across unless another field of view is given.
   const double focal_px = arguments.focal_px > 0.0 ? arguments.focal_px : 0.75 * width;
   camera::Intrinsics lens = camera::Intrinsics::Centered(width, height, focal_px);
   if (arguments.distortion.size() == 4) {
@@ -68,7 +68,7 @@ camera::Intrinsics LensOf(const SimulateArguments& arguments) {
   return lens;
 }
 
-// The aircraft and its recorder, when a log is asked for.
+// The aircraft and its recorder, when a log is requested.
 simulate::SurveyOptions SurveyOf(const SimulateArguments& arguments) {
   simulate::SurveyOptions survey = arguments.survey;
   survey.sensors.has_imu = arguments.imu != ImuKind::kNone;

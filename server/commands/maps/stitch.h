@@ -1,4 +1,4 @@
-// `skyquilt stitch IN... -o DIR`: a folder in, a map out, without a server.
+// `skyquilt stitch IN... -o DIR`: makes the map of a folder of photos, without a server.
 #pragma once
 
 namespace CLI {
