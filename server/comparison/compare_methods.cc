@@ -18,6 +18,7 @@
 #include "core/base/try.h"
 #include "core/pipeline/report/locate.h"
 #include "server/commands/terminal_progress.h"
+#include "server/comparison/reckon_row.h"
 #include "server/jobs/stitch_job.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -154,6 +155,7 @@ Result<std::vector<MethodOutcome>> CompareMethods(const std::vector<flight::Inpu
     SKYQUILT_TRY_ASSIGN(MethodOutcome outcome, RunMethod(name, files, of_method, truth_json, out_dir));
     outcomes.push_back(std::move(outcome));
   }
+  if (auto reckoned = ReckonRow(files)) outcomes.push_back(*std::move(reckoned));
   return outcomes;
 }
 
@@ -171,6 +173,11 @@ std::string ComparisonMarkdown(const std::vector<MethodOutcome>& outcomes) {
     if (!outcome.failure.empty()) {
       text += fmt::format("| {} | 0 of {}: {} | - | - |{} - | - | {}\n", outcome.method, outcome.photos,
                           outcome.failure, has_truth ? " - | - |" : "", cost);
+      continue;
+    }
+    if (!outcome.note.empty()) {
+      text += fmt::format("| {} | {} | - | - |{} - | - | {:.1f} | {:.1f} | - |\n", outcome.method,
+                          outcome.note, has_truth ? " - | - |" : "", outcome.wall_s, outcome.cpu_s);
       continue;
     }
     std::string truth;
@@ -194,6 +201,7 @@ std::string ComparisonJson(const std::vector<MethodOutcome>& outcomes) {
   for (const MethodOutcome& outcome : outcomes) {
     Json method = {{"method", outcome.method},
                    {"failure", outcome.failure.empty() ? Json(nullptr) : Json(outcome.failure)},
+                   {"note", outcome.note.empty() ? Json(nullptr) : Json(outcome.note)},
                    {"photos", outcome.photos},
                    {"placed", outcome.placed},
                    {"aligned", outcome.aligned},

@@ -20,6 +20,7 @@ struct MethodOutcome {
   std::string method;
   std::filesystem::path folder;
   std::string failure;  // empty: it made a map
+  std::string note;     // of a method that makes no map: what it found
   int photos = 0;       // given
   int placed = 0;       // on the map
   int aligned = 0;      // of those by images
@@ -35,7 +36,9 @@ struct MethodOutcome {
   std::optional<TruthError> truth;
 };
 
-// Each method's map and report go into out_dir/METHOD. `truth_json`: of a simulated flight; may be empty.
+// Each method's map and report go into out_dir/METHOD. Where a log has raw inertial samples, the last row is
+// dead reckoning between captures (reckon_row.h), without a map. `truth_json`: of a simulated flight; may be
+// empty.
 Result<std::vector<MethodOutcome>> CompareMethods(const std::vector<flight::InputFile>& files,
                                                   const pipeline::MosaicOptions& options,
                                                   const std::string& truth_json,

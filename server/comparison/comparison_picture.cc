@@ -57,7 +57,7 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
   std::vector<storage::Tileset> tilesets;
   geo::Bounds2 all;
   for (const MethodOutcome& outcome : outcomes) {
-    if (!outcome.failure.empty()) continue;
+    if (!outcome.failure.empty() || !outcome.note.empty()) continue;
     SKYQUILT_TRY_ASSIGN(auto reader, storage::MbtilesReader::Open(outcome.folder / "mosaic.mbtiles"));
     storage::Tileset tileset;
     tileset.reader = std::move(reader);

@@ -97,12 +97,10 @@ void AddCompareCommand(CLI::App& app) {
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
       ->capture_default_str();
   command->footer(
-      "Methods: imu places photos by their recorded poses and looks at no pixel; features chains "
-      "homographies\n"
-      "from photo to photo and looks at no pose (both of Iz and Unel); direct shifts whole pictures against "
-      "each\n"
-      "other; auto is what stitch does. Each runs in a process of its own, so seconds and memory are its "
-      "own.\n"
+      "Methods: imu places photos by their recorded poses and uses no pixel; features chains homographies\n"
+      "from photo to photo and uses no pose (both of Iz and Unel); direct shifts whole pictures against each\n"
+      "other; auto is what stitch does. Each runs in a process of its own, so that time and memory are its own.\n"
+      "Where a log has raw inertial samples, reckon is the drift of dead reckoning between captures.\n"
       "Seam shift: how far two photos that meet disagree about where things are. Error, for simulated "
       "flights:\n"
       "nine of ten pixels lie nearer to their true place; relative: after the best shift, turn and scale.\n"

@@ -1,6 +1,7 @@
 """`skyquilt compare`: every method on one simulated flight, figures that agree with the maps, a picture of them."""
 import json
 import pathlib
+import re
 import shutil
 import sqlite3
 import struct
@@ -30,7 +31,7 @@ class Compare(unittest.TestCase):
         table = (out / "compare.md").read_text()
         self.assertIn(table, printed)
         methods = {method["method"]: method for method in json.loads((out / "compare.json").read_text())["methods"]}
-        self.assertEqual(list(methods), ["imu", "features", "direct", "auto"])
+        self.assertEqual([name for name in methods if name != "reckon"], ["imu", "features", "direct", "auto"])
         for method in methods:
             self.assertIn(f"| {method} |", table)
         header = (out / "compare.png").read_bytes()[:24]
@@ -51,6 +52,21 @@ class Compare(unittest.TestCase):
         relative = {name: method["truth"]["relative_ce90_m"] for name, method in methods.items()}
         self.assertLess(relative["auto"], 0.2 * relative["imu"])
         self.assertEqual(methods["imu"]["aligned"], 0)
+        self.assertNotIn("reckon", methods)
+
+    def test_a_log_with_raw_inertial_samples_adds_dead_reckoning(self):
+        flight = self.scratch / "logged"
+        subprocess.run([BINARY, "simulate", "-o", flight, "--photos", "6", "--size", "640x480", "--height", "40",
+                        "--no-world", "--log", "dataflash"], check=True, capture_output=True)
+        out, methods = self.compare(flight, "reckoned")
+        reckon = methods["reckon"]
+        drift_m = [float(drift) for drift in re.findall(r"([0-9.]+) m by", reckon["note"])]
+        self.assertEqual(len(drift_m), 2)
+        # An accelerometer's bias and the tilt that the gyroscope's adds, twice integrated over a few seconds.
+        self.assertLess(max(drift_m), 5.0)
+        self.assertGreater(min(drift_m), 0.0)
+        self.assertFalse((out / "reckon").exists())
+        self.assertIsNone(methods["auto"]["note"])
 
     def test_without_truth_and_with_a_method_that_fails(self):
         alone = self.scratch / "alone"
