@@ -75,11 +75,11 @@ const char* CacheControl(const Request& request, const storage::Tileset& tileset
 
 Result<Response> Blank(const Request& request, const TileRequest& wanted, int side_px,
                        const char* cache_control) {
-  SKYQUILT_TRY_ASSIGN(const EmptyTile wanted, ParseEmptyTile(request, wanted.empty));
-  if (wanted == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
+  SKYQUILT_TRY_ASSIGN(const EmptyTile empty, ParseEmptyTile(request, wanted.empty));
+  if (empty == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
   Response response;
   response.headers.Add("Cache-Control", cache_control);
-  if (wanted == EmptyTile::kNoContent) {
+  if (empty == EmptyTile::kNoContent) {
     response.status = 204;
     return response;
   }
