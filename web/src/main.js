@@ -23,7 +23,7 @@ import { isUploading, startUpload, uploadOf } from './upload/uploads.js';
 import { welcomeView } from './upload/welcome.js';
 
 takeSharedToken();
-// A share link that is opened where the page is already: everything is asked for anew, with its token.
+// A share link that is opened while the page is open: everything is loaded again, with its token.
 addEventListener('hashchange', () => {
   if (takeSharedToken()) location.reload();
 });
@@ -99,7 +99,7 @@ async function takeFiles(selection) {
 }
 
 /**
- * Is this the rest of an upload that was broken off? Then nobody needs to be asked.
+ * Is this the rest of an upload that was broken off? Then no dialog is needed.
  * @param {Flight} flight
  * @param {Selection} selection
  */

@@ -1,5 +1,5 @@
 // Deleting with a way back: the flight goes to the server's trash at once, so that it does not matter when the page is
-// left, and "Undo" takes it out again. Where the server keeps no trash, it is asked first.
+// left, and "Undo" takes it out again. Where the server keeps no trash, a dialog confirms first.
 /** @import { Flight, TrashedFlight } from '../shared/types.js' */
 import { announce, showError, showNote } from '../shared/announce.js';
 import { deleteFlight, getTrash, removeFlight, restoreFlight } from '../shared/api.js';

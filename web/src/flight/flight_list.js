@@ -35,7 +35,7 @@ export function flightFacts(flight) {
     .join(' · ');
 }
 
-/** May who looks change it? @param {Flight} flight */
+/** May this client change it? @param {Flight} flight */
 export const mayChange = (flight) => flight.may_change !== false;
 
 /** @type {Record<'newest'|'name'|'largest', (a: Flight, b: Flight) => number>} */

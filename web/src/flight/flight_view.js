@@ -84,7 +84,7 @@ export class FlightView {
     this.#closers = [];
   }
 
-  /** Loads the flight anew and shows what it is at. */
+  /** Reloads the flight and shows its state. */
   async refresh() {
     try {
       const flight = await getFlight(this.id, this.#abort.signal);

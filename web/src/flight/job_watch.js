@@ -1,4 +1,4 @@
-// Follows a job until it ends: asks every second, more slowly while the server does not answer.
+// Follows a job until it ends: polls every second, more slowly while the server does not answer.
 /** @import { Job } from '../shared/types.js' */
 import { ApiError, getJob } from '../shared/api.js';
 

@@ -1,4 +1,4 @@
-// The token that a server for others asks for. It comes from a share link (#/flights/ID?token=..., which is sent to
+// The access token that a shared server requires. It comes from a share link (#/flights/ID?token=..., which is sent to
 // nobody, or ?token=...), and stays for this tab, or from the user, and stays in this browser. Requests carry it in their header; pictures and downloads, which cannot, in their
 // address, where the server takes it for reading only.
 import { h } from './dom.js';
@@ -35,7 +35,7 @@ export function readable(path) {
 
 let is_asking = false;
 
-/** Asks for a token, keeps it and loads the page anew. Once at a time. */
+/** Prompts for a token, stores it and reloads the page. Once at a time. */
 export function askForToken() {
   if (is_asking) return;
   is_asking = true;

@@ -44,7 +44,7 @@
  * @property {string|null} [tilejson]
  * @property {Preview|null} [preview] until there is a map
  * @property {ServerError|string|null} [error]
- * @property {boolean} [may_change] whether who asks may; true where the server does not say
+ * @property {boolean} [may_change] whether this client may change it; true where the server does not say
  */
 
 /** @typedef {{id: string, created_at: string, expires_at: string|null}} Share */
