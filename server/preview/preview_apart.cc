@@ -188,7 +188,7 @@ Result<bool> PreviewApart::Step() {
   while (true) {
     SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, previews_.Find(work.flight_id));
     request.preview = std::move(preview);
-    SKYQUILT_TRY_ASSIGN(const Session* session, SessionOf(work.flight_id, request.preview));
+    SKYQUILT_TRY_ASSIGN(Session* const session, SessionOf(work.flight_id, request.preview));
     Answer answer = Exchange(*session, request);
     if (answer.drawn) {
       SKYQUILT_TRY(Show(work, request, *answer.drawn));
