@@ -47,7 +47,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
     const bool is_due = has_begun || is_first_;
     SetHeadDeadline(is_due ? settings_.header_deadline : settings_.idle_deadline);
     HeadParser reading(settings_);
-    HeadState state = reading.Parse(Buffered());
+    HeadState state = reading.Examine(Buffered());
     while (state == HeadState::kNeedsMore) {
       SystemError error;
       const std::size_t got = co_await stream_.async_read_some(
@@ -55,7 +55,7 @@ class SocketConnection : public Connection, public std::enable_shared_from_this<
       if (error && is_late_ && has_begun) co_return Refuse({408, "The request head came too slowly."});
       if (error) co_return Head::kClosed;
       buffer_.commit(got);
-      state = reading.Parse(Buffered());
+      state = reading.Examine(Buffered());
       // Most heads come whole, and setting a timer that is sooner than all others costs a system call.
       if (state == HeadState::kNeedsMore && !has_begun && !is_first_)
         SetHeadDeadline(settings_.header_deadline);

@@ -21,7 +21,7 @@ HeadParser::~HeadParser() = default;
 
 std::unique_ptr<RequestParser> HeadParser::TakeParser() { return std::move(parser_); }
 
-HeadState HeadParser::Parse(std::string_view bytes) {
+HeadState HeadParser::Examine(std::string_view bytes) {
   const std::size_t end = bytes.find(kEndOfHead, searched_);
   if (end != std::string_view::npos) return Parse(bytes.substr(0, end + kEndOfHead.size()));
   if (const auto refusal = CheckRawHead(bytes)) return Refuse(*refusal);

@@ -28,7 +28,7 @@ class HeadParser {
   ~HeadParser();
 
   // `bytes`: all that has come of this head, which grows from call to call.
-  HeadState Parse(std::string_view bytes);
+  HeadState Examine(std::string_view bytes);
 
   // After kWhole: the head, how many bytes it took, and the parser of what follows it.
   RequestHead& head() { return head_; }

@@ -12,10 +12,10 @@ HeadState InPieces(const std::string& head, std::size_t step) {
   static const HttpSettings settings;
   HeadParser parser(settings);
   for (std::size_t end = step; end < head.size(); end += step) {
-    const HeadState state = parser.Parse(std::string_view(head).substr(0, end));
+    const HeadState state = parser.Examine(std::string_view(head).substr(0, end));
     if (state != HeadState::kNeedsMore) return state;
   }
-  return parser.Parse(head);
+  return parser.Examine(head);
 }
 
 TEST(HeadParser, MeansTheSameHoweverTheBytesWereCut) {
