@@ -38,6 +38,15 @@ Result<void> SetReadout(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<void> SetMaxLook(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_number()) return Refuse("max_look_deg", "must be a number of degrees");
+  const auto max_look_deg = value.get<double>();
+  if (!(max_look_deg >= 10.0 && max_look_deg <= 75.0))
+    return Refuse("max_look_deg", "must lie between 10 and 75 degrees off the vertical");
+  options->max_look_deg = max_look_deg;
+  return {};
+}
+
 Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
   if (value == "auto") {
     options->encoding = pipeline::TileEncoding::kJpegPng;
@@ -116,6 +125,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     Result<void> set;
     if (field == "gsd_m") {
       set = SetGsd(value, &options);
+    } else if (field == "max_look_deg") {
+      set = SetMaxLook(value, &options);
     } else if (field == "readout_ms") {
       set = SetReadout(value, &options);
     } else if (field == "format") {
@@ -133,7 +144,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     } else {
       set = Refuse(
           field,
-          "is not known; known are gsd_m, readout_ms, format, quality, method, origin, landed_at_start and layers");
+          "is not known; known are gsd_m, max_look_deg, readout_ms, format, quality, method, origin, "
+          "landed_at_start and layers");
     }
     if (!set) return set.error();
   }

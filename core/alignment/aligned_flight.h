@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera/footprint.h"
 #include "core/camera/intrinsics.h"
 #include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
@@ -27,6 +28,7 @@ struct AlignedPhoto {
   double error_radius_m =
       0.0;  // 1-sigma horizontal ground error of the image centre, both directions together
   double height_above_ground_m = 0.0;
+  double max_look_rad = camera::kMaxLookAngleRad;  // off the vertical: the map shows nothing that it sees beyond
 };
 
 struct AlignedFlight {

@@ -6,25 +6,29 @@
 namespace skyquilt::camera {
 namespace {
 
+double AngleOffVertical(const Eigen::Vector3d& ray_in_enu) {
+  return std::atan2(ray_in_enu.head<2>().norm(), -ray_in_enu.z());
+}
+
 // The ground point of a ray, pulled in to the widest view angle allowed when it goes beyond.
-Eigen::Vector2d GroundOfRay(const Eigen::Vector3d& ray_in_enu, const Eigen::Vector3d& center, double drop_m) {
+Eigen::Vector2d GroundOfRay(const Eigen::Vector3d& ray_in_enu, const Eigen::Vector3d& center, double drop_m,
+                            double max_angle_rad) {
   const Eigen::Vector2d sideways = ray_in_enu.head<2>();
   const double length = sideways.norm();
-  const double down = -ray_in_enu.z();
   if (length < 1e-12) return center.head<2>();
-  const double angle = std::atan2(length, down);
-  const double reach_m = drop_m * std::tan(std::min(angle, kMaxViewAngleRad));
+  const double reach_m = drop_m * std::tan(std::min(AngleOffVertical(ray_in_enu), max_angle_rad));
   return center.head<2>() + (reach_m / length) * sideways;
 }
 
 }  // namespace
 
 std::vector<Eigen::Vector2d> GroundFootprint(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
-                                             double plane_z_m, int points_per_side) {
+                                             double plane_z_m, int points_per_side, double max_angle_rad) {
   const Eigen::Vector3d center = cam_from_enu.TargetOriginInSource();
   const double drop_m = center.z() - plane_z_m;
-  const Eigen::Vector3d axis = cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-  if (drop_m <= 0.0 || axis.z() > -std::cos(kMaxViewAngleRad)) return {};
+  if (drop_m <= 0.0) return {};
+  // The lower part of a photo with the horizon in it looks at the ground, whatever its axis does.
+  bool sees_ground = AngleOffVertical(cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ()) <= max_angle_rad;
   const double right = intrinsics.width_px - 0.5;
   const double bottom = intrinsics.height_px - 0.5;
   const Eigen::Vector2d corners[4] = {{-0.5, -0.5}, {right, -0.5}, {right, bottom}, {-0.5, bottom}};
@@ -35,9 +39,11 @@ std::vector<Eigen::Vector2d> GroundFootprint(const Intrinsics& intrinsics, const
       const double t = static_cast<double>(i) / points_per_side;
       const Eigen::Vector2d pixel = (1.0 - t) * corners[side] + t * corners[(side + 1) % 4];
       const Eigen::Vector3d ray = cam_from_enu.rotation.conjugate() * intrinsics.Unproject(pixel);
-      polygon.push_back(GroundOfRay(ray, center, drop_m));
+      sees_ground = sees_ground || AngleOffVertical(ray) <= max_angle_rad;
+      polygon.push_back(GroundOfRay(ray, center, drop_m, max_angle_rad));
     }
   }
+  if (!sees_ground) return {};
   std::reverse(polygon.begin(), polygon.end());  // the image runs clockwise as seen from above
   return polygon;
 }

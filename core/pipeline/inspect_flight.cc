@@ -135,17 +135,36 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
                                             list.sightings.size()));
   }
   verdict.elevation_models = flight->elevation_models;
-  auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem});
+  constexpr bool kKeepUnplaced = true;
+  auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem, kKeepUnplaced});
   if (!posed) {
     verdict.left_out = flight->left_out;
     verdict.warnings = flight->warnings;
     verdict.warnings.push_back(posed.error().message);
     return verdict;
   }
+  verdict.photos_by_images = static_cast<int>(posed->unplaced.size());
+  if (posed->photos.empty()) {
+    verdict.left_out = flight->left_out;
+    verdict.warnings = posed->warnings;
+    verdict.warnings.push_back(fmt::format(
+        "No photo records where it was taken. Where they overlap, they are laid to each other by what they show; the map "
+        "is then whole{}.",
+        flight->gcp_lists.empty() ? ", but lies nowhere on Earth: add the flight log, a geo.txt with positions or surveyed "
+                                    "points (gcp_list.txt) to place it"
+                                  : " and lies where the surveyed points say"));
+    return verdict;
+  }
   const alignment::AlignedFlight placed = alignment::AlignByPoseOnly(*posed);
   verdict.photos_placeable = static_cast<int>(placed.photos.size());
   verdict.left_out = placed.left_out;
   verdict.warnings = placed.warnings;
+  if (verdict.photos_by_images > 0) {
+    verdict.warnings.push_back(
+        fmt::format("{} photos have no usable position or height: they join the others by what they show, where they "
+                    "overlap.",
+                    verdict.photos_by_images));
+  }
   verdict.poses = posed->report;
   verdict.height_rule = posed->report.height_rule;
   std::vector<double> errors_m;

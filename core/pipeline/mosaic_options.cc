@@ -21,6 +21,9 @@ Result<void> MosaicOptions::Validate() const {
   if (jpeg_quality < 1 || jpeg_quality > 100) {
     return refuse(fmt::format("The quality is {} but must be 1 to 100.", jpeg_quality));
   }
+  if (!(max_look_deg >= 10.0 && max_look_deg <= 75.0)) {
+    return refuse(fmt::format("max_look_deg is {} but must be 10 to 75 degrees off the vertical", max_look_deg));
+  }
   if (readout_s && !(*readout_s >= 0.0 && *readout_s <= 0.5)) {
     return refuse(
         fmt::format("The option readout_ms is {} but must be 0 to 500 milliseconds.", 1e3 * *readout_s));

@@ -300,6 +300,9 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     facts = *std::move(anew);
   }
   placed.facts = *std::move(facts);
+  for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
+    photo.max_look_rad = geo::DegToRad(options.max_look_deg);
+  }
   placed.facts.options = DigestOfPlacing(options);
   placed.facts.inputs = inputs;
   std::map<std::string, Digest> by_path;

@@ -20,6 +20,7 @@ using alignment::AlignedPhoto;
 
 // GDAL (and with it QGIS) refuses MBTiles with a zoom above 22.
 constexpr int kFinestZoom = 22;
+constexpr int kPointsPerSide = 8;  // of a footprint
 constexpr int kBlockSizePx = 1024;
 constexpr std::int64_t kMaxBlocksAPhoto = 20'000;
 constexpr std::int64_t kMaxOutputPixels = std::int64_t{1} << 40;
@@ -43,7 +44,7 @@ Eigen::Vector2d UnwrappedMerc(const geo::LatLon& position, const AlignedFlight& 
 std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight,
                                              double plane_z_m) {
   std::vector<Eigen::Vector2d> polygon =
-      camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m);
+      camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m, kPointsPerSide, photo.max_look_rad);
   for (Eigen::Vector2d& point : polygon) {
     const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), plane_z_m});
     point = UnwrappedMerc({wgs84.lat_deg, wgs84.lon_deg}, flight);
@@ -63,8 +64,15 @@ geo::Bounds2 BoundsSeen(const AlignedPhoto& photo, const AlignedFlight& flight,
   return bounds;
 }
 
-// Ground size of a pixel at the image centre: height along the axis over the focal length.
+// Ground size of a pixel at the image centre: height along the axis over the focal length. Where the axis runs towards
+// the horizon, at the furthest that is shown.
 std::optional<double> GsdM(const AlignedPhoto& photo, double plane_z_m) {
+  const Eigen::Vector3d axis = photo.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  if (-axis.z() < std::cos(photo.max_look_rad)) {
+    const double drop_m = photo.cam_from_enu.TargetOriginInSource().z() - plane_z_m;
+    if (drop_m <= 0.0) return std::nullopt;
+    return drop_m / std::cos(photo.max_look_rad) / photo.intrinsics.MeanFocalPx();
+  }
   const Eigen::Vector2d middle{0.5 * (photo.intrinsics.width_px - 1), 0.5 * (photo.intrinsics.height_px - 1)};
   const auto ground = camera::GroundFromPixel(photo.intrinsics, photo.cam_from_enu, middle, plane_z_m);
   if (!ground) return std::nullopt;

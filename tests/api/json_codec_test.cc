@@ -91,6 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "{\"name\":\"" + std::string(300, 'a') + "\"}", R"({"options":1})",
                     R"({"options":{"gsd":1}})", R"({"options":{"gsd_m":0}})", R"({"options":{"gsd_m":-1}})",
                     R"({"options":{"gsd_m":1e400}})", R"({"options":{"gsd_m":"1"}})",
+                    R"({"options":{"max_look_deg":80}})", R"({"options":{"max_look_deg":null}})",
                     R"({"options":{"readout_ms":-1}})", R"({"options":{"readout_ms":501}})",
                     R"({"options":{"readout_ms":"33"}})", R"({"options":{"quality":0}})",
                     R"({"options":{"quality":85.5}})", R"({"options":{"quality":9999999999999999999999}})",

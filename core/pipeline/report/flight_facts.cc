@@ -162,6 +162,7 @@ Digest DigestOfPlacing(const MosaicOptions& options) {
       .Add(static_cast<int>(options.method))
       .Add(options.landed_at_start)
       .Add(options.dem_path);
+  hasher.Add(options.max_look_deg);
   hasher.Add(options.readout_s.has_value()).Add(options.readout_s.value_or(0.0));
   hasher.Add(options.origin.has_value());
   if (options.origin) hasher.Add(options.origin->lat_deg).Add(options.origin->lon_deg);

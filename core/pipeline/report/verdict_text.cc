@@ -105,6 +105,7 @@ std::string VerdictJson(const FlightVerdict& v) {
   for (const flight::LogFacts& log : v.logs) logs.push_back(LogJson(log));
   const nlohmann::ordered_json json{{"photos_readable", v.photos_readable},
                                     {"photos_placeable", v.photos_placeable},
+                                    {"photos_by_images", v.photos_by_images},
                                     {"cameras", v.cameras},
                                     {"position_sources", v.position_sources},
                                     {"attitude_sources", v.attitude_sources},

@@ -23,6 +23,7 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
   hasher.AddBytes(photo.cam_from_enu.translation.data(), 3 * sizeof(double));
   hasher.AddBytes(photo.readout_motion_in_enu_m.data(), 3 * sizeof(double));
   hasher.Add(static_cast<int>(photo.placement)).Add(photo.error_radius_m).Add(photo.height_above_ground_m);
+  hasher.Add(photo.max_look_rad);
   for (const double gain : tone.gain) hasher.Add(gain);
   for (const double term : tone.vignetting.a) hasher.Add(term);
 }

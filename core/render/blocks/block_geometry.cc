@@ -42,7 +42,7 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
   const Eigen::Matrix3d rotation = photo.cam_from_enu.rotation.toRotationMatrix();
   const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
-  const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
+  const double widest_tangent = std::tan(photo.max_look_rad);
   const bool moves = !photo.readout_motion_in_enu_m.isZero(0.0);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {

@@ -58,7 +58,7 @@ cv::Mat3b SmoothedThumbnail(const Thumbnail& thumbnail, double cell_in_thumbnail
 
 LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bounds2& seen_in_merc,
                           const geo::LocalFrame& frame, const ground::GroundSurface& ground,
-                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid) {
+                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid, double map_gsd_m) {
   LowResView view;
   if (seen_in_merc.IsEmpty()) return view;
   const double cell_in_merc_m = grid.CellInMercM();
@@ -84,7 +84,7 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
   view.camera_east_m = static_cast<float>(center.x());
   view.camera_north_m = static_cast<float>(center.y());
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
-  const double widest_tangent = std::tan(camera::kMaxViewAngleRad);
+  const double widest_tangent = std::tan(photo.max_look_rad);
   const double radius_scale = 4.0 / (static_cast<double>(lens.width_px) * lens.width_px +
                                      static_cast<double>(lens.height_px) * lens.height_px);
   // A long thin photo's thumbnail may be one pixel wide.
@@ -105,7 +105,8 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
     const float margin_px = score.Margin(static_cast<float>(x), static_cast<float>(y));
     if (margin_px <= -half_cell_px) continue;
     view.seen[i] = margin_px >= half_cell_px ? Seen::kFully : Seen::kPartly;
-    view.score_m[i] = score.Score(static_cast<float>(sideways_m), std::max(0.0f, margin_px));
+    view.score_m[i] = score.Score(static_cast<float>(sideways_m), std::max(0.0f, margin_px)) +
+                      score.CoarsePenalty(offset, lens.MeanFocalPx(), map_gsd_m);
     const double u = std::clamp((x + 0.5) * shrink - 0.5, 0.0, last_u);
     const double v = std::clamp((y + 0.5) * shrink - 0.5, 0.0, last_v);
     const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);

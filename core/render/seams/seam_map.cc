@@ -51,7 +51,7 @@ SeamMap BuildSeamMap(const alignment::AlignedFlight& flight, const ground::Groun
   std::vector<LowResView> views(flight.photos.size());
   ParallelFor(views.size(), options.threads, [&](std::size_t i) {
     views[i] = MakeLowResView(flight.photos[i], plan.seen_in_merc[i], flight.frame, ground,
-                              exposure.photos[i], thumbnails[i], map.grid);
+                              exposure.photos[i], thumbnails[i], map.grid, plan.gsd_m);
   });
   if (options.moves_seams) MarkMoving(views, map.cell_m, options.threads);
   const bool is_same_grid = options.known != nullptr && options.known->grid.zoom == map.grid.zoom &&

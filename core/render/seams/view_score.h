@@ -1,8 +1,10 @@
 // ViewScore: how well a photo shows a point of the ground, in metres; lower is better. Nadir distance first
-// (things lean less), then how well the photo's place is known; towards its own border a photo gives way.
+// (things lean less), then how well the photo's place is known; towards its own border a photo gives way, and where its
+// pixels cover far more ground than the map's.
 // Values; any thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 
 #include "core/alignment/aligned_flight.h"
@@ -14,6 +16,7 @@ struct ViewScore {
   float taper_px = 1.0f;
   float border_penalty_m = 0.0f;
   float constant_m = 0.0f;
+  float coarse_penalty_m = 0.0f;
 
   static ViewScore Of(const alignment::AlignedPhoto& photo);
 
@@ -21,6 +24,9 @@ struct ViewScore {
   float Margin(float x, float y) const {
     return std::min(std::min(x + 0.5f, width_px - 0.5f - x), std::min(y + 0.5f, height_px - 0.5f - y));
   }
+  // For pixels that cover several times the ground of the map's: whoever sees the place better shows it.
+  // `offset_m`: from the camera to the place.
+  float CoarsePenalty(const Eigen::Vector3d& offset_m, double focal_px, double map_gsd_m) const;
   float Score(float nadir_distance_m, float margin_px) const {
     const float lack = std::max(0.0f, 1.0f - margin_px / taper_px);
     return nadir_distance_m + constant_m + border_penalty_m * lack * lack;

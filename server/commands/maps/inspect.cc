@@ -32,7 +32,7 @@ void Run(const InspectArguments& arguments) {
   if (!verdict) fail(verdict.error());
   verdict->warnings.insert(verdict->warnings.end(), elevations->warnings.begin(), elevations->warnings.end());
   fmt::print("{}", arguments.as_json ? pipeline::VerdictJson(*verdict) : pipeline::VerdictText(*verdict));
-  if (verdict->photos_placeable == 0) throw CLI::RuntimeError(2);
+  if (verdict->photos_placeable == 0 && verdict->photos_by_images == 0) throw CLI::RuntimeError(2);
 }
 
 }  // namespace

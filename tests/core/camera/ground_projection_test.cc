@@ -66,8 +66,22 @@ TEST(GroundFromPixel, SeesNoGroundAtOrAboveTheHorizon) {
   const Intrinsics lens = Intrinsics::Centered(1000, 800, 900.0);
   const geo::Rigid3 pose = Pose(0.0, 5.0, 0.0, {0, 0, 50.0});
   EXPECT_FALSE(GroundFromPixel(lens, pose, {500.0, 400.0}, 0.0).has_value());
-  EXPECT_TRUE(GroundFootprint(lens, pose, 0.0).empty());
+  EXPECT_TRUE(GroundFootprint(lens, Pose(0.0, 20.0, 0.0, {0, 0, 50.0}), 0.0).empty());
   EXPECT_TRUE(GroundFootprint(lens, Pose(0, -90, 0, {0, 0, -3.0}), 0.0).empty());
+}
+
+// The horizon in the upper part, the ground in the lower, which counts as far as the look angle lets it.
+TEST(Footprint, OfAPhotoWithTheHorizonInItEndsAtTheLookAngle) {
+  const Intrinsics lens = Intrinsics::Centered(1000, 800, 700.0);
+  const geo::Rigid3 pose = Pose(0.0, -5.0, 0.0, {10, 20, 50.0});
+  const double max_rad = geo::DegToRad(65.0);
+  const auto polygon = GroundFootprint(lens, pose, 0.0, 8, max_rad);
+  ASSERT_FALSE(polygon.empty());
+  for (const Eigen::Vector2d& point : polygon) {
+    EXPECT_LE((point - Eigen::Vector2d(10, 20)).norm(), 50.0 * std::tan(max_rad) + 1e-6);
+    EXPECT_GT(point.y(), 20.0) << "it looks north";
+  }
+  EXPECT_TRUE(GroundFootprint(lens, pose, 0.0, 8, geo::DegToRad(50.0)).empty());
 }
 
 TEST(Footprint, OfALevelPhotoIsItsRectangle) {

@@ -147,7 +147,7 @@ TEST_F(DegenerateFlights, OnePhoto) {
 }
 
 TEST_F(DegenerateFlights, OnePhotoLookingAtTheHorizon) {
-  Add({.pitch_deg = -5.0});
+  Add({.pitch_deg = 5.0});
   ExpectRefusal("look");
 }
 

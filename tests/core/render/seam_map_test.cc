@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/geo/web_mercator.h"
 #include "tests/support/simulated_map.h"
 
 namespace skyquilt::render {
@@ -74,6 +75,52 @@ TEST(SeamMap, GoesRoundBuildings) {
   const test::ObjectCount roofs = test::CountRoofs(map, map.Seams({}));
   ASSERT_GT(roofs.objects, 5);
   EXPECT_LE(roofs.BrokenShare(), 0.05) << roofs.twice << " twice, " << roofs.in_part << " in part";
+}
+
+// From so high up that its pixels cover ten times the ground: near the point below it, it stands most nearly above.
+TEST(SeamMap, APhotoWithFarCoarserPixelsGivesWay) {
+  test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight());
+  constexpr std::size_t kHigh = 5;
+  alignment::AlignedPhoto& high = map.flight.photos[kHigh];
+  Eigen::Vector3d center = high.cam_from_enu.TargetOriginInSource();
+  center.z() *= 10.0;
+  high.height_above_ground_m *= 10.0;
+  high.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(high.cam_from_enu.rotation, center);
+  map.plan = *PlanMosaic(map.flight, map.ground, {});
+  const SeamMap seams = map.Seams({});
+  int of_high = 0;
+  for (int row = 0; row < seams.grid.rows; ++row) {
+    for (int column = 0; column < seams.grid.columns; ++column) {
+      if (seams.labels.At(column, row) != static_cast<std::int32_t>(kHigh)) continue;
+      ++of_high;
+      for (std::size_t i = 0; i < seams.levels.size(); ++i) {
+        EXPECT_FALSE(i != kHigh && seams.levels[i].SeesWhole(column, row)) << i << " sees it better";
+      }
+    }
+  }
+  EXPECT_GT(of_high, 1000) << "what nobody else sees";
+}
+
+TEST(SeamMap, ShowsNothingBeyondTheLookAngle) {
+  test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight());
+  const double max_look_rad = geo::DegToRad(20.0);
+  for (alignment::AlignedPhoto& photo : map.flight.photos) photo.max_look_rad = max_look_rad;
+  map.plan = *PlanMosaic(map.flight, map.ground, {});
+  const SeamMap seams = map.Seams({});
+  int cells = 0;
+  for (int row = 0; row < seams.grid.rows; ++row) {
+    for (int column = 0; column < seams.grid.columns; ++column) {
+      const std::int32_t photo = seams.labels.At(column, row);
+      if (photo == kNoPhoto) continue;
+      ++cells;
+      const Eigen::Vector3d ground =
+          map.flight.frame.EnuAtHeight(geo::LatLonFromMerc(seams.grid.CellInMerc(column, row)), 0.0);
+      const Eigen::Vector3d up =
+          map.flight.photos[static_cast<std::size_t>(photo)].cam_from_enu.TargetOriginInSource() - ground;
+      EXPECT_LE(std::atan2(up.head<2>().norm(), up.z()), max_look_rad + 1e-6);
+    }
+  }
+  EXPECT_GT(cells, 1000);
 }
 
 TEST(SeamMap, CorrectionsOfNeighboursMeetAtTheSeam) {
