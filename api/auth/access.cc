@@ -72,10 +72,6 @@ const Rule* FindRule(Method method, std::string_view pattern) {
   return nullptr;
 }
 
-bool IsNode(std::string_view pattern) {
-  return pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
-}
-
 struct Shown {
   std::string_view text;
   bool is_in_query = false;
@@ -127,6 +123,10 @@ Response Forbidden(const Request& request, std::string_view pattern, Scope neede
 }
 
 }  // namespace
+
+bool IsNode(std::string_view pattern) {
+  return pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
+}
 
 std::optional<Scope> ScopeOf(Method method, std::string_view pattern) {
   const Rule* rule = FindRule(method, pattern);

@@ -20,6 +20,9 @@ std::optional<storage::Scope> ScopeOf(Method method, std::string_view pattern);
 // True when the list names the route: for the test that walks all routes.
 bool IsListed(Method method, std::string_view pattern);
 
+// True for the routes of the NodeODM contract, which answers refusals in a form of its own.
+bool IsNode(std::string_view pattern);
+
 // The refusal, if the request may not pass, or its token has no more of what it may take (api/auth/limits);
 // else the request knows whose it is.
 std::optional<Response> CheckAccess(Service& service, Request& request, std::string_view pattern);

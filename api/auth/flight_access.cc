@@ -28,10 +28,6 @@ constexpr std::string_view kOpenToOneFlight[] = {"/api/v1/flights",
                                                  "/ogc/jobs/{job}",
                                                  "/ogc/jobs/{job}/results"};
 
-bool IsNode(std::string_view pattern) {
-  return pattern.starts_with("/task/") || pattern == "/info" || pattern == "/options";
-}
-
 std::optional<std::string> ParameterOf(const Request& request, std::string_view name) {
   for (const auto& [known, value] : request.parameters) {
     if (known == name) return value;

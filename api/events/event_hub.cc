@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kReadInterval{200};
 constexpr std::size_t kMaxItems = 4096;
-constexpr int kMaxAtOnce = 500;
+constexpr int kMaxReadAtOnce = 500;
 
 }  // namespace
 
@@ -117,13 +117,13 @@ void EventHub::Run() {
 Result<EventHub::Items> EventHub::ReadNew(std::int64_t tail) {
   Items items;
   for (bool is_full = true; is_full;) {
-    SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, events_.After(tail, {}, kMaxAtOnce));
+    SKYQUILT_TRY_ASSIGN(const std::vector<storage::Event> events, events_.After(tail, {}, kMaxReadAtOnce));
     for (const storage::Event& event : events) {
       items.push_back(
           std::make_shared<const Item>(Item{event.seq, event.flight_id, event.job_id, EventText(event)}));
       tail = event.seq;
     }
-    is_full = events.size() == kMaxAtOnce;
+    is_full = events.size() == kMaxReadAtOnce;
   }
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::Job> running, queue_.ListRunning());
   std::map<std::string, std::pair<double, std::string>> sent_progress;

@@ -29,7 +29,7 @@ std::string TrashedJson(const Service& service, const storage::TrashedFlight& fl
                      {"days_left", std::to_string(days_left)}});
 }
 
-Response List(Service& service, const Request& request) {
+Response ListTrash(Service& service, const Request& request) {
   const Result<std::vector<storage::TrashedFlight>> flights = service.trash.List();
   if (!flights) return Problem(flights.error(), request);
   std::vector<std::string> items;
@@ -96,7 +96,7 @@ Result<int> RemoveOldTrash(Service& service) {
 }
 
 void AddTrashRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/trash", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kGet, "/api/v1/trash", [&](const Request& r) { return ListTrash(service, r); });
   router.Add(Method::kDelete, "/api/v1/trash/{flight}",
              [&](const Request& r) { return RemoveForGood(service, r); });
   router.AddUpload(

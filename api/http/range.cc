@@ -4,6 +4,7 @@
 #include <charconv>
 #include <optional>
 
+#include "api/http/header_text.h"
 #include "api/http/http_message.h"
 
 namespace skyquilt::api {
@@ -15,12 +16,6 @@ std::optional<std::uint64_t> ParseNumber(std::string_view text) {
   std::uint64_t number = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
   return parsed.ec == std::errc() ? number : UINT64_MAX;
-}
-
-std::string_view Trim(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/try.h"
+#include "api/http/header_text.h"
 #include "storage/uploads/photo_store.h"
 
 namespace skyquilt::api {
@@ -13,13 +14,6 @@ constexpr std::size_t kMaxQueryItems = 64;
 
 Error Refuse(const char* why) {
   return {ErrorCode::kInvalidArgument, fmt::format("Bad request target: {}.", why), ""};
-}
-
-int HexDigit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
 }
 
 bool IsUnreservedOrSub(char c) {

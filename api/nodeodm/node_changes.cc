@@ -12,7 +12,7 @@
 namespace skyquilt::api {
 namespace {
 
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 
 struct TaskRequest {
   std::string uuid;
@@ -27,11 +27,11 @@ Result<TaskRequest> ParseTaskRequest(const Request& request, const std::string& 
   const std::string_view type = request.headers.Find("Content-Type");
   if (EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json")) {
     SKYQUILT_TRY(CheckJsonText(body));
-    const Json parsed = Json::parse(body, nullptr, false);
+    const PlainJson parsed = PlainJson::parse(body, nullptr, false);
     if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
     if (parsed.contains("uuid") && parsed["uuid"].is_string()) wanted.uuid = parsed["uuid"];
     if (parsed.contains("options")) {
-      const Json& options = parsed["options"];
+      const PlainJson& options = parsed["options"];
       wanted.options = options.is_string() ? options.get<std::string>() : options.dump();
     }
   } else {
@@ -49,8 +49,8 @@ Response Outcome(const Result<void>& done, const Request& request) {
   if (done) return NodeAnswer(R"({"success":true})");
   Response response = NodeProblem(done.error(), request);
   if (response.status == 200) {
-    response.body = Json{{"success", false}, {"error", done.error().message}}.dump(
-        -1, ' ', false, Json::error_handler_t::replace);
+    response.body = PlainJson{{"success", false}, {"error", done.error().message}}.dump(
+        -1, ' ', false, PlainJson::error_handler_t::replace);
   }
   return response;
 }

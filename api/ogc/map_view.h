@@ -12,6 +12,9 @@
 
 namespace skyquilt::api {
 
+// What OGC's own link relations begin with.
+inline const std::string kOgcRel = "http://www.opengis.net/def/rel/ogc/1.0/";
+
 struct MapView {
   std::string id;  // of the flight
   std::string name;

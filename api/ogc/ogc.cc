@@ -21,7 +21,6 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-constexpr const char* kRel = "http://www.opengis.net/def/rel/ogc/1.0/";
 constexpr const char* kMercator = "http://www.opengis.net/def/crs/EPSG/0/3857";
 constexpr const char* kCrs84 = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
 
@@ -57,12 +56,12 @@ Response Landing(const Request& request) {
   links.push_back(Link(at.Link("/docs"), "service-doc", "text/html", "The API, to read"));
   links.push_back(
       Link(at.Link("/ogc/conformance"), "conformance", "application/json", "Conformance classes"));
-  links.push_back(Link(at.Link("/ogc/conformance"), std::string(kRel) + "conformance", "application/json",
-                       "Conformance classes"));
+  links.push_back(
+      Link(at.Link("/ogc/conformance"), kOgcRel + "conformance", "application/json", "Conformance classes"));
   links.push_back(Link(at.Link("/ogc/collections"), "data", "application/json", "Maps"));
-  links.push_back(Link(at.Link("/ogc/collections"), std::string(kRel) + "data", "application/json", "Maps"));
-  links.push_back(Link(at.Link("/ogc/tileMatrixSets"), std::string(kRel) + "tiling-schemes",
-                       "application/json", "Tile matrix sets"));
+  links.push_back(Link(at.Link("/ogc/collections"), kOgcRel + "data", "application/json", "Maps"));
+  links.push_back(Link(at.Link("/ogc/tileMatrixSets"), kOgcRel + "tiling-schemes", "application/json",
+                       "Tile matrix sets"));
   return Document({{"title", "Skyquilt"}, {"description", "Maps made of aerial photos"}, {"links", links}});
 }
 
@@ -82,8 +81,8 @@ Value Collection(const MapView& map) {
   Value links = Value::array();
   const std::string at = "/ogc/collections/" + map.id;
   links.push_back(Link(map.Link(at), "self", "application/json", "This map"));
-  links.push_back(Link(map.Link(at + "/map/tiles"), std::string(kRel) + "tilesets-map", "application/json",
-                       "Its tilesets"));
+  links.push_back(
+      Link(map.Link(at + "/map/tiles"), kOgcRel + "tilesets-map", "application/json", "Its tilesets"));
   links.push_back(Link(map.Link("/stac/" + map.id), "describedby", "application/geo+json", "STAC item"));
   Value collection;
   collection["id"] = map.id;
@@ -140,8 +139,8 @@ Value TilesetSummary(const MapView& map) {
   }
   Value links = Value::array();
   links.push_back(Link(map.Link(at), "self", "application/json", "This tileset"));
-  links.push_back(Link(map.Link("/ogc/tileMatrixSets/" + map.matrix_set()),
-                       std::string(kRel) + "tiling-scheme", "application/json", "Its tile matrix set"));
+  links.push_back(Link(map.Link("/ogc/tileMatrixSets/" + map.matrix_set()), kOgcRel + "tiling-scheme",
+                       "application/json", "Its tile matrix set"));
   for (const auto& [type, extension] : {std::pair{"image/png", "png"}, std::pair{"image/jpeg", "jpg"}}) {
     Value item = Link(map.Link(at + "/{tileMatrix}/{tileRow}/{tileCol}." + extension), "item", type, "Tiles");
     item["templated"] = true;

@@ -13,6 +13,7 @@
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
 #include "core/base/try.h"
+#include "api/ogc/map_view.h"
 
 namespace skyquilt::api {
 namespace {
@@ -20,7 +21,6 @@ namespace {
 using Value = nlohmann::ordered_json;
 
 constexpr const char* kProcess = "stitch";
-constexpr const char* kRel = "http://www.opengis.net/def/rel/ogc/1.0/";
 constexpr const char* kException = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/";
 
 Response Document(int status, const Value& value, const char* type = "application/json") {
@@ -56,8 +56,8 @@ Value Summary(const Request& request) {
   process["outputTransmission"] = {"reference"};
   process["links"] =
       Value::array({Link(request, "/ogc/processes/stitch", "self", "application/json", "This process"),
-                    Link(request, "/ogc/processes/stitch/execution", std::string(kRel) + "execute",
-                         "application/json", "Where to execute it")});
+                    Link(request, "/ogc/processes/stitch/execution", kOgcRel + "execute", "application/json",
+                         "Where to execute it")});
   return process;
 }
 
@@ -107,7 +107,7 @@ Value StatusInfo(const Request& request, const storage::Job& job) {
   info["links"] = Value::array({Link(request, self, "self", "application/json", "This job")});
   if (job.state == storage::JobState::kSuccessful) {
     info["links"].push_back(
-        Link(request, self + "/results", std::string(kRel) + "results", "application/json", "Its results"));
+        Link(request, self + "/results", kOgcRel + "results", "application/json", "Its results"));
   }
   return info;
 }

@@ -275,7 +275,7 @@ Response Get(Service& service, const Request& request) {
   return response;
 }
 
-Response Delete(Service& service, const Request& request) {
+Response DeleteUpload(Service& service, const Request& request) {
   if (auto refused = CheckOwner(service, request)) return *std::move(refused);
   const Result<void> removed = service.db.Free(
       [&] { return service.spool.Remove(request.Parameter("upload"), service.db.ages().Now()); });
@@ -297,7 +297,7 @@ Response Options(const Request&) {
 Begun Overridden(Service& service, const Request& request) {
   const std::string_view method = request.headers.Find("X-HTTP-Method-Override");
   if (method == "PATCH") return BeginPatch(service, request);
-  if (method == "DELETE") return Delete(service, request);
+  if (method == "DELETE") return DeleteUpload(service, request);
   return Refuse(405, "An upload takes PATCH, HEAD and DELETE.", request);
 }
 
@@ -312,7 +312,7 @@ void AddTusRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, kOne, [&](const Request& r) { return Get(service, r); });
   router.AddUpload(Method::kPatch, kOne, [&](const Request& r) { return BeginPatch(service, r); });
   router.AddUpload(Method::kPost, kOne, [&](const Request& r) { return Overridden(service, r); });
-  router.Add(Method::kDelete, kOne, [&](const Request& r) { return Delete(service, r); });
+  router.Add(Method::kDelete, kOne, [&](const Request& r) { return DeleteUpload(service, r); });
 }
 
 }  // namespace skyquilt::api

@@ -18,7 +18,7 @@ constexpr double kFarInNear = 3.0;     // in sigmas: beyond, nothing counts
 constexpr double kTrendWeight = 0.01;  // of the trend, against 1 for a cell right here
 constexpr double kSlopeHold = 0.05;
 // Over a wide land flown low the cells grow instead of their number.
-constexpr double kMaxCells = 250'000.0;
+constexpr double kMaxBroadCells = 250'000.0;
 
 // What lies above the trend at a place. Each row's cells lie from west to east.
 double AboveTrend(const std::vector<std::vector<Eigen::Vector3d>>& rows, const Eigen::Vector2d& place,
@@ -70,7 +70,7 @@ GroundSurface BroadShape(const std::vector<Eigen::Vector3d>& points_in_enu, doub
   double cell_m = kCell * flown_height_m;
   if (!bounds.IsEmpty()) {
     const double area_m2 = (bounds.Width() + 2.0 * margin_m) * (bounds.Height() + 2.0 * margin_m);
-    cell_m = std::max(cell_m, std::sqrt(area_m2 / kMaxCells));
+    cell_m = std::max(cell_m, std::sqrt(area_m2 / kMaxBroadCells));
   }
   const geo::HeightTrend trend = geo::FitHeightTrend(points_in_enu, cell_m);
   if (bounds.IsEmpty()) return GroundSurface::Plane(trend.height_m);

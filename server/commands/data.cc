@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "server/commands/fail.h"
 #include "storage/folder/check_data.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/lost_folder.h"
@@ -23,11 +24,6 @@ struct DataOptions {
   bool yes = false;
 };
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt data: {}\n", error.message);
-  throw CLI::RuntimeError(1);
-}
-
 // A folder that is ours, kept from servers for as long as the lock lives.
 struct Held {
   storage::DataDir dir;
@@ -38,20 +34,22 @@ struct Held {
 Held Hold(const DataOptions& options) {
   const storage::DataDir at = storage::DataDir::At(options.data_dir);
   const Result<storage::FolderSurvey> survey = storage::SurveyFolder(at);
-  if (!survey) Fail(survey.error());
+  if (!survey) Fail("skyquilt data", survey.error());
   const Result<std::optional<std::string>> marker = storage::ReadMarker(at);
   if (!marker && marker.error().code == ErrorCode::kCorrupt) {
-    Fail({ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at), ""});
+    Fail("skyquilt data",
+         {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at), ""});
   }
-  if (!marker) Fail(marker.error());
+  if (!marker) Fail("skyquilt data", marker.error());
   if (!*marker && !survey->has_flights && !survey->has_catalogue) {
-    Fail({ErrorCode::kNotFound,
+    Fail("skyquilt data",
+         {ErrorCode::kNotFound,
           at.root().string() +
               " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.",
           ""});
   }
   Result<storage::DataDirLock> lock = storage::DataDirLock::Take(at);
-  if (!lock) Fail(lock.error());
+  if (!lock) Fail("skyquilt data", lock.error());
   return {at, *std::move(lock), *marker};
 }
 
@@ -79,13 +77,13 @@ void Check(const DataOptions& options) {
       storage::CatalogueDb::OpenExisting(held.dir.Catalogue());
   if (!db && db.error().code == ErrorCode::kNotFound) unusable("is missing or empty");
   if (!db && db.error().code == ErrorCode::kCorrupt) unusable("is damaged");
-  if (!db) Fail(db.error());
+  if (!db) Fail("skyquilt data", db.error());
   if (!storage::CheckWhole(held.dir, **db)) unusable("is damaged");
   const Result<std::optional<std::string>> owner = storage::CatalogueId(*(*db)->Lock());
-  if (!owner) Fail(owner.error());
+  if (!owner) Fail("skyquilt data", owner.error());
   if (held.id && *owner && **owner != *held.id) unusable("belongs to another data folder");
   const Result<storage::DataCheck> check = storage::CheckData(held.dir, **db);
-  if (!check) Fail(check.error());
+  if (!check) Fail("skyquilt data", check.error());
   fmt::print("{}: {} flights, {} files of {:.1f} MB and {} maps in the catalogue\n", held.dir.root().string(),
              check->flights, check->files, static_cast<double>(check->bytes) / 1e6, check->maps);
   PrintLines("in the catalogue, but not (whole) on disk", check->missing);
@@ -107,7 +105,7 @@ void Check(const DataOptions& options) {
 
 void Repair(const DataOptions& options) {
   const Result<storage::RepairReport> report = storage::RepairData(options.data_dir, storage::Now());
-  if (!report) Fail(report.error());
+  if (!report) Fail("skyquilt data", report.error());
   for (const std::string& line : report->lines) fmt::print("{}\n", line);
   fmt::print("{} flights, {} files and {} maps were entered into {} catalogue\n", report->flights,
              report->files, report->maps, report->made_catalogue ? "a new" : "the");
@@ -127,7 +125,7 @@ void Purge(const DataOptions& options) {
     throw CLI::RuntimeError(kFound);
   }
   const Result<void> purged = storage::PurgeLost(held.dir);
-  if (!purged) Fail(purged.error());
+  if (!purged) Fail("skyquilt data", purged.error());
 }
 
 }  // namespace

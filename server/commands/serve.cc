@@ -21,6 +21,7 @@
 #include "api/build_api.h"
 #include "api/uploads/unpack.h"
 #include "server/commands/config_file.h"
+#include "server/commands/fail.h"
 #include "server/confinement/run_apart.h"
 #include "server/confinement/sandbox.h"
 #include "server/housekeeper.h"
@@ -75,11 +76,6 @@ struct ServeOptions {
   std::size_t waiting_requests = HttpSettings().max_waiting;
   std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
 };
-
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt serve: {}\n", error.message);
-  throw CLI::RuntimeError(1);
-}
 
 // "https://maps.example.org:8443/x" -> "maps.example.org:8443"
 std::string HostOf(const std::string& url) {
@@ -201,14 +197,14 @@ api::Response NoPage(const api::Request& request) {
 bool RequiresToken(storage::CatalogueDb& db, bool is_open) {
   storage::Tokens tokens(db);
   const Result<storage::TokenSet> set = tokens.Read();
-  if (!set) Fail(set.error());
+  if (!set) Fail("skyquilt serve", set.error());
   if (!set->requires_token || set->HasLiveOne(storage::Now())) return set->requires_token;
   if (!is_open) {
     LogEvent("all tokens were revoked or have ended: nobody gets in until one is made or --open is said");
     return true;
   }
   const Result<void> opened = tokens.LetEverybodyIn();
-  if (!opened) Fail(opened.error());
+  if (!opened) Fail("skyquilt serve", opened.error());
   return false;
 }
 
@@ -216,7 +212,7 @@ bool RequiresToken(storage::CatalogueDb& db, bool is_open) {
 void FinishUploads(api::Service& service) {
   const Result<std::vector<storage::SpooledUpload>> finished =
       service.spool.FinishComplete(service.db.ages().Now());
-  if (!finished) Fail(finished.error());
+  if (!finished) Fail("skyquilt serve", finished.error());
   for (const storage::SpooledUpload& upload : *finished) {
     const auto unpacked = api::UnpackStored(service, upload.flight_id, *upload.file);
     if (!unpacked) LogFailure(upload.id, "unpack", unpacked.error().message);
@@ -235,11 +231,11 @@ void RunServer(const ServeOptions& options) {
   RaiseDescriptorLimit();
   KeepFreedMemory();
   Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders);
-  if (!storage) Fail(storage.error());
+  if (!storage) Fail("skyquilt serve", storage.error());
   Storage& opened = *storage;
   const bool requires_token = RequiresToken(*opened.db, options.open);
   const Result<HttpSettings> settings = SettingsFrom(options, requires_token);
-  if (!settings) Fail(settings.error());
+  if (!settings) Fail("skyquilt serve", settings.error());
   storage::Catalogue catalogue(*opened.db, storage::FlightRecords(opened.dir));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
@@ -257,25 +253,25 @@ void RunServer(const ServeOptions& options) {
   service.storage_in_place = [&opened] { return opened.watch.Check(); };
   const Result<void> recovered = Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db),
                                          service.spool, service.db.ages().Now());
-  if (!recovered) Fail(recovered.error());
+  if (!recovered) Fail("skyquilt serve", recovered.error());
   service.made_tiles.SetBudget(options.tile_cache_mb << 20);
   service.event_hub.SetMostOfClient(options.listeners_per_address);
   FinishUploads(service);
   const Result<api::Basemap> basemap = api::BasemapFrom(options.basemap, options.basemap_attribution);
-  if (!basemap) Fail(basemap.error());
+  if (!basemap) Fail("skyquilt serve", basemap.error());
   service.basemap = *basemap;
   service.trash_days = options.trash_days;
   service.sends_webhooks = options.webhooks != "off";
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
   if (!page && !options.web_dir.empty()) {
-    Fail({ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
+    Fail("skyquilt serve", {ErrorCode::kNotFound, "--web " + options.web_dir + " has no index.html.", ""});
   }
   router.SetFallback([page, origin = basemap->Origin()](const api::Request& request) {
     return page ? ServePage(*page, request, origin) : NoPage(request);
   });
   Result<std::unique_ptr<HttpServer>> server = HttpServer::Listen(*settings, router, service);
-  if (!server) Fail(server.error());
+  if (!server) Fail("skyquilt serve", server.error());
   (*server)->Start();
   const std::string host =
       settings->address.find(':') == std::string::npos ? settings->address : "[" + settings->address + "]";
@@ -342,7 +338,8 @@ void RefuseUnknownVariables() {
     const bool is_known = std::any_of(std::begin(kOptions), std::end(kOptions),
                                       [&](std::string_view option) { return VariableOf(option) == name; });
     if (!is_known) {
-      Fail({ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
+      Fail("skyquilt serve",
+           {ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
     }
   }
 }

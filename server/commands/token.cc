@@ -12,6 +12,7 @@
 
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
+#include "server/commands/fail.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
@@ -31,14 +32,9 @@ struct TokenOptions {
   int requests_per_minute = 0;  // 0: no limit
 };
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt token: {}\n", error.message);
-  throw CLI::RuntimeError(1);
-}
-
 std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
   Result<storage::OpenedDataFolder> opened = storage::OpenOrJoinDataFolder(options.data_dir);
-  if (!opened) Fail(opened.error());
+  if (!opened) Fail("skyquilt token", opened.error());
   return std::move(opened->db);
 }
 
@@ -68,9 +64,10 @@ std::optional<std::chrono::seconds> ParseDuration(const std::string& text) {
 
 void RequireFlight(storage::CatalogueDb& db, const std::string& id) {
   const Result<bool> known = storage::Catalogue(db).HasFlight(id);
-  if (!known) Fail(known.error());
+  if (!known) Fail("skyquilt token", known.error());
   if (!*known) {
-    Fail({ErrorCode::kNotFound,
+    Fail("skyquilt token",
+         {ErrorCode::kNotFound,
           fmt::format("There is no flight {}. Its id stands in its address on the page.", id), ""});
   }
 }
@@ -80,7 +77,8 @@ void Add(const TokenOptions& options) {
   if (!options.flight.empty()) {
     RequireFlight(*db, options.flight);
     if (options.scope != "read") {
-      Fail({ErrorCode::kInvalidArgument, "A token for one flight only reads: leave --scope out.", ""});
+      Fail("skyquilt token",
+           {ErrorCode::kInvalidArgument, "A token for one flight only reads: leave --scope out.", ""});
     }
   }
   const std::string text = api::NewTokenText();
@@ -96,7 +94,7 @@ void Add(const TokenOptions& options) {
   if (options.max_gb > 0.0) token.max_bytes = static_cast<std::int64_t>(options.max_gb * 1e9);
   if (options.requests_per_minute > 0) token.requests_per_minute = options.requests_per_minute;
   const Result<void> added = storage::Tokens(*db).Add(token);
-  if (!added) Fail(added.error());
+  if (!added) Fail("skyquilt token", added.error());
   // The token alone on the standard output, for scripts; it is never shown again.
   fmt::print("{}\n", text);
 }
@@ -104,7 +102,7 @@ void Add(const TokenOptions& options) {
 void List(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
   const Result<storage::TokenSet> set = storage::Tokens(*db).Read();
-  if (!set) Fail(set.error());
+  if (!set) Fail("skyquilt token", set.error());
   for (const storage::Token& token : set->tokens) {
     fmt::print(
         "{:<20} {:<7} made {} {}{}{}{}\n", token.name, storage::ScopeName(token.scope),
@@ -119,7 +117,7 @@ void List(const TokenOptions& options) {
 void Revoke(const TokenOptions& options) {
   const auto db = OpenCatalogue(options);
   const Result<void> revoked = storage::Tokens(*db).Revoke(options.name);
-  if (!revoked) Fail(revoked.error());
+  if (!revoked) Fail("skyquilt token", revoked.error());
 }
 
 }  // namespace

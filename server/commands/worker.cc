@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "server/commands/fail.h"
 #include "server/confinement/process_limits.h"
 #include "server/jobs/run_job.h"
 #include "server/preview/preview_apart.h"
@@ -37,11 +38,6 @@ std::atomic<bool> is_stopping{false};
 
 void OnStopSignal(int) { is_stopping = true; }
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt worker: {}\n", error.message);
-  throw CLI::RuntimeError(1);
-}
-
 void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, const WorkerOptions& options) {
   storage::Previews previews(db);
   PhotoLimits limits;
@@ -68,7 +64,7 @@ void RunWorker(const WorkerOptions& options) {
   StepBack();
   LimitThisProcess({});
   Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir);
-  if (!opened) Fail(opened.error());
+  if (!opened) Fail("skyquilt worker", opened.error());
   const storage::DataDir* const dir = &opened->dir;
   storage::CatalogueDb* const db = opened->db.get();
   if (options.previews) {

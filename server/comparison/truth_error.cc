@@ -17,7 +17,7 @@ namespace skyquilt::server {
 namespace {
 
 using Complex = std::complex<double>;
-using Json = nlohmann::json;
+using Value = nlohmann::json;
 
 constexpr int kPixelsAcross = 5;
 constexpr double kFarthestM = 5000.0;
@@ -30,20 +30,20 @@ struct Truth {
 };
 
 Truth Parse(std::string_view text) {
-  const Json json = Json::parse(text);
+  const Value json = Value::parse(text);
   Truth truth;
-  const Json& origin = json.at("origin");
+  const Value& origin = json.at("origin");
   truth.frame =
       geo::LocalFrame({origin.at("lat_deg"), origin.at("lon_deg"), origin.at("height_ellipsoid_m")});
-  const Json& lens = json.at("intrinsics");
+  const Value& lens = json.at("intrinsics");
   camera::VisitLensFields(truth.lens, [&](const char* name, auto& value) { lens.at(name).get_to(value); });
   simulate::WorldOptions terrain;
   terrain.seed = json.at("seed");
   terrain.relief_m = json.at("relief_m");
   truth.ground = simulate::World(terrain);
-  for (const Json& photo : json.at("photos")) {
-    const Json& q = photo.at("cam_from_enu_wxyz");
-    const Json& c = photo.at("camera_center_in_enu");
+  for (const Value& photo : json.at("photos")) {
+    const Value& q = photo.at("cam_from_enu_wxyz");
+    const Value& c = photo.at("camera_center_in_enu");
     const Eigen::Quaterniond rotation(q.at(0), q.at(1), q.at(2), q.at(3));
     const Eigen::Vector3d center(c.at(0).get<double>(), c.at(1).get<double>(), c.at(2).get<double>());
     truth.cam_from_enu[photo.at("name")] =
@@ -58,7 +58,7 @@ Result<TruthError> MeasureTruthError(const pipeline::LocatedMap& map, std::strin
   Truth truth;
   try {
     truth = Parse(truth_json);
-  } catch (const Json::exception& broken) {
+  } catch (const Value::exception& broken) {
     return Error{ErrorCode::kCorrupt,
                  "The file truth/poses.json beside the photos is not one that \"skyquilt simulate\" writes.",
                  broken.what()};

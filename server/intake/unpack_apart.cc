@@ -22,13 +22,13 @@ using storage::UnpackedFile;
 constexpr std::int64_t kMemoryBytes = std::int64_t{256} << 20;
 // Unpacking a photo archive takes about a second of CPU a GiB; a second a MiB is for the slowest of disks and
 // machines.
-constexpr std::int64_t kCpuS = 60;
+constexpr std::int64_t kUnpackCpuS = 60;
 // A disk that is slow, and others that compute, are given their time.
-constexpr std::int64_t kWallSecondsPerCpuSecond = 4;
+constexpr std::int64_t kUnpackWallSecondsPerCpuSecond = 4;
 // What 20 000 entries say of themselves is a few MiB.
 constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 20;
 
-constexpr const char* kRefusal =
+constexpr const char* kUnpackRefusal =
     "The archive was not taken: unpacking it took more memory or time than the server gives for it.";
 
 Json ErrorJson(const Error& error) {
@@ -38,16 +38,16 @@ Json ErrorJson(const Error& error) {
 // A file that cannot be taken is the only kind of error that a file can have.
 Error ErrorOf(const Json& json) { return {ErrorCode::kUnprocessable, json.at("message"), json.at("detail")}; }
 
-Error NotTaken(std::string detail) { return {ErrorCode::kUnprocessable, kRefusal, std::move(detail)}; }
+Error NotTaken(std::string detail) { return {ErrorCode::kUnprocessable, kUnpackRefusal, std::move(detail)}; }
 
 std::int64_t CpuSecondsFor(const fs::path& archive) {
   std::error_code missing;  // then the unpacking says so
   const std::uintmax_t bytes = fs::file_size(archive, missing);
-  return kCpuS + (missing ? 0 : static_cast<std::int64_t>(bytes >> 20));
+  return kUnpackCpuS + (missing ? 0 : static_cast<std::int64_t>(bytes >> 20));
 }
 
 std::chrono::seconds DeadlineOf(const fs::path& archive) {
-  return std::chrono::seconds(kWallSecondsPerCpuSecond * CpuSecondsFor(archive));
+  return std::chrono::seconds(kUnpackWallSecondsPerCpuSecond * CpuSecondsFor(archive));
 }
 
 // Gone with all that is in it at the end.
@@ -126,7 +126,7 @@ Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, 
                  std::to_string(getpid()), "--most-bytes", std::to_string(max_bytes), archive.string()},
        .deadline = std::chrono::duration_cast<std::chrono::milliseconds>(DeadlineOf(archive)),
        .max_answer_bytes = kMaxAnswerBytes,
-       .refusal = kRefusal});
+       .refusal = kUnpackRefusal});
   if (!answer) return answer.error();
   SKYQUILT_TRY_ASSIGN(std::vector<UnpackedFile> files, Parse(*answer));
   return TakeOver(store, flight_id, staging, std::move(files));

@@ -27,12 +27,12 @@ constexpr std::int64_t kDataBytesPerLargeByte = 4;
 constexpr std::int64_t kMaxDataBytes = std::int64_t{1} << 30;
 constexpr std::uintmax_t kLargeFile = std::uintmax_t{32} << 20;
 // A thousand photos take about a second of CPU, a log a second a 100 MB. On top of that come slow machines.
-constexpr std::int64_t kCpuS = 20;
+constexpr std::int64_t kVerdictCpuS = 20;
 constexpr std::size_t kPhotosPerCpuS = 100;
 constexpr std::uintmax_t kBytesPerCpuS = std::uintmax_t{64} << 20;
 constexpr std::int64_t kMaxCpuS = 300;
-constexpr std::int64_t kWallSecondsPerCpuSecond = 2;
-constexpr const char* kRefusal =
+constexpr std::int64_t kVerdictWallSecondsPerCpuSecond = 2;
+constexpr const char* kVerdictRefusal =
     "The files could not be inspected: reading them took more memory or time than the server gives for it. A log or "
     "a photo among them may be damaged; remove it, or add the files a few at a time to find it.";
 
@@ -51,7 +51,7 @@ std::uintmax_t LargeBytes(const std::vector<flight::InputFile>& files) {
 std::int64_t CpuSecondsFor(const std::vector<flight::InputFile>& files) {
   const auto more =
       static_cast<std::int64_t>(files.size() / kPhotosPerCpuS + LargeBytes(files) / kBytesPerCpuS);
-  return std::min(kCpuS + more, kMaxCpuS);
+  return std::min(kVerdictCpuS + more, kMaxCpuS);
 }
 
 std::int64_t DataBytesFor(const std::vector<flight::InputFile>& files) {
@@ -80,10 +80,10 @@ Result<std::string> VerdictApart(const std::vector<flight::InputFile>& files, co
       RunApart({.name = "verdict",
                 .words = {"verdict", "--parent", std::to_string(getpid()), "--cpu-s", std::to_string(cpu_s)},
                 .input = input.dump(-1, ' ', false, Json::error_handler_t::replace),
-                .deadline = std::chrono::seconds(kWallSecondsPerCpuSecond * cpu_s),
-                .refusal = kRefusal});
+                .deadline = std::chrono::seconds(kVerdictWallSecondsPerCpuSecond * cpu_s),
+                .refusal = kVerdictRefusal});
   if (verdict && !Json::accept(*verdict))
-    return Error{ErrorCode::kUnprocessable, kRefusal, "the verdict is not JSON"};
+    return Error{ErrorCode::kUnprocessable, kVerdictRefusal, "the verdict is not JSON"};
   return verdict;
 }
 

@@ -12,7 +12,7 @@ constexpr const char* kColumns =
     " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), deleted_us, deleted_age_us, owner FROM flight f"
     " WHERE deleted_us IS NOT NULL ";
 
-TrashedFlight FlightFrom(const Statement& row) {
+TrashedFlight TrashedFlightFrom(const Statement& row) {
   TrashedFlight flight;
   flight.id = row.ColumnText(0);
   flight.name = row.ColumnText(1);
@@ -89,7 +89,7 @@ Result<std::vector<TrashedFlight>> Trash::List() const {
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
     if (!row) return flights;
-    flights.push_back(FlightFrom(query));
+    flights.push_back(TrashedFlightFrom(query));
   }
 }
 
@@ -98,7 +98,7 @@ Result<TrashedFlight> Trash::Find(const std::string& flight_id) const {
   SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kColumns) + "AND id=?"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
   if (!row) return NotInTrash(flight_id);
-  return FlightFrom(query);
+  return TrashedFlightFrom(query);
 }
 
 Result<std::vector<std::string>> Trash::DeletedUntil(Time age) const {

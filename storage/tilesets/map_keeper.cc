@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using pyramid::KeptBlock;
 
-constexpr const char* kSchema = R"sql(
+constexpr const char* kKeeperSchema = R"sql(
 PRAGMA journal_mode = DELETE;
 PRAGMA synchronous = OFF;
 BEGIN;
@@ -99,7 +99,7 @@ Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, con
   fs::remove(JournalOf(temporary), removed);
   SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(temporary, OpenMode::kReadWriteCreate));
   state->db = std::move(db);
-  SKYQUILT_TRY(state->db.Exec(kSchema));
+  SKYQUILT_TRY(state->db.Exec(kKeeperSchema));
   SKYQUILT_TRY_ASSIGN(
       auto keep, state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)"));
   state->keep = std::move(keep);

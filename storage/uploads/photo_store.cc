@@ -14,6 +14,7 @@
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
+#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -21,21 +22,21 @@ namespace {
 // Kept free so that the catalogue can still be written when uploads have filled the disk.
 constexpr std::uint64_t kReservedBytes = std::uint64_t{32} << 20;
 
-Error OsError(const std::string& what, int code) {
-  const ErrorCode kind = code == ENOSPC || code == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo;
-  return {kind,
-          kind == ErrorCode::kOutOfSpace ? "The server's disk is full. Free some space and try again."
+Error NotStored(ErrorCode code, std::string detail) {
+  return {code,
+          code == ErrorCode::kOutOfSpace ? "The server's disk is full. Free some space and try again."
                                          : "The server could not store the file.",
-          what + ": " + std::strerror(code)};
+          std::move(detail)};
 }
 
-Result<void> SyncFolder(const std::filesystem::path& folder) {
-  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return OsError("open " + folder.string(), errno);
-  const int synced = fsync(fd);
-  const int code = errno;
-  close(fd);
-  if (synced != 0) return OsError("fsync " + folder.string(), code);
+Error OsError(const std::string& what, int code) {
+  return NotStored(code == ENOSPC || code == EDQUOT ? ErrorCode::kOutOfSpace : ErrorCode::kIo,
+                   what + ": " + std::strerror(code));
+}
+
+Result<void> SyncStored(const std::filesystem::path& folder) {
+  const Result<void> synced = SyncFolder(folder);
+  if (!synced) return NotStored(synced.error().code, synced.error().message);
   return {};
 }
 
@@ -149,7 +150,7 @@ Result<std::string> Upload::Finish() {
     return OsError("rename to " + published.string(), errno);
   }
   temporary_.clear();
-  SKYQUILT_TRY(SyncFolder(folder_));
+  SKYQUILT_TRY(SyncStored(folder_));
   return stored_name_;
 }
 
@@ -173,7 +174,7 @@ Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::f
   const std::string stored_name = NewId();
   const std::filesystem::path stored = dir_.Files(flight_id) / stored_name;
   if (link(path.c_str(), stored.c_str()) != 0) return OsError("link " + stored.string(), errno);
-  SKYQUILT_TRY(SyncFolder(dir_.Files(flight_id)));
+  SKYQUILT_TRY(SyncStored(dir_.Files(flight_id)));
   return stored_name;
 }
 

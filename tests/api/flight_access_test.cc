@@ -18,7 +18,7 @@ using storage::Scope;
 constexpr const char* kUuid = "11111111-2222-4333-8444-555555555555";
 constexpr const char* kBusyUuid = "31111111-2222-4333-8444-555555555555";
 constexpr const char* kOpenUuid = "21111111-2222-4333-8444-555555555555";
-constexpr const char* kForm =
+constexpr const char* kFormBody =
     "--b\r\nContent-Disposition: form-data; name=\"images\"; filename=\"new.jpg\"\r\n\r\nbytes\r\n--b--\r\n";
 
 // What one token has: a flight with a file, a job, an upload, and two tasks.
@@ -120,7 +120,7 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
   asks[{M::kDelete, "/api/v1/flights/{flight}"}] = Sends(M::kDelete, at_flight(""));
   asks[{M::kPatch, "/api/v1/flights/{flight}"}] = Sends(M::kPatch, at_flight(""), R"({"name":"mine"})");
   asks[{M::kPost, "/api/v1/flights/{flight}/files"}] =
-      Sends(M::kPost, at_flight("/files"), kForm, {{"Content-Type", FormType()}});
+      Sends(M::kPost, at_flight("/files"), kFormBody, {{"Content-Type", FormType()}});
   asks[{M::kPut, "/api/v1/flights/{flight}/files/{name}"}] =
       Sends(M::kPut, at_flight("/files/a.jpg"), "other");
   asks[{M::kDelete, "/api/v1/flights/{flight}/files/{name}"}] = Sends(M::kDelete, at_flight("/files/a.jpg"));
@@ -157,7 +157,7 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
   asks[{M::kDelete, "/api/v1/uploads/{upload}"}] =
       Sends(M::kDelete, at_upload, "", {{"Tus-Resumable", "1.0.0"}});
   asks[{M::kPost, "/task/new/upload/{uuid}"}] = Sends(
-      M::kPost, at(std::string("/task/new/upload/") + kOpenUuid), kForm, {{"Content-Type", FormType()}});
+      M::kPost, at(std::string("/task/new/upload/") + kOpenUuid), kFormBody, {{"Content-Type", FormType()}});
   asks[{M::kPost, "/task/new/commit/{uuid}"}] =
       Sends(M::kPost, at(std::string("/task/new/commit/") + kOpenUuid));
   asks[{M::kPost, "/task/remove"}] = Sends(M::kPost, at("/task/remove"), task);

@@ -29,7 +29,7 @@ std::map<std::string, std::uintmax_t> Contents(const fs::path& folder) {
 }
 
 // A folder with one flight of one file and a map; answers the flight.
-std::string Fill(const fs::path& root) {
+std::string FillWithOneFlight(const fs::path& root) {
   auto opened = OpenDataFolder(root);
   EXPECT_TRUE(opened) << opened.error().message;
   Catalogue catalogue(*opened->db, FlightRecords(opened->dir));
@@ -54,7 +54,7 @@ void ExpectRefusal(const fs::path& root, std::string_view part) {
 TEST(OpenDataFolder, MakesANewOneForItsOwnerAlone) {
   ScratchDir scratch;
   const fs::path root = scratch.path() / "deep" / "data";
-  Fill(root);
+  FillWithOneFlight(root);
   struct stat status {};
   ASSERT_EQ(stat(root.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0700u);
@@ -108,14 +108,14 @@ TEST(OpenDataFolder, FollowsALinkToAFolder) {
   ScratchDir scratch;
   fs::create_directory(scratch.path() / "real");
   fs::create_symlink(scratch.path() / "real", scratch.path() / "link");
-  Fill(scratch.path() / "link");
+  FillWithOneFlight(scratch.path() / "link");
   EXPECT_TRUE(OpenDataFolder(scratch.path() / "real"));
 }
 
 TEST(OpenDataFolder, RefusesAMissingEmptyNewForeignOrDamagedCatalogueAndNamesTheRepair) {
   ScratchDir scratch, other;
-  Fill(scratch.path());
-  Fill(other.path());
+  FillWithOneFlight(scratch.path());
+  FillWithOneFlight(other.path());
   const fs::path catalogue = scratch.path() / "catalogue.db";
   const fs::path copy = scratch.path().string() + ".copy";
   fs::copy_file(catalogue, copy);
@@ -142,10 +142,10 @@ TEST(OpenDataFolder, RefusesAMissingEmptyNewForeignOrDamagedCatalogueAndNamesThe
 
 TEST(OpenDataFolder, RefusesACatalogueThatIsOlderThanTheFlights) {
   ScratchDir scratch;
-  Fill(scratch.path());
+  FillWithOneFlight(scratch.path());
   const fs::path copy = scratch.path().string() + ".copy";
   fs::copy_file(scratch.path() / "catalogue.db", copy);
-  const std::string newer = Fill(scratch.path());
+  const std::string newer = FillWithOneFlight(scratch.path());
   fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
   ExpectRefusal(scratch.path(), "is older than what is on disk");
   EXPECT_TRUE(fs::exists(DataDir::At(scratch.path()).Flight(newer)));
@@ -155,7 +155,7 @@ TEST(OpenDataFolder, RefusesACatalogueThatIsOlderThanTheFlights) {
 TEST(OpenDataFolder, RefusesACatalogueThatLacksFilesOrMapsOfItsFlights) {
   for (const bool with_map : {false, true}) {
     ScratchDir scratch;
-    const std::string flight = Fill(scratch.path());
+    const std::string flight = FillWithOneFlight(scratch.path());
     const fs::path copy = scratch.path().string() + ".copy";
     fs::copy_file(scratch.path() / "catalogue.db", copy);
     {
@@ -179,7 +179,7 @@ TEST(OpenDataFolder, RefusesACatalogueThatLacksFilesOrMapsOfItsFlights) {
 
 TEST(OpenDataFolder, GoesOnAfterCrashesThatLeaveThingsOnDisk) {
   ScratchDir scratch;
-  const std::string flight = Fill(scratch.path());
+  const std::string flight = FillWithOneFlight(scratch.path());
   const auto dir = DataDir::At(scratch.path());
   const FlightRecords records(dir);
   // Killed between a file's record and its commit; after files of an archive were placed; before a flight's
@@ -201,7 +201,7 @@ TEST(OpenDataFolder, GoesOnAfterCrashesThatLeaveThingsOnDisk) {
 
 TEST(OpenDataFolder, AdoptsAFolderOfAVersionWithoutMarkers) {
   ScratchDir scratch;
-  const std::string flight = Fill(scratch.path());
+  const std::string flight = FillWithOneFlight(scratch.path());
   {
     const auto db = *CatalogueDb::Open(scratch.path() / "catalogue.db");
     ASSERT_TRUE(db->Lock()->Exec("DELETE FROM data_dir"));

@@ -12,7 +12,8 @@
 
 namespace skyquilt::alignment {
 
-using Descriptor = std::array<std::uint8_t, 128>;
+inline constexpr int kDescriptorSize = 128;
+using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
 
 // From the image's x axis towards its y axis (down); the strongest first, and others nearly as strong.
 std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& point);

@@ -14,17 +14,17 @@ namespace {
 constexpr float kLevels = 128.0F;      // of BlurredImage to a grey level
 constexpr float kCameraBlurPx = 0.5F;  // what the image came with
 constexpr int kMinSidePx = 24;
-constexpr int kMaxRadius = 16;
+constexpr int kMaxBlurRadius = 16;
 constexpr double kEdgeRatio = 12.0;
 
 // Half of a symmetric kernel, in 65536ths.
 struct Kernel {
   int radius = 0;
-  std::array<std::uint16_t, kMaxRadius + 1> weights{};  // by distance
+  std::array<std::uint16_t, kMaxBlurRadius + 1> weights{};  // by distance
 
   explicit Kernel(double sigma_px)
-      : radius(std::min(kMaxRadius, static_cast<int>(std::ceil(3.0 * sigma_px)))) {
-    std::array<double, kMaxRadius + 1> exact{};
+      : radius(std::min(kMaxBlurRadius, static_cast<int>(std::ceil(3.0 * sigma_px)))) {
+    std::array<double, kMaxBlurRadius + 1> exact{};
     double sum = 0.0;
     for (int k = 0; k <= radius; ++k) {
       exact[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));

@@ -13,7 +13,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kDirections = 18;
+constexpr int kSmearDirections = 18;
 constexpr std::size_t kMinSharedCells = 12;
 constexpr double kTrace = 0.1;
 constexpr double kMaxScaleRatio = 1.25;
@@ -64,7 +64,7 @@ std::optional<double> SharpnessAgainst(const PictureDetail& own, const View& own
                                        const PictureDetail& other, const View& other_view,
                                        const Relief& relief) {
   if (own.cells.empty() || other.cells.empty()) return std::nullopt;
-  std::array<std::vector<double>, 2 * kDirections> shares;  // of fine detail, then of coarse
+  std::array<std::vector<double>, 2 * kSmearDirections> shares;  // of fine detail, then of coarse
   for (std::size_t k = 0; k < own.cells.size(); ++k) {
     Eigen::Vector3d place;
     if (!MeetGround(own_view, relief, MiddleOf(own_view, static_cast<int>(k)), &place)) continue;
@@ -72,8 +72,9 @@ std::optional<double> SharpnessAgainst(const PictureDetail& own, const View& own
     if (!in_own || !in_other || !other_view.intrinsics.IsInImage(in_other->pixel)) continue;
     const DetailCell& own_cell = own.cells[k];
     const DetailCell& other_cell = other.cells[CellAt(other_view, in_other->pixel)];
-    for (int d = 0; d < kDirections; ++d) {
-      const Eigen::Vector2d along(std::cos(geo::kPi * d / kDirections), std::sin(geo::kPi * d / kDirections));
+    for (int d = 0; d < kSmearDirections; ++d) {
+      const Eigen::Vector2d along(std::cos(geo::kPi * d / kSmearDirections),
+                                  std::sin(geo::kPi * d / kSmearDirections));
       const Eigen::Vector2d own_step = in_own->step * along, other_step = in_other->step * along;
       const double ratio = (own_step.norm() / own_view.intrinsics.width_px) /
                            (other_step.norm() / other_view.intrinsics.width_px);
@@ -83,7 +84,7 @@ std::optional<double> SharpnessAgainst(const PictureDetail& own, const View& own
                DetailOf(other_energy, other_cell.brightness, other_step.normalized());
       };
       shares[d].push_back(compare(own_cell.fine, other_cell.fine));
-      shares[kDirections + d].push_back(compare(own_cell.coarse, other_cell.coarse));
+      shares[kSmearDirections + d].push_back(compare(own_cell.coarse, other_cell.coarse));
     }
   }
   double least = std::numeric_limits<double>::max();

@@ -9,7 +9,7 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr int kMinShared = 12;
-constexpr int kSamples = 300;
+constexpr int kJoinSamples = 300;
 constexpr double kToleranceShare = 0.02;  // of the depth
 constexpr double kMinShareHeld = 0.3;
 
@@ -28,7 +28,7 @@ std::optional<Similarity3> FindJoint(const Block& larger, const Block& smaller) 
   const double tolerance = kToleranceShare * kMedianDepth;
   Sampler sampler(static_cast<std::uint64_t>(count));
   std::vector<PlacePair> most;
-  for (int s = 0; s < kSamples; ++s) {
+  for (int s = 0; s < kJoinSamples; ++s) {
     std::vector<PlacePair> three;
     for (const int k : sampler.Distinct<3>(count)) three.push_back(shared[static_cast<std::size_t>(k)]);
     std::optional<Similarity3> proposed = FitSimilarity3(three);

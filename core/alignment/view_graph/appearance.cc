@@ -13,20 +13,19 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kSize = 128;
 constexpr int kWords = 64;
 constexpr int kFeaturesAPhoto = 400;
 constexpr int kLearntFrom = 16384;  // descriptors
 constexpr int kRounds = 8;
 constexpr float kFullScale = 127.0F;
 
-using Word = std::array<float, kSize>;
+using Word = std::array<float, kDescriptorSize>;
 
 SKYQUILT_VECTOR_CLONES float SquaredDistance(const float* __restrict word,
                                              const std::uint8_t* __restrict descriptor) {
   // Eight sums side by side: the order of summing is written down, so that every machine has the same.
   float sums[8] = {};
-  for (int k = 0; k < kSize; k += 8) {
+  for (int k = 0; k < kDescriptorSize; k += 8) {
     for (int lane = 0; lane < 8; ++lane) {
       const float apart = word[k + lane] - static_cast<float>(descriptor[k + lane]);
       sums[lane] += apart * apart;
@@ -80,16 +79,17 @@ std::vector<Word> LearnWords(const std::vector<const Descriptor*>& samples, int 
       const std::size_t last = std::min(samples.size(), (chunk + 1) * kChunk);
       for (std::size_t s = chunk * kChunk; s < last; ++s) nearest[s] = NearestWord(words, *samples[s]);
     });
-    std::vector<std::array<std::int64_t, kSize>> sums(words.size(), std::array<std::int64_t, kSize>{});
+    std::vector<std::array<std::int64_t, kDescriptorSize>> sums(words.size(),
+                                                                std::array<std::int64_t, kDescriptorSize>{});
     std::vector<int> members(words.size(), 0);
     for (std::size_t s = 0; s < samples.size(); ++s) {
       const auto w = static_cast<std::size_t>(nearest[s]);
       ++members[w];
-      for (std::size_t k = 0; k < kSize; ++k) sums[w][k] += (*samples[s])[k];
+      for (std::size_t k = 0; k < kDescriptorSize; ++k) sums[w][k] += (*samples[s])[k];
     }
     for (std::size_t w = 0; w < words.size(); ++w) {
       if (members[w] == 0) continue;
-      for (std::size_t k = 0; k < kSize; ++k) {
+      for (std::size_t k = 0; k < kDescriptorSize; ++k) {
         words[w][k] = static_cast<float>(static_cast<double>(sums[w][k]) / members[w]);
       }
     }
@@ -98,13 +98,13 @@ std::vector<Word> LearnWords(const std::vector<const Descriptor*>& samples, int 
 }
 
 std::vector<std::int8_t> Describe(const std::vector<Word>& words, const PhotoFeatures& photo) {
-  std::vector<double> sums(words.size() * kSize, 0.0);
+  std::vector<double> sums(words.size() * kDescriptorSize, 0.0);
   const std::size_t count = std::min<std::size_t>(kFeaturesAPhoto, photo.descriptors.size());
   for (std::size_t f = 0; f < count; ++f) {
     const Descriptor& descriptor = photo.descriptors[f];
     const auto w = static_cast<std::size_t>(NearestWord(words, descriptor));
-    for (std::size_t k = 0; k < kSize; ++k) {
-      sums[w * kSize + k] += static_cast<double>(descriptor[k]) - static_cast<double>(words[w][k]);
+    for (std::size_t k = 0; k < kDescriptorSize; ++k) {
+      sums[w * kDescriptorSize + k] += static_cast<double>(descriptor[k]) - static_cast<double>(words[w][k]);
     }
   }
   // Each word weighs alike, however often its texture repeats in the picture.
@@ -112,12 +112,13 @@ std::vector<std::int8_t> Describe(const std::vector<Word>& words, const PhotoFea
   double largest = 0.0;
   for (std::size_t w = 0; w < words.size(); ++w) {
     double square = 0.0;
-    for (std::size_t k = 0; k < kSize; ++k) square += sums[w * kSize + k] * sums[w * kSize + k];
+    for (std::size_t k = 0; k < kDescriptorSize; ++k)
+      square += sums[w * kDescriptorSize + k] * sums[w * kDescriptorSize + k];
     if (square <= 0.0) continue;
     const double shrink = 1.0 / std::sqrt(square);
-    for (std::size_t k = 0; k < kSize; ++k) {
-      sums[w * kSize + k] *= shrink;
-      largest = std::max(largest, std::abs(sums[w * kSize + k]));
+    for (std::size_t k = 0; k < kDescriptorSize; ++k) {
+      sums[w * kDescriptorSize + k] *= shrink;
+      largest = std::max(largest, std::abs(sums[w * kDescriptorSize + k]));
     }
   }
   if (largest <= 0.0) return bytes;

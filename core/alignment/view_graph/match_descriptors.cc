@@ -9,7 +9,6 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kSize = 128;
 constexpr int kRowsAtOnce = 4;
 
 // Widened, so that products are summed in pairs by one instruction.
@@ -23,13 +22,13 @@ Wide Widen(const PhotoFeatures& features, int most) {
   Wide wide;
   wide.count = std::min(most, static_cast<int>(features.descriptors.size()));
   const int padded = (wide.count + kRowsAtOnce - 1) / kRowsAtOnce * kRowsAtOnce;
-  wide.rows.assign(static_cast<std::size_t>(padded) * kSize, 0);
+  wide.rows.assign(static_cast<std::size_t>(padded) * kDescriptorSize, 0);
   wide.square.assign(static_cast<std::size_t>(padded), 0);
   for (int i = 0; i < wide.count; ++i) {
-    std::int16_t* row = wide.rows.data() + static_cast<std::size_t>(i) * kSize;
+    std::int16_t* row = wide.rows.data() + static_cast<std::size_t>(i) * kDescriptorSize;
     const Descriptor& descriptor = features.descriptors[static_cast<std::size_t>(i)];
     int square = 0;
-    for (int k = 0; k < kSize; ++k) {
+    for (int k = 0; k < kDescriptorSize; ++k) {
       row[k] = descriptor[static_cast<std::size_t>(k)];
       square += row[k] * row[k];
     }
@@ -45,13 +44,13 @@ SKYQUILT_VECTOR_CLONES void CompareFour(const std::int16_t* __restrict rows,
                                         const std::int32_t* __restrict square, int count,
                                         std::int32_t* __restrict distances) {
   const std::int16_t* a0 = rows;
-  const std::int16_t* a1 = rows + kSize;
-  const std::int16_t* a2 = rows + 2 * kSize;
-  const std::int16_t* a3 = rows + 3 * kSize;
+  const std::int16_t* a1 = rows + kDescriptorSize;
+  const std::int16_t* a2 = rows + 2 * kDescriptorSize;
+  const std::int16_t* a3 = rows + 3 * kDescriptorSize;
   for (int j = 0; j < count; ++j) {
-    const std::int16_t* b = columns + static_cast<std::size_t>(j) * kSize;
+    const std::int16_t* b = columns + static_cast<std::size_t>(j) * kDescriptorSize;
     std::int32_t s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (int k = 0; k < kSize; ++k) {
+    for (int k = 0; k < kDescriptorSize; ++k) {
       s0 += a0[k] * b[k];
       s1 += a1[k] * b[k];
       s2 += a2[k] * b[k];
@@ -110,8 +109,8 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
   std::vector<KeypointMatch> forth;
   std::vector<std::int32_t> distances(static_cast<std::size_t>(kRowsAtOnce) * std::max(a.count, b.count));
   for (int i = 0; i < a.count; i += kRowsAtOnce) {
-    CompareFour(a.rows.data() + static_cast<std::size_t>(i) * kSize, b.rows.data(), b.square.data(), b.count,
-                distances.data());
+    CompareFour(a.rows.data() + static_cast<std::size_t>(i) * kDescriptorSize, b.rows.data(), b.square.data(),
+                b.count, distances.data());
     for (int r = 0; r < kRowsAtOnce && i + r < a.count; ++r) {
       const int j = StandsOut(distances.data() + static_cast<std::size_t>(r) * b.count, b.count,
                               a.square[static_cast<std::size_t>(i + r)], max_ratio2, second);
@@ -119,12 +118,14 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
     }
   }
   // Back again, only for those: the second's view of all of the first.
-  std::vector<std::int16_t> chosen(static_cast<std::size_t>(kRowsAtOnce) * kSize, 0);
+  std::vector<std::int16_t> chosen(static_cast<std::size_t>(kRowsAtOnce) * kDescriptorSize, 0);
   for (std::size_t m = 0; m < forth.size(); m += kRowsAtOnce) {
     const std::size_t rows = std::min<std::size_t>(kRowsAtOnce, forth.size() - m);
     for (std::size_t r = 0; r < rows; ++r) {
-      const std::int16_t* row = b.rows.data() + static_cast<std::size_t>(forth[m + r].second) * kSize;
-      std::copy(row, row + kSize, chosen.begin() + static_cast<std::ptrdiff_t>(r * kSize));
+      const std::int16_t* row =
+          b.rows.data() + static_cast<std::size_t>(forth[m + r].second) * kDescriptorSize;
+      std::copy(row, row + kDescriptorSize,
+                chosen.begin() + static_cast<std::ptrdiff_t>(r * kDescriptorSize));
     }
     CompareFour(chosen.data(), a.rows.data(), a.square.data(), a.count, distances.data());
     for (std::size_t r = 0; r < rows; ++r) {

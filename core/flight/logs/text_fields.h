@@ -1,6 +1,7 @@
 // Reading text logs: lines, fields, numbers; never copies, never throws, every length bounded. Any thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,6 +9,9 @@
 #include <vector>
 
 namespace skyquilt::flight {
+
+// Characters of a photo's or a point's name in a list; the rest is cut off.
+inline constexpr std::size_t kMaxNameLength = 512;
 
 // Without blanks, tabs, carriage returns and newlines at both ends.
 std::string_view Trim(std::string_view text);

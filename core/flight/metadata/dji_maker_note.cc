@@ -3,22 +3,14 @@
 #include <bit>
 #include <cmath>
 
+#include "core/flight/metadata/tiff_number.h"
+
 namespace skyquilt::flight {
-namespace {
-
-std::uint32_t Unsigned(const std::uint8_t* p, std::size_t size, bool is_big_endian) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) value = (value << 8) | p[is_big_endian ? i : size - 1 - i];
-  return value;
-}
-
-}  // namespace
-
 std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool is_big_endian) {
   constexpr std::uint32_t kMaxEntries = 100;
   constexpr std::uint32_t kFloat = 11;
   if (note.size() < 2) return std::nullopt;
-  const std::uint32_t count = Unsigned(note.data(), 2, is_big_endian);
+  const std::uint64_t count = UnsignedAt(note.data(), 2, is_big_endian);
   if (count == 0 || count > kMaxEntries || note.size() < 2 + 12 * std::size_t{count}) return std::nullopt;
   DjiMakerNote found;
   std::optional<double>* const fields[] = {
@@ -29,11 +21,12 @@ std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note,
   bool any = false;
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint8_t* entry = note.data() + 2 + 12 * std::size_t{i};
-    const std::uint32_t tag = Unsigned(entry, 2, is_big_endian);
+    const std::uint64_t tag = UnsignedAt(entry, 2, is_big_endian);
     if (tag < kFirstTag || tag >= kFirstTag + std::size(fields)) continue;
-    if (Unsigned(entry + 2, 2, is_big_endian) != kFloat || Unsigned(entry + 4, 4, is_big_endian) != 1)
+    if (UnsignedAt(entry + 2, 2, is_big_endian) != kFloat || UnsignedAt(entry + 4, 4, is_big_endian) != 1)
       continue;
-    const float value = std::bit_cast<float>(Unsigned(entry + 8, 4, is_big_endian));
+    const float value =
+        std::bit_cast<float>(static_cast<std::uint32_t>(UnsignedAt(entry + 8, 4, is_big_endian)));
     if (!std::isfinite(value) || std::abs(value) > 1000.0f) continue;
     *fields[tag - kFirstTag] = static_cast<double>(value);
     any = true;

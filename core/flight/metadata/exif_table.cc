@@ -4,17 +4,13 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/flight/metadata/tiff_number.h"
+
 namespace skyquilt::flight {
 namespace {
 
-std::uint64_t Unsigned(const std::uint8_t* p, std::size_t size, bool is_big_endian) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) value = (value << 8) | p[is_big_endian ? i : size - 1 - i];
-  return value;
-}
-
 double Integer(const std::uint8_t* p, std::size_t size, bool is_big_endian, bool is_signed) {
-  const std::uint64_t value = Unsigned(p, size, is_big_endian);
+  const std::uint64_t value = UnsignedAt(p, size, is_big_endian);
   if (!is_signed) return static_cast<double>(value);
   const unsigned shift = 64 - 8 * static_cast<unsigned>(size);
   return static_cast<double>(static_cast<std::int64_t>(value << shift) >> shift);
@@ -76,9 +72,9 @@ std::optional<double> ExifValue::Number(std::size_t i) const {
       return Finite(fraction->numerator / fraction->denominator);
     }
     case ExifType::kFloat:
-      return Finite(std::bit_cast<float>(static_cast<std::uint32_t>(Unsigned(p, 4, is_big_endian))));
+      return Finite(std::bit_cast<float>(static_cast<std::uint32_t>(UnsignedAt(p, 4, is_big_endian))));
     case ExifType::kDouble:
-      return Finite(std::bit_cast<double>(Unsigned(p, 8, is_big_endian)));
+      return Finite(std::bit_cast<double>(UnsignedAt(p, 8, is_big_endian)));
     case ExifType::kSByte:
     case ExifType::kSShort:
     case ExifType::kSLong:

@@ -8,6 +8,9 @@
 
 namespace skyquilt::flight {
 
+// kChanged: the picture is not the size that was asked for.
+enum class DecodeOutcome { kDecoded, kDamaged, kChanged };
+
 inline Error PictureDamaged(std::string detail) {
   return {ErrorCode::kCorrupt,
           "The picture is damaged or cut off and cannot be decoded. Copy the file from the camera again.",

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/flight/metadata/tiff_number.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"
 
@@ -104,10 +105,6 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
   header.exif = std::move(*table);
   CollectXmp(header);
   return header;
-}
-
-std::uint32_t BigEndian32(const std::uint8_t* p) {
-  return (std::uint32_t{p[0]} << 24) | (std::uint32_t{p[1]} << 16) | (std::uint32_t{p[2]} << 8) | p[3];
 }
 
 Result<ImageHeader> ReadPng(ByteSource& source) {

@@ -25,8 +25,6 @@ using image::PixelBox;
 constexpr int kAroundPx = 16;
 constexpr int kMaxScans = 500;  // of a progressive picture; more are made to keep a decoder busy
 
-enum class Outcome { kDecoded, kDamaged, kChanged };
-
 // What libjpeg calls back; it leaves by longjmp, so that nothing between may need a destructor.
 struct Callbacks {
   jpeg_error_mgr errors;
@@ -63,16 +61,16 @@ struct Wish {
 };
 
 // No object with a destructor may live in it: damage leaves it by longjmp.
-Outcome Read(jpeg_decompress_struct& jpeg, Callbacks& callbacks, const Wish& wish, DecodedPart& part,
-             PixelBytes& cmyk) {
-  if (setjmp(callbacks.leave) != 0) return Outcome::kDamaged;
+DecodeOutcome Read(jpeg_decompress_struct& jpeg, Callbacks& callbacks, const Wish& wish, DecodedPart& part,
+                   PixelBytes& cmyk) {
+  if (setjmp(callbacks.leave) != 0) return DecodeOutcome::kDamaged;
   jpeg_create_decompress(&jpeg);
   jpeg.progress = &callbacks.progress;
   jpeg_mem_src(&jpeg, wish.bytes.data(), static_cast<unsigned long>(wish.bytes.size()));
   jpeg_read_header(&jpeg, TRUE);
   if (static_cast<int>(jpeg.image_width) != wish.width_px ||
       static_cast<int>(jpeg.image_height) != wish.height_px)
-    return Outcome::kChanged;
+    return DecodeOutcome::kChanged;
   jpeg.scale_num = 1;
   jpeg.scale_denom = static_cast<unsigned>(wish.denominator);
   const bool is_cmyk = jpeg.jpeg_color_space == JCS_CMYK || jpeg.jpeg_color_space == JCS_YCCK;
@@ -105,7 +103,7 @@ Outcome Read(jpeg_decompress_struct& jpeg, Callbacks& callbacks, const Wish& wis
   }
   // Damage behind the last row shows only here.
   if (wish.box == nullptr) jpeg_finish_decompress(&jpeg);
-  return Outcome::kDecoded;
+  return DecodeOutcome::kDecoded;
 }
 
 struct ScanFacts {
@@ -168,11 +166,12 @@ Result<DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px
   callbacks.errors.emit_message = OnMessage;
   callbacks.progress.progress_monitor = OnProgress;
   jpeg.client_data = &callbacks;
-  const Outcome outcome =
+  const DecodeOutcome outcome =
       Read(jpeg, callbacks, {bytes, width_px, height_px, denominator, wanted}, part, cmyk);
-  if (outcome == Outcome::kChanged) return PictureChanged();
-  if (outcome == Outcome::kDamaged && callbacks.errors.msg_code == JERR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (outcome == Outcome::kDamaged) return PictureDamaged(callbacks.message.data());
+  if (outcome == DecodeOutcome::kChanged) return PictureChanged();
+  if (outcome == DecodeOutcome::kDamaged && callbacks.errors.msg_code == JERR_OUT_OF_MEMORY)
+    throw std::bad_alloc();
+  if (outcome == DecodeOutcome::kDamaged) return PictureDamaged(callbacks.message.data());
   if (!cmyk.empty()) RgbFromInvertedCmyk(cmyk, part.image.rgb);
   return part;
 }

@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "core/flight/metadata/tiff_number.h"
+
 namespace skyquilt::flight {
 namespace {
 
@@ -28,10 +30,6 @@ Error NoFrame(const char* detail) {
 
 bool StartsWith(const std::vector<std::uint8_t>& bytes, std::string_view header) {
   return bytes.size() >= header.size() && std::memcmp(bytes.data(), header.data(), header.size()) == 0;
-}
-
-std::uint32_t BigEndian32(const std::uint8_t* p) {
-  return (std::uint32_t{p[0]} << 24) | (std::uint32_t{p[1]} << 16) | (std::uint32_t{p[2]} << 8) | p[3];
 }
 
 // SOF0..SOF15 without DHT (C4), JPG (C8) and DAC (CC).

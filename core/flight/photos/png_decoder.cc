@@ -23,8 +23,6 @@ using image::PixelBox;
 constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 constexpr std::size_t kInterlaceAt = 28;  // in the header chunk, which comes first
 
-enum class Outcome { kDecoded, kDamaged, kChanged };
-
 struct Input {
   std::span<const std::uint8_t> left;
   std::array<char, 200> message{};
@@ -50,13 +48,13 @@ bool IsInterlaced(std::span<const std::uint8_t> bytes) {
   return bytes.size() > kInterlaceAt && bytes[kInterlaceAt] != 0;
 }
 
-struct Wish {
+struct ScaledBox {
   int width_px, height_px, denominator;
   PixelBox box;  // at that scale, within the picture
 };
 
 // Adds a row of the picture to the sums of a row of the result; columns beyond the border repeat it.
-void AddRow(const std::uint8_t* row, const Wish& wish, std::uint32_t* sums) {
+void AddRow(const std::uint8_t* row, const ScaledBox& wish, std::uint32_t* sums) {
   const int d = wish.denominator, last = wish.width_px - 1;
   for (int x = wish.box.left; x < wish.box.right; ++x, sums += 3) {
     for (int dx = 0; dx < d; ++dx) {
@@ -72,12 +70,13 @@ struct Buffers {
   std::vector<std::uint32_t> sums;
 };
 
-Outcome Read(png_structp png, png_infop info, const Wish& wish, Buffers& buffers, DecodedPart& part) {
-  if (setjmp(png_jmpbuf(png)) != 0) return Outcome::kDamaged;
+DecodeOutcome Read(png_structp png, png_infop info, const ScaledBox& wish, Buffers& buffers,
+                   DecodedPart& part) {
+  if (setjmp(png_jmpbuf(png)) != 0) return DecodeOutcome::kDamaged;
   png_read_info(png, info);
   if (png_get_image_width(png, info) != static_cast<png_uint_32>(wish.width_px) ||
       png_get_image_height(png, info) != static_cast<png_uint_32>(wish.height_px))
-    return Outcome::kChanged;
+    return DecodeOutcome::kChanged;
   png_set_strip_16(png);
   png_set_strip_alpha(png);
   png_set_expand(png);
@@ -86,7 +85,7 @@ Outcome Read(png_structp png, png_infop info, const Wish& wish, Buffers& buffers
   png_read_update_info(png, info);
   const std::size_t stride = 3 * static_cast<std::size_t>(wish.width_px);
   // Transparency that png_set_expand made of a colour is stripped too: all rows are RGB.
-  if (png_get_rowbytes(png, info) != stride) return Outcome::kDamaged;
+  if (png_get_rowbytes(png, info) != stride) return DecodeOutcome::kDamaged;
   const bool is_whole = passes > 1;
   buffers.rows.resize(is_whole ? stride * static_cast<std::size_t>(wish.height_px) : stride);
   if (is_whole) {
@@ -121,7 +120,7 @@ Outcome Read(png_structp png, png_infop info, const Wish& wish, Buffers& buffers
   }
   // Damage behind the last row shows only here.
   if (wish.box.bottom * d >= wish.height_px) png_read_end(png, nullptr);
-  return Outcome::kDecoded;
+  return DecodeOutcome::kDecoded;
 }
 
 struct DestroyPng {
@@ -145,7 +144,7 @@ Result<DecodedPart> DecodePng(std::span<const std::uint8_t> bytes, int width_px,
                               int denominator, const std::optional<PixelBox>& box, PixelBytes memory) {
   const PixelBox whole{0, 0, (width_px + denominator - 1) / denominator,
                        (height_px + denominator - 1) / denominator};
-  const Wish wish{width_px, height_px, denominator, box ? box->Within(whole) : whole};
+  const ScaledBox wish{width_px, height_px, denominator, box ? box->Within(whole) : whole};
   DecodedPart part;
   part.left_px = wish.box.left;
   part.top_px = wish.box.top;
@@ -166,11 +165,11 @@ Result<DecodedPart> DecodePng(std::span<const std::uint8_t> bytes, int width_px,
   // The header was checked by its own limits; libpng's is a million a side.
   Buffers buffers;
   switch (Read(owner.png, owner.info, wish, buffers, part)) {
-    case Outcome::kChanged:
+    case DecodeOutcome::kChanged:
       return PictureChanged();
-    case Outcome::kDamaged:
+    case DecodeOutcome::kDamaged:
       return PictureDamaged(input.message[0] != '\0' ? std::string(input.message.data()) : "not RGB");
-    case Outcome::kDecoded:
+    case DecodeOutcome::kDecoded:
       break;
   }
   return part;

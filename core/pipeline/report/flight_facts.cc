@@ -11,38 +11,38 @@
 namespace skyquilt::pipeline {
 namespace {
 
-using Json = nlohmann::json;
+using Cbor = nlohmann::json;
 
 // Raised whenever the meaning changes, or alignment so much that a flight should be aligned anew.
 constexpr int kVersion = 4;
 
-Json Binary(const void* data, std::size_t bytes) {
+Cbor Binary(const void* data, std::size_t bytes) {
   const auto* first = static_cast<const std::uint8_t*>(data);
-  return Json::binary(std::vector<std::uint8_t>(first, first + bytes));
+  return Cbor::binary(std::vector<std::uint8_t>(first, first + bytes));
 }
 
-Json OfDigest(const Digest& digest) { return Binary(digest.data(), digest.size()); }
+Cbor OfDigest(const Digest& digest) { return Binary(digest.data(), digest.size()); }
 
-Digest ToDigest(const Json& json) {
+Digest ToDigest(const Cbor& json) {
   const std::vector<std::uint8_t>& bytes = json.get_binary();
   Digest digest{};
   if (bytes.size() == digest.size()) std::copy(bytes.begin(), bytes.end(), digest.begin());
   return digest;
 }
 
-Json OfTone(const render::PhotoTone& tone) {
+Cbor OfTone(const render::PhotoTone& tone) {
   return {{"gain", tone.gain}, {"vignetting", tone.vignetting.a}};
 }
 
 // Names may be any bytes, which CBOR's text may not.
-Json OfText(const std::string& text) { return Binary(text.data(), text.size()); }
-std::string ToText(const Json& json) {
+Cbor OfText(const std::string& text) { return Binary(text.data(), text.size()); }
+std::string ToText(const Cbor& json) {
   const std::vector<std::uint8_t>& bytes = json.get_binary();
   return {bytes.begin(), bytes.end()};
 }
 
 // Runs of equal labels, row by row: photo, then how many cells.
-Json OfAppearance(const MapAppearance& appearance) {
+Cbor OfAppearance(const MapAppearance& appearance) {
   std::vector<std::int32_t> runs;
   for (int row = 0; row < appearance.labels.rows(); ++row) {
     for (int column = 0; column < appearance.labels.columns(); ++column) {
@@ -51,7 +51,7 @@ Json OfAppearance(const MapAppearance& appearance) {
       ++runs.back();
     }
   }
-  Json tones = Json::array();
+  Cbor tones = Cbor::array();
   for (const render::PhotoTone& tone : appearance.tones) tones.push_back(OfTone(tone));
   return {{"gsd_m", appearance.gsd_m},
           {"tones", tones},
@@ -65,10 +65,10 @@ Json OfAppearance(const MapAppearance& appearance) {
           {"labels", Binary(runs.data(), runs.size() * sizeof(std::int32_t))}};
 }
 
-MapAppearance ToAppearance(const Json& json, std::size_t photos) {
+MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   MapAppearance appearance;
   appearance.gsd_m = json.at("gsd_m");
-  for (const Json& tone : json.at("tones")) {
+  for (const Cbor& tone : json.at("tones")) {
     appearance.tones.push_back(
         {tone.at("gain").get<std::array<double, 3>>(), {tone.at("vignetting").get<std::array<double, 3>>()}});
   }
@@ -82,7 +82,7 @@ MapAppearance ToAppearance(const Json& json, std::size_t photos) {
   constexpr int kMaxCells = 1 << 20;  // a side
   if (appearance.grid.columns < 0 || appearance.grid.rows < 0 || appearance.grid.columns > kMaxCells ||
       appearance.grid.rows > kMaxCells) {
-    throw Json::other_error::create(500, "the seam grid is of no size", nullptr);
+    throw Cbor::other_error::create(500, "the seam grid is of no size", nullptr);
   }
   appearance.labels = render::SeamLabels(appearance.grid.columns, appearance.grid.rows);
   const std::vector<std::uint8_t>& bytes = json.at("labels").get_binary();
@@ -102,27 +102,27 @@ MapAppearance ToAppearance(const Json& json, std::size_t photos) {
 }
 
 FlightFacts Parse(std::string_view bytes) {
-  const Json json = Json::from_cbor(bytes);
+  const Cbor json = Cbor::from_cbor(bytes);
   FlightFacts facts;
   if (json.at("version") != kVersion) return facts;
   facts.options = ToDigest(json.at("options"));
-  for (const Json& input : json.at("inputs")) {
+  for (const Cbor& input : json.at("inputs")) {
     facts.inputs.push_back(
         {{ToText(input.at("name")), ToText(input.at("path"))}, ToDigest(input.at("digest"))});
   }
   const Result<LocatedMap> located = ParseLocateJson(json.at("locate").get_ref<const std::string&>());
-  if (!located) throw Json::other_error::create(500, located.error().message, nullptr);
+  if (!located) throw Cbor::other_error::create(500, located.error().message, nullptr);
   facts.ground = located->ground;
   facts.flight.frame = located->frame;
   facts.flight.ground_z_in_enu_m = json.at("ground_z_m");
   facts.flight.warnings = json.at("warnings").get<std::vector<std::string>>();
-  for (const Json& left_out : json.at("left_out")) {
+  for (const Cbor& left_out : json.at("left_out")) {
     facts.flight.left_out.push_back(
         {ToText(left_out.at("name")), left_out.at("code").get<ErrorCode>(), ToText(left_out.at("reason"))});
   }
-  const Json& photos = json.at("photos");
+  const Cbor& photos = json.at("photos");
   if (photos.size() != located->cameras.size()) {
-    throw Json::other_error::create(500, "numbers of photos differ", nullptr);
+    throw Cbor::other_error::create(500, "numbers of photos differ", nullptr);
   }
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const LocatedCamera& camera = located->cameras[i];
@@ -149,7 +149,7 @@ FlightFacts Parse(std::string_view bytes) {
   facts.alignment_json = json.at("alignment");
   facts.ground_json = json.at("ground");
   facts.poses_json = json.at("poses");
-  if (const Json& appearance = json.at("look"); !appearance.is_null())
+  if (const Cbor& appearance = json.at("look"); !appearance.is_null())
     facts.appearance = ToAppearance(appearance, photos.size());
   return facts;
 }
@@ -174,10 +174,10 @@ Digest DigestOfPlacing(const MosaicOptions& options) {
 }
 
 std::string WriteFacts(const FlightFacts& facts) {
-  Json json;
+  Cbor json;
   json["version"] = kVersion;
   json["options"] = OfDigest(facts.options);
-  json["inputs"] = Json::array();
+  json["inputs"] = Cbor::array();
   for (const NamedDigest& input : facts.inputs) {
     json["inputs"].push_back({{"name", OfText(input.file.name)},
                               {"path", OfText(input.file.path.string())},
@@ -186,12 +186,12 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["locate"] = LocateJson(facts.flight, facts.ground);
   json["ground_z_m"] = facts.flight.ground_z_in_enu_m;
   json["warnings"] = facts.flight.warnings;
-  json["left_out"] = Json::array();
+  json["left_out"] = Cbor::array();
   for (const flight::LeftOutPhoto& photo : facts.flight.left_out) {
     json["left_out"].push_back(
         {{"name", OfText(photo.name)}, {"code", photo.code}, {"reason", OfText(photo.reason)}});
   }
-  json["photos"] = Json::array();
+  json["photos"] = Cbor::array();
   for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {
     const alignment::AlignedPhoto& photo = facts.flight.photos[i];
     const render::Thumbnail& thumbnail = facts.thumbnails[i];
@@ -211,15 +211,15 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["alignment"] = facts.alignment_json;
   json["ground"] = facts.ground_json;
   json["poses"] = facts.poses_json;
-  json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Json(nullptr);
-  const std::vector<std::uint8_t> bytes = Json::to_cbor(json);
+  json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Cbor(nullptr);
+  const std::vector<std::uint8_t> bytes = Cbor::to_cbor(json);
   return {bytes.begin(), bytes.end()};
 }
 
 Result<FlightFacts> ParseFacts(std::string_view bytes) {
   try {
     return Parse(bytes);
-  } catch (const Json::exception& broken) {
+  } catch (const Cbor::exception& broken) {
     return Error{ErrorCode::kCorrupt, "What an earlier run remembered of the flight is damaged.",
                  broken.what()};
   }

@@ -7,8 +7,6 @@
 namespace skyquilt::poses {
 namespace {
 
-std::size_t At0(int i) { return static_cast<std::size_t>(i); }
-
 // Huber: quadratic up to `bound`, then straight.
 struct Robust {
   double cost = 0.0;
@@ -55,19 +53,19 @@ struct LinearSink {
     cost += r.cost;
     const Eigen::Matrix<double, kStateSize, M> first = r.weight * linear.by_first.transpose();
     matrix.At(a, a).noalias() += first * linear.by_first;
-    gradient[At0(a)].noalias() += first * linear.residual;
+    gradient[Index(a)].noalias() += first * linear.residual;
     const bool has_border = border >= 0 && a != border && !linear.by_border.isZero(0.0);
     Eigen::Matrix<double, kStateSize, M> common;
     if (has_border) {
       common = r.weight * border_mask.asDiagonal() * linear.by_border.transpose();
       matrix.At(border, border).noalias() += common * linear.by_border * border_mask.asDiagonal();
       matrix.At(border, a).noalias() += common * linear.by_first;
-      gradient[At0(border)].noalias() += common * linear.residual;
+      gradient[Index(border)].noalias() += common * linear.residual;
     }
     if (b < 0) return;
     const Eigen::Matrix<double, kStateSize, M> second = r.weight * linear.by_second.transpose();
     matrix.At(b, b).noalias() += second * linear.by_second;
-    gradient[At0(b)].noalias() += second * linear.residual;
+    gradient[Index(b)].noalias() += second * linear.residual;
     if (b > a) {
       matrix.At(b, a).noalias() += second * linear.by_first;
     } else {
@@ -83,12 +81,12 @@ template <typename Sink>
 void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
   const SmootherOptions& o = input_.options;
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
-    const KnotState& a = guess.knots[At0(i)];
-    const KnotState& b = guess.knots[At0(i) + 1];
+    const KnotState& a = guess.knots[Index(i)];
+    const KnotState& b = guess.knots[Index(i) + 1];
     const double T = timeline_.Duration(i);
     if (HasImu(i)) {
       sink.template Add<9>("imu", i, i + 1,
-                           ImuFactor(a, b, Imu(i).delta, imu_whiten_[At0(i)], o.gravity_mps2), false);
+                           ImuFactor(a, b, Imu(i).delta, imu_whiten_[Index(i)], o.gravity_mps2), false);
     } else {
       sink.template Add<9>("motion prior", i, i + 1,
                            MotionPriorFactor(a, b, T, o.acceleration_density, o.rotation_walk), false);
@@ -103,12 +101,12 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
     walk.attitude = o.attitude_bias_sigma_rad * std::sqrt(1.0 - walk.attitude_keep * walk.attitude_keep);
     // A tilt error stays with the airframe (a biased accelerometer) or with the ground (a late velocity):
     // what the second kind does in a turn must be free, or turns would seem to show the true vertical.
-    const double swing = std::sqrt(2.0 - 2.0 * std::cos(turned_rad_[At0(i)]));
+    const double swing = std::sqrt(2.0 - 2.0 * std::cos(turned_rad_[Index(i)]));
     for (int axis = 0; axis < 2; ++axis) {
       walk.attitude(axis) = std::hypot(walk.attitude(axis), swing * o.attitude_bias_sigma_rad(axis));
     }
     sink.template Add<13>("bias walk", i, i + 1, BiasWalkFactor(a, b, walk), false);
-    if (still_[At0(i)] && still_[At0(i) + 1]) {
+    if (still_[Index(i)] && still_[Index(i) + 1]) {
       sink.template Add<3>("still rotation", i, i + 1, StillRotationFactor(a, b, o.still_rotation_sigma_rad),
                            true);
     }
@@ -158,51 +156,51 @@ void ChainProblem::VisitFixes(const ChainGuess& guess, Sink& sink) const {
     sink.template Add<M>(kind, p.place.knot, p.place.weight > 0.0 ? p.place.knot + 1 : -1, linear, robust);
   };
   for (const Placed& p : positions_) {
-    const PositionFix& f = input_.positions[At0(p.fix)];
+    const PositionFix& f = input_.positions[Index(p.fix)];
     add("gnss position", p, PositionFactor(At(guess.knots, p), guess.border, f.position_in_enu_m, f.sigma_m),
         true);
   }
   for (const Placed& p : velocities_) {
-    const VelocityFix& f = input_.velocities[At0(p.fix)];
+    const VelocityFix& f = input_.velocities[Index(p.fix)];
     add("gnss velocity", p,
         VelocityFactor(At(guess.knots, p), guess.border, f.velocity_in_enu_mps, f.sigma_mps), true);
   }
   for (const Placed& p : attitudes_) {
-    const AttitudeFix& f = input_.attitudes[At0(p.fix)];
+    const AttitudeFix& f = input_.attitudes[Index(p.fix)];
     add("attitude", p,
         AttitudeFactor(At(guess.knots, p), f.enu_from_body, f.sigma_rad, f.has_yaw ? f.sigma_rad : 100.0),
         true);
   }
   for (const Placed& p : heights_) {
-    const HeightFix& f = input_.heights[At0(p.fix)];
+    const HeightFix& f = input_.heights[Index(p.fix)];
     add("height", p, HeightFactor(At(guess.knots, p), f.z_in_enu_m, f.sigma_m), true);
   }
   for (const Placed& p : ranges_) {
-    const RangeFix& f = input_.ranges[At0(p.fix)];
+    const RangeFix& f = input_.ranges[Index(p.fix)];
     const double sigma = 0.1 + 0.02 * f.distance_m;
     add("range", p, RangeFactor(At(guess.knots, p), f.distance_m, input_.ground_z_in_enu_m, sigma), true);
   }
   for (const Placed& p : markers_) {
-    const Marker& f = input_.markers[At0(p.fix)];
+    const Marker& f = input_.markers[Index(p.fix)];
     const StateBetween s = At(guess.knots, p);
     add("marker", p, MarkerFactor(s, f.position_in_enu_m, f.sigma_m), false);
     if (f.yaw_rad) add("marker", p, YawFactor(s, *f.yaw_rad, f.sigma_yaw_rad), false);
   }
   constexpr double kAssumptionSigmaRad = 0.02;  // the slow part is the attitude bias
   for (int k = 0; k < timeline_.size(); ++k) {
-    const KnotState& knot = guess.knots[At0(k)];
-    if (still_[At0(k)]) {
+    const KnotState& knot = guess.knots[Index(k)];
+    if (still_[Index(k)]) {
       sink.template Add<3>("still", k, -1, StillVelocityFactor(knot, o.still_velocity_sigma_mps), true);
     }
     if (o.assume_level)
       sink.template Add<2>("level", k, -1, LevelFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
-    if (o.yaw_from_course && has_course_[At0(k)]) {
+    if (o.yaw_from_course && has_course_[Index(k)]) {
       sink.template Add<1>("course", k, -1, CourseFactor(StateAtKnot(knot), kAssumptionSigmaRad), true);
     }
-    if (course_evidence_ && course_evidence_->runs_straight[At0(k)]) {
+    if (course_evidence_ && course_evidence_->runs_straight[Index(k)]) {
       // A nose errs about its course for as long as a compass does: white noise of the same density stands
       // for it.
-      const double step_s = 0.5 * (timeline_.times()[At0(k) + 1] - timeline_.times()[At0(k) - 1]);
+      const double step_s = 0.5 * (timeline_.times()[Index(k) + 1] - timeline_.times()[Index(k) - 1]);
       const double sigma = course_evidence_->sigma_rad * std::sqrt(2.0 * o.attitude_bias_time_s / step_s);
       StateBetween nose = StateAtKnot(knot);
       nose.state.attitude_bias_rad.setZero();
@@ -229,7 +227,7 @@ double ChainProblem::Cost(const ChainGuess& guess, FactorCount* count) const {
 double ChainProblem::Linearise(const ChainGuess& guess, BlockSkyline& matrix,
                                std::vector<Vector22>& gradient) const {
   matrix.SetZero();
-  gradient.assign(At0(matrix.size()), Vector22::Zero());
+  gradient.assign(Index(matrix.size()), Vector22::Zero());
   Vector22 mask;
   for (int i = 0; i < kStateSize; ++i) mask(i) = border_sigma_(i) > 0.0 ? 1.0 : 0.0;
   LinearSink sink{input_.options.huber_sigmas, matrix, gradient, has_border_ ? timeline_.size() : -1, mask};

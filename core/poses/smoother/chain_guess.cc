@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/geo/lat_lon.h"
+#include "core/poses/smoother/chain_timeline.h"
 #include "core/poses/so3.h"
 
 namespace skyquilt::poses {
@@ -12,8 +13,6 @@ namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-std::size_t Index(int i) { return static_cast<std::size_t>(i); }
 
 // The two fixes around a time and the weight of the later one; the end fixes hold outside.
 template <typename Fix>

@@ -10,8 +10,6 @@
 namespace skyquilt::poses {
 namespace {
 
-std::size_t At0(int i) { return static_cast<std::size_t>(i); }
-
 // Floors on the inertial sums: sampling and timing are never better, and they keep the system well
 // conditioned.
 void AddFloor(double duration_s, Matrix9d& covariance) {
@@ -26,12 +24,12 @@ void AddFloor(double duration_s, Matrix9d& covariance) {
 ChainProblem::ChainProblem(const SmootherInput& input, ChainTimeline timeline)
     : input_(input),
       timeline_(std::move(timeline)),
-      imu_(At0(timeline_.size() - 1)),
-      imu_whiten_(At0(timeline_.size() - 1), Matrix9d::Identity()),
-      cuts_(At0(timeline_.size())),
-      still_(At0(timeline_.size()), false),
-      has_course_(At0(timeline_.size()), false),
-      turned_rad_(At0(timeline_.size() - 1), 0.0) {
+      imu_(Index(timeline_.size() - 1)),
+      imu_whiten_(Index(timeline_.size() - 1), Matrix9d::Identity()),
+      cuts_(Index(timeline_.size())),
+      still_(Index(timeline_.size()), false),
+      has_course_(Index(timeline_.size()), false),
+      turned_rad_(Index(timeline_.size() - 1), 0.0) {
   for (const double t : input_.photo_times_s) photo_knots_.push_back(timeline_.Nearest(t));
   positions_ = PlaceAll(input_.positions);
   velocities_ = PlaceAll(input_.velocities);
@@ -46,21 +44,21 @@ ChainProblem::ChainProblem(const SmootherInput& input, ChainTimeline timeline)
   const auto find_cuts = [&](std::vector<Placed>& series, auto time_of) {
     for (Placed& placed : series) {
       if (placed.place.weight == 0.0) continue;
-      const std::vector<double>& cuts = cuts_[At0(placed.place.knot)];
+      const std::vector<double>& cuts = cuts_[Index(placed.place.knot)];
       placed.cut =
           static_cast<int>(std::lower_bound(cuts.begin(), cuts.end(), time_of(placed.fix)) - cuts.begin());
     }
   };
-  find_cuts(positions_, [&](int k) { return input_.positions[At0(k)].t_s; });
-  find_cuts(velocities_, [&](int k) { return input_.velocities[At0(k)].t_s; });
-  find_cuts(attitudes_, [&](int k) { return input_.attitudes[At0(k)].t_s; });
-  find_cuts(heights_, [&](int k) { return input_.heights[At0(k)].t_s; });
-  find_cuts(ranges_, [&](int k) { return input_.ranges[At0(k)].t_s; });
-  find_cuts(markers_, [&](int k) { return input_.markers[At0(k)].t_s; });
+  find_cuts(positions_, [&](int k) { return input_.positions[Index(k)].t_s; });
+  find_cuts(velocities_, [&](int k) { return input_.velocities[Index(k)].t_s; });
+  find_cuts(attitudes_, [&](int k) { return input_.attitudes[Index(k)].t_s; });
+  find_cuts(heights_, [&](int k) { return input_.heights[Index(k)].t_s; });
+  find_cuts(ranges_, [&](int k) { return input_.ranges[Index(k)].t_s; });
+  find_cuts(markers_, [&](int k) { return input_.markers[Index(k)].t_s; });
   for (int k = 0; k < timeline_.size(); ++k) {
-    const double t = timeline_.times()[At0(k)];
+    const double t = timeline_.times()[Index(k)];
     for (const StillInterval& s : input_.still)
-      still_[At0(k)] = still_[At0(k)] || (t >= s.begin_s && t <= s.end_s);
+      still_[Index(k)] = still_[Index(k)] || (t >= s.begin_s && t <= s.end_s);
   }
   const SmootherOptions& o = input_.options;
   border_prior_.segment<3>(kAtLeverGnss) = o.lever_gnss_in_body_m;
@@ -80,7 +78,7 @@ std::vector<ChainProblem::Placed> ChainProblem::PlaceAll(const std::vector<Fix>&
     const std::optional<TimePlace> place = timeline_.Place(fixes[k].t_s);
     if (!place) continue;
     placed.push_back({*place, -1, static_cast<int>(k)});
-    if (place->weight > 0.0) cuts_[At0(place->knot)].push_back(fixes[k].t_s);
+    if (place->weight > 0.0) cuts_[Index(place->knot)].push_back(fixes[k].t_s);
   }
   return placed;
 }
@@ -94,13 +92,13 @@ void ChainProblem::ExpandAbout(const std::vector<KnotState>& knots) {
   SKYQUILT_CHECK(static_cast<int>(knots.size()) == timeline_.size(), "a guess has one state a knot");
   if (!first_rotation_) first_rotation_ = knots.front().enu_from_body;
   for (int k = 0; k < timeline_.size(); ++k) {
-    has_course_[At0(k)] =
-        knots[At0(k)].velocity_in_enu_mps.head<2>().norm() > input_.options.course_min_speed_mps;
+    has_course_[Index(k)] =
+        knots[Index(k)].velocity_in_enu_mps.head<2>().norm() > input_.options.course_min_speed_mps;
   }
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
-    const Eigen::Vector3d before = knots[At0(i)].enu_from_body * Eigen::Vector3d::UnitX();
-    const Eigen::Vector3d after = knots[At0(i) + 1].enu_from_body * Eigen::Vector3d::UnitX();
-    turned_rad_[At0(i)] =
+    const Eigen::Vector3d before = knots[Index(i)].enu_from_body * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d after = knots[Index(i) + 1].enu_from_body * Eigen::Vector3d::UnitX();
+    turned_rad_[Index(i)] =
         std::atan2(before.x() * after.y() - before.y() * after.x(), before.head<2>().dot(after.head<2>()));
   }
   const bool has_headings = std::any_of(input_.attitudes.begin(), input_.attitudes.end(),
@@ -109,22 +107,22 @@ void ChainProblem::ExpandAbout(const std::vector<KnotState>& knots) {
     course_evidence_ = JudgeCourse(knots, timeline_.times(), input_.options.course_min_speed_mps);
   if (input_.imu.empty()) return;
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
-    const KnotState& k = knots[At0(i)];
-    imu_[At0(i)] =
-        poses::Preintegrate(input_.imu, timeline_.times()[At0(i)], timeline_.times()[At0(i) + 1],
-                            cuts_[At0(i)], k.gyro_bias_radps, k.accel_bias_mps2, input_.options.imu);
-    if (!imu_[At0(i)]) continue;
-    Matrix9d covariance = imu_[At0(i)]->covariance;
+    const KnotState& k = knots[Index(i)];
+    imu_[Index(i)] =
+        poses::Preintegrate(input_.imu, timeline_.times()[Index(i)], timeline_.times()[Index(i) + 1],
+                            cuts_[Index(i)], k.gyro_bias_radps, k.accel_bias_mps2, input_.options.imu);
+    if (!imu_[Index(i)]) continue;
+    Matrix9d covariance = imu_[Index(i)]->covariance;
     AddFloor(timeline_.Duration(i), covariance);
-    imu_whiten_[At0(i)] = Eigen::LLT<Matrix9d>(covariance).matrixL().solve(Matrix9d::Identity());
+    imu_whiten_[Index(i)] = Eigen::LLT<Matrix9d>(covariance).matrixL().solve(Matrix9d::Identity());
   }
 }
 
 std::vector<int> ChainProblem::Outline(bool with_photo_neighbours) const {
-  std::vector<int> first(At0(timeline_.size()));
-  for (int k = 0; k < timeline_.size(); ++k) first[At0(k)] = std::max(0, k - 1);
+  std::vector<int> first(Index(timeline_.size()));
+  for (int k = 0; k < timeline_.size(); ++k) first[Index(k)] = std::max(0, k - 1);
   const auto reach = [&](int a, int b) {
-    first[At0(std::max(a, b))] = std::min(first[At0(std::max(a, b))], std::min(a, b));
+    first[Index(std::max(a, b))] = std::min(first[Index(std::max(a, b))], std::min(a, b));
   };
   if (with_photo_neighbours) {
     for (std::size_t k = 1; k < photo_knots_.size(); ++k) reach(photo_knots_[k - 1], photo_knots_[k]);
@@ -136,7 +134,7 @@ std::vector<int> ChainProblem::Outline(bool with_photo_neighbours) const {
 StateBetween ChainProblem::At(const std::vector<KnotState>& knots, const Placed& placed) const {
   const int k = placed.place.knot;
   if (placed.place.weight == 0.0) {
-    StateBetween s = StateAtKnot(knots[At0(k)]);
+    StateBetween s = StateAtKnot(knots[Index(k)]);
     const int interval = std::min(k, timeline_.size() - 2);
     if (interval >= 0 && HasImu(interval)) {
       // What the lever arm and the clock offset need: the rate and the acceleration at the knot.
@@ -147,10 +145,10 @@ StateBetween ChainProblem::At(const std::vector<KnotState>& knots, const Placed&
     }
     return s;
   }
-  const KnotState& a = knots[At0(k)];
-  const KnotState& b = knots[At0(k) + 1];
+  const KnotState& a = knots[Index(k)];
+  const KnotState& b = knots[Index(k) + 1];
   if (HasImu(k)) {
-    return StateByImu(a, b, placed.place.weight, Imu(k).at_cuts[At0(placed.cut)],
+    return StateByImu(a, b, placed.place.weight, Imu(k).at_cuts[Index(placed.cut)],
                       input_.options.gravity_mps2);
   }
   return StateByMotionPrior(a, b, placed.place.weight, timeline_.Duration(k),

@@ -2,10 +2,14 @@
 // value once made; any thread.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 namespace skyquilt::poses {
+
+// Of a knot, a photo or a measurement, which are counted as int, in a vector.
+inline std::size_t Index(int i) { return static_cast<std::size_t>(i); }
 
 struct TimePlace {
   int knot = 0;         // the knot at or before the time

@@ -17,8 +17,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix6x22 = Eigen::Matrix<double, 6, kStateSize>;
 
-std::size_t Index(int i) { return static_cast<std::size_t>(i); }
-
 ChainGuess Moved(const ChainGuess& guess, const std::vector<Vector22>& step, double part) {
   ChainGuess moved = guess;
   for (std::size_t k = 0; k < guess.knots.size(); ++k) moved.knots[k] = guess.knots[k].Moved(-part * step[k]);

@@ -13,12 +13,12 @@ namespace {
 // Half the width of the low band's transition, cells.
 constexpr int kReach = 12;
 // The difference of two photos is read off a patch of this many cells around.
-constexpr int kPatch = 7;
+constexpr int kAgreementCells = 7;
 // What differs by more from what its surroundings do is another thing, not another light.
 constexpr float kMaxDifference = 28.0f;
 // Grass and water against the sun or with it differ by this much, all alike.
 constexpr float kMaxLight = 48.0f;
-constexpr int kSurroundings = 15;  // cells
+constexpr int kLightSurroundings = 15;  // cells
 constexpr float kMaxLevels = 0.5f * kMaxLight;
 // With less than this share of a patch in agreement the correction fades out.
 constexpr float kMinShare = 0.08f;
@@ -80,7 +80,7 @@ void AddDifference(const LowResView& view, const LowResView& other, const cv::Ma
   }
   cv::Mat1f around_share;
   cv::Mat3f around;
-  const cv::Size surroundings(kSurroundings, kSurroundings);
+  const cv::Size surroundings(kLightSurroundings, kLightSurroundings);
   cv::blur(agree, around_share, surroundings, {-1, -1}, cv::BORDER_CONSTANT);
   cv::blur(difference, around, surroundings, {-1, -1}, cv::BORDER_CONSTANT);
   for (int y = 0; y < view.rows; ++y) {
@@ -91,8 +91,8 @@ void AddDifference(const LowResView& view, const LowResView& other, const cv::Ma
       difference(y, x) = cv::Vec3f(0, 0, 0);
     }
   }
-  cv::blur(agree, agree, {kPatch, kPatch}, {-1, -1}, cv::BORDER_CONSTANT);
-  cv::blur(difference, difference, {kPatch, kPatch}, {-1, -1}, cv::BORDER_CONSTANT);
+  cv::blur(agree, agree, {kAgreementCells, kAgreementCells}, {-1, -1}, cv::BORDER_CONSTANT);
+  cv::blur(difference, difference, {kAgreementCells, kAgreementCells}, {-1, -1}, cv::BORDER_CONSTANT);
   for (int y = 0; y < view.rows; ++y) {
     for (int x = 0; x < view.columns; ++x) {
       if (share(y, x) > 0.0f) sum(y, x) += difference(y, x) * (share(y, x) / (agree(y, x) + kMinShare));

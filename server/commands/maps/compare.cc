@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/commands/fail.h"
 #include "server/comparison/compare_methods.h"
 #include "server/comparison/comparison_picture.h"
 #include "storage/tilesets/publish_file.h"
@@ -30,11 +31,6 @@ struct CompareArguments {
   double max_memory_gib = 1.0;
 };
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt: {}\n", error.message);
-  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
-}
-
 // What `simulate` lays beside the photos; empty when the flight is a real one.
 fs::path TruthBeside(const std::vector<fs::path>& inputs) {
   for (const fs::path& input : inputs) {
@@ -50,22 +46,22 @@ fs::path TruthBeside(const std::vector<fs::path>& inputs) {
 
 void Run(CompareArguments& arguments) {
   const auto files = flight::ListInputFiles(arguments.inputs);
-  if (!files) Fail(files.error());
+  if (!files) Fail("skyquilt", files.error());
   if (arguments.gsd_m > 0.0) arguments.options.gsd_m = arguments.gsd_m;
   arguments.options.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   if (arguments.truth.empty()) arguments.truth = TruthBeside(arguments.inputs);
   std::ostringstream truth_json;
   if (!arguments.truth.empty()) truth_json << std::ifstream(arguments.truth, std::ios::binary).rdbuf();
   const auto outcomes = CompareMethods(*files, arguments.options, truth_json.str(), arguments.out_dir);
-  if (!outcomes) Fail(outcomes.error());
+  if (!outcomes) Fail("skyquilt", outcomes.error());
   const Result<std::string> picture = ComparisonPng(*outcomes);
-  if (!picture) Fail(picture.error());
+  if (!picture) Fail("skyquilt", picture.error());
   const std::string table = ComparisonMarkdown(*outcomes);
   for (const auto& [name, text] :
        {std::pair{"compare.md", table}, std::pair{"compare.json", ComparisonJson(*outcomes)},
         std::pair{"compare.png", *picture}}) {
     if (auto written = storage::WriteFileAtomically(arguments.out_dir / name, text); !written) {
-      Fail(written.error());
+      Fail("skyquilt", written.error());
     }
   }
   fmt::print("{}\n{}\n", table, (arguments.out_dir / "compare.png").string());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/pipeline/report/locate.h"
+#include "server/commands/fail.h"
 
 namespace skyquilt::server {
 namespace {
@@ -21,34 +22,31 @@ struct LocateOptions {
   std::vector<double> lon_lat;
 };
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt locate: {}\n", error.message);
-  throw CLI::RuntimeError(1);
-}
-
 void Run(const LocateOptions& options) {
   if (options.pixel.empty() == options.lon_lat.empty() || options.pixel.empty() != options.photo.empty()) {
-    Fail({ErrorCode::kInvalidArgument, "Give either --photo with --pixel, or --lonlat.", ""});
+    Fail("skyquilt locate",
+         {ErrorCode::kInvalidArgument, "Give either --photo with --pixel, or --lonlat.", ""});
   }
   std::ifstream file(options.map_dir + "/locate.json", std::ios::binary);
   if (!file) {
-    Fail({ErrorCode::kNotFound,
+    Fail("skyquilt locate",
+         {ErrorCode::kNotFound,
           options.map_dir + " has no locate.json. Give the folder that \"stitch\" wrote.", ""});
   }
   std::ostringstream text;
   text << file.rdbuf();
   const Result<pipeline::LocatedMap> map = pipeline::ParseLocateJson(text.str());
-  if (!map) Fail(map.error());
+  if (!map) Fail("skyquilt locate", map.error());
   if (!options.pixel.empty()) {
     const Result<pipeline::GroundPoint> point =
         pipeline::GroundAtPixel(*map, options.photo, {options.pixel[0], options.pixel[1]});
-    if (!point) Fail(point.error());
+    if (!point) Fail("skyquilt locate", point.error());
     fmt::print("{:.9f},{:.9f} +-{:.2f} m\n", point->position.lon_deg, point->position.lat_deg,
                point->sigma_m);
     return;
   }
   const Result<geo::LatLon> position = geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]);
-  if (!position) Fail(position.error());
+  if (!position) Fail("skyquilt locate", position.error());
   for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
     fmt::print("{} {:.2f},{:.2f} +-{:.2f} m, {:.1f} degrees off the vertical\n", sighting.photo,
                sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), sighting.sigma_m,

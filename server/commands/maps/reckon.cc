@@ -14,6 +14,7 @@
 #include "core/poses/reckoning/reckon.h"
 #include "core/poses/time/join_logs.h"
 #include "core/poses/time/tie_to_log.h"
+#include "server/commands/fail.h"
 #include "server/commands/maps/reckon_plot.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -28,11 +29,6 @@ struct ReckonArguments {
   fs::path table;
   double every_s = 2.0;
 };
-
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt reckon: {}\n", error.message);
-  throw CLI::RuntimeError(1);
-}
 
 // When the photos were taken, on the log's clock; without photos, the log's own camera events; without these,
 // moments `every_s` apart.
@@ -106,25 +102,27 @@ std::string Csv(const poses::Reckoning& reckoning) {
 }
 
 void Write(const fs::path& path, const std::string& text) {
-  if (const Result<void> written = storage::WriteFileAtomically(path, text); !written) Fail(written.error());
+  if (const Result<void> written = storage::WriteFileAtomically(path, text); !written)
+    Fail("skyquilt reckon", written.error());
   fmt::print("{}\n", path.string());
 }
 
 void Run(const ReckonArguments& arguments) {
   const auto files = flight::ListInputFiles(arguments.inputs);
-  if (!files) Fail(files.error());
+  if (!files) Fail("skyquilt reckon", files.error());
   SilentProgress progress;
   const auto flight = flight::ReadFlight(*files, {}, progress);
-  if (!flight) Fail(flight.error());
+  if (!flight) Fail("skyquilt reckon", flight.error());
   for (const std::string& warning : flight->warnings) fmt::print(stderr, "Warning: {}\n", warning);
   const auto joined = poses::JoinLogs(flight->logs);
   if (!joined) {
-    Fail({ErrorCode::kUnprocessable,
+    Fail("skyquilt reckon",
+         {ErrorCode::kUnprocessable,
           "None of the files is a flight log. Give a DataFlash, ULog or telemetry log.", ""});
   }
   const std::vector<poses::Capture> captures = CapturesOf(joined->log, *flight, arguments.every_s);
   const auto reckoning = poses::ReckonBetween(joined->log, captures);
-  if (!reckoning) Fail(reckoning.error());
+  if (!reckoning) Fail("skyquilt reckon", reckoning.error());
   fmt::print("{}: {} inertial samples, {} captures\n{}", joined->log.file_name, joined->log.imu.size(),
              captures.size(), TableText(*reckoning));
   if (!arguments.table.empty()) Write(arguments.table, Csv(*reckoning));

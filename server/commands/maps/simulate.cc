@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/simulate/simulate_flight.h"
+#include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
 
 namespace skyquilt::server {
@@ -42,19 +43,14 @@ struct SimulateArguments {
   bool no_gnss_log = false;
 };
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt: {}\n", error.message);
-  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
-}
-
 camera::Intrinsics LensOf(const SimulateArguments& arguments) {
   int width = 0;
   int height = 0;
   char rest = 0;
   if (std::sscanf(arguments.size.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width <= 0 ||
       height <= 0) {
-    Fail({ErrorCode::kInvalidArgument,
-          "--size is '" + arguments.size + "'; write it as WIDTHxHEIGHT, like 4000x3000.", ""});
+    Fail("skyquilt", {ErrorCode::kInvalidArgument,
+                      "--size is '" + arguments.size + "'; write it as WIDTHxHEIGHT, like 4000x3000.", ""});
   }
   // A common drone lens sees 67 degrees across unless another field of view is given.
   const double focal_px = arguments.focal_px > 0.0 ? arguments.focal_px : 0.75 * width;
@@ -95,7 +91,7 @@ void Run(SimulateArguments& arguments) {
     TerminalProgress progress;
     return simulate::SimulateFlight(options, arguments.out_dir, progress);
   }();
-  if (!flight) Fail(flight.error());
+  if (!flight) Fail("skyquilt", flight.error());
   fmt::print("{} photos of {} x {} pixels, {:.2f} cm a pixel on the ground\n", flight->photos.size(),
              options.intrinsics.width_px, options.intrinsics.height_px, 100.0 * flight->GsdM());
   fmt::print("{}\n{}\n", (arguments.out_dir / "photos").string(), (arguments.out_dir / "truth").string());

@@ -13,6 +13,7 @@
 
 #include "core/base/digest.h"
 #include "core/base/printable.h"
+#include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
@@ -36,11 +37,6 @@ struct StitchArguments {
   bool overwrite = false;
 };
 
-[[noreturn]] void Fail(const Error& error) {
-  fmt::print(stderr, "skyquilt: {}\n", error.message);
-  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
-}
-
 void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
   fmt::print("{} photos: {} aligned, {} by pose alone, {} left out\n", report.photos_total,
              report.photos_aligned, report.photos_pose_only, report.photos_left_out);
@@ -57,12 +53,13 @@ void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::p
 // The files of the finished map, then the others; one that is given again counts once.
 void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::InputFile>& files) {
   auto all = FilesOfMap(out_dir);
-  if (!all) Fail(all.error());
+  if (!all) Fail("skyquilt", all.error());
   std::map<std::string, std::filesystem::path> finished;
   for (const flight::InputFile& file : *all) {
     finished[file.name] = file.path;
     if (std::filesystem::exists(file.path)) continue;
-    Fail({ErrorCode::kNotFound,
+    Fail("skyquilt",
+         {ErrorCode::kNotFound,
           file.path.string() + " is gone; a map can only be added to where its photos still are", ""});
   }
   for (flight::InputFile& file : files) {
@@ -73,7 +70,8 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
     }
     const Result<Digest> was = DigestOfFile(same->second), is = DigestOfFile(file.path);
     if (was && is && *was == *is) continue;
-    Fail({ErrorCode::kConflict,
+    Fail("skyquilt",
+         {ErrorCode::kConflict,
           file.path.string() + " has the name of a file of the finished map and other content; rename it",
           ""});
   }
@@ -85,11 +83,11 @@ void Run(StitchArguments& arguments) {
     geo::LatLon origin;
     char rest = 0;
     if (std::sscanf(arguments.origin.c_str(), "%lf,%lf%c", &origin.lat_deg, &origin.lon_deg, &rest) != 2) {
-      Fail({ErrorCode::kInvalidArgument,
-            "--origin is '" + arguments.origin +
-                "'; write it as LAT,LON in degrees, like "
-                "46.80,7.10.",
-            ""});
+      Fail("skyquilt", {ErrorCode::kInvalidArgument,
+                        "--origin is '" + arguments.origin +
+                            "'; write it as LAT,LON in degrees, like "
+                            "46.80,7.10.",
+                        ""});
     }
     arguments.job.mosaic.origin = origin;
   }
@@ -101,15 +99,15 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_utm = arguments.utm;
   arguments.job.write_kmz = arguments.kmz;
   auto files = flight::ListInputFiles(arguments.inputs);
-  if (!files) Fail(files.error());
+  if (!files) Fail("skyquilt", files.error());
   if (arguments.append) {
     AddFinishedFiles(arguments.out_dir, *files);
   } else if (arguments.overwrite) {
     const Result<void> kept = CheckNoInputIsReplaced(arguments.out_dir, *files);
-    if (!kept) Fail(kept.error());
+    if (!kept) Fail("skyquilt", kept.error());
   } else {
     const Result<void> free = CheckOutFolder(arguments.out_dir, *files);
-    if (!free) Fail(free.error());
+    if (!free) Fail("skyquilt", free.error());
   }
   if (arguments.job.mosaic.title.empty()) {
     std::filesystem::path first = std::filesystem::absolute(arguments.inputs.front()).lexically_normal();
@@ -121,7 +119,7 @@ void Run(StitchArguments& arguments) {
     TerminalProgress progress;
     return StitchToDirectory(*files, arguments.job, arguments.out_dir, progress);
   }();
-  if (!report) Fail(report.error());
+  if (!report) Fail("skyquilt", report.error());
   PrintOutcome(*report, arguments.out_dir);
 }
 

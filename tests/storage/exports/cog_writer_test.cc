@@ -16,6 +16,7 @@
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
+#include "tests/support/bytes_of.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -40,11 +41,6 @@ std::unique_ptr<OpenedCog> WriteAndOpen(const PaintedTileset& tileset, int threa
   GDALAllRegister();
   opened->dataset.reset(GDALDataset::Open(opened->tif.c_str(), GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR));
   return opened;
-}
-
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 // Blue, green, red: what the stored tile decodes to.
@@ -167,7 +163,7 @@ TEST(WriteCog, CopiesTheBytesOfOpaqueTiles) {
   auto tiles = *MbtilesReader::Open(cog->mbtiles);
   auto found = *tiles->Find(*geo::TileId::Make(16, 68, 68));
   ASSERT_TRUE(found);
-  EXPECT_NE(BytesOf(cog->tif).find(*tiles->Load(*found)), std::string::npos);
+  EXPECT_NE(test::BytesOf(cog->tif).find(*tiles->Load(*found)), std::string::npos);
 }
 
 TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
@@ -184,7 +180,7 @@ TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
 
 TEST(WriteCog, IsTheSameWithAnyNumberOfThreads) {
   const PaintedTileset tileset{18, 256, 1001, 2002, 5, 5, 0};
-  EXPECT_EQ(BytesOf(WriteAndOpen(tileset, 1)->tif), BytesOf(WriteAndOpen(tileset, 3)->tif));
+  EXPECT_EQ(test::BytesOf(WriteAndOpen(tileset, 1)->tif), test::BytesOf(WriteAndOpen(tileset, 3)->tif));
 }
 
 TEST(WriteCog, PassesGdalsValidator) {

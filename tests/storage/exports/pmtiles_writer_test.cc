@@ -13,14 +13,10 @@
 #include "storage/tilesets/mbtiles_writer.h"
 #include "tests/storage/painted_tileset.h"
 #include "tests/storage/scratch_dir.h"
+#include "tests/support/bytes_of.h"
 
 namespace skyquilt::storage {
 namespace {
-
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::string Gunzip(std::string_view bytes) {
   z_stream stream{};
@@ -105,7 +101,7 @@ TEST(WritePmtiles, HoldsExactlyTheTilesOfTheTileset) {
   WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
   SilentProgress progress;
   ASSERT_TRUE(WritePmtiles(folder.path() / "map.mbtiles", folder.path() / "map.pmtiles", progress));
-  const Archive archive{BytesOf(folder.path() / "map.pmtiles")};
+  const Archive archive{test::BytesOf(folder.path() / "map.pmtiles")};
   EXPECT_EQ(archive.bytes.substr(0, 8), std::string("PMTiles\x03", 8));
   EXPECT_EQ(Gunzip(archive.Section(24)).find("\"name\":\"painted \\\"map\\\"\""), 1u);
   auto tiles = *MbtilesReader::Open(folder.path() / "map.mbtiles");
@@ -140,7 +136,7 @@ TEST(WritePmtiles, StoresEqualTilesOnceAndEqualNeighboursAsARun) {
   ASSERT_TRUE(writer->Publish(metadata));
   SilentProgress progress;
   ASSERT_TRUE(WritePmtiles(folder.path() / "map.mbtiles", folder.path() / "map.pmtiles", progress));
-  const Archive archive{BytesOf(folder.path() / "map.pmtiles")};
+  const Archive archive{test::BytesOf(folder.path() / "map.pmtiles")};
   EXPECT_EQ(archive.Number(64), sea.size());
   EXPECT_EQ(archive.Number(72), 64u);
   EXPECT_EQ(archive.Number(80), 1u);

@@ -13,7 +13,6 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kMaxSightings = 100'000;
-constexpr std::size_t kLongestName = 512;
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -65,13 +64,13 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
         continue;
       }
       GcpPoint point;
-      point.name = words.size() > 6 ? std::string(words[6].substr(0, kLongestName))
+      point.name = words.size() > 6 ? std::string(words[6].substr(0, kMaxNameLength))
                                     : fmt::format("gcp{}", list.points.size() + 1);
       point.position = *position;
       if (z) point.height_m = *z * srs->metres_per_unit();
       list.points.push_back(std::move(point));
     }
-    list.sightings.push_back({std::string(words[5].substr(0, kLongestName)), *ParseNumber(words[3]),
+    list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ParseNumber(words[3]),
                               *ParseNumber(words[4]), entry->second});
   }
   if (list.sightings.size() == kMaxSightings && lines.Next(line))

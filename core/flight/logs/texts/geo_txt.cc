@@ -12,7 +12,6 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::uint64_t kMaxRows = 200'000;
-constexpr std::size_t kLongestName = 512;
 
 bool LooksLikeImageName(std::string_view word) {
   const std::size_t dot = word.rfind('.');
@@ -58,7 +57,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     CameraEvent event;
     event.t_s = static_cast<double>(rows);
     event.has_time = false;
-    event.image_name = std::string(words[0].substr(0, kLongestName));
+    event.image_name = std::string(words[0].substr(0, kMaxNameLength));
     event.position = *position;
     if (const auto z = number(3)) event.height_ellipsoid_m = *z * srs->metres_per_unit();
     const auto yaw = number(4);

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "core/alignment/view_graph/sampler.h"
+#include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {
 namespace {
-
-double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
 
 const geo::Rigid3 kTruth{geo::RotationFromVector({2.9, 0.2, 0.1}), {3.0, -2.0, 45.0}};
 

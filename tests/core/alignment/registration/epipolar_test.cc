@@ -8,11 +8,10 @@
 
 #include "core/alignment/view_graph/sampler.h"
 #include "core/geo/rigid3.h"
+#include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {
 namespace {
-
-double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
 
 RelativePose TruePose() {
   RelativePose pose;

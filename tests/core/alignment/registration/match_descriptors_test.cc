@@ -7,7 +7,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-Descriptor RandomDescriptor(Sampler& sampler) {
+Descriptor UniformDescriptor(Sampler& sampler) {
   Descriptor descriptor{};
   for (std::uint8_t& value : descriptor) value = static_cast<std::uint8_t>(sampler.Below(90));
   return descriptor;
@@ -18,7 +18,7 @@ PhotoFeatures Features(int count, std::uint64_t seed) {
   PhotoFeatures features;
   for (int k = 0; k < count; ++k) {
     features.keypoints.push_back({static_cast<float>(20 * k), 10.0F, 0.0F, 5.0F, 1.0F});
-    features.descriptors.push_back(RandomDescriptor(sampler));
+    features.descriptors.push_back(UniformDescriptor(sampler));
   }
   return features;
 }

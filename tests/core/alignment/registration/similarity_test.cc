@@ -6,11 +6,10 @@
 #include <limits>
 
 #include "core/alignment/view_graph/sampler.h"
+#include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {
 namespace {
-
-double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
 
 Similarity3 Truth() {
   Similarity3 truth;

@@ -5,13 +5,12 @@
 #include <numbers>
 
 #include "core/alignment/view_graph/sampler.h"
+#include "tests/core/alignment/registration/uniform.h"
 
 namespace skyquilt::alignment {
 namespace {
 
 constexpr int kMaxKeypoints = 900;
-
-double Uniform(Sampler& sampler) { return static_cast<double>(sampler.Next() >> 11) * 0x1p-53; }
 
 double Normal(Sampler& sampler) {
   return std::sqrt(-2.0 * std::log(1.0 - Uniform(sampler))) *

@@ -1,0 +1,15 @@
+#include "server/commands/fail.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+namespace skyquilt::server {
+
+void Fail(const char* program, const Error& error) {
+  fmt::print(stderr, "{}: {}\n", program, error.message);
+  throw CLI::RuntimeError(error.code == ErrorCode::kCancelled ? 130 : 1);
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,12 @@
+// How a command of the program ends when it cannot go on.
+#pragma once
+
+#include "core/base/result.h"
+
+namespace skyquilt::server {
+
+// Prints "program: message" to standard error and leaves the command (CLI::RuntimeError): with exit code 130
+// where it was cancelled, as a shell has it for Ctrl-C, else with 1.
+[[noreturn]] void Fail(const char* program, const Error& error);
+
+}  // namespace skyquilt::server
