@@ -48,6 +48,12 @@ Result<bool> Exists(SqliteDb& db, std::string_view sql, std::string_view first,
   return query.Step();
 }
 
+Result<void> RequireFlight(SqliteDb& db, const std::string& id) {
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(db, kIsThere, id));
+  if (!known) return NoSuchFlight(id);
+  return {};
+}
+
 Result<void> RequireNotRunning(SqliteDb& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const bool running,
                       Exists(db, "SELECT 1 FROM job WHERE flight_id=? AND state='running'", flight_id));
@@ -72,13 +78,7 @@ Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const Stored
 
 Result<std::vector<std::string>> UploadsOf(SqliteDb& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM upload WHERE flight_id=?"));
-  query.Bind(1, flight_id);
-  std::vector<std::string> ids;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return ids;
-    ids.emplace_back(query.ColumnText(0));
-  }
+  return query.Bind(1, flight_id).AllText();
 }
 
 // "a.jpg", "2" -> "a (2).jpg"
@@ -222,19 +222,13 @@ Result<bool> Catalogue::HasFlight(const std::string& id) const {
 Result<std::vector<std::string>> Catalogue::FlightIds() const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM flight ORDER BY id"));
-  std::vector<std::string> ids;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return ids;
-    ids.emplace_back(query.ColumnText(0));
-  }
+  return query.AllText();
 }
 
 Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredFile& file, Time now) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, kIsThere, flight_id));
-  if (!known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY(RequireFlight(*db, flight_id));
   AddedFile added;
   {
     SKYQUILT_TRY_ASSIGN(Statement old,
@@ -260,8 +254,7 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
                                                    Time now, const std::optional<std::string>& upload_id) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, kIsThere, flight_id));
-  if (!known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY(RequireFlight(*db, flight_id));
   StoredFile added = file;
   for (int number = 2;; ++number) {
     SKYQUILT_TRY_ASSIGN(const bool taken, Exists(*db, "SELECT 1 FROM file WHERE flight_id=? AND name=?",
@@ -288,8 +281,7 @@ Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id,
 Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std::string& name) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, kIsThere, flight_id));
-  if (!known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY(RequireFlight(*db, flight_id));
   SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
   StoredFile removed;
   {

@@ -107,13 +107,7 @@ Result<std::vector<std::string>> Trash::DeletedUntil(Time age) const {
       Statement query,
       db->Prepare(
           "SELECT id FROM flight WHERE deleted_us IS NOT NULL AND deleted_age_us<=? ORDER BY deleted_age_us"));
-  query.Bind(1, ToUs(age));
-  std::vector<std::string> ids;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return ids;
-    ids.emplace_back(query.ColumnText(0));
-  }
+  return query.Bind(1, ToUs(age)).AllText();
 }
 
 }  // namespace skyquilt::storage

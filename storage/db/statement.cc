@@ -2,7 +2,6 @@
 
 #include <sqlite3.h>
 
-#include <string>
 #include <utility>
 
 #include "core/base/check.h"
@@ -70,6 +69,16 @@ Result<bool> Statement::Step() {
   const Error error = StepError(handle_, code);
   sqlite3_reset(handle_);
   return error;
+}
+
+Result<std::vector<std::string>> Statement::AllText() {
+  std::vector<std::string> texts;
+  while (true) {
+    const Result<bool> row = Step();
+    if (!row) return row.error();
+    if (!*row) return texts;
+    texts.emplace_back(ColumnText(0));
+  }
 }
 
 Result<void> Statement::Run() {

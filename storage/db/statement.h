@@ -6,7 +6,9 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -34,6 +36,8 @@ class Statement {
 
   // True: a row is there. False: done.
   Result<bool> Step();
+  // The first column of all rows that are left.
+  Result<std::vector<std::string>> AllText();
   // Steps to the end, drops any rows and resets: for statements that write.
   Result<void> Run();
   void Reset();

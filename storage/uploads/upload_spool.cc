@@ -234,12 +234,7 @@ Result<int> UploadSpool::RemoveExpired(Time now) {
   {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT id FROM upload WHERE expires_us<=?1"));
-    query.Bind(1, ToUs(now));
-    while (true) {
-      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-      if (!row) break;
-      over.emplace_back(query.ColumnText(0));
-    }
+    SKYQUILT_TRY_ASSIGN(over, query.Bind(1, ToUs(now)).AllText());
   }
   // The bytes first: as long as the row is there, they are known to be nobody's.
   int count = 0;

@@ -145,12 +145,6 @@ class Confinement(ServerTestCase):
     def put(self, server, flight_id, name, content):
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
 
-    def wait_for_preview(self, server, flight_id, photos):
-        def has_come():
-            preview = server.json("GET", f"/api/v1/flights/{flight_id}")[1]["preview"]
-            return preview is not None and preview["photos"] == photos
-        wait_until(has_come, f"no preview of {photos} photos: {server.errors()}")
-
     def test_a_photo_that_takes_too_long_is_passed_over_and_the_others_drawn(self):
         server = self.serve("--photo-timeout", "2")
         _, flight = server.json("POST", "/api/v1/flights", {})

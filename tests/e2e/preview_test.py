@@ -44,13 +44,6 @@ class Preview(ServerTestCase):
         for name, content in photos:
             self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight_id}/files/{name}", content)[0], 201)
 
-    def wait_for_preview(self, server, flight_id, photos):
-        def has_come():
-            preview = server.json("GET", f"/api/v1/flights/{flight_id}")[1]["preview"]
-            return preview is not None and preview["photos"] == photos
-        wait_until(has_come, f"no preview of {photos} photos: {server.errors()}")
-        return server.json("GET", f"/api/v1/flights/{flight_id}")[1]["preview"]
-
     def middle_tile(self, server, tilejson_path, extra=""):
         status, tilejson = server.json("GET", tilejson_path)
         self.assertEqual(status, 200, tilejson)

@@ -165,6 +165,17 @@ def wait_until(condition, complaint):
         time.sleep(0.05)
 
 
+def stitch_simulated(folder):
+    """(a server with the data folder `folder`/data, the one flight in it, simulated there and stitched)."""
+    subprocess.run([BINARY, "simulate", "-o", folder / "sim", "--photos", "8", "--size", "1600x1200", "--no-world"], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir()) if path.suffix.upper() == ".JPG"]
+    server = Server(folder / "data", "--workers", "1")
+    _, made = server.upload(photos)
+    assert server.wait_for_job(made["job"]["id"])["state"] == "successful"
+    return server, made["flight"]["id"]
+
+
 class ServerTestCase(unittest.TestCase):
     """A fresh data folder per test, one small simulated flight per class."""
 
@@ -189,6 +200,13 @@ class ServerTestCase(unittest.TestCase):
         for server in self.servers:
             if server.process.poll() is None:
                 server.stop()
+
+    def wait_for_preview(self, server, flight_id, photos):
+        def has_come():
+            preview = server.json("GET", f"/api/v1/flights/{flight_id}")[1]["preview"]
+            return preview is not None and preview["photos"] == photos
+        wait_until(has_come, f"no preview of {photos} photos: {server.errors()}")
+        return server.json("GET", f"/api/v1/flights/{flight_id}")[1]["preview"]
 
     def refusal(self, *arguments):
         """What `skyquilt serve` says when it does not start."""

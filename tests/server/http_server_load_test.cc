@@ -9,7 +9,7 @@
 #include "server/http/http_server.h"
 #include "server/http/session_set.h"
 #include "tests/server/raw_client.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/server/served_folder.h"
 
 namespace skyquilt::server {
 namespace {
@@ -17,16 +17,9 @@ namespace {
 using api::Method;
 using std::chrono::milliseconds;
 
-class LoadedServerTest : public testing::Test {
+class LoadedServerTest : public ServedFolder {
  protected:
-  LoadedServerTest()
-      : dir_(*storage::DataDir::Open(scratch_.path())),
-        db_(*storage::CatalogueDb::Open(dir_.Catalogue())),
-        catalogue_(*db_),
-        queue_(*db_),
-        store_(dir_),
-        tilesets_(dir_, catalogue_),
-        service_{catalogue_, queue_, store_, tilesets_, metrics_, *db_, "test"} {
+  LoadedServerTest() {
     settings_.port = 0;
     settings_.read_threads = settings_.write_threads = settings_.compute_threads = 1;
     const auto hang = [this](const api::Request&) {
@@ -71,15 +64,6 @@ class LoadedServerTest : public testing::Test {
   std::shared_future<void> opened_ = gate_.get_future().share();
   bool is_open_ = false;
   std::atomic<int> hanging_ = 0;
-  ScratchDir scratch_;
-  storage::DataDir dir_;
-  std::unique_ptr<storage::CatalogueDb> db_;
-  storage::Catalogue catalogue_;
-  storage::JobQueue queue_;
-  storage::PhotoStore store_;
-  storage::TilesetCache tilesets_;
-  api::Metrics metrics_;
-  api::Service service_;
   api::Router router_;
   HttpSettings settings_;
   std::unique_ptr<HttpServer> server_;

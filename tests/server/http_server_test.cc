@@ -11,23 +11,15 @@
 #include "api/auth/access.h"
 #include "api/build_api.h"
 #include "tests/server/raw_client.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/server/served_folder.h"
 #include "tests/storage/small_tileset.h"
 
 namespace skyquilt::server {
 namespace {
 
-class HttpServerTest : public testing::Test {
+class HttpServerTest : public ServedFolder {
  protected:
-  HttpServerTest()
-      : dir_(*storage::DataDir::Open(scratch_.path())),
-        db_(*storage::CatalogueDb::Open(dir_.Catalogue())),
-        catalogue_(*db_),
-        queue_(*db_),
-        store_(dir_),
-        tilesets_(dir_, catalogue_),
-        service_{catalogue_, queue_, store_, tilesets_, metrics_, *db_, "test"},
-        router_(api::BuildApi(service_)) {
+  HttpServerTest() : router_(api::BuildApi(service_)) {
     settings_.port = 0;
     settings_.header_deadline = std::chrono::seconds(1);
   }
@@ -49,15 +41,6 @@ class HttpServerTest : public testing::Test {
     return CountIncoming() == 0;
   }
 
-  ScratchDir scratch_;
-  storage::DataDir dir_;
-  std::unique_ptr<storage::CatalogueDb> db_;
-  storage::Catalogue catalogue_;
-  storage::JobQueue queue_;
-  storage::PhotoStore store_;
-  storage::TilesetCache tilesets_;
-  api::Metrics metrics_;
-  api::Service service_;
   api::Router router_;
   HttpSettings settings_;
   std::unique_ptr<HttpServer> server_;

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/flight/logs/log_bytes.h"
+
 namespace skyquilt::flight {
 
 // Characters of a photo's or a point's name in a list; the rest is cut off.
@@ -42,6 +44,15 @@ class LineReader {
   std::size_t number_ = 0;
   bool open_ = false;
 };
+
+// The next line that is not blank; says to `steps` how far the reading has come.
+inline bool NextFilledLine(LineReader& lines, ConsumedSteps& steps, std::string_view& line) {
+  while (lines.Next(line)) {
+    steps.At(lines.offset());
+    if (!Trim(line).empty()) return true;
+  }
+  return false;
+}
 
 // Cuts at `separator`; fields in double quotes may hold it. At most 1024 fields; fields are trimmed.
 void SplitFields(std::string_view line, char separator, std::vector<std::string_view>& fields);

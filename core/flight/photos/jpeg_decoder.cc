@@ -54,6 +54,23 @@ void OnProgress(j_common_ptr jpeg) {
   std::longjmp(callbacks->leave, 1);
 }
 
+// Destroyed wherever its reading was left.
+struct Decoder {
+  Callbacks callbacks{};
+  jpeg_decompress_struct jpeg{};
+
+  Decoder() {
+    jpeg.err = jpeg_std_error(&callbacks.errors);
+    callbacks.errors.error_exit = Leave;
+    callbacks.errors.emit_message = OnMessage;
+    callbacks.progress.progress_monitor = OnProgress;
+    jpeg.client_data = &callbacks;
+  }
+  ~Decoder() { jpeg_destroy_decompress(&jpeg); }
+  Decoder(const Decoder&) = delete;
+  Decoder& operator=(const Decoder&) = delete;
+};
+
 struct Wish {
   std::span<const std::uint8_t> bytes;
   int width_px, height_px, denominator;
@@ -133,15 +150,8 @@ void RgbFromInvertedCmyk(const PixelBytes& cmyk, PixelBytes& rgb) {
 }  // namespace
 
 std::int64_t JpegWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px) {
-  Callbacks callbacks{};
-  jpeg_decompress_struct jpeg{};
-  const std::unique_ptr<jpeg_decompress_struct, decltype(&jpeg_destroy_decompress)> owner(
-      &jpeg, &jpeg_destroy_decompress);
-  jpeg.err = jpeg_std_error(&callbacks.errors);
-  callbacks.errors.error_exit = Leave;
-  callbacks.errors.emit_message = OnMessage;
-  jpeg.client_data = &callbacks;
-  const ScanFacts facts = ReadScanFacts(jpeg, callbacks, bytes);
+  Decoder decoder;
+  const ScanFacts facts = ReadScanFacts(decoder.jpeg, decoder.callbacks, bytes);
   const std::int64_t pixels = std::int64_t{width_px} * height_px;
   const std::int64_t rows = std::int64_t{100} * width_px;
   return rows + (facts.has_several_scans ? 2 * facts.components * pixels : 0) +
@@ -157,17 +167,10 @@ Result<DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px
   part.image.rgb = std::move(memory);
   part.image.rgb.clear();  // or what is in it would be moved when it grows
   PixelBytes cmyk;
-  Callbacks callbacks{};
-  jpeg_decompress_struct jpeg{};
-  const std::unique_ptr<jpeg_decompress_struct, decltype(&jpeg_destroy_decompress)> owner(
-      &jpeg, &jpeg_destroy_decompress);
-  jpeg.err = jpeg_std_error(&callbacks.errors);
-  callbacks.errors.error_exit = Leave;
-  callbacks.errors.emit_message = OnMessage;
-  callbacks.progress.progress_monitor = OnProgress;
-  jpeg.client_data = &callbacks;
+  Decoder decoder;
+  const Callbacks& callbacks = decoder.callbacks;
   const DecodeOutcome outcome =
-      Read(jpeg, callbacks, {bytes, width_px, height_px, denominator, wanted}, part, cmyk);
+      Read(decoder.jpeg, decoder.callbacks, {bytes, width_px, height_px, denominator, wanted}, part, cmyk);
   if (outcome == DecodeOutcome::kChanged) return PictureChanged();
   if (outcome == DecodeOutcome::kDamaged && callbacks.errors.msg_code == JERR_OUT_OF_MEMORY)
     throw std::bad_alloc();

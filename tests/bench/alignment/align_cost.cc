@@ -24,7 +24,7 @@
 #include "core/simulate/sensors/noise.h"
 #include "core/simulate/simulate_flight.h"
 #include "core/simulate/writers/write_photo.h"
-#include "tests/bench/alignment/thread_cpu.h"
+#include "tests/bench/alignment/cpu_seconds.h"
 
 namespace {
 

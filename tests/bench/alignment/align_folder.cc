@@ -1,27 +1,16 @@
 // Aligns the photos of a folder and prints what came of it: alignment_folder DIR [threads [detector_pixels]].
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include <cstdlib>
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/flight/photos/photo_decoder.h"
-#include "core/flight/read_flight.h"
 #include "core/ground/model_ground.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/seams/measure_seams.h"
-
-namespace {
-
-double CpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_utime.tv_sec + usage.ru_stime.tv_sec +
-         1e-6 * (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-}  // namespace
+#include "tests/bench/alignment/cpu_seconds.h"
+#include "tests/bench/alignment/read_folder.h"
 
 int main(int argc, char** argv) {
   using namespace skyquilt;
@@ -30,11 +19,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   SilentProgress progress;
-  const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles({argv[1]});
-  if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
-  const Result<flight::Flight> read = flight::ReadFlight(*files, {}, progress);
-  if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
-  const Result<poses::PosedFlight> posed = poses::EstimatePoses(*read, {});
+  const flight::Flight read = ReadFolder(argv[1], progress);
+  const Result<poses::PosedFlight> posed = poses::EstimatePoses(read, {});
   if (!posed) return fmt::print(stderr, "{}\n", posed.error().message), 1;
   alignment::AlignOptions options;
   if (argc > 2) options.threads = std::atoi(argv[2]);

@@ -1,7 +1,6 @@
 // Simulated flights with known truth, aligned, beside the pose-only way, and whether what is demanded holds:
 //   alignment_simulated [case|all [seeds [photos [width_px [folder for rendered photos [threads]]]]]]
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 
 #include "core/alignment/align_flight.h"
 #include "core/ground/model_ground.h"
+#include "tests/bench/alignment/cpu_seconds.h"
 #include "tests/bench/alignment/judge_alignment.h"
 #include "tests/bench/alignment/simulated_cases.h"
 #include "tests/core/alignment/simulated_case.h"
@@ -19,13 +19,6 @@ namespace {
 
 using namespace skyquilt;
 using namespace skyquilt::alignment;
-
-double CpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 simulate::SimulateOptions Options(const SimulatedCase& one, int seed, int photos, int width_px) {
   simulate::SimulateOptions options;

@@ -1,7 +1,6 @@
 // Registers the photos of a folder by what they show alone and prints what came of it:
 // registration_bench DIR [threads [positions|nothing]]. "nothing": recorded positions are not looked at.
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include <cstdlib>
 #include <map>
@@ -13,19 +12,9 @@
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/flight/photos/photo_decoder.h"
-#include "core/flight/read_flight.h"
 #include "core/geo/local_frame.h"
-
-namespace {
-
-double CpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_utime.tv_sec + usage.ru_stime.tv_sec +
-         1e-6 * (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-}  // namespace
+#include "tests/bench/alignment/cpu_seconds.h"
+#include "tests/bench/alignment/read_folder.h"
 
 int main(int argc, char** argv) {
   using namespace skyquilt;
@@ -34,14 +23,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   SilentProgress progress;
-  const Result<std::vector<flight::InputFile>> files = flight::ListInputFiles({argv[1]});
-  if (!files) return fmt::print(stderr, "{}\n", files.error().message), 1;
-  const Result<flight::Flight> read = flight::ReadFlight(*files, {}, progress);
-  if (!read) return fmt::print(stderr, "{}\n", read.error().message), 1;
+  const flight::Flight read = ReadFolder(argv[1], progress);
   const int threads = argc > 2 ? std::atoi(argv[2]) : 0;
   const bool with_positions = argc <= 3 || std::string_view(argv[3]) != "nothing";
   const alignment::FeatureOptions feature_options = alignment::AlignOptions().Features();
-  const std::vector<flight::Photo>& photos = read->photos;
+  const std::vector<flight::Photo>& photos = read.photos;
   std::vector<alignment::PhotoFeatures> features(photos.size());
   std::vector<char> is_read(photos.size(), 0);
   const flight::FilePhotoSource source;

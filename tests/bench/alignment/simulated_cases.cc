@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/bench/alignment/thread_cpu.h"
+#include "tests/bench/alignment/cpu_seconds.h"
 
 namespace skyquilt::alignment {
 namespace {

@@ -16,7 +16,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "e2e"))
-from server_support import BINARY, Server  # noqa: E402
+from server_support import BINARY, Server, stitch_simulated  # noqa: E402
 
 JOBS, OWNERS, LISTENERS, DOUBLES, PICTURES = 10_000, 100, 1000, 8, 24
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -24,13 +24,7 @@ TICKS = os.sysconf("SC_CLK_TCK")
 
 def make_map(folder):
     """(data folder, flight, its bounds, the paths of all its tiles)."""
-    subprocess.run([BINARY, "simulate", "-o", folder / "sim", "--photos", "8", "--size", "1600x1200", "--no-world"], check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir()) if path.suffix.upper() == ".JPG"]
-    server = Server(folder / "data", "--workers", "1")
-    _, made = server.upload(photos)
-    assert server.wait_for_job(made["job"]["id"])["state"] == "successful"
-    flight = made["flight"]["id"]
+    server, flight = stitch_simulated(folder)
     _, document = server.json("GET", f"/tiles/{flight}.json")
     server.stop()
     [mbtiles] = (folder / "data/flights" / flight).glob("r*/mosaic.mbtiles")

@@ -17,7 +17,7 @@ import time
 import peers as others
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "e2e"))
-from server_support import BINARY, Server  # noqa: E402
+from server_support import BINARY, Server, stitch_simulated  # noqa: E402
 
 SECONDS, ROUNDS, CONNECTIONS, SLOW = 4, 3, 32, 1000
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -96,14 +96,8 @@ def hundred_maps(data, flight):
 
 def make_map(folder):
     """(the server's data folder, the flight, its tiles as zoom, column, row from the south, bytes)."""
-    subprocess.run([BINARY, "simulate", "-o", folder / "sim", "--photos", "8", "--size", "1600x1200", "--no-world"], check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    photos = [(path.name, path.read_bytes()) for path in sorted((folder / "sim/photos").iterdir()) if path.suffix.upper() == ".JPG"]
-    server = Server(folder / "data", "--workers", "1")
-    _, made = server.upload(photos)
-    assert server.wait_for_job(made["job"]["id"])["state"] == "successful"
+    server, flight = stitch_simulated(folder)
     server.stop()
-    flight = made["flight"]["id"]
     [mbtiles] = (folder / "data/flights" / flight).glob("r*/mosaic.mbtiles")
     return folder / "data", flight, sqlite3.connect(mbtiles).execute("SELECT * FROM tiles").fetchall()
 

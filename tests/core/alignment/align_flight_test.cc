@@ -13,18 +13,6 @@
 namespace skyquilt::alignment {
 namespace {
 
-// Small pictures: 8 cm on the ground, so that a case takes seconds.
-simulate::SimulatedFlight MakeTruth(int photos, double relief_m = 0.0) {
-  simulate::SimulateOptions options;
-  options.seed = options.world.seed = 5;
-  options.world.relief_m = relief_m;
-  options.noise = simulate::NoiseClass::kXmpTypical;
-  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
-  options.trajectory.photos = photos;
-  options.trajectory.photos_per_line = 4;
-  return *simulate::PlanSimulatedFlight(options);
-}
-
 struct Outcome {
   AlignedFlight flight;
   AlignReport report;
@@ -48,7 +36,7 @@ Outcome Align(const simulate::SimulatedFlight& truth, const poses::PosedFlight& 
 
 // A camera that reads its rows one after another bends what it sees by its speed.
 TEST(AlignFlight, UndoesTheRollingShutterThatItIsToldOf) {
-  simulate::SimulateOptions options = MakeTruth(8).options;
+  simulate::SimulateOptions options = SmallTruth(8, 0.0).options;
   options.readout_s = 0.06;
   const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
   poses::PosedFlight posed = PosesOf(truth);
@@ -86,7 +74,7 @@ void TurnAboutAxis(poses::PosedPhoto& photo, double angle_rad) {
 }
 
 TEST(AlignFlight, BringsPhotosToWithinTwoPixelsOfEachOtherOnFlatGround) {
-  const simulate::SimulatedFlight truth = MakeTruth(8);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
   const Outcome outcome = Align(truth, posed);
   EXPECT_EQ(outcome.report.aligned, 8);
@@ -98,14 +86,14 @@ TEST(AlignFlight, BringsPhotosToWithinTwoPixelsOfEachOtherOnFlatGround) {
 }
 
 TEST(AlignFlight, HoldsOnReliefToo) {
-  const simulate::SimulatedFlight truth = MakeTruth(8, 8.0);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 8.0);
   const Outcome outcome = Align(truth, PosesOf(truth));
   EXPECT_EQ(outcome.report.aligned, 8);
   EXPECT_LT(outcome.error.relative_ce90_m, 5.0 * truth.GsdM());
 }
 
 TEST(AlignFlight, FindsTheDistortionOfALensWhoseFocalLengthAloneIsRecorded) {
-  simulate::SimulateOptions options = MakeTruth(12).options;
+  simulate::SimulateOptions options = SmallTruth(12, 0.0).options;
   options.intrinsics.k1 = -0.08;
   options.intrinsics.k2 = 0.03;
   const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
@@ -117,7 +105,7 @@ TEST(AlignFlight, FindsTheDistortionOfALensWhoseFocalLengthAloneIsRecorded) {
 }
 
 TEST(AlignFlight, GivesTheSameBytesOnOneThreadAndOnTwo) {
-  const simulate::SimulatedFlight truth = MakeTruth(8);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
   const AlignedFlight one = Align(truth, posed, 1).flight;
   const AlignedFlight two = Align(truth, posed, 2).flight;
@@ -131,7 +119,7 @@ TEST(AlignFlight, GivesTheSameBytesOnOneThreadAndOnTwo) {
 }
 
 TEST(AlignFlight, FindsALineThatIsStoredTurnedUpsideDown) {
-  const simulate::SimulatedFlight truth = MakeTruth(12);
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
   poses::PosedFlight posed = PosesOf(truth);
   for (int i = 4; i < 8; ++i) TurnAboutAxis(posed.photos[i], std::numbers::pi);
   const Outcome outcome = Align(truth, posed);
@@ -142,7 +130,7 @@ TEST(AlignFlight, FindsALineThatIsStoredTurnedUpsideDown) {
 }
 
 TEST(AlignFlight, FindsThatTheCameraIsMountedTurned) {
-  const simulate::SimulatedFlight truth = MakeTruth(12);
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
   for (const double turn : {0.5, 1.0, -0.5}) {
     poses::PosedFlight posed = PosesOf(truth);
     for (poses::PosedPhoto& photo : posed.photos) TurnAboutAxis(photo, turn * std::numbers::pi);
@@ -155,7 +143,7 @@ TEST(AlignFlight, FindsThatTheCameraIsMountedTurned) {
 }
 
 TEST(AlignFlight, FindsPositionsFarOffAndYawOfSomethingElse) {
-  const simulate::SimulatedFlight truth = MakeTruth(12);
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
   poses::PosedFlight posed = PosesOf(truth);
   poses::PosedPhoto& astray = posed.photos[5];
   astray.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
@@ -197,7 +185,7 @@ class AstraySource final : public flight::PhotoSource {
 };
 
 TEST(AlignFlight, TellsABlurredPhotoFromOneOfAnotherPlaceAndAccusesNoOther) {
-  simulate::SimulatedFlight truth = MakeTruth(12);
+  simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
   truth.photos[5].render.motion_in_enu_m = Eigen::Vector3d(2.5, 1.5, 0.0);
   const std::string blurred = truth.photos[5].photo.name, astray = truth.photos[6].photo.name;
   AlignReport report;
@@ -239,7 +227,7 @@ class SpoiltSource final : public flight::PhotoSource {
 };
 
 TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
-  const simulate::SimulatedFlight truth = MakeTruth(8);
+  const simulate::SimulatedFlight truth = SmallTruth(8, 0.0);
   const poses::PosedFlight posed = PosesOf(truth);
   AlignReport report;
   SilentProgress progress;
@@ -260,7 +248,7 @@ TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
 }
 
 TEST(AlignFlight, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {
-  const simulate::SimulatedFlight truth = MakeTruth(12);
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
   AlignOptions options;
   options.control = SurveyControl(truth);
   ASSERT_GE(options.control.size(), 5u);
@@ -284,7 +272,7 @@ TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
   SilentProgress progress;
   AlignOptions options;
   options.detector_pixels = 5;
-  const simulate::SimulatedFlight truth = MakeTruth(2);
+  const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
   const auto refused =
       AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
   ASSERT_FALSE(refused.ok());
@@ -292,7 +280,7 @@ TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
 }
 
 TEST(AlignFlight, TakesAFlightOfNoneAndOfOne) {
-  const simulate::SimulatedFlight truth = MakeTruth(2);
+  const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
   poses::PosedFlight posed = PosesOf(truth);
   posed.photos.resize(1);
   EXPECT_EQ(Align(truth, posed).flight.photos.size(), 1u);

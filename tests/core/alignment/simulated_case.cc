@@ -175,4 +175,15 @@ poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth) {
   return *std::move(posed);
 }
 
+simulate::SimulatedFlight SmallTruth(int photos, double relief_m) {
+  simulate::SimulateOptions options;
+  options.seed = options.world.seed = 5;
+  options.world.relief_m = relief_m;
+  options.noise = simulate::NoiseClass::kXmpTypical;
+  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
+  options.trajectory.photos = photos;
+  options.trajectory.photos_per_line = 4;
+  return *simulate::PlanSimulatedFlight(options);
+}
+
 }  // namespace skyquilt::alignment

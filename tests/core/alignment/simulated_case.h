@@ -42,6 +42,9 @@ GnssError MeasureGnssError(const simulate::SimulatedFlight& truth, const std::se
 // whose hand is good to half a pixel, with heights above another zero than the photos'.
 std::vector<ControlPoint> SurveyControl(const simulate::SimulatedFlight& truth);
 
+// Small pictures, 8 cm on the ground and four to a line, so that a case takes seconds.
+simulate::SimulatedFlight SmallTruth(int photos, double relief_m);
+
 // Reads what the simulated photos record, as the product would.
 poses::PosedFlight PosesOf(const simulate::SimulatedFlight& truth);
 

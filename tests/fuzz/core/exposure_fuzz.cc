@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/poses/plausible_poses.h"
 #include "core/render/exposure/estimate_exposure.h"
 #include "core/render/exposure/extend_exposure.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
@@ -11,13 +10,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt;
   fuzz::Bytes bytes(data, size);
-  alignment::AlignedFlight flight = fuzz::FlightFrom(bytes);
-  poses::LeaveOutImplausible(
-      flight.frame,
-      [](const alignment::AlignedPhoto& photo) {
-        return poses::CameraStand{photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m};
-      },
-      flight.photos, flight.left_out);
+  const alignment::AlignedFlight flight = fuzz::PlausibleFlightFrom(bytes);
   const auto thumbnails = fuzz::ThumbnailsFrom(bytes, flight);
   const auto ground = ground::GroundSurface::Plane(0.0);
   const render::ExposureModel model = render::EstimateExposure(flight, ground, thumbnails);

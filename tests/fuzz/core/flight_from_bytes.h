@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
+#include "core/poses/plausible_poses.h"
 #include "core/render/thumbnail.h"
 
 namespace skyquilt::fuzz {
@@ -97,6 +98,18 @@ inline std::vector<render::Thumbnail> ThumbnailsFrom(Bytes& bytes, const alignme
         photo.photo, PictureFrom(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px)));
   }
   return thumbnails;
+}
+
+// Without the photos that the program leaves out before it draws.
+inline alignment::AlignedFlight PlausibleFlightFrom(Bytes& bytes) {
+  alignment::AlignedFlight flight = FlightFrom(bytes);
+  poses::LeaveOutImplausible(
+      flight.frame,
+      [](const alignment::AlignedPhoto& photo) {
+        return poses::CameraStand{photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m};
+      },
+      flight.photos, flight.left_out);
+  return flight;
 }
 
 }  // namespace skyquilt::fuzz

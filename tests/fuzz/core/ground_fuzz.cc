@@ -5,19 +5,12 @@
 #include "core/base/check.h"
 #include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
-#include "core/poses/plausible_poses.h"
 #include "tests/fuzz/core/flight_from_bytes.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt;
   fuzz::Bytes bytes(data, size);
-  alignment::AlignedFlight flight = fuzz::FlightFrom(bytes);
-  poses::LeaveOutImplausible(
-      flight.frame,
-      [](const alignment::AlignedPhoto& photo) {
-        return poses::CameraStand{photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m};
-      },
-      flight.photos, flight.left_out);
+  const alignment::AlignedFlight flight = fuzz::PlausibleFlightFrom(bytes);
   ground::ModelGroundReport report;
   const ground::GroundSurface surface = ground::ModelGround(flight, report);
   SKYQUILT_CHECK(surface.IsPlane() || surface.Heights().size() < (std::size_t{1} << 24), "a huge grid");

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "core/base/check.h"
-#include "core/poses/plausible_poses.h"
 #include "core/render/blocks/photo_regions.h"
 #include "core/render/plan_mosaic.h"
 #include "core/render/seams/seam_map.h"
@@ -13,13 +12,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt;
   fuzz::Bytes bytes(data, size);
-  alignment::AlignedFlight flight = fuzz::FlightFrom(bytes);
-  poses::LeaveOutImplausible(
-      flight.frame,
-      [](const alignment::AlignedPhoto& photo) {
-        return poses::CameraStand{photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m};
-      },
-      flight.photos, flight.left_out);
+  const alignment::AlignedFlight flight = fuzz::PlausibleFlightFrom(bytes);
   const auto ground = ground::GroundSurface::Plane(bytes.Below(4) == 0 ? 5.0 : 0.0);
   auto plan = render::PlanMosaic(flight, ground, {});
   if (!plan) {

@@ -71,9 +71,7 @@ Result<FlightLog> ParseReplay(std::string_view name, LogBytes bytes, const Consu
   std::map<std::string, std::uint64_t, std::less<>> counts;
   std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
-  while (lines.Next(line)) {
-    steps.At(lines.offset());
-    if (Trim(line).empty()) continue;
+  while (NextFilledLine(lines, steps, line)) {
     SplitFields(line, ',', cells);
     if (!IsReplayRow(cells)) {
       ++bad;
@@ -156,9 +154,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
-  while (lines.Next(line)) {
-    steps.At(lines.offset());
-    if (Trim(line).empty()) continue;
+  while (NextFilledLine(lines, steps, line)) {
     SplitFields(line, header->separator, cells);
     if (sampler.Take(ReadCsvRow(header->columns, cells)))
       ++rows;

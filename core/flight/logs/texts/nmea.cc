@@ -177,9 +177,7 @@ Result<FlightLog> ParseNmea(std::string_view name, LogBytes bytes, const Consume
   std::uint64_t bad = 0;
   std::map<std::string, std::uint64_t, std::less<>> counts;
   ConsumedSteps steps(consumed);
-  while (lines.Next(line)) {
-    steps.At(lines.offset());
-    if (Trim(line).empty()) continue;
+  while (NextFilledLine(lines, steps, line)) {
     if (!SplitSentence(line, fields)) {
       ++bad;
       continue;

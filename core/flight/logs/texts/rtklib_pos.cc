@@ -145,9 +145,7 @@ Result<FlightLog> ParseRtklibPos(std::string_view name, LogBytes bytes, const Co
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
-  while (lines.Next(line)) {
-    steps.At(lines.offset());
-    if (Trim(line).empty()) continue;
+  while (NextFilledLine(lines, steps, line)) {
     if (line.front() == '%') {
       ReadHeaderLine(line, header);
       continue;

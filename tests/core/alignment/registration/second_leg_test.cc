@@ -13,17 +13,6 @@
 namespace skyquilt::alignment {
 namespace {
 
-simulate::SimulatedFlight MakeTruth(int photos = 16) {
-  simulate::SimulateOptions options;
-  options.seed = options.world.seed = 5;
-  options.world.relief_m = 2.0;
-  options.noise = simulate::NoiseClass::kXmpTypical;
-  options.intrinsics = camera::Intrinsics::Centered(800, 600, 750.0);
-  options.trajectory.photos = photos;
-  options.trajectory.photos_per_line = 4;
-  return *simulate::PlanSimulatedFlight(options);
-}
-
 struct Outcome {
   AlignedFlight flight;
   AlignReport report;
@@ -89,7 +78,7 @@ void ScaleHeights(double factor, poses::PosedFlight& posed) {
 }
 
 TEST(SecondLeg, GoodRecordsDoNotCallForIt) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, PosesOf(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.second_leg.why, "");
@@ -97,7 +86,7 @@ TEST(SecondLeg, GoodRecordsDoNotCallForIt) {
 }
 
 TEST(SecondLeg, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, Unplaced(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
@@ -110,7 +99,7 @@ TEST(SecondLeg, AFlightWithoutAnyRecordBecomesAWholeMapThatIsNotGeoreferenced) {
 }
 
 TEST(SecondLeg, SurveyedPointsAlonePlaceIt) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, Unplaced(truth), SurveyControl(truth));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_TRUE(outcome.report.second_leg.is_placed);
@@ -118,7 +107,7 @@ TEST(SecondLeg, SurveyedPointsAlonePlaceIt) {
 }
 
 TEST(SecondLeg, HeightsOfAnotherScaleAreFoundFromThePictures) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   ScaleHeights(0.4, posed);
   const Outcome outcome = Align(truth, posed);
@@ -128,7 +117,7 @@ TEST(SecondLeg, HeightsOfAnotherScaleAreFoundFromThePictures) {
 }
 
 TEST(SecondLeg, AnglesThatAreNotRecordedAreFoundFromThePictures) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   ForgetAngles(posed);
   ScaleHeights(0.5, posed);
@@ -139,7 +128,7 @@ TEST(SecondLeg, AnglesThatAreNotRecordedAreFoundFromThePictures) {
 }
 
 TEST(SecondLeg, AThirdOfThePositionsMayBeFiftyMetresOff) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   ForgetAngles(posed);
   for (std::size_t i = 0; i < posed.photos.size(); i += 3) {
@@ -217,7 +206,7 @@ TEST(SecondLeg, IsLeftOutWhereItMayNot) {
 }
 
 TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   const poses::PosedFlight whole = posed;
   posed.photos.erase(posed.photos.begin() + 5, posed.photos.begin() + 8);
@@ -235,7 +224,7 @@ TEST(SecondLeg, PhotosWithoutHeightJoinTheOthers) {
 }
 
 TEST(SecondLeg, PhotosThatShowNothingStayLeftOut) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   flight::Photo foreign = posed.photos[3].photo;
   foreign.name = "foreign.jpg";

@@ -3,32 +3,21 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 
 namespace skyquilt::testing {
 namespace {
 
+// By AP_Logger's format characters; what is not named here has four bytes.
 std::size_t SizeOf(char code) {
-  switch (code) {
-    case 'b':
-    case 'B':
-    case 'M':
-      return 1;
-    case 'h':
-    case 'H':
-    case 'c':
-    case 'C':
-      return 2;
-    case 'q':
-    case 'Q':
-    case 'd':
-      return 8;
-    case 'N':
-      return 16;
-    case 'Z':
-      return 64;
-    default:
-      return 4;
-  }
+  const auto is_one_of = [code](std::string_view codes) {
+    return codes.find(code) != std::string_view::npos;
+  };
+  if (is_one_of("bBM")) return 1;
+  if (is_one_of("hHcC")) return 2;
+  if (is_one_of("qQd")) return 8;
+  if (is_one_of("N")) return 16;
+  return is_one_of("Z") ? 64 : 4;
 }
 
 void AppendCode(Bytes& bytes, char code, double value) {
