@@ -23,7 +23,7 @@ FUNCTION = re.compile(r"^(?!using |struct |class |enum |namespace |return |else 
 def types_of(parameters):
     """A parameter list without names and defaults, roughly: enough to tell overloads apart."""
     text = re.sub(r"\s+", " ", parameters)
-    text = re.sub(r"=[^,)]*", "", text)
+    text = re.sub(r"=[^,)]*|\bconst |\b\w+::", "", text)
     return re.sub(r"\b\w+ ?(?=[,)])", "", text)
 
 

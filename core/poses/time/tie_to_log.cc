@@ -17,7 +17,7 @@ bool HasTrackSeries(const flight::FlightLog& log) {
   return !log.imu.empty() || !log.attitude.empty() || log.gnss.size() >= 2;
 }
 
-std::pair<double, double> SpanOf(const flight::FlightLog& log) {
+std::pair<double, double> MotionSpanOf(const flight::FlightLog& log) {
   double begin_s = 1e18;
   double end_s = -1e18;
   const auto take = [&](const auto& samples) {
@@ -52,7 +52,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
   ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
-  const auto [begin_s, end_s] = SpanOf(log);
+  const auto [begin_s, end_s] = MotionSpanOf(log);
   for (std::size_t i = 0; i < tie.photos.size(); ++i) {
     const auto& time = tie.sync->photos[i];
     if (!time || time->t_s < begin_s - kBeyondLogS || time->t_s > end_s + kBeyondLogS) continue;
