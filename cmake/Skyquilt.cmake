@@ -72,7 +72,6 @@ function(skyquilt_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE skyquilt_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
-  skyquilt_unity(${name})
   if("concurrency" IN_LIST ARG_LABELS)
     if(NOT TARGET skyquilt_concurrency_tests)
       add_custom_target(skyquilt_concurrency_tests)  # what ThreadSanitizer is built for

@@ -16,37 +16,37 @@
 namespace skyquilt::api {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Value = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-std::string Dump(const Json& value) {
-  return value.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+std::string Dump(const Value& value) {
+  return value.dump(1, ' ', false, Value::error_handler_t::replace) + "\n";
 }
 
-Result<Json> ReadJson(const fs::path& path) {
+Result<Value> ReadJson(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{ErrorCode::kNotFound, "Asset not ready", path.string()};
-  Json parsed = Json::parse(file, nullptr, false);
+  Value parsed = Value::parse(file, nullptr, false);
   if (parsed.is_discarded())
     return Error{ErrorCode::kCorrupt, "A file of the map is damaged.", path.string()};
   return parsed;
 }
 
 // Camera positions as the clients' map shows them.
-Json Shots(const Json& photos) {
-  Json features = Json::array();
-  for (const Json& photo : photos.value("features", Json::array())) {
-    const Json& from = photo.at("properties");
-    Json properties;
+Value Shots(const Value& photos) {
+  Value features = Value::array();
+  for (const Value& photo : photos.value("features", Value::array())) {
+    const Value& from = photo.at("properties");
+    Value properties;
     properties["filename"] = from.value("name", "");
     properties["camera"] = from.value("camera", "");
-    properties["capture_time"] = from.contains("captured_at") ? from["captured_at"] : Json(nullptr);
+    properties["capture_time"] = from.contains("captured_at") ? from["captured_at"] : Value(nullptr);
     properties["placement"] = from.value("placement", "");
     properties["yaw_deg"] = from.value("yaw_deg", 0.0);
     properties["pitch_deg"] = from.value("pitch_deg", 0.0);
     properties["roll_deg"] = from.value("roll_deg", 0.0);
-    const Json position = {from.value("camera_lon", 0.0), from.value("camera_lat", 0.0),
-                           from.value("camera_height_above_ground_m", 0.0)};
+    const Value position = {from.value("camera_lon", 0.0), from.value("camera_lat", 0.0),
+                            from.value("camera_height_above_ground_m", 0.0)};
     features.push_back({{"type", "Feature"},
                         {"properties", properties},
                         {"geometry", {{"type", "Point"}, {"coordinates", position}}}});
@@ -55,9 +55,9 @@ Json Shots(const Json& photos) {
 }
 
 // How far off the ground control points that were used lie, in metres.
-std::vector<double> ControlMisses(const Json& alignment) {
+std::vector<double> ControlMisses(const Value& alignment) {
   std::vector<double> misses_m;
-  for (const Json& point : alignment.value("ground_control", Json::array())) {
+  for (const Value& point : alignment.value("ground_control", Value::array())) {
     if (!point.value("is_used", false)) continue;
     misses_m.push_back(std::hypot(point.value("miss_east_m", 0.0), point.value("miss_north_m", 0.0),
                                   point.value("miss_up_m", 0.0)));
@@ -65,22 +65,22 @@ std::vector<double> ControlMisses(const Json& alignment) {
   return misses_m;
 }
 
-Json Stats(const Json& report, const Json& photos) {
-  Json first = nullptr;
-  Json last = nullptr;
-  for (const Json& photo : photos.value("features", Json::array())) {
-    const Json& time = photo.at("properties").at("captured_at");
+Value Stats(const Value& report, const Value& photos) {
+  Value first = nullptr;
+  Value last = nullptr;
+  for (const Value& photo : photos.value("features", Value::array())) {
+    const Value& time = photo.at("properties").at("captured_at");
     if (!time.is_string()) continue;
     if (first.is_null() || time < first) first = time;
     if (last.is_null() || last < time) last = time;
   }
   double total_s = 0.0;
-  Json steps = Json::object();
-  for (const Json& timing : report.value("timings", Json::array())) {
+  Value steps = Value::object();
+  for (const Value& timing : report.value("timings", Value::array())) {
     steps[timing.value("stage", "")] = timing.value("wall_s", 0.0);
     total_s += timing.value("wall_s", 0.0);
   }
-  Json stats;
+  Value stats;
   stats["processing_statistics"] = {{"area", report.value("area_m2", 0.0)},
                                     {"start_date", first},
                                     {"end_date", last},
@@ -88,8 +88,8 @@ Json Stats(const Json& report, const Json& photos) {
                                     {"steps_times", steps}};
   stats["odm_processing_statistics"] = {{"total_time", total_s},
                                         {"average_gsd", report.value("gsd_m", 0.0) * 100.0}};  // cm
-  const Json& counts = report.at("photos");
-  const Json alignment = report.value("alignment", Json::object());
+  const Value& counts = report.at("photos");
+  const Value alignment = report.value("alignment", Value::object());
   const std::vector<double> misses_m = ControlMisses(alignment);
   stats["reconstruction_statistics"] = {
       {"has_gps", report.value("is_placed", false)},
@@ -123,12 +123,12 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
     std::error_code error;
     if (fs::is_regular_file(folder / ours, error)) entries.push_back({theirs, "", folder / ours});
   }
-  SKYQUILT_TRY_ASSIGN(const Json report, ReadJson(folder / "report.json"));
-  SKYQUILT_TRY_ASSIGN(const Json photos, ReadJson(folder / "photos.geojson"));
+  SKYQUILT_TRY_ASSIGN(const Value report, ReadJson(folder / "report.json"));
+  SKYQUILT_TRY_ASSIGN(const Value photos, ReadJson(folder / "photos.geojson"));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
                       service.catalogue.ListFiles(task.flight_id));
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task.flight_id));
-  Json images = Json::array();
+  Value images = Value::array();
   for (const storage::StoredFile& file : files)
     images.push_back({{"filename", file.name}, {"size", file.bytes}});
   std::string output;
@@ -138,8 +138,8 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   entries.push_back({"images.json", Dump(images), {}});
   entries.push_back({"task_output.txt", output, {}});
   entries.push_back({"log.json",
-                     Dump({{"options", Json::parse(task.options, nullptr, false)},
-                           {"timings", report.value("timings", Json::array())}}),
+                     Dump({{"options", Value::parse(task.options, nullptr, false)},
+                           {"timings", report.value("timings", Value::array())}}),
                      {}});
   return entries;
 }

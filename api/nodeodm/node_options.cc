@@ -14,7 +14,7 @@
 namespace skyquilt::api {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Value = nlohmann::ordered_json;
 
 // What a job option is called here, and how its value is written.
 struct Offer {
@@ -50,7 +50,7 @@ const Offer* FindOffer(std::string_view name) {
   return nullptr;
 }
 
-std::optional<double> NumberFrom(const Json& value) {
+std::optional<double> NumberFrom(const Value& value) {
   if (value.is_number()) return value.get<double>();
   if (!value.is_string()) return std::nullopt;
   const auto& text = value.get_ref<const std::string&>();
@@ -62,33 +62,33 @@ std::optional<double> NumberFrom(const Json& value) {
 }
 
 // The value as the job's option has it; null keeps the default.
-Result<Json> JobValue(const Offer& offer, const Json& value) {
+Result<Value> JobValue(const Offer& offer, const Value& value) {
   const std::string_view type = offer.type;
   if (type == "enum") return value;
   const std::optional<double> number = NumberFrom(value);
   if (!number) return Error{ErrorCode::kUnprocessable, "The value must be a number.", ""};
   if (std::string_view(offer.job_option) == "gsd_m") {
-    return *number == 0.0 ? Json(nullptr) : Json(*number / 100.0);  // centimetres to metres
+    return *number == 0.0 ? Value(nullptr) : Value(*number / 100.0);  // centimetres to metres
   }
   if (std::string_view(offer.job_option) == "readout_ms")
-    return *number == 0.0 ? Json(nullptr) : Json(*number);
+    return *number == 0.0 ? Value(nullptr) : Value(*number);
   const auto whole = static_cast<std::int64_t>(std::clamp(*number, -1e9, 1e9));
   if (static_cast<double>(whole) != *number)
     return Error{ErrorCode::kUnprocessable, "The value must be a whole number.", ""};
-  return Json(whole);
+  return Value(whole);
 }
 
-std::string Shown(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+std::string Shown(const Value& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
 }  // namespace
 
 std::string NodeOptionsJson() {
-  Json list = Json::array();
+  Value list = Value::array();
   for (const Offer& offer : kOffers) {
     list.push_back({{"name", offer.name},
                     {"type", offer.type},
                     {"value", offer.value},
-                    {"domain", Json::parse(offer.domain)},
+                    {"domain", Value::parse(offer.domain)},
                     {"help", offer.help}});
   }
   return list.dump();
@@ -97,24 +97,24 @@ std::string NodeOptionsJson() {
 Result<NodeChoice> ParseNodeOptions(std::string_view text) {
   if (text.empty()) return NodeChoice{"{}", "[]"};
   SKYQUILT_TRY(CheckJsonText(text));
-  const Json list = Json::parse(text, nullptr, false);
+  const Value list = Value::parse(text, nullptr, false);
   if (!list.is_array()) {
     return Error{ErrorCode::kInvalidArgument, "Invalid options: give a JSON list of {name, value}.", ""};
   }
-  Json job_options = Json::object();
-  Json shown = Json::array();
-  Json errors = Json::array();
-  for (const Json& item : list) {
+  Value job_options = Value::object();
+  Value shown = Value::array();
+  Value errors = Value::array();
+  for (const Value& item : list) {
     if (!item.is_object() || !item.contains("name") || !item["name"].is_string() || !item.contains("value")) {
       return Error{ErrorCode::kInvalidArgument, "Invalid options: every item needs a name and a value.", ""};
     }
     const Offer* offer = FindOffer(item["name"].get_ref<const std::string&>());
     if (offer == nullptr) continue;
-    Result<Json> value = JobValue(*offer, item["value"]);
+    Result<Value> value = JobValue(*offer, item["value"]);
     // The job's own rules are the last word.
     if (value) {
       const Result<pipeline::MosaicOptions> checked = ParseJobOptions(
-          Json{{offer->job_option, *value}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+          Value{{offer->job_option, *value}}.dump(-1, ' ', false, Value::error_handler_t::replace));
       if (!checked) value = checked.error();
     }
     if (!value) {
@@ -125,9 +125,9 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
     shown.push_back({{"name", offer->name}, {"value", Shown(item["value"])}});
   }
   if (!errors.empty()) {
-    return Error{ErrorCode::kUnprocessable, errors.dump(-1, ' ', false, Json::error_handler_t::replace), ""};
+    return Error{ErrorCode::kUnprocessable, errors.dump(-1, ' ', false, Value::error_handler_t::replace), ""};
   }
-  return NodeChoice{job_options.dump(), shown.dump(-1, ' ', false, Json::error_handler_t::replace)};
+  return NodeChoice{job_options.dump(), shown.dump(-1, ' ', false, Value::error_handler_t::replace)};
 }
 
 }  // namespace skyquilt::api

@@ -15,6 +15,7 @@ DEFINED = [
     re.compile(r"^const [^=({;]*?\b(\w+)\s*(?:\[[^\]]*\])*\s*[={]", re.M),
     re.compile(r"^(?:struct|class|enum class|enum) (?:\[\[\w+\]\] )?(\w+)\b(?=[^;]*[{=])", re.M),
 ]
+ENUMERATORS = re.compile(r"^enum (?!class )[^{;]*\{([^}]*)\}", re.M)
 ALIAS = re.compile(r"^using (\w+) = ([^;]+);", re.M)
 FUNCTION = re.compile(r"^(?!using |struct |class |enum |namespace |return |else |typedef |#|//|\s)[\w:<>,&*\[\] ]*?[\w>&*] ?[&*]?"
                       r"\b(\w+)(\([^;{]*?\))(?: const| noexcept)* \{", re.M)
@@ -33,6 +34,8 @@ def names_of(path):
     for block in OPENING.findall(path.read_text()):
         for pattern in DEFINED:
             names |= {(name, ""): path for name in pattern.findall(block)}
+        for enumerators in ENUMERATORS.findall(block):
+            names |= {(name, ""): path for name in re.findall(r"\b(k[A-Z]\w*)(?=\s*[,=]|\s*$)", enumerators)}
         names |= {(name, types_of(parameters)): path for name, parameters in FUNCTION.findall(block)}
         names |= {(name, ""): type_name for name, type_name in ALIAS.findall(block)}
     return names

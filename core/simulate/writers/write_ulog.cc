@@ -10,7 +10,7 @@
 namespace skyquilt::simulate {
 namespace {
 
-enum Topic : std::uint16_t { kSensor, kAttitude, kGps, kAir, kRange, kCapture, kTrigger };
+enum Topic : std::uint16_t { kSensor, kAttitude, kGps, kAir, kDistance, kCapture, kTrigger };
 
 constexpr const char* kFormats[] = {
     "sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;"
@@ -116,7 +116,7 @@ class UlogWriter {
     Message('D', body);
   }
   void Write(const flight::RangeSample& s) {
-    ByteWriter body = Data(kRange, s.t_s);
+    ByteWriter body = Data(kDistance, s.t_s);
     body.Put(0.1f)
         .Put(50.0f)
         .Put(static_cast<float>(s.distance_m))
