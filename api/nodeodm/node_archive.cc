@@ -19,7 +19,7 @@ namespace {
 using Value = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-std::string Dump(const Value& value) {
+std::string DumpIndented(const Value& value) {
   return value.dump(1, ' ', false, Value::error_handler_t::replace) + "\n";
 }
 
@@ -133,12 +133,12 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
     images.push_back({{"filename", file.name}, {"size", file.bytes}});
   std::string output;
   for (const std::string& line : lines) output += line + "\n";
-  entries.push_back({"odm_report/shots.geojson", Dump(Shots(photos)), {}});
-  entries.push_back({"odm_report/stats.json", Dump(Stats(report, photos)), {}});
-  entries.push_back({"images.json", Dump(images), {}});
+  entries.push_back({"odm_report/shots.geojson", DumpIndented(Shots(photos)), {}});
+  entries.push_back({"odm_report/stats.json", DumpIndented(Stats(report, photos)), {}});
+  entries.push_back({"images.json", DumpIndented(images), {}});
   entries.push_back({"task_output.txt", output, {}});
   entries.push_back({"log.json",
-                     Dump({{"options", Value::parse(task.options, nullptr, false)},
+                     DumpIndented({{"options", Value::parse(task.options, nullptr, false)},
                            {"timings", report.value("timings", Value::array())}}),
                      {}});
   return entries;
