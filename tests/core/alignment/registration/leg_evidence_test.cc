@@ -1,5 +1,5 @@
 // Which leg places a flight, and why.
-#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/alignment/second_leg/leg_evidence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

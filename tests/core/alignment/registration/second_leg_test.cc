@@ -1,5 +1,5 @@
 // Simulated flights whose records are spoilt: what the photos show must do instead.
-#include "core/alignment/reconstruction/second_leg.h"
+#include "core/alignment/second_leg/second_leg.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/alignment/reconstruction/second_leg.h"
+#include "core/alignment/second_leg/second_leg.h"
 
 #include <fmt/core.h>
 
@@ -25,12 +25,9 @@ constexpr double kStandInSigmaRad = 3.0;
 constexpr double kStandInHeightM = 50.0;
 constexpr double kNearlyAll = 0.9;
 constexpr double kSoundResidualShare = 0.001;  // of a photo's width
-constexpr double kSigmaTurnRad = 0.35;         // of what the images say, before they are asked again
 constexpr double kAttitudeHoldsRad = 0.1;
-constexpr double kUnknownShare = 0.5;  // of the height: of a place that no record tells
 constexpr double kHeightHoldsSigmas = 4.0;
 constexpr double kTrustedHeightShare = 0.1;
-constexpr double kContradictedSigmas = 4.0;
 
 constexpr double kMaxFromFlightM = 50'000.0;  // no flight is as long
 constexpr double kMaxLatDeg = 85.0;

@@ -1,4 +1,4 @@
-#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/alignment/second_leg/leg_evidence.h"
 
 #include <fmt/core.h>
 
@@ -13,7 +13,6 @@ namespace skyquilt::alignment {
 namespace {
 
 constexpr std::size_t kMinFeatures = 150;  // a photo with fewer shows hardly anything
-constexpr double kContradictedSigmas = 4.0;
 constexpr double kMinContradictionM = 1.0;
 constexpr double kMinContradictionRad = 0.17;  // ten degrees between optical axes
 constexpr std::size_t kMinPositions = 5;       // for a verdict on all of them

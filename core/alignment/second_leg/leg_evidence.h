@@ -15,6 +15,9 @@
 
 namespace skyquilt::alignment {
 
+// A record further than this from where the images put its photo contradicts them.
+inline constexpr double kContradictedSigmas = 4.0;
+
 struct LegEvidence {
   std::size_t readable = 0;      // photos that show enough to be tied
   std::size_t unplaced = 0;      // of those: no record says where, or how high, and nothing tied them

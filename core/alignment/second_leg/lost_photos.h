@@ -7,7 +7,7 @@
 
 #include "core/alignment/adjustment/bundle_adjustment.h"
 #include "core/alignment/matching/matching_passes.h"
-#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {

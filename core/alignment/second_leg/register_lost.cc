@@ -1,4 +1,4 @@
-#include "core/alignment/reconstruction/register_lost.h"
+#include "core/alignment/second_leg/register_lost.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 #include <unordered_map>
 
 #include "core/alignment/reconstruction/absolute_pose.h"
-#include "core/alignment/reconstruction/leg_evidence.h"
+#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/alignment/view_graph/appearance.h"
 #include "core/alignment/view_graph/match_descriptors.h"
 #include "core/base/median.h"

@@ -1,17 +1,16 @@
-#include "core/alignment/reconstruction/lost_photos.h"
+#include "core/alignment/second_leg/lost_photos.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/alignment/adjustment/bundle_setup.h"
-#include "core/alignment/reconstruction/register_lost.h"
+#include "core/alignment/second_leg/register_lost.h"
+#include "core/alignment/second_leg/second_leg.h"
 
 namespace skyquilt::alignment {
 namespace {
 
 constexpr double kMaxLostShare = 0.3;
-constexpr double kSigmaTurnRad = 0.35;  // of what the images said, before they are asked again
-constexpr double kUnknownShare = 0.5;   // of the height: of a place that no record tells
 
 // A photo without record: its pose is where it was found, give or take much.
 CorrectedPose PlaceUnrecorded(const geo::Rigid3& cam_from_enu, double ground_z_m, poses::PosedPhoto& photo) {

@@ -11,13 +11,18 @@
 #include "core/alignment/adjustment/bundle_adjustment.h"
 #include "core/alignment/adjustment/ground_control.h"
 #include "core/alignment/align_report.h"
-#include "core/alignment/reconstruction/leg_evidence.h"
 #include "core/alignment/registration/correct_poses.h"
+#include "core/alignment/second_leg/leg_evidence.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
+
+// How well poses from images alone are known before they are asked again: their turn, and, as a share of the
+// height, a place that no record tells.
+inline constexpr double kSigmaTurnRad = 0.35;
+inline constexpr double kUnknownShare = 0.5;
 
 // The recorded poses as the first leg left them.
 struct FirstLeg {
