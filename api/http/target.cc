@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/try.h"
 #include "api/http/header_text.h"
+#include "core/base/try.h"
 #include "storage/uploads/photo_store.h"
 
 namespace skyquilt::api {

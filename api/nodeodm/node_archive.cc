@@ -139,7 +139,7 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   entries.push_back({"task_output.txt", output, {}});
   entries.push_back({"log.json",
                      DumpIndented({{"options", Value::parse(task.options, nullptr, false)},
-                           {"timings", report.value("timings", Value::array())}}),
+                                   {"timings", report.value("timings", Value::array())}}),
                      {}});
   return entries;
 }

@@ -12,8 +12,8 @@
 #include "api/jobs/queue_job.h"
 #include "api/json/json_codec.h"
 #include "api/json/json_text.h"
-#include "core/base/try.h"
 #include "api/ogc/map_view.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {

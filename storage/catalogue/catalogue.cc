@@ -298,14 +298,7 @@ Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std
   return removed;
 }
 
-Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {
-  const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id));
-  if (!known) return NoSuchFlight(flight_id);
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name"));
-  query.Bind(1, flight_id);
+Result<std::vector<StoredFile>> FilesOf(Statement& query) {
   std::vector<StoredFile> files;
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
@@ -313,6 +306,16 @@ Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_i
     files.push_back(
         {std::string(query.ColumnText(0)), std::string(query.ColumnText(1)), query.ColumnInt64(2)});
   }
+}
+
+Result<std::vector<StoredFile>> Catalogue::ListFiles(const std::string& flight_id) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", flight_id));
+  if (!known) return NoSuchFlight(flight_id);
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT name, stored_name, bytes FROM file WHERE flight_id=? ORDER BY name"));
+  return FilesOf(query.Bind(1, flight_id));
 }
 
 Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {

@@ -33,6 +33,8 @@ struct StoredFile {
   std::string stored_name;  // ours, below flights/<id>/files
   std::int64_t bytes = 0;
 };
+// The rows that are left of a query for name, stored name and bytes.
+Result<std::vector<StoredFile>> FilesOf(Statement& query);
 
 // What a finished map says of itself.
 struct Revision {

@@ -6,20 +6,6 @@
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
-namespace {
-
-Result<std::vector<StoredFile>> FilesOf(Statement& query) {
-  std::vector<StoredFile> files;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return files;
-    files.push_back(
-        {std::string(query.ColumnText(0)), std::string(query.ColumnText(1)), query.ColumnInt64(2)});
-  }
-}
-
-}  // namespace
-
 Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
   const auto db = db_.Lock();
   {

@@ -1,8 +1,8 @@
 // CatalogueDb: the one database of a data folder (catalogue.db: flights, files, revisions, jobs), opened,
-// given its tables where it is new, and shared by Catalogue and JobQueue. Survives kill -9 and power loss (WAL,
-// synchronous FULL). Any thread and any number of processes: within a process users take Lock() for the time
-// of a call that writes, and Read() for one that only reads. Readers wait for no writer, in this process or
-// another: each sees what was committed when its statement began. The file and what SQLite keeps beside it
+// given its tables where it is new, and shared by Catalogue and JobQueue. Survives kill -9 and power loss
+// (WAL, synchronous FULL). Any thread and any number of processes: within a process users take Lock() for the
+// time of a call that writes, and Read() for one that only reads. Readers wait for no writer, in this process
+// or another: each sees what was committed when its statement began. The file and what SQLite keeps beside it
 // are readable by their owner alone.
 #pragma once
 

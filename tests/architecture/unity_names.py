@@ -7,7 +7,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-LIBRARY = re.compile(r"skyquilt_(?:library|test)\((\w+)([^)]*)\)")
+LIBRARY = re.compile(r"skyquilt_library\((\w+)([^)]*)\)")
 OPENING = re.compile(r"^namespace \{$.*?^\}  // namespace$", re.M | re.S)
 # Definitions at the left margin; overloads that differ in their parameters may share a name.
 DEFINED = [

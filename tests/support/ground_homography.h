@@ -1,6 +1,6 @@
-// The plane-induced homography, as textbooks write it: G = K R [e1 e2 (z0 e3 - C)] maps (E, N, 1) in enu metres
-// of the plane z = z0 to undistorted pixels; R, C from cam_from_enu. What the exact projections are compared
-// with. Source: Hartley and Zisserman, Multiple View Geometry, 2nd ed., section 13.1.
+// The plane-induced homography, as textbooks write it: G = K R [e1 e2 (z0 e3 - C)] maps (E, N, 1) in enu
+// metres of the plane z = z0 to undistorted pixels; R, C from cam_from_enu. What the exact projections are
+// compared with. Source: Hartley and Zisserman, Multiple View Geometry, 2nd ed., section 13.1.
 #pragma once
 
 #include <Eigen/Core>

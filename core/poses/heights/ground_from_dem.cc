@@ -6,7 +6,7 @@
 namespace skyquilt::poses {
 
 Result<DemGround> GroundFromDem(const geo::DemSource& dem, const PosedFlight& posed,
-                        const std::optional<geo::LatLon>& takeoff, DemZero zero) {
+                                const std::optional<geo::LatLon>& takeoff, DemZero zero) {
   const auto below = [&](const PosedPhoto& photo) {
     const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
     return geo::LatLon{at.lat_deg, at.lon_deg};

@@ -55,8 +55,8 @@ TEST(GroundHomography, ComposesToTheTextbooksImageToImageForm) {
       lens_j.K() *
       (j_from_k.rotation.toRotationMatrix() + j_from_k.translation * down_in_k.transpose() / height_m) *
       lens_k.K().inverse();
-  Eigen::Matrix3d ours =
-      test::GroundHomography(lens_j, j_from_enu, 0.0) * test::GroundHomography(lens_k, k_from_enu, 0.0).inverse();
+  Eigen::Matrix3d ours = test::GroundHomography(lens_j, j_from_enu, 0.0) *
+                         test::GroundHomography(lens_k, k_from_enu, 0.0).inverse();
   textbook /= textbook(2, 2);
   ours /= ours(2, 2);
   EXPECT_LT((textbook - ours).cwiseAbs().maxCoeff() / ours.cwiseAbs().maxCoeff(), 1e-10);
