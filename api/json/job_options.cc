@@ -142,10 +142,10 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     } else if (field == "layers") {
       set = SetLayers(value, &options);
     } else {
-      set = Refuse(
-          field,
-          "is not known; known are gsd_m, max_look_deg, readout_ms, format, quality, method, origin, "
-          "landed_at_start and layers");
+      set =
+          Refuse(field,
+                 "is not known; known are gsd_m, max_look_deg, readout_ms, format, quality, method, origin, "
+                 "landed_at_start and layers");
     }
     if (!set) return set.error();
   }

@@ -28,7 +28,8 @@ struct AlignedPhoto {
   double error_radius_m =
       0.0;  // 1-sigma horizontal ground error of the image centre, both directions together
   double height_above_ground_m = 0.0;
-  double max_look_rad = camera::kMaxLookAngleRad;  // off the vertical: the map shows nothing that it sees beyond
+  double max_look_rad =
+      camera::kMaxLookAngleRad;  // off the vertical: the map shows nothing that it sees beyond
 };
 
 struct AlignedFlight {

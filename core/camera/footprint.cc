@@ -28,7 +28,8 @@ std::vector<Eigen::Vector2d> GroundFootprint(const Intrinsics& intrinsics, const
   const double drop_m = center.z() - plane_z_m;
   if (drop_m <= 0.0) return {};
   // The lower part of a photo with the horizon in it looks at the ground, whatever its axis does.
-  bool sees_ground = AngleOffVertical(cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ()) <= max_angle_rad;
+  bool sees_ground =
+      AngleOffVertical(cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ()) <= max_angle_rad;
   const double right = intrinsics.width_px - 0.5;
   const double bottom = intrinsics.height_px - 0.5;
   const Eigen::Vector2d corners[4] = {{-0.5, -0.5}, {right, -0.5}, {right, bottom}, {-0.5, bottom}};

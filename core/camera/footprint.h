@@ -13,11 +13,12 @@ namespace skyquilt::camera {
 
 // Rays steeper than this off the vertical are cut: beyond it a pixel covers metres.
 inline constexpr double kMaxViewAngleRad = 1.31;  // 75 degrees
-// What a map shows of a photo, unless asked otherwise: beyond it the ground is smeared, and things that stand hide it.
+// What a map shows of a photo, unless asked otherwise: beyond it the ground is smeared, and things that stand
+// hide it.
 inline constexpr double kMaxLookAngleRad = 1.1344640137963142;  // 65 degrees
 
-// Points along the border, `points_per_side` a side, so that lens bending shows. Empty when nothing of the photo
-// looks at the ground by less than `max_angle_rad` off the vertical.
+// Points along the border, `points_per_side` a side, so that lens bending shows. Empty when nothing of the
+// photo looks at the ground by less than `max_angle_rad` off the vertical.
 std::vector<Eigen::Vector2d> GroundFootprint(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
                                              double plane_z_m, int points_per_side = 8,
                                              double max_angle_rad = kMaxViewAngleRad);

@@ -150,9 +150,10 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     verdict.warnings.push_back(fmt::format(
         "No photo records where it was taken. Where they overlap, they are laid to each other by what they show; the map "
         "is then whole{}.",
-        flight->gcp_lists.empty() ? ", but lies nowhere on Earth: add the flight log, a geo.txt with positions or surveyed "
-                                    "points (gcp_list.txt) to place it"
-                                  : " and lies where the surveyed points say"));
+        flight->gcp_lists.empty()
+            ? ", but lies nowhere on Earth: add the flight log, a geo.txt with positions or surveyed "
+              "points (gcp_list.txt) to place it"
+            : " and lies where the surveyed points say"));
     return verdict;
   }
   const alignment::AlignedFlight placed = alignment::AlignByPoseOnly(*posed);
@@ -160,10 +161,10 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   verdict.left_out = placed.left_out;
   verdict.warnings = placed.warnings;
   if (verdict.photos_by_images > 0) {
-    verdict.warnings.push_back(
-        fmt::format("{} photos have no usable position or height: they join the others by what they show, where they "
-                    "overlap.",
-                    verdict.photos_by_images));
+    verdict.warnings.push_back(fmt::format(
+        "{} photos have no usable position or height: they join the others by what they show, where they "
+        "overlap.",
+        verdict.photos_by_images));
   }
   verdict.poses = posed->report;
   verdict.height_rule = posed->report.height_rule;

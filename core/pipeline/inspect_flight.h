@@ -19,8 +19,8 @@ namespace skyquilt::pipeline {
 
 struct FlightVerdict {
   int photos_readable = 0;
-  int photos_placeable = 0;  // by their records
-  int photos_by_images = 0;  // no record places them; what they show may
+  int photos_placeable = 0;            // by their records
+  int photos_by_images = 0;            // no record places them; what they show may
   std::map<std::string, int> cameras;  // "make model, 4000 x 2250 px, focal 2340 px (sensor_table)"
   std::map<std::string, int> position_sources;
   std::map<std::string, int> attitude_sources;

@@ -22,7 +22,8 @@ Result<void> MosaicOptions::Validate() const {
     return refuse(fmt::format("The quality is {} but must be 1 to 100.", jpeg_quality));
   }
   if (!(max_look_deg >= 10.0 && max_look_deg <= 75.0)) {
-    return refuse(fmt::format("max_look_deg is {} but must be 10 to 75 degrees off the vertical", max_look_deg));
+    return refuse(
+        fmt::format("max_look_deg is {} but must be 10 to 75 degrees off the vertical", max_look_deg));
   }
   if (readout_s && !(*readout_s >= 0.0 && *readout_s <= 0.5)) {
     return refuse(

@@ -20,7 +20,7 @@ struct MosaicOptions {
   AlignMethod method = AlignMethod::kAuto;  // --method auto|images|imu|features|direct
   std::optional<double> gsd_m;  // --gsd: ground size of an output pixel; default: that of the photos
   std::optional<double>
-      readout_s;  // --readout-ms: of the cameras, first row to last; default: as known of them
+      readout_s;               // --readout-ms: of the cameras, first row to last; default: as known of them
   double max_look_deg = 65.0;  // --max-look-deg: off the vertical; nothing is drawn that a photo sees beyond
   std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts
   bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began

@@ -43,8 +43,8 @@ Eigen::Vector2d UnwrappedMerc(const geo::LatLon& position, const AlignedFlight& 
 
 std::vector<Eigen::Vector2d> FootprintInMerc(const AlignedPhoto& photo, const AlignedFlight& flight,
                                              double plane_z_m) {
-  std::vector<Eigen::Vector2d> polygon =
-      camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, plane_z_m, kPointsPerSide, photo.max_look_rad);
+  std::vector<Eigen::Vector2d> polygon = camera::GroundFootprint(
+      photo.intrinsics, photo.cam_from_enu, plane_z_m, kPointsPerSide, photo.max_look_rad);
   for (Eigen::Vector2d& point : polygon) {
     const geo::Wgs84 wgs84 = flight.frame.Wgs84FromEnu({point.x(), point.y(), plane_z_m});
     point = UnwrappedMerc({wgs84.lat_deg, wgs84.lon_deg}, flight);
@@ -64,8 +64,8 @@ geo::Bounds2 BoundsSeen(const AlignedPhoto& photo, const AlignedFlight& flight,
   return bounds;
 }
 
-// Ground size of a pixel at the image centre: height along the axis over the focal length. Where the axis runs towards
-// the horizon, at the furthest that is shown.
+// Ground size of a pixel at the image centre: height along the axis over the focal length. Where the axis
+// runs towards the horizon, at the furthest that is shown.
 std::optional<double> GsdM(const AlignedPhoto& photo, double plane_z_m) {
   const Eigen::Vector3d axis = photo.cam_from_enu.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   if (-axis.z() < std::cos(photo.max_look_rad)) {

@@ -60,8 +60,8 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
   std::unordered_map<std::int64_t, std::uint32_t> spot_of_cell;
   for (std::uint32_t i = 0; i < flight.photos.size(); ++i) {
     const alignment::AlignedPhoto& photo = flight.photos[i];
-    const geo::Bounds2 bounds = camera::BoundsOf(
-        camera::GroundFootprint(photo.intrinsics, photo.cam_from_enu, ground.MeanHeight(), 8, photo.max_look_rad));
+    const geo::Bounds2 bounds = camera::BoundsOf(camera::GroundFootprint(
+        photo.intrinsics, photo.cam_from_enu, ground.MeanHeight(), 8, photo.max_look_rad));
     if (bounds.IsEmpty()) continue;
     const double reach_m = std::max(bounds.Width(), bounds.Height());
     if (reach_m > 60.0 * step_m) continue;  // a look towards the horizon says nothing of exposure

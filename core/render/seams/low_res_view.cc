@@ -58,7 +58,8 @@ cv::Mat3b SmoothedThumbnail(const Thumbnail& thumbnail, double cell_in_thumbnail
 
 LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bounds2& seen_in_merc,
                           const geo::LocalFrame& frame, const ground::GroundSurface& ground,
-                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid, double map_gsd_m) {
+                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid,
+                          double map_gsd_m) {
   LowResView view;
   if (seen_in_merc.IsEmpty()) return view;
   const double cell_in_merc_m = grid.CellInMercM();

@@ -36,6 +36,7 @@ struct LowResView {
 // `seen_in_merc` bounds what the photo sees; `map_gsd_m` is what most photos show a pixel of.
 LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bounds2& seen_in_merc,
                           const geo::LocalFrame& frame, const ground::GroundSurface& ground,
-                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid, double map_gsd_m);
+                          const PhotoTone& tone, const Thumbnail& thumbnail, const SeamGrid& grid,
+                          double map_gsd_m);
 
 }  // namespace skyquilt::render

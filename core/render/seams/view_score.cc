@@ -26,7 +26,8 @@ ViewScore ViewScore::Of(const alignment::AlignedPhoto& photo) {
   if (photo.placement == alignment::Placement::kPoseOnly) {
     score.constant_m += kPoseOnlyPenaltyHeights * static_cast<float>(photo.height_above_ground_m);
   }
-  score.coarse_penalty_m = kCoarsePenaltyHeights * static_cast<float>(std::max(1.0, photo.height_above_ground_m));
+  score.coarse_penalty_m =
+      kCoarsePenaltyHeights * static_cast<float>(std::max(1.0, photo.height_above_ground_m));
   return score;
 }
 

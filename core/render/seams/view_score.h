@@ -1,7 +1,6 @@
 // ViewScore: how well a photo shows a point of the ground, in metres; lower is better. Nadir distance first
-// (things lean less), then how well the photo's place is known; towards its own border a photo gives way, and where its
-// pixels cover far more ground than the map's.
-// Values; any thread.
+// (things lean less), then how well the photo's place is known; towards its own border a photo gives way, and
+// where its pixels cover far more ground than the map's. Values; any thread.
 #pragma once
 
 #include <Eigen/Core>

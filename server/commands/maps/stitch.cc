@@ -149,8 +149,10 @@ void AddStitchCommand(CLI::App& app) {
                    "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
       ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::TileEncoding>{
           {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
-  command->add_option("--max-look-deg", arguments->job.mosaic.max_look_deg,
-                      "Nothing is drawn that a photo sees further off the vertical than this, in degrees, 10 to 75")
+  command
+      ->add_option(
+          "--max-look-deg", arguments->job.mosaic.max_look_deg,
+          "Nothing is drawn that a photo sees further off the vertical than this, in degrees, 10 to 75")
       ->capture_default_str();
   command
       ->add_option(

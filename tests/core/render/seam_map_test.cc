@@ -77,7 +77,8 @@ TEST(SeamMap, GoesRoundBuildings) {
   EXPECT_LE(roofs.BrokenShare(), 0.05) << roofs.twice << " twice, " << roofs.in_part << " in part";
 }
 
-// From so high up that its pixels cover ten times the ground: near the point below it, it stands most nearly above.
+// From so high up that its pixels cover ten times the ground: near the point below it, it stands most nearly
+// above.
 TEST(SeamMap, APhotoWithFarCoarserPixelsGivesWay) {
   test::SimulatedMap map = test::MakeSimulatedMap(SmallFlight());
   constexpr std::size_t kHigh = 5;

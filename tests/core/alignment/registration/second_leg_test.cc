@@ -162,7 +162,7 @@ poses::PosedFlight WithoutRecords(const poses::PosedFlight& whole, const std::ve
 }
 
 TEST(SecondLeg, AFewLostPhotosAreRegisteredAgainstTheOthers) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   const Outcome outcome = Align(truth, WithoutRecords(PosesOf(truth), {5, 6, 9}));
   EXPECT_EQ(outcome.report.aligned, 16);
   EXPECT_EQ(outcome.report.components, 1);
@@ -177,7 +177,7 @@ TEST(SecondLeg, AFewLostPhotosAreRegisteredAgainstTheOthers) {
 }
 
 TEST(SecondLeg, APhotoRecordedFarAwayComesBack) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   poses::PosedFlight posed = PosesOf(truth);
   geo::Rigid3& pose = posed.photos[6].cam_from_enu;
   const Eigen::Quaterniond turned =
@@ -192,7 +192,7 @@ TEST(SecondLeg, APhotoRecordedFarAwayComesBack) {
 }
 
 TEST(SecondLeg, IsLeftOutWhereItMayNot) {
-  const simulate::SimulatedFlight truth = MakeTruth();
+  const simulate::SimulatedFlight truth = SmallTruth(16, 2.0);
   AlignReport report;
   SilentProgress progress;
   AlignOptions options;
