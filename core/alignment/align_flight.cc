@@ -21,6 +21,7 @@
 #include "core/alignment/second_leg/second_leg.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/try.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -262,7 +263,7 @@ Result<void> AlignOptions::Validate() const {
 Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
                                   const AlignOptions& options, AlignReport& report, Progress& progress,
                                   FoundFeatures found) {
-  if (Result<void> valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   const Error cancelled{ErrorCode::kCancelled, "the alignment was cancelled", ""};
   report = {};
   ScopedTimer total_timer(report.total_s);
@@ -440,7 +441,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   const std::vector<Track> ground_tracks = GroundTracks(linked.links, input, options);
   AlignedFlight flight = PlacePhotos(
       {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
-  if (Result<void> settled = SettleUnplaced(recorded, flight, report); !settled) return settled.error();
+  SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
   if (std::string words = report.second_leg.is_taken ? SecondLegInWords(report.second_leg)
                                                      : ContradictionInWords(Weigh(leg_now(summary.rms_px)));
       !words.empty()) {

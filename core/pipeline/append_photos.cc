@@ -11,6 +11,7 @@
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/base/try.h"
 #include "core/camera/footprint.h"
 #include "core/ground/extend_ground.h"
 #include "core/ground/model_ground.h"
@@ -163,13 +164,13 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
 
   FlightFacts grown = known;
   alignment::AlignReport report;
-  Result<AlignedFlight> aligned = options.method == AlignMethod::kImu
-                                      ? Result<AlignedFlight>(alignment::AlignByPoseOnly(part))
-                                      : alignment::AlignFlight(part, source, align_options, report, progress);
-  if (!aligned) return aligned.error();
+  SKYQUILT_TRY_ASSIGN(AlignedFlight aligned,
+                      options.method == AlignMethod::kImu
+                          ? Result<AlignedFlight>(alignment::AlignByPoseOnly(part))
+                          : alignment::AlignFlight(part, source, align_options, report, progress));
   std::vector<AlignedPhoto> placed;
   std::size_t tied = 0;
-  for (AlignedPhoto& photo : aligned->photos) {
+  for (AlignedPhoto& photo : aligned.photos) {
     if (!names.contains(photo.photo.name)) continue;
     if (photo.placement == alignment::Placement::kAligned) ++tied;
     photo.photo = recorded.at(photo.photo.name)->photo;  // with the lens as recorded
@@ -179,11 +180,11 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   if (is_compared && 2 * tied < placed.size()) return std::optional<FlightFacts>();
 
   ground::ModelGroundReport ground_report;
-  const ground::GroundSurface beyond = ground::ModelGround(*aligned, ground_report);
+  const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);
   grown.ground = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
   grown.alignment_json = MergedReport(known.alignment_json, report, names);
   for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
-  for (const flight::LeftOutPhoto& photo : aligned->left_out) {
+  for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);
   }
   grown.flight.warnings.push_back(

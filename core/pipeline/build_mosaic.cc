@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/memory_budget.h"
@@ -64,28 +65,27 @@ void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::Aligne
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                 const flight::PhotoSource& photo_source, pyramid::TileSink& sink,
                                 Progress& progress, const geo::DemSource* dem, pyramid::MapMemory* memory) {
-  if (auto valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   MosaicReport report;
   report.title = options.title;
   StageRunner stages(report, progress);
 
-  auto placed = PlaceFlight(files, options, photo_source, dem, memory, stages, progress);
-  if (!placed) return placed.error();
-  FlightFacts& facts = placed->facts;
+  SKYQUILT_TRY_ASSIGN(auto placed, PlaceFlight(files, options, photo_source, dem, memory, stages, progress));
+  FlightFacts& facts = placed.facts;
   const alignment::AlignedFlight& aligned = facts.flight;
   const ground::GroundSurface& ground = facts.ground;
   // A killed run goes on from here; the appearance of the map is added before it is rendered.
   if (memory != nullptr) {
-    if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
+    SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
   }
 
   const std::optional<double> gsd_m =
       options.gsd_m || !facts.appearance ? options.gsd_m : facts.appearance->gsd_m;
   render::PlanOptions plan_options = PlanWithin(options);
   plan_options.gsd_m = gsd_m;
-  auto plan = stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); });
-  if (!plan) return plan.error();
-  const RenderBudget budget = BudgetFor(options, *plan);
+  SKYQUILT_TRY_ASSIGN(auto plan,
+                      stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); }));
+  const RenderBudget budget = BudgetFor(options, plan);
 
   const render::ExposureModel exposure = stages.Run("expose", [&] {
     if (facts.appearance)
@@ -99,17 +99,17 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     if (facts.appearance)
       known = {facts.appearance->grid, facts.appearance->labels, facts.appearance->tones.size()};
     if (known) seam_options.known = &*known;
-    return render::BuildSeamMap(aligned, ground, *plan, exposure, facts.thumbnails, seam_options);
+    return render::BuildSeamMap(aligned, ground, plan, exposure, facts.thumbnails, seam_options);
   });
   const std::size_t finished = facts.appearance ? facts.appearance->tones.size() : 0;
   if (memory != nullptr) {
-    facts.appearance = MapAppearance{gsd_m.value_or(plan->gsd_m), exposure.photos, seams.grid, seams.labels};
-    if (auto kept = memory->Remember(WriteFacts(facts)); !kept) return kept.error();
+    facts.appearance = MapAppearance{gsd_m.value_or(plan.gsd_m), exposure.photos, seams.grid, seams.labels};
+    SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
   }
   render::PhotoCache cache(photo_source, budget.cache_bytes);
   render::MeasureSeamsOptions measure;
   measure.threads = options.threads;
-  measure.output_pixel_m = render::OutputPixelM(*plan, aligned);
+  measure.output_pixel_m = render::OutputPixelM(plan, aligned);
   // Where only some photos are new, the seams beside those are measured, from a cache of their own.
   std::optional<alignment::AlignedFlight> around;
   if (finished != 0 && finished != aligned.photos.size()) around = AddedAndAround(aligned, finished);
@@ -119,11 +119,11 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
     patches.emplace(around ? *around : aligned, ground, measure);
     if (!around) patches->WatchFor(cache);
-    const render::RenderContext context{aligned, ground, exposure, seams, *plan, cache};
+    const render::RenderContext context{aligned, ground, exposure, seams, plan, cache};
     const render::RenderOptions render_options{
         budget.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
     if (memory == nullptr) return render::RenderTiles(context, render_options, sink, progress);
-    const render::RenderMemory render_memory{*memory, placed->digests};
+    const render::RenderMemory render_memory{*memory, placed.digests};
     return render::RenderTiles(context, render_options, sink, progress, &render_memory);
   });
   if (!rendered) return rendered.error();
@@ -141,25 +141,25 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   DescribePhotos(aligned, report);
   report.seams_json = render::SeamShiftJson(seam_shift);
   report.warnings = aligned.warnings;
-  WarnOfCoarserPixels(*plan, aligned, gsd_m, report);
+  WarnOfCoarserPixels(plan, aligned, gsd_m, report);
   report.alignment_json = facts.alignment_json;
   report.ground_json = facts.ground_json;
   report.height_rule = facts.height_rule;
   report.poses_json = facts.poses_json;
   report.is_placed = facts.is_placed;
-  report.gsd_m = plan->gsd_m;
+  report.gsd_m = plan.gsd_m;
   const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
   report.bounds = DegreeBounds(rendered->covered_in_merc);
-  report.min_zoom = plan->min_zoom;
-  report.max_zoom = plan->base_zoom;
-  report.tile_size_px = plan->tile_size_px;
+  report.min_zoom = plan.min_zoom;
+  report.max_zoom = plan.base_zoom;
+  report.tile_size_px = plan.tile_size_px;
   report.tile_count = rendered->tiles;
   report.blocks = rendered->blocks;
   report.blocks_kept = rendered->blocks_kept;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{aligned, ground, *std::move(plan), std::move(seams), std::move(report)};
+  return BuiltMosaic{aligned, ground, std::move(plan), std::move(seams), std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

@@ -8,6 +8,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/try.h"
 
 namespace skyquilt::pipeline {
 
@@ -23,15 +24,14 @@ Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource
   int denominator = render::ThumbnailDenominator(photo);
   if (features) denominator = std::min(denominator, alignment::DenominatorOf(photo, *features));
   double decode_s = 0.0;
-  const Result<image::DecodedImage> decoded = [&] {
+  SKYQUILT_TRY_ASSIGN(const image::DecodedImage decoded, [&] {
     ScopedTimer timer(decode_s);
     return source.Decode(photo, denominator);
-  }();
-  if (!decoded) return decoded.error();
-  CheckedPhoto checked{render::MakeThumbnail(photo, *decoded), {}};
+  }());
+  CheckedPhoto checked{render::MakeThumbnail(photo, decoded), {}};
   if (!features) return checked;
   // A photo too small for features is a matter of the alignment, not of whether it is damaged.
-  if (auto found = alignment::FeaturesOf(photo, *decoded, *features)) {
+  if (auto found = alignment::FeaturesOf(photo, decoded, *features)) {
     checked.features = *std::move(found);
     checked.features->decode_s = decode_s;
   }

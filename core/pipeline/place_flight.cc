@@ -12,6 +12,7 @@
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/baselines/align_directly.h"
 #include "core/base/parallel_for.h"
+#include "core/base/try.h"
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
@@ -168,41 +169,38 @@ bool MayGoByImages(const MosaicOptions& options) {
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                               const flight::PhotoSource& source, const geo::DemSource* dem,
                               StageRunner& stages, Progress& progress) {
-  auto checked = stages.Run("check", [&] {
+  SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
     std::optional<alignment::FeatureOptions> features;
     if (MayGoByImages(options)) features = alignment::AlignOptions().Features();
     return CheckPhotos(std::move(read), source, features, options.threads, progress);
-  });
-  if (!checked) return checked.error();
-  auto posed = Pose(checked->flight, options, dem, stages, MayGoByImages(options));
-  if (!posed) return posed.error();
+  }));
+  SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
   alignment::AlignReport report;
-  auto aligned = stages.Run("align", [&] {
-    return Align(*posed, checked->flight.gcp_lists, options, source, std::move(checked->features), report,
+  SKYQUILT_TRY_ASSIGN(auto aligned, stages.Run("align", [&] {
+    return Align(posed, checked.flight.gcp_lists, options, source, std::move(checked.features), report,
                  progress);
-  });
-  if (!aligned) return aligned.error();
-  LeaveOutNonsense(nullptr, *aligned);
-  if (aligned->photos.empty()) return NothingLeft(*aligned);
+  }));
+  LeaveOutNonsense(nullptr, aligned);
+  if (aligned.photos.empty()) return NothingLeft(aligned);
   ground::ModelGroundReport ground_report;
   FlightFacts facts;
   facts.ground = stages.Run("ground", [&] {
     std::optional<ground::ElevationModel> model;
-    if (dem != nullptr && posed->dem_zero_m) model = ground::ElevationModel{dem, *posed->dem_zero_m};
-    return ground::ModelGround(*aligned, ground_report, model);
+    if (dem != nullptr && posed.dem_zero_m) model = ground::ElevationModel{dem, *posed.dem_zero_m};
+    return ground::ModelGround(aligned, ground_report, model);
   });
-  LeaveOutNonsense(&facts.ground, *aligned);
-  if (aligned->photos.empty()) return NothingLeft(*aligned);
-  facts.flight = *std::move(aligned);
-  facts.thumbnails = Ordered(facts.flight, checked->thumbnails);
+  LeaveOutNonsense(&facts.ground, aligned);
+  if (aligned.photos.empty()) return NothingLeft(aligned);
+  facts.flight = std::move(aligned);
+  facts.thumbnails = Ordered(facts.flight, checked.thumbnails);
   if (options.method != AlignMethod::kImu) facts.alignment_json = alignment::AlignReportJson(report);
   facts.ground_json = ground::ModelGroundReportJson(ground_report);
-  facts.poses_json = poses::PoseReportJson(posed->report);
-  facts.height_rule = posed->report.height_rule;
+  facts.poses_json = poses::PoseReportJson(posed.report);
+  facts.height_rule = posed.report.height_rule;
   facts.is_by_images =
       std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
                   [](const alignment::AlignPhotoReport& photo) { return photo.is_by_images; });
-  facts.is_placed = posed->is_placed || report.second_leg.is_placed;
+  facts.is_placed = posed.is_placed || report.second_leg.is_placed;
   return facts;
 }
 
@@ -220,21 +218,20 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   for (const flight::Photo& photo : read.photos) {
     if (names.contains(photo.name)) added.photos.push_back(photo);
   }
-  auto checked = stages.Run(
-      "check", [&] { return CheckPhotos(std::move(added), source, {}, options.threads, progress); });
-  if (!checked) return checked.error();
+  SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
+    return CheckPhotos(std::move(added), source, {}, options.threads, progress);
+  }));
   // Photos that were left out stay so.
   std::set<std::string> left_out;
   for (const flight::LeftOutPhoto& photo : known.flight.left_out) left_out.insert(photo.name);
   std::erase_if(whole.photos, [&](const flight::Photo& photo) { return left_out.contains(photo.name); });
-  whole.photos.insert(whole.photos.end(), checked->flight.photos.begin(), checked->flight.photos.end());
+  whole.photos.insert(whole.photos.end(), checked.flight.photos.begin(), checked.flight.photos.end());
   std::stable_sort(whole.photos.begin(), whole.photos.end(),
                    [](const flight::Photo& a, const flight::Photo& b) {
                      return a.captured_at != b.captured_at ? a.captured_at < b.captured_at : a.name < b.name;
                    });
-  auto posed = Pose(whole, options, dem, stages);
-  if (!posed) return posed.error();
-  auto grown = stages.Run("align", [&] { return AppendPhotos(known, *posed, options, source, progress); });
+  SKYQUILT_TRY_ASSIGN(auto posed, Pose(whole, options, dem, stages));
+  auto grown = stages.Run("align", [&] { return AppendPhotos(known, posed, options, source, progress); });
   if (!grown || !*grown) return grown;
   // What is left out now may be of the finished flight: then its tones and labels count other photos.
   const std::size_t finished = recalled.facts.flight.photos.size();
@@ -249,15 +246,15 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
     }
   }
   for (const std::vector<flight::LeftOutPhoto>& list :
-       {read.left_out, checked->flight.left_out, posed->left_out}) {
+       {read.left_out, checked.flight.left_out, posed.left_out}) {
     for (const flight::LeftOutPhoto& photo : list) {
       if (names.contains(photo.name)) (*grown)->flight.left_out.push_back(photo);
     }
   }
   std::vector<render::Thumbnail> thumbnails = known.thumbnails;
-  thumbnails.insert(thumbnails.end(), checked->thumbnails.begin(), checked->thumbnails.end());
+  thumbnails.insert(thumbnails.end(), checked.thumbnails.begin(), checked.thumbnails.end());
   (*grown)->thumbnails = Ordered((*grown)->flight, thumbnails);
-  (*grown)->poses_json = poses::PoseReportJson(posed->report);
+  (*grown)->poses_json = poses::PoseReportJson(posed.report);
   return grown;
 }
 
@@ -288,16 +285,15 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
         facts = stages.Run("align", [&] { return MoveToControl(recalled->facts, read->gcp_lists); });
       } else if (dem == nullptr && MayAppend(*recalled, *read, options)) {
         // (An elevation model is fitted to the whole flight.)
-        auto grown = PlaceAdded(*std::move(recalled), *read, options, source, dem, stages, progress);
-        if (!grown) return grown.error();
-        facts = *std::move(grown);
+        SKYQUILT_TRY_ASSIGN(auto grown,
+                            PlaceAdded(*std::move(recalled), *read, options, source, dem, stages, progress));
+        facts = std::move(grown);
       }
     }
   }
   if (!facts) {
-    auto anew = PlaceAnew(*std::move(read), options, source, dem, stages, progress);
-    if (!anew) return anew.error();
-    facts = *std::move(anew);
+    SKYQUILT_TRY_ASSIGN(auto anew, PlaceAnew(*std::move(read), options, source, dem, stages, progress));
+    facts = std::move(anew);
   }
   placed.facts = *std::move(facts);
   for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/plan_mosaic.h"
@@ -23,28 +24,27 @@ Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::s
   const double shrink =
       std::max(1.0, static_cast<double>(std::max(lens.width_px, lens.height_px)) / options.longer_side_px);
   const double photo_pixel_m = std::max(1.0, one.photos[0].height_above_ground_m) / lens.MeanFocalPx();
-  const auto plan = render::PlanMosaic(one, ground, {options.gsd_m.value_or(shrink * photo_pixel_m), 0.0});
-  if (!plan) return plan.error();
-  const Result<render::Thumbnail> thumbnail = render::MakeThumbnail(source, one.photos[0].photo);
-  if (!thumbnail) return thumbnail.error();
+  SKYQUILT_TRY_ASSIGN(const auto plan,
+                      render::PlanMosaic(one, ground, {options.gsd_m.value_or(shrink * photo_pixel_m), 0.0}));
+  SKYQUILT_TRY_ASSIGN(const render::Thumbnail thumbnail, render::MakeThumbnail(source, one.photos[0].photo));
   const render::ExposureModel exposure{{render::PhotoTone{}}};
   const render::SeamMap seams = render::BuildSeamMap(
-      one, ground, *plan, exposure, {*thumbnail}, {.moves_seams = false, .evens_light = false, .threads = 1});
+      one, ground, plan, exposure, {thumbnail}, {.moves_seams = false, .evens_light = false, .threads = 1});
   render::PhotoCache cache(source, 0);  // the one photo is held while it is used
   SilentProgress progress;
-  const auto rendered = render::RenderTiles({one, ground, exposure, seams, *plan, cache},
-                                            {1, {false, options.jpeg_quality}}, sink, progress);
-  if (!rendered) return rendered.error();
-  if (rendered->base_tiles == 0) {
+  SKYQUILT_TRY_ASSIGN(const auto rendered,
+                      render::RenderTiles({one, ground, exposure, seams, plan, cache},
+                                          {1, {false, options.jpeg_quality}}, sink, progress));
+  if (rendered.base_tiles == 0) {
     return Error{ErrorCode::kUnprocessable, one.photos[0].photo.name + " shows no ground.", ""};
   }
-  const geo::LatLon south_west = geo::LatLonFromMerc(rendered->covered_in_merc.min);
-  const geo::LatLon north_east = geo::LatLonFromMerc(rendered->covered_in_merc.max);
+  const geo::LatLon south_west = geo::LatLonFromMerc(rendered.covered_in_merc.min);
+  const geo::LatLon north_east = geo::LatLonFromMerc(rendered.covered_in_merc.max);
   return PhotoPreview{{south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg},
-                      plan->min_zoom,
-                      plan->base_zoom,
-                      plan->tile_size_px,
-                      rendered->tiles};
+                      plan.min_zoom,
+                      plan.base_zoom,
+                      plan.tile_size_px,
+                      rendered.tiles};
 }
 
 }  // namespace skyquilt::pipeline

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/base/try.h"
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/heights/ground_from_dem.h"
@@ -68,13 +69,12 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
   Takeoff takeoff = FindTakeoff(log, photos_at);
   const geo::LatLon middle = takeoff.middle.value_or(options.origin.value_or(geo::LatLon{}));
   const geo::LocalFrame frame({middle.lat_deg, middle.lon_deg, takeoff.height_ellipsoid_m});
-  auto placed = PlaceByLog(photos, log, frame,
-                           {.clock_sigma_s = tie.clock_sigma_s,
-                            .landed_at_start = options.landed_at_start,
-                            .ground_z_in_enu_m = takeoff.ground_above_takeoff_m,
-                            .height_sigma_m = takeoff.sigma_m});
-  if (!placed) return placed.error();
-  return LoggedPart{*std::move(placed), frame, std::move(takeoff)};
+  SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(photos, log, frame,
+                                              {.clock_sigma_s = tie.clock_sigma_s,
+                                               .landed_at_start = options.landed_at_start,
+                                               .ground_z_in_enu_m = takeoff.ground_above_takeoff_m,
+                                               .height_sigma_m = takeoff.sigma_m}));
+  return LoggedPart{std::move(placed), frame, std::move(takeoff)};
 }
 
 void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {

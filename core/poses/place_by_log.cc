@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/poses/conventions/attitude_convention.h"
 #include "core/poses/evidence/recorded_series.h"
 #include "core/poses/place_cameras.h"
@@ -51,16 +52,15 @@ Result<PlacedByLog> PlaceByLog(const std::vector<PhotoAtTime>& photos, const fli
   sources.height_sigma_m = options.height_sigma_m;
   sources.ended_at_start = options.landed_at_start;
   PreparedSmoothing prepared = MakeSmootherInput(sources, frame);
-  Result<SmootherOutput> smoothed = SmoothChain(prepared.input);
-  if (!smoothed) return smoothed.error();
-  const std::vector<PlacedCamera> cameras = PlaceCameras(prepared, *smoothed, options.ground_z_in_enu_m);
+  SKYQUILT_TRY_ASSIGN(SmootherOutput smoothed, SmoothChain(prepared.input));
+  const std::vector<PlacedCamera> cameras = PlaceCameras(prepared, smoothed, options.ground_z_in_enu_m);
 
   PlacedByLog placed;
   placed.is_placed = prepared.is_placed;
   placed.series = prepared.notes;
-  placed.warnings = smoothed->report.warnings;
-  placed.knots = smoothed->report.knots;
-  placed.iterations = smoothed->report.iterations;
+  placed.warnings = smoothed.report.warnings;
+  placed.knots = smoothed.report.knots;
+  placed.iterations = smoothed.report.iterations;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     PosedPhoto pose;
     pose.photo = *photos[k].photo;

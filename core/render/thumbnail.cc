@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 
 namespace skyquilt::render {
 
@@ -15,9 +16,8 @@ int ThumbnailDenominator(const flight::Photo& photo) {
 }
 
 Result<Thumbnail> MakeThumbnail(const flight::PhotoSource& source, const flight::Photo& photo) {
-  const Result<image::DecodedImage> decoded = source.Decode(photo, ThumbnailDenominator(photo));
-  if (!decoded) return decoded.error();
-  return MakeThumbnail(photo, *decoded);
+  SKYQUILT_TRY_ASSIGN(const image::DecodedImage decoded, source.Decode(photo, ThumbnailDenominator(photo)));
+  return MakeThumbnail(photo, decoded);
 }
 
 Thumbnail MakeThumbnail(const flight::Photo& photo, const image::DecodedImage& decoded) {

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/base/parallel_for.h"
+#include "core/base/try.h"
 #include "core/camera/footprint.h"
 #include "core/geo/web_mercator.h"
 #include "core/simulate/sensors/noise.h"
@@ -70,7 +71,7 @@ image::DecodedImage Shrunk(const image::DecodedImage& image, int denominator) {
 
 Result<void> WriteLogs(const SimulatedFlight& flight, const std::filesystem::path& folder) {
   if (!flight.log || flight.options.log_formats.empty()) return {};
-  if (const auto made = MakeFolder(folder); !made) return made.error();
+  SKYQUILT_TRY(MakeFolder(folder));
   for (const LogFormat format : flight.options.log_formats) {
     Result<void> written;
     switch (format) {
@@ -154,7 +155,7 @@ geo::RasterFrame SimulatedFlight::WorldRaster() const {
 }
 
 Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
-  if (const Result<void> valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   SimulatedFlight flight;
   flight.options = options;
   flight.options.trajectory.seed = options.seed;
@@ -165,10 +166,9 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     if (!options.survey) return PlanLawnmower(flight.options.trajectory, options.intrinsics);
     SurveyOptions survey = *options.survey;
     survey.plan = flight.options.trajectory;
-    auto flown = FlySurvey(survey, options.intrinsics, flight.frame, options.start);
-    if (!flown) return flown.error();
-    flight.log = std::move(flown->log);
-    return std::move(flown->poses);
+    SKYQUILT_TRY_ASSIGN(auto flown, FlySurvey(survey, options.intrinsics, flight.frame, options.start));
+    flight.log = std::move(flown.log);
+    return std::move(flown.poses);
   }();
   if (!poses) return poses.error();
   const std::vector<RecordedPose> recorded = RecordPoses(
@@ -203,8 +203,8 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
   Result<SimulatedFlight> planned = PlanSimulatedFlight(options);
   if (!planned) return planned.error();
   SimulatedFlight& flight = *planned;
-  if (const auto made = MakeFolder(out_dir / "photos"); !made) return made.error();
-  if (const auto made = MakeFolder(out_dir / "truth"); !made) return made.error();
+  SKYQUILT_TRY(MakeFolder(out_dir / "photos"));
+  SKYQUILT_TRY(MakeFolder(out_dir / "truth"));
 
   progress.BeginStage("photos");
   std::mutex mutex;
@@ -230,7 +230,7 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
       !written) {
     return written.error();
   }
-  if (const auto written = WriteLogs(flight, out_dir / "logs"); !written) return written.error();
+  SKYQUILT_TRY(WriteLogs(flight, out_dir / "logs"));
   if (options.write_world) {
     progress.BeginStage("truth");
     const auto written = WriteWorldGeoTiff(flight.world, flight.frame, flight.WorldRaster(), options.threads,

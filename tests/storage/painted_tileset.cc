@@ -1,6 +1,7 @@
 #include "tests/storage/painted_tileset.h"
 
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "core/geo/hilbert.h"

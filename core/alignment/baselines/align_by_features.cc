@@ -15,6 +15,7 @@
 #include "core/alignment/features/extract_all.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/try.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -124,7 +125,7 @@ std::string InWords(const ChainedPhoto& chained, double misfit_px) {
 
 Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const flight::PhotoSource& source,
                                       const AlignOptions& options, AlignReport& report, Progress& progress) {
-  if (Result<void> valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   report = {};
   ScopedTimer total_timer(report.total_s);
   const Photographed photographed =

@@ -11,6 +11,7 @@
 #include "core/alignment/registration/direct_registration.h"
 #include "core/alignment/registration/flight_lines.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/try.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -21,7 +22,7 @@ constexpr int kPasses = 2;
 
 Result<AlignedFlight> AlignDirectly(const poses::PosedFlight& posed, const flight::PhotoSource& source,
                                     const AlignOptions& options, AlignReport& report, Progress& progress) {
-  if (Result<void> valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   report = {};
   ScopedTimer total_timer(report.total_s);
   FeatureOptions thumbnails_only;

@@ -9,6 +9,7 @@
 #include "core/alignment/features/describe_point.h"
 #include "core/alignment/features/scale_space.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/try.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -154,12 +155,11 @@ Result<PhotoFeatures> FeaturesOf(const flight::Photo& photo, const image::Decode
 Result<PhotoFeatures> ExtractFeatures(const flight::Photo& photo, const flight::PhotoSource& source,
                                       const FeatureOptions& options) {
   double decode_s = 0.0;
-  const Result<image::DecodedImage> decoded = [&] {
+  SKYQUILT_TRY_ASSIGN(const image::DecodedImage decoded, [&] {
     ScopedTimer timer(decode_s);
     return source.Decode(photo, DenominatorOf(photo, options));
-  }();
-  if (!decoded) return decoded.error();
-  Result<PhotoFeatures> features = FeaturesOf(photo, *decoded, options);
+  }());
+  Result<PhotoFeatures> features = FeaturesOf(photo, decoded, options);
   if (features) features->decode_s = decode_s;
   return features;
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/base/try.h"
 #include "core/flight/lists/elevation_model_file.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/photos/byte_source.h"
@@ -57,14 +58,13 @@ Result<Kind> KindOf(const InputFile& file) {
   if (IsElevationModel(**source)) return Kind::kElevationModel;
   if (IsPictureOrFilm(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
-  const auto format = RecogniseLog(head, file.name);
-  if (!format) return format.error();
-  if (!*format && is_log_by_name) {
+  SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));
+  if (!format && is_log_by_name) {
     return Error{ErrorCode::kUnsupportedFormat,
                  file.name + " is named like a flight log but is none that can be read; copy it again.", ""};
   }
-  if (!*format) return unknown;
-  return **format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
+  if (!format) return unknown;
+  return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "core/base/try.h"
 #include "core/flight/logs/autopilots/dataflash.h"
 #include "core/flight/logs/autopilots/mavlink_tlog.h"
 #include "core/flight/logs/autopilots/ulog.h"
@@ -91,33 +92,31 @@ std::string_view LogFormatName(LogFormat format) {
 }
 
 Result<std::optional<LogFormat>> RecogniseLog(LogBytes head, std::string_view name) {
-  const auto format = RecogniseOrExplain(head, name);
-  if (!format) return format.error();
-  if (*format == nullptr) return std::optional<LogFormat>();
-  return std::optional<LogFormat>((*format)->format);
+  SKYQUILT_TRY_ASSIGN(const auto format, RecogniseOrExplain(head, name));
+  if (format == nullptr) return std::optional<LogFormat>();
+  return std::optional<LogFormat>(format->format);
 }
 
 Result<FlightLog> ParseLog(std::string_view name, LogBytes bytes, const ConsumedUpTo& consumed) {
   if (bytes.empty()) {
     return Error{ErrorCode::kCorrupt, fmt::format("{} is empty; copy it from the aircraft again.", name), ""};
   }
-  const auto format = RecogniseOrExplain(bytes.first(std::min(bytes.size(), kRecogniseBytes)), name);
-  if (!format) return format.error();
-  if (*format == nullptr) {
+  SKYQUILT_TRY_ASSIGN(const auto format,
+                      RecogniseOrExplain(bytes.first(std::min(bytes.size(), kRecogniseBytes)), name));
+  if (format == nullptr) {
     return Error{ErrorCode::kUnsupportedFormat,
                  fmt::format("{} is no flight log of a kind that is read.", name), ""};
   }
-  if ((*format)->parse == nullptr) {
+  if (format->parse == nullptr) {
     return Error{ErrorCode::kUnsupportedFormat,
                  fmt::format("{} is a list of ground control points, not a flight log.", name), ""};
   }
-  return (*format)->parse(name, bytes, consumed);
+  return format->parse(name, bytes, consumed);
 }
 
 Result<FlightLog> ReadLog(const InputFile& file) {
-  const auto mapped = MappedFile::Open(file.path);
-  if (!mapped) return mapped.error();
-  return ParseLog(file.name, mapped->bytes(), [&](std::size_t offset) { mapped->ReleaseBefore(offset); });
+  SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
+  return ParseLog(file.name, mapped.bytes(), [&](std::size_t offset) { mapped.ReleaseBefore(offset); });
 }
 
 }  // namespace skyquilt::flight

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/flight/metadata/exif_table.h"
 
 namespace skyquilt::flight {
@@ -116,19 +117,17 @@ Result<TiffStart> ReadStart(ByteSource& source) {
 }  // namespace
 
 Result<int> CountTiffDirectories(ByteSource& source, int most) {
-  Result<TiffStart> start = ReadStart(source);
-  if (!start) return start.error();
+  SKYQUILT_TRY_ASSIGN(TiffStart start, ReadStart(source));
   int count = 0;
-  for (std::uint64_t at = start->first.value_or(0); at != 0 && count <= most; ++count)
-    at = start->walker.NextAfter(at);
+  for (std::uint64_t at = start.first.value_or(0); at != 0 && count <= most; ++count)
+    at = start.walker.NextAfter(at);
   return count;
 }
 
 Result<ExifTable> ReadTiffTags(ByteSource& source) {
-  Result<TiffStart> start = ReadStart(source);
-  if (!start) return start.error();
-  TiffWalker& walker = start->walker;
-  const std::optional<std::uint64_t>& first = start->first;
+  SKYQUILT_TRY_ASSIGN(TiffStart start, ReadStart(source));
+  TiffWalker& walker = start.walker;
+  const std::optional<std::uint64_t>& first = start.first;
   ExifTable table;
   if (!first || !walker.ReadDirectory(*first, ExifIfd::kImage, table)) return Damaged("first directory");
   for (const auto& [pointer, ifd] : {std::pair{kExifPointer, ExifIfd::kExif}, {kGpsPointer, ExifIfd::kGps}}) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/flight/metadata/tiff_number.h"
 #include "core/flight/photos/jpeg_segments.h"
 #include "core/flight/photos/read_photo.h"
@@ -51,17 +52,16 @@ void CollectXmp(ImageHeader& header) {
 }
 
 Result<ImageHeader> ReadJpeg(ByteSource& source) {
-  auto segments = ScanJpegSegments(source);
-  if (!segments) return segments.error();
-  if (!HasEndOfImage(source, segments->scan_offset)) {
+  SKYQUILT_TRY_ASSIGN(auto segments, ScanJpegSegments(source));
+  if (!HasEndOfImage(source, segments.scan_offset)) {
     return Error{ErrorCode::kCorrupt,
                  "The JPEG is cut off: its end is missing. Copy the file from the camera again.", "no EOI"};
   }
   ImageHeader header;
-  header.width_px = segments->width_px;
-  header.height_px = segments->height_px;
-  header.exif = ReadExifSegment(segments->exif);
-  header.xmp_packets = std::move(segments->xmp);
+  header.width_px = segments.width_px;
+  header.height_px = segments.height_px;
+  header.exif = ReadExifSegment(segments.exif);
+  header.xmp_packets = std::move(segments.xmp);
   CollectXmp(header);
   return header;
 }
@@ -84,17 +84,16 @@ bool HoldsItsPixels(const ExifTable& table, std::uint64_t file_size) {
 
 Result<ImageHeader> ReadTiff(ByteSource& source) {
   constexpr std::uint16_t kWidth = 0x0100, kHeight = 0x0101, kDngVersion = 0xC612;
-  auto table = ReadTiffTags(source);
-  if (!table) return table.error();
-  if (table->Find(ExifIfd::kImage, kDngVersion)) {
+  SKYQUILT_TRY_ASSIGN(auto table, ReadTiffTags(source));
+  if (table.Find(ExifIfd::kImage, kDngVersion)) {
     return Unsupported("This is a raw picture (DNG). Export it as JPEG or TIFF, keeping the metadata.");
   }
-  const auto width = table->Number(ExifIfd::kImage, kWidth);
-  const auto height = table->Number(ExifIfd::kImage, kHeight);
+  const auto width = table.Number(ExifIfd::kImage, kWidth);
+  const auto height = table.Number(ExifIfd::kImage, kHeight);
   if (!width || !height || *width < 1.0 || *height < 1.0) {
     return Error{ErrorCode::kCorrupt, "The TIFF does not say how large its image is; it cannot be read.", ""};
   }
-  if (!HoldsItsPixels(*table, source.size())) {
+  if (!HoldsItsPixels(table, source.size())) {
     return Error{ErrorCode::kCorrupt,
                  "The TIFF is cut off: part of its picture is missing. Copy the file from the camera again.",
                  ""};
@@ -102,7 +101,7 @@ Result<ImageHeader> ReadTiff(ByteSource& source) {
   ImageHeader header;
   header.width_px = static_cast<int>(std::min(*width, 1e9));
   header.height_px = static_cast<int>(std::min(*height, 1e9));
-  header.exif = std::move(*table);
+  header.exif = std::move(table);
   CollectXmp(header);
   return header;
 }

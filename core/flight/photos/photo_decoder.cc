@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/try.h"
 #include "core/flight/photos/byte_source.h"
 #include "core/flight/photos/decode_errors.h"
 #include "core/flight/photos/jpeg_decoder.h"
@@ -77,13 +78,12 @@ Error NeedsTooMuch(std::int64_t needed_bytes, std::int64_t max_bytes) {
 }
 
 Result<std::vector<std::uint8_t>> ReadFile(const Photo& photo, std::int64_t max_bytes) {
-  auto source = OpenFileBytes(photo.path);
-  if (!source) return source.error();
-  const std::uint64_t size = (*source)->size();
+  SKYQUILT_TRY_ASSIGN(auto source, OpenFileBytes(photo.path));
+  const std::uint64_t size = source->size();
   if (size > static_cast<std::uint64_t>(max_bytes))
     return NeedsTooMuch(static_cast<std::int64_t>(std::min<std::uint64_t>(size, INT64_MAX)), max_bytes);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  if (!(*source)->Read(0, bytes)) {
+  if (!source->Read(0, bytes)) {
     return Error{ErrorCode::kIo, "The picture's file cannot be read from the disk.", photo.path.string()};
   }
   return bytes;
@@ -101,32 +101,29 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
   if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
   if (IsJpeg(bytes)) return DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
   if (IsPng(bytes)) return DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
-  Result<DecodedImage> image = DecodeByOpenCv(bytes, width_px, height_px, denominator);
-  if (!image) return image.error();
-  return DecodedPart{*std::move(image)};
+  SKYQUILT_TRY_ASSIGN(DecodedImage image, DecodeByOpenCv(bytes, width_px, height_px, denominator));
+  return DecodedPart{std::move(image)};
 }
 
 Result<DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
                                       int denominator) {
-  Result<DecodedPart> whole = DecodePhotoPart(bytes, width_px, height_px, denominator, std::nullopt);
-  if (!whole) return whole.error();
-  return std::move(whole->image);
+  SKYQUILT_TRY_ASSIGN(DecodedPart whole,
+                      DecodePhotoPart(bytes, width_px, height_px, denominator, std::nullopt));
+  return std::move(whole.image);
 }
 
 Result<DecodedImage> FilePhotoSource::Decode(const Photo& photo, int denominator) const {
-  const auto bytes = ReadFile(photo, max_bytes_);
-  if (!bytes) return bytes.error();
-  Result<DecodedPart> whole = DecodePhotoPart(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px,
-                                              denominator, std::nullopt, {}, max_bytes_);
-  if (!whole) return whole.error();
-  return std::move(whole->image);
+  SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
+  SKYQUILT_TRY_ASSIGN(DecodedPart whole,
+                      DecodePhotoPart(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px,
+                                      denominator, std::nullopt, {}, max_bytes_));
+  return std::move(whole.image);
 }
 
 Result<DecodedPart> FilePhotoSource::DecodePart(const Photo& photo, int denominator,
                                                 const image::PixelBox& box, PixelBytes memory) const {
-  const auto bytes = ReadFile(photo, max_bytes_);
-  if (!bytes) return bytes.error();
-  return DecodePhotoPart(*bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator, box,
+  SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
+  return DecodePhotoPart(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator, box,
                          std::move(memory), max_bytes_);
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/result.h"
+#include "core/base/try.h"
 #include "core/flight/photos/photo.h"
 #include "core/image/decoded_image.h"
 
@@ -20,9 +21,8 @@ class PhotoSource {
   // by the caller; an implementation may reuse it for the pixels, which saves an allocation.
   virtual Result<image::DecodedPart> DecodePart(const Photo& photo, int denominator,
                                                 const image::PixelBox& /*box*/, PixelBytes /*memory*/) const {
-    Result<image::DecodedImage> whole = Decode(photo, denominator);
-    if (!whole) return whole.error();
-    return image::DecodedPart{*std::move(whole)};
+    SKYQUILT_TRY_ASSIGN(image::DecodedImage whole, Decode(photo, denominator));
+    return image::DecodedPart{std::move(whole)};
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "core/base/try.h"
 #include "core/camera/sensor_database.h"
 #include "core/flight/metadata/attitude_tags.h"
 #include "core/flight/metadata/capture_time.h"
@@ -84,12 +85,11 @@ std::optional<double> ReadoutOf(const Photo& photo, const XmpTags& xmp) {
 }  // namespace
 
 Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
-  auto header = ReadImageHeader(source);
-  if (!header) return header.error();
+  SKYQUILT_TRY_ASSIGN(auto header, ReadImageHeader(source));
   Photo photo;
   photo.name = name;
-  ExifRecord exif = InterpretExif(header->exif);
-  const XmpTags xmp = ReadXmp(*header, source, photo.notes);
+  ExifRecord exif = InterpretExif(header.exif);
+  const XmpTags xmp = ReadXmp(header, source, photo.notes);
   photo.notes.insert(photo.notes.end(), exif.notes.begin(), exif.notes.end());
   if (exif.make.empty()) exif.make = xmp.Text("tiff:Make");
   if (exif.model.empty()) exif.model = xmp.Text("tiff:Model");
@@ -98,8 +98,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.software = exif.software;
   NoteSoftware(photo);
   NoteOrientation(exif, photo);
-  const ChosenIntrinsics chosen =
-      ChooseIntrinsics(header->width_px, header->height_px, exif, xmp, photo.notes);
+  const ChosenIntrinsics chosen = ChooseIntrinsics(header.width_px, header.height_px, exif, xmp, photo.notes);
   photo.intrinsics = chosen.intrinsics;
   photo.focal_source = chosen.source;
   photo.camera_key = CameraKey(photo, exif, xmp);
@@ -107,7 +106,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.captured_at = time.captured_at;
   photo.captured_at_is_local = time.is_local;
   photo.position = PositionFromTags(exif, xmp, photo.notes);
-  photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header->exif), photo.make, photo.notes);
+  photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);
   photo.velocity = VelocityFromTags(xmp);
   photo.exposure_time_s = exif.exposure_time_s;
   photo.readout_s = ReadoutOf(photo, xmp);
@@ -120,9 +119,8 @@ Result<Photo> ReadPhotoFromBytes(const std::string& name, std::span<const std::u
 }
 
 Result<Photo> ReadPhoto(const InputFile& file) {
-  auto source = OpenFileBytes(file.path);
-  if (!source) return source.error();
-  auto photo = ReadPhotoFrom(file.name, **source);
+  SKYQUILT_TRY_ASSIGN(auto source, OpenFileBytes(file.path));
+  auto photo = ReadPhotoFrom(file.name, *source);
   if (photo) photo->path = file.path;
   return photo;
 }

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 
+#include "core/base/try.h"
 #include "core/poses/time/event_alignment.h"
 #include "core/poses/time/find_clock_offset.h"
 #include "core/poses/time/stamped_photos.h"
@@ -233,7 +234,7 @@ Result<void> TimeSyncOptions::Validate() const {
 
 Result<TimeSync> MatchPhotosToLog(const std::vector<Photo>& photos, const FlightLog& log,
                                   const TimeSyncOptions& options) {
-  if (auto valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   if (photos.empty())
     return Error{ErrorCode::kInvalidArgument, "There are no photos to match to the log.", ""};
   return Synchroniser(photos, log, options).Run();

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/blocks/block_weights.h"
 #include "core/render/blocks/cubic_sampler.h"
@@ -252,11 +253,11 @@ Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const
     const PhotoView& view = views[static_cast<std::size_t>(at)];
     const image::PixelBox box =
         ShownBy(share, view, geometry.nodes_per_side).Grown(denominator * CubicSampler::kReachPx);
-    const Result<DecodedPhoto> decoded = context.cache.Get(share.photo, photo.photo, denominator, box);
-    if (!decoded) return decoded.error();
+    SKYQUILT_TRY_ASSIGN(const DecodedPhoto decoded,
+                        context.cache.Get(share.photo, photo.photo, denominator, box));
     const PhotoOnBlock on_block(photo, context.exposure.photos[share.photo], view, geometry.nodes_per_side,
                                 denominator, context.seams.levels[share.photo], cells);
-    const image::DecodedPart& part = **decoded;
+    const image::DecodedPart& part = *decoded;
     Paint(share, on_block, CubicSampler(part.image, part.left_px, part.top_px), shares.square_px, image,
           mixture);
   }

@@ -32,7 +32,7 @@ ViewScore ViewScore::Of(const alignment::AlignedPhoto& photo) {
 }
 
 float ViewScore::CoarsePenalty(const Eigen::Vector3d& offset_m, double focal_px, double map_gsd_m) const {
-  // Along the line of sight a pixel is drawn out by the look angle.
+  // Along its ray a pixel is drawn out by the look angle.
   const double gsd_m = offset_m.squaredNorm() / (focal_px * std::max(1e-3, -offset_m.z()));
   const double times = gsd_m / (kCoarse * map_gsd_m);
   return times > 1.0 ? coarse_penalty_m * static_cast<float>(times) : 0.0f;

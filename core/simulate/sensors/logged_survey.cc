@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/random.h"
 
@@ -73,9 +74,8 @@ Result<LoggedSurvey> FlySurvey(const SurveyOptions& options, const camera::Intri
   TrajectoryOptions plan = options.plan;
   plan.max_tilt_rad = plan.position_jitter_m = plan.height_wander_m = plan.yaw_wander_rad = 0.0;
   plan.yaw_rule = YawRule::kAlongCourse;
-  const auto planned = PlanLawnmower(plan, intrinsics);
-  if (!planned) return planned.error();
-  const std::vector<Line> lines = LinesOf(*planned);
+  SKYQUILT_TRY_ASSIGN(const auto planned, PlanLawnmower(plan, intrinsics));
+  const std::vector<Line> lines = LinesOf(planned);
 
   PathOptions path_options;
   path_options.seed = plan.seed;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/try.h"
 #include "core/geo/lat_lon.h"
 #include "core/simulate/sensors/random.h"
 
@@ -88,7 +89,7 @@ YawPitchRoll GimbalOfCamFromEnu(const Eigen::Quaterniond& cam_from_enu) {
 
 Result<std::vector<TruePose>> PlanLawnmower(const TrajectoryOptions& options,
                                             const camera::Intrinsics& intrinsics) {
-  if (const Result<void> valid = options.Validate(); !valid) return valid.error();
+  SKYQUILT_TRY(options.Validate());
   const double across_m = options.height_m * intrinsics.width_px / intrinsics.focal_x_px;
   const double along_m = options.height_m * intrinsics.height_px / intrinsics.focal_y_px;
   const double step_m = (1.0 - options.front_overlap) * along_m;

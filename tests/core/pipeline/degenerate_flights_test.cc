@@ -47,8 +47,8 @@ std::uint8_t GreyAt(double east_m, double north_m, int channel) {
   return static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0));
 }
 
-DecodedImage Picture(const Shot& shot, const geo::LatLon& origin) {
-  DecodedImage image;
+image::DecodedImage Picture(const Shot& shot, const geo::LatLon& origin) {
+  image::DecodedImage image;
   image.width_px = shot.width_px;
   image.height_px = shot.height_px;
   image.rgb.resize(3 * static_cast<std::size_t>(shot.width_px) * static_cast<std::size_t>(shot.height_px));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "core/base/try.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -198,12 +199,11 @@ void CheckDate(const std::vector<CsvColumn>& columns, const CsvPreview& preview,
 
 Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPreview& preview) {
   CsvFindings findings;
-  const auto time_factor = CheckTime(columns, preview, findings);
-  if (!time_factor) return time_factor.error();
+  SKYQUILT_TRY_ASSIGN(const auto time_factor, CheckTime(columns, preview, findings));
   CheckDate(columns, preview, findings);
   const auto acceleration = CheckAcceleration(columns, preview, findings);
   if (!acceleration) return acceleration.error();
-  const auto rates = CheckRates(columns, preview, *time_factor);
+  const auto rates = CheckRates(columns, preview, time_factor);
   if (!rates) return rates.error();
   // Positions as integers of 1e-7 degrees.
   for (const M meaning : {M::kLat, M::kLon}) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/try.h"
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -142,15 +143,14 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
     SplitFields(line, header->separator, cells);
     preview.rows.push_back(ReadCsvRow(header->columns, cells));
   }
-  const auto findings = CheckCsvPhysics(header->columns, preview);
-  if (!findings) return findings.error();
+  SKYQUILT_TRY_ASSIGN(const auto findings, CheckCsvPhysics(header->columns, preview));
   preview.rows.clear();
   preview.rows.shrink_to_fit();
 
   bool relative = false;
   for (const CsvColumn& column : header->columns)
     relative = relative || column.meaning == M::kHeightAboveTakeoff;
-  CsvSampler sampler(builder, findings->clock, findings->imu_z_is_up, relative);
+  CsvSampler sampler(builder, findings.clock, findings.imu_z_is_up, relative);
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
   ConsumedSteps steps(consumed);
@@ -166,7 +166,7 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   sampler.Finish();
   builder.Count("row", rows);
   builder.log().mapping = DescribeColumns(header->columns);
-  builder.log().mapping.insert(builder.log().mapping.end(), findings->notes.begin(), findings->notes.end());
+  builder.log().mapping.insert(builder.log().mapping.end(), findings.notes.begin(), findings.notes.end());
   if (bad > 0) builder.Warn(fmt::format("{} rows without a time were skipped", bad));
   return std::move(builder).Finish();
 }

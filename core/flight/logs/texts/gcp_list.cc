@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/base/try.h"
 #include "core/flight/logs/mapped_file.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/srs.h"
@@ -34,8 +35,7 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
   LineReader lines(TextOf(bytes));
   std::string_view line;
   if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
-  const auto srs = ReferenceSystem::Parse(line);
-  if (!srs) return srs.error();
+  SKYQUILT_TRY_ASSIGN(const auto srs, ReferenceSystem::Parse(line));
   GcpList list;
   list.file_name = name;
   list.reference_system = Trim(line);
@@ -57,7 +57,7 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
     const auto z = ParseNumber(words[2]);
     const auto [entry, is_new] = known.try_emplace({x, y, z.value_or(-1e9)}, list.points.size());
     if (is_new) {
-      const auto position = srs->ToLatLon(x, y);
+      const auto position = srs.ToLatLon(x, y);
       if (!position) {
         known.erase(entry);
         refuse(position.error().message);
@@ -67,7 +67,7 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
       point.name = words.size() > 6 ? std::string(words[6].substr(0, kMaxNameLength))
                                     : fmt::format("gcp{}", list.points.size() + 1);
       point.position = *position;
-      if (z) point.height_m = *z * srs->metres_per_unit();
+      if (z) point.height_m = *z * srs.metres_per_unit();
       list.points.push_back(std::move(point));
     }
     list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ParseNumber(words[3]),
@@ -84,9 +84,8 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
 }
 
 Result<GcpList> ReadGcpList(const InputFile& file) {
-  const auto mapped = MappedFile::Open(file.path);
-  if (!mapped) return mapped.error();
-  return ParseGcpList(file.name, mapped->bytes());
+  SKYQUILT_TRY_ASSIGN(const auto mapped, MappedFile::Open(file.path));
+  return ParseGcpList(file.name, mapped.bytes());
 }
 
 }  // namespace skyquilt::flight

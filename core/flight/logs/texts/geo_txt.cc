@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/base/try.h"
 #include "core/flight/logs/log_builder.h"
 #include "core/flight/logs/text_fields.h"
 #include "core/flight/logs/texts/srs.h"
@@ -31,8 +32,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   LineReader lines(TextOf(bytes));
   std::string_view line;
   if (!lines.Next(line)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
-  const auto srs = ReferenceSystem::Parse(line);
-  if (!srs) return srs.error();
+  SKYQUILT_TRY_ASSIGN(const auto srs, ReferenceSystem::Parse(line));
   std::vector<std::string_view> words;
   std::uint64_t rows = 0;
   std::uint64_t bad = 0;
@@ -46,7 +46,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
       ++bad;
       continue;
     }
-    const auto position = srs->ToLatLon(*x, *y);
+    const auto position = srs.ToLatLon(*x, *y);
     if (!position) {
       ++bad;
       continue;
@@ -59,7 +59,7 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
     event.has_time = false;
     event.image_name = std::string(words[0].substr(0, kMaxNameLength));
     event.position = *position;
-    if (const auto z = number(3)) event.height_ellipsoid_m = *z * srs->metres_per_unit();
+    if (const auto z = number(3)) event.height_ellipsoid_m = *z * srs.metres_per_unit();
     const auto yaw = number(4);
     const auto pitch = number(5);
     const auto roll = number(6);
@@ -85,11 +85,11 @@ Result<FlightLog> ParseGeoTxt(std::string_view name, LogBytes bytes, const Consu
   if (bad > 0) builder.Warn(fmt::format("{} rows could not be read", bad));
   if (rows + bad == kMaxRows && lines.Next(line))
     builder.Warn(fmt::format("more than {} rows; the rest was left out", kMaxRows));
-  builder.log().mapping = {fmt::format("x, y -> {}", srs->name()), "z -> height above the ellipsoid",
+  builder.log().mapping = {fmt::format("x, y -> {}", srs.name()), "z -> height above the ellipsoid",
                            "yaw, pitch, roll -> degrees, pitch 0 = straight down"};
-  if (srs->metres_per_unit() != 1.0) {
+  if (srs.metres_per_unit() != 1.0) {
     builder.log().mapping.push_back(
-        fmt::format("z -> times {} to metres, as x and y", srs->metres_per_unit()));
+        fmt::format("z -> times {} to metres, as x and y", srs.metres_per_unit()));
   }
   return std::move(builder).Finish();
 }
