@@ -64,7 +64,9 @@ TEST(FootprintOnGround, IsTheFlatOneOnAPlane) {
 }
 
 TEST(FootprintOnGround, IsEmptyForAPhotoOfTheSky) {
-  EXPECT_TRUE(FootprintOnGround(Hills(), Lens(), Camera(M_PI / 2), 8).empty());
+  EXPECT_TRUE(FootprintOnGround(Hills(), Lens(), Camera(0.8 * M_PI), 8).empty());
+  EXPECT_FALSE(FootprintOnGround(Hills(), Lens(), Camera(M_PI / 2), 8).empty())
+      << "below the horizon is ground";
 }
 
 }  // namespace
