@@ -9,8 +9,9 @@ import unittest
 import uuid as uuids
 import zipfile
 
-from control_test import gcp_list
-from server_support import BINARY, DATA, ServerTestCase, wait_until
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
+from control_test import gcp_list  # noqa: E402
+from server_support import BINARY, DATA, ServerTestCase, wait_until  # noqa: E402
 
 BOUNDARY = "node-test-boundary"
 FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}

@@ -96,7 +96,7 @@ class Security(ServerTestCase):
         basemap = {"tilejson": "3.0.0", "tiles": ["https://tiles.example/{z}/{x}/{y}.png"], "attribution": text}
         self.assertEqual(server.json("GET", "/basemap.json"), (200, basemap))
         server.stop()
-        self.assertIn("no --basemap", self.refusal("--listen", "127.0.0.1:0", "--basemap-attribution", text))
+        self.assertIn("needs --basemap", self.refusal("--listen", "127.0.0.1:0", "--basemap-attribution", text))
 
     def test_half_a_head_is_told_that_it_is_late(self):
         server = self.serve("--workers", "0")

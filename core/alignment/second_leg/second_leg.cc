@@ -375,8 +375,8 @@ std::string SecondLegInWords(const SecondLegReport& report) {
   if (!report.is_placed) {
     words += fmt::format(
         " The map is whole but NOT GEOREFERENCED: it lies at a local origin, its north is a guess and its scale "
-        "is as if a photo showed {:.0f} m of ground. Add surveyed points (gcp_list.txt) or positions (geo.txt) to "
-        "place it.",
+        "is as if a photo showed {:.0f} m of ground. Add the flight log, surveyed points "
+        "(gcp_list.txt) or positions (geo.txt) to place it.",
         GeoreferenceRecords().guessed_width_m);
   }
   return words;

@@ -76,7 +76,7 @@ class Compare(unittest.TestCase):
         _, methods = self.compare(alone, "one")
         self.assertIsNone(methods["auto"]["truth"])
         self.assertEqual(methods["auto"]["placed"], 1)
-        self.assertIn("no two photos match", methods["features"]["failure"])
+        self.assertIn("No two photos match", methods["features"]["failure"])
 
 
 if __name__ == "__main__":

@@ -107,8 +107,11 @@ class LoggedFlightTest(unittest.TestCase):
     def test_says_what_is_missing_without_the_log(self):
         done = subprocess.run([PROGRAM, "stitch", self.flight / "photos", "-o", self.folder / "nothing"],
                               capture_output=True, text=True)
-        self.assertNotEqual(done.returncode, 0)
-        self.assertIn("flight log", done.stderr)
+        # A map, by what the photos show alone, that says what would place it.
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = json.loads((self.folder / "nothing" / "report.json").read_text())
+        self.assertFalse(report["is_placed"])
+        self.assertTrue(any("flight log" in warning for warning in report["warnings"]), report["warnings"])
 
     def test_tells_in_inspection_what_the_log_holds(self):
         verdict = json.loads(run("inspect", self.flight / "photos", self.flight / "logs/flight.BIN", "--json"))
