@@ -95,9 +95,6 @@ void WarnAboutFlight(Flight& flight) {
   };
   if (flight.logs.empty()) {
     warn(count([](const Photo& p) { return !p.position; }), "carry no usable position.");
-    warn(count([](const Photo& p) { return !p.attitude; }),
-         "carry no camera angles; they are taken to look straight down, with the heading from the flight's "
-         "course.");
   }
   warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
   warn(count([](const Photo& p) { return p.focal_source == FocalSource::kAssumed; }),

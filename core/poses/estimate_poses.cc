@@ -90,7 +90,7 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   report.photos_by_log = static_cast<int>(posed.photos.size());
   report.method = "smoothed track of the log";
   Append(std::move(part.placed.warnings), posed.warnings);
-  Append(std::move(part.takeoff.warnings), posed.warnings);
+  if (part.takeoff.assumption) posed.assumptions.push_back(*std::move(part.takeoff.assumption));
   if (part.placed.is_placed) return;
   report.method = "reckoned from the start without any position";
   constexpr const char* kFromOrigin =
@@ -105,7 +105,7 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
 PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& heights, bool has_frame,
                           PosedFlight& posed) {
   PoseReport& report = posed.report;
-  Append(heights.warnings, posed.warnings);
+  if (heights.assumption) posed.assumptions.push_back(*heights.assumption);
   if (report.height_rule.empty()) report.height_rule = heights.rule_in_words;
   if (!has_frame) {
     std::vector<geo::LatLon> positions;
@@ -115,10 +115,10 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   }
   PlacedByRecords placed = PlaceByRecords(rest, heights, posed.frame);
   if (placed.without_angles > 0) {
-    posed.warnings.push_back(
-        fmt::format("{} of {} photos recorded no camera angles: they are taken as looking straight down, "
-                    "turned along the flight's course.",
-                    placed.without_angles, placed.photos.size()));
+    posed.assumptions.push_back({fmt::format("{} of {} photos recorded no camera angles.",
+                                             placed.without_angles, placed.photos.size()),
+                                 "They are taken as looking straight down, turned along the flight's course.",
+                                 std::nullopt});
   }
   report.photos_by_records = static_cast<int>(placed.photos.size());
   if (report.method.empty()) report.method = "what the photos record of themselves";
@@ -217,12 +217,17 @@ void PutGroundBelow(PosedFlight& posed) {
   for (PosedPhoto& photo : posed.photos)
     photo.height_above_ground_m = photo.cam_from_enu.TargetOriginInSource().z() - ground_z_m;
   posed.report.height_rule = "height above ground guessed from the spacing of the photos";
-  posed.warnings.push_back(fmt::format(
-      "By the recorded heights most photos stand on or below the ground (half of them lower than {:.0f} m "
-      "above it), which cannot be: the ground below them is not as high as the place of take-off, or the "
-      "heights count from something else. {:.0f} m above the ground is assumed from the photos' spacing; the "
-      "map's scale depends on it. Add an elevation model (--dem) if the ground lies lower than take-off.",
-      height_m, guessed_m));
+  posed.assumptions.push_back(
+      {fmt::format(
+           "By the recorded heights most photos stand on or below the ground (half of them lower than "
+           "{:.0f} m above it), which cannot be: the ground below them is not as high as the place of "
+           "take-off, or the heights count from something else.",
+           height_m),
+       fmt::format(
+           "{:.0f} m above the ground is assumed from the photos' spacing; the map's scale depends on it. "
+           "Add an elevation model (--dem) if the ground lies lower than take-off.",
+           guessed_m),
+       guessed_m});
 }
 
 // What no map can be drawn with goes, and what the last photo before it shared with it. `keep_unplaced`: what

@@ -10,6 +10,7 @@
 #include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
+#include "core/poses/evidence/assumption.h"
 #include "core/poses/pose_report.h"
 
 namespace skyquilt::poses {
@@ -41,6 +42,7 @@ struct PosedFlight {
   // too.
   std::vector<flight::Photo> unplaced;
   std::vector<std::string> warnings;
+  std::vector<Assumption> assumptions;  // not among the warnings: what becomes of them, the alignment says
   // The elevation model's height at enu z = 0; nothing without a model that covers the flight.
   std::optional<double> dem_zero_m;
   bool is_placed = true;  // false: the frame's origin is not known, only its scale

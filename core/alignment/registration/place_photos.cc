@@ -142,6 +142,27 @@ std::optional<double> ControlErrorM(const AlignReport& report) {
   return std::max(kSurveyM, std::sqrt(square / points));
 }
 
+// Above the points that the photos show from two sides; nothing without such points.
+std::optional<double> FoundHeightM(const AlignedFlight& flight) {
+  std::vector<double> cameras_m, ground_m;
+  for (const AlignedPhoto& photo : flight.photos) {
+    if (photo.placement == Placement::kAligned)
+      cameras_m.push_back(photo.cam_from_enu.TargetOriginInSource().z());
+  }
+  for (const Eigen::Vector3d& point : flight.tie_points_in_enu) ground_m.push_back(point.z());
+  if (cameras_m.empty() || ground_m.empty()) return std::nullopt;
+  return Median(std::move(cameras_m)) - Median(std::move(ground_m));
+}
+
+void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight& flight) {
+  const std::optional<double> found_m = FoundHeightM(flight);
+  const std::vector<std::string> words =
+      found_m ? poses::AssumptionsAfterAlignment(posed.assumptions, *found_m,
+                                                 static_cast<int>(flight.photos.size()) - aligned)
+              : poses::AssumptionsInWords(posed.assumptions);
+  flight.warnings.insert(flight.warnings.end(), words.begin(), words.end());
+}
+
 }  // namespace
 
 AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
@@ -277,6 +298,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                                     [&](const Observation& one) { return component[one.photo] >= 0; });
     if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
   }
+  TellAssumptions(posed, report.aligned, flight);
   const std::vector<char> is_far = LeaveOutFarAway(flight);
   for (std::size_t i = 0; i < is_far.size(); ++i) {
     if (is_far[i]) report.photo_reports[i].faults.push_back(PhotoFault::kFarAway);

@@ -11,6 +11,7 @@
 
 #include "core/flight/photos/photo.h"
 #include "core/geo/dem_source.h"
+#include "core/poses/evidence/assumption.h"
 
 namespace skyquilt::poses {
 
@@ -19,11 +20,11 @@ enum class HeightRule { kAboveTakeoff, kElevationModel, kSpacing };
 struct FlightHeights {
   HeightRule rule = HeightRule::kAboveTakeoff;
   std::vector<std::optional<double>>
-      above_ground_m;                // one per photo; empty where the photo has no height at all
-  double takeoff_ellipsoid_m = 0.0;  // of the flat ground, best knowledge
-  double sigma_m = 0.5;              // of the heights above ground, common part
-  std::string rule_in_words;         // for the report
-  std::vector<std::string> warnings;
+      above_ground_m;                    // one per photo; empty where the photo has no height at all
+  double takeoff_ellipsoid_m = 0.0;      // of the flat ground, best knowledge
+  double sigma_m = 0.5;                  // of the heights above ground, common part
+  std::string rule_in_words;             // for the report
+  std::optional<Assumption> assumption;  // nothing: heights are recorded
 };
 
 // `dem` may be null.

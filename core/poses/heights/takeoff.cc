@@ -160,7 +160,7 @@ class Search {
     out_.height_ellipsoid_m = heights.takeoff_ellipsoid_m;
     out_.sigma_m = heights.sigma_m;
     out_.rule = heights.rule_in_words;
-    out_.warnings = heights.warnings;
+    out_.assumption = heights.assumption;
   }
 
   // What the range finder saw below the flight, against the barometer's zero.

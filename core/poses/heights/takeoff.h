@@ -12,6 +12,7 @@
 #include "core/flight/logs/flight_log.h"
 #include "core/flight/photos/photo.h"
 #include "core/geo/lat_lon.h"
+#include "core/poses/evidence/assumption.h"
 
 namespace skyquilt::poses {
 
@@ -22,7 +23,7 @@ struct Takeoff {
   double ground_above_takeoff_m = 0.0;  // by the range finder, else zero
   double sigma_m = 0.7;                 // of the heights above ground, common part
   std::string rule;                     // in words
-  std::vector<std::string> warnings;
+  std::optional<Assumption> assumption;  // nothing: heights are recorded
 };
 
 // photos_at: photos with their times on the log's clock, rising.

@@ -212,7 +212,7 @@ TEST(EstimatePoses, GuessesTheHeightFromTheSpacingWhereNothingSaysIt) {
       EXPECT_NEAR(photo.height_above_ground_m, 78.2, 0.5);
       EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z() - posed->ground_z_in_enu_m, 78.2, 0.5);
     }
-    EXPECT_THAT(posed->warnings, Contains(HasSubstr("78 m is assumed")));
+    EXPECT_THAT(AssumptionsInWords(posed->assumptions), Contains(HasSubstr("78 m is assumed")));
   }
 }
 

@@ -39,7 +39,7 @@ TEST(ChooseHeights, TakesHeightsAboveTakeoffAsRecorded) {
   EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
   for (const auto& height_m : heights.above_ground_m) EXPECT_EQ(height_m, 60.0);
   EXPECT_DOUBLE_EQ(heights.takeoff_ellipsoid_m, 85.0);
-  EXPECT_TRUE(heights.warnings.empty());
+  EXPECT_FALSE(heights.assumption.has_value());
 }
 
 TEST(ChooseHeights, TiesAPhotoWithoutRelativeHeightToTheOthersThroughItsAbsoluteOne) {
@@ -93,8 +93,10 @@ TEST(ChooseHeights, GuessesFromTheSpacingAndWarns) {
   EXPECT_EQ(heights.rule, HeightRule::kSpacing);
   // Steps of a quarter of the picture's shorter side: 20 m / 0.25 * 3000 px / 3000 px.
   for (const auto& height_m : heights.above_ground_m) EXPECT_NEAR(*height_m, 80.0, 0.5);
-  ASSERT_EQ(heights.warnings.size(), 1u);
-  EXPECT_NE(heights.warnings[0].find("80 m is assumed"), std::string::npos) << heights.warnings[0];
+  ASSERT_TRUE(heights.assumption.has_value());
+  EXPECT_NEAR(*heights.assumption->height_above_ground_m, 80.0, 0.5);
+  EXPECT_NE(heights.assumption->assumed.find("80 m is assumed"), std::string::npos)
+      << heights.assumption->assumed;
 }
 
 TEST(ChooseHeights, TakesPhotosWithoutAnyPosition) {
