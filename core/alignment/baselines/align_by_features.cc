@@ -150,8 +150,7 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
   flight.ground_z_in_enu_m = posed.ground_z_in_enu_m;
   flight.left_out = posed.left_out;
   flight.warnings = posed.warnings;
-  for (std::string& words : poses::AssumptionsInWords(posed.assumptions))
-    flight.warnings.push_back(std::move(words));
+  for (const poses::Assumption& one : posed.assumptions) flight.warnings.push_back(one.InWords());
   double square_px = 0.0;
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
     const poses::PosedPhoto& before = posed.photos[i];

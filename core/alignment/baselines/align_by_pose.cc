@@ -10,8 +10,7 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
   aligned.ground_z_in_enu_m = posed.ground_z_in_enu_m;
   aligned.left_out = posed.left_out;
   aligned.warnings = posed.warnings;
-  for (std::string& words : poses::AssumptionsInWords(posed.assumptions))
-    aligned.warnings.push_back(std::move(words));
+  for (const poses::Assumption& one : posed.assumptions) aligned.warnings.push_back(one.InWords());
   aligned.photos.reserve(posed.photos.size());
   for (const poses::PosedPhoto& photo : posed.photos) {
     aligned.photos.push_back({.photo = photo.photo,

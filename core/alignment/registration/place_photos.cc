@@ -156,10 +156,12 @@ std::optional<double> FoundHeightM(const AlignedFlight& flight) {
 
 void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight& flight) {
   const std::optional<double> found_m = FoundHeightM(flight);
-  const std::vector<std::string> words =
-      found_m ? poses::AssumptionsAfterAlignment(posed.assumptions, *found_m,
-                                                 static_cast<int>(flight.photos.size()) - aligned)
-              : poses::AssumptionsInWords(posed.assumptions);
+  if (!found_m) {
+    for (const poses::Assumption& one : posed.assumptions) flight.warnings.push_back(one.InWords());
+    return;
+  }
+  const std::vector<std::string> words = poses::AssumptionsAfterAlignment(
+      posed.assumptions, *found_m, static_cast<int>(flight.photos.size()) - aligned);
   flight.warnings.insert(flight.warnings.end(), words.begin(), words.end());
 }
 

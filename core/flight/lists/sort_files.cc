@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "core/base/try.h"
@@ -67,10 +68,22 @@ Result<Kind> KindOf(const InputFile& file) {
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
 
+std::string NotUsed(const std::vector<std::string>& names) {
+  constexpr std::size_t kMaxNamed = 10;
+  std::string words =
+      "Not used, because nothing in it is known as a log, a list of positions or surveyed points, or "
+      "an elevation model: " +
+      names.front();
+  for (std::size_t i = 1; i < std::min(names.size(), kMaxNamed); ++i) words += ", " + names[i];
+  if (names.size() > kMaxNamed) words += " and " + std::to_string(names.size() - kMaxNamed) + " more";
+  return words + ".";
+}
+
 }  // namespace
 
 SortedFiles SortFiles(const std::vector<InputFile>& files) {
   SortedFiles sorted;
+  std::vector<std::string> unused;
   for (const InputFile& file : files) {
     const auto kind = KindOf(file);
     if (!kind) {
@@ -83,8 +96,11 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
       sorted.gcp_lists.push_back(file);
     } else if (*kind == Kind::kElevationModel) {
       sorted.elevation_models.push_back(file);
+    } else {
+      unused.push_back(file.name);
     }
   }
+  if (!unused.empty()) sorted.refused.push_back(NotUsed(unused));
   return sorted;
 }
 

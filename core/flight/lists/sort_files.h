@@ -16,7 +16,7 @@ struct SortedFiles {
   std::vector<InputFile> logs;
   std::vector<InputFile> gcp_lists;
   std::vector<InputFile> elevation_models;
-  std::vector<std::string> refused;  // logs that are known but cannot be read, with advice
+  std::vector<std::string> refused;  // what is known but cannot be read, with advice; what is not used
 };
 
 SortedFiles SortFiles(const std::vector<InputFile>& files);

@@ -4,12 +4,6 @@
 
 namespace skyquilt::poses {
 
-std::vector<std::string> AssumptionsInWords(const std::vector<Assumption>& assumptions) {
-  std::vector<std::string> words;
-  for (const Assumption& one : assumptions) words.push_back(one.missing + " " + one.assumed);
-  return words;
-}
-
 std::vector<std::string> AssumptionsAfterAlignment(const std::vector<Assumption>& assumptions,
                                                    double found_height_m, int by_pose) {
   std::vector<std::string> words;

@@ -13,10 +13,10 @@ struct Assumption {
   std::string missing;                          // the sentence that says what no record tells
   std::string assumed;                          // the sentences that say what is taken instead
   std::optional<double> height_above_ground_m;  // that is assumed; nothing: the assumption is of angles
-};
 
-// Where poses alone place the photos.
-std::vector<std::string> AssumptionsInWords(const std::vector<Assumption>& assumptions);
+  // Where poses alone place the photos.
+  std::string InWords() const { return missing + " " + assumed; }
+};
 
 // Where photos are aligned: `found_height_m` above the ground in the median, `by_pose` of the photos still by
 // their poses alone.

@@ -16,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class Folder {
  public:
@@ -172,7 +171,16 @@ TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
   folder.Write("00000012.BIN", noise);
   folder.Write("notes.dat", noise);
   EXPECT_THAT(Read(folder).warnings, Contains(HasSubstr("00000012.BIN is named like a flight log")));
-  EXPECT_THAT(Read(folder).warnings, Not(Contains(HasSubstr("notes.dat"))));
+  EXPECT_THAT(Read(folder).warnings,
+              Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("notes.dat"))));
+}
+
+TEST(ReadFlight, NamesAListThatCannotBeReadAsOne) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string nonsense = "EPSG:4326\nnan 46.8 1 10 10 a.jpg p1\n1e300 46.8 1 10 10 a.jpg p1\n";
+  folder.Write("gcp_list.txt", Bytes(nonsense.begin(), nonsense.end()));
+  EXPECT_THAT(Read(folder).warnings, Contains(HasSubstr("gcp_list.txt")));
 }
 
 }  // namespace
