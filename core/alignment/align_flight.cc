@@ -447,6 +447,9 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
       !words.empty()) {
     flight.warnings.insert(flight.warnings.begin(), std::move(words));
   }
+  if (std::string words = DroppedInWords(report.observations, report.observations_dropped); !words.empty()) {
+    flight.warnings.insert(flight.warnings.begin(), std::move(words));
+  }
   if (std::string words = ContradictedControl(report.control); !words.empty()) {
     flight.warnings.insert(flight.warnings.begin(), std::move(words));
   }

@@ -138,8 +138,8 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
     }
     if (end - i > 1) {
       sentences.push_back(fmt::format(
-          "photos {} to {} are stored turned by {} degrees against their recorded yaw; they were "
-          "turned back. A viewer that saves pictures upright does this: use the originals if you can",
+          "Photos {} to {} are stored turned by {} degrees against their recorded yaw; they were "
+          "turned back. A viewer that saves pictures upright does this: use the originals if you can.",
           names[i], names[end - 1], Degrees(quarters)));
     } else if (!corrected[i].note.empty() && !(is_mount && !corrected[i].position_was_wrong)) {
       sentences.push_back(names[i] + ": " + corrected[i].note);

@@ -19,6 +19,8 @@ constexpr std::size_t kMinPositions = 5;       // for a verdict on all of them
 constexpr double kPoorResidualPx = 5.0;        // after a first adjustment, which keeps errors of up to 10
 constexpr double kGoodResidualPx = 1.5;
 constexpr double kMaxResidualGrowth = 1.5;
+// A flight with good records drops up to two fifths, one whose rolling shutter is not known three.
+constexpr double kMaxDroppedShare = 0.7;
 constexpr double kFarBetterResidual = 0.5;
 constexpr double kMaxMoreContradicted = 0.1;  // of the photos
 // So many more photos tied together outweigh whatever the records say.
@@ -172,6 +174,16 @@ std::string ContradictionInWords(const LegEvidence& evidence) {
       "the recorded positions CONTRADICT what the photos show: half of the {} photos lie {:.0f} m or more from where "
       "they were recorded, which is {:.0f} times what the records claim: the map as a whole may be as far off",
       evidence.positions, evidence.median_error_m, evidence.median_error_sigmas);
+}
+
+std::string DroppedInWords(int observations, int dropped) {
+  const int all = observations + dropped;
+  if (all == 0 || dropped <= kMaxDroppedShare * all) return {};
+  return fmt::format(
+      "only {} of {} points found in several photos fit the poses: the records CONTRADICT what the photos show, and the "
+      "map may be torn. Check that every photo has a position of its own and that heights and angles are those of this "
+      "flight, or leave the records out (--method images)",
+      observations, all);
 }
 
 }  // namespace skyquilt::alignment

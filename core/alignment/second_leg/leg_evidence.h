@@ -62,4 +62,8 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
 // Recorded positions that most of an alignment contradicts by far more than they claim; empty: they agree.
 std::string ContradictionInWords(const LegEvidence& evidence);
 
+// An adjustment that had to drop most observations fits the few it kept, whatever its residual: what the
+// records say holds the photos apart, or together, against what they show. Empty: it kept enough.
+std::string DroppedInWords(int observations, int dropped);
+
 }  // namespace skyquilt::alignment

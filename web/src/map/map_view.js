@@ -89,11 +89,11 @@ export class MapView {
    * @param {boolean} [grows] it will reach further than it does now
    */
   async showMosaic(tilejson, bounds, grows = false) {
+    this.bounds = bounds;  // before the wait: a preview may grow meanwhile
     await this.ready;
     // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
     const old = this.#mosaic;
     this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
-    this.bounds = bounds;
     this.hideOverlay();
     this.layers = tilejson.layers ?? [];
     this.map.addSource(this.#mosaic, {

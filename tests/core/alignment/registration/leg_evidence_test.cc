@@ -120,5 +120,11 @@ TEST(Weigh, CountsWhatTheRecordsClaim) {
   EXPECT_EQ(evidence.residual_rms_px, 1.5);
 }
 
+TEST(LegEvidence, SaysWhenAnAdjustmentKeptButAFewObservations) {
+  EXPECT_EQ(DroppedInWords(0, 0), "");
+  EXPECT_EQ(DroppedInWords(2563, 1361), "");
+  EXPECT_NE(DroppedInWords(687, 3070).find("687 of 3757"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace skyquilt::alignment
