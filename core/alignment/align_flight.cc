@@ -313,12 +313,20 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
   const FirstLeg first_leg{&posed, &is_unplaced, &readable, &records, &problem};
   const bool may_go_by_images = options.fixed.empty() && options.by_images != ByImages::kNever && count > 0;
   std::vector<char> by_images(count, 0);
-  const auto leg_now = [&](double rms_px) {
-    return WeighedLeg{&records,      &readable, &is_unplaced,
-                      &linked.links, &problem,  count > 0 ? ResidualAtWidth(rms_px, posed) : 0.0};
+  bool is_adjusted = false;
+  const auto leg_now = [&](const BundleSummary& adjusted) {
+    return WeighedLeg{&records,
+                      &readable,
+                      &is_unplaced,
+                      &linked.links,
+                      &problem,
+                      count > 0 ? ResidualAtWidth(adjusted.rms_px, posed) : 0.0,
+                      adjusted.observations,
+                      adjusted.dropped,
+                      is_adjusted};
   };
   std::optional<SecondLeg> second;
-  LegEvidence by_records = Weigh(leg_now(0.0));
+  LegEvidence by_records = Weigh(leg_now({}));
   // Where hardly any photo fits to the others, nothing is worth adjusting.
   if (may_go_by_images)
     second = TrySecondLeg(first_leg, by_records, kMaxLostShareByLinks, options, report, progress);
@@ -339,6 +347,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
     const auto adjust = [&](const BundleOptions& bundle_options) {
       problem.tracks = TriangulatedTracks(linked.links, input, options);
       summary = AdjustBundle(problem, bundle_options);
+      is_adjusted = true;
       report.iterations += summary.iterations;
     };
     if (compares_legs) {
@@ -348,16 +357,16 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
           Relief::FromPoints(ReliefPoints(problem.tracks), ReliefCellM(input.views), posed.ground_z_in_enu_m);
       problem.plane = FitPlane(problem);
       if (RegisterInRounds(posed, relief, options.threads, input, linked, problem) > 0) adjust(first);
-      by_records = Weigh(leg_now(summary.rms_px));
+      by_records = Weigh(leg_now(summary));
       for (int round = 0; round < kMaxLostRounds && may_go_by_images && HasLost(by_records); ++round) {
         input.views = ViewsOf(problem);
         const std::vector<Track> seen = GroundTracks(linked.links, input, options);
-        if (TakeInLost(leg_now(summary.rms_px), seen, options.threads, posed, input, linked, problem,
-                       by_images) == 0) {
+        if (TakeInLost(leg_now(summary), seen, options.threads, posed, input, linked, problem, by_images) ==
+            0) {
           break;
         }
         adjust(first);
-        by_records = Weigh(leg_now(summary.rms_px));
+        by_records = Weigh(leg_now(summary));
       }
       if (may_go_by_images && !second && report.second_leg.why.empty()) {
         second = TrySecondLeg(first_leg, by_records, kMaxLostShare, options, report, progress);
@@ -378,7 +387,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
       adjust(settled);
       report.second_leg.is_taken = true;
       if (kept) {
-        const LegChoice choice = ChooseLeg(by_records, Weigh(leg_now(summary.rms_px)));
+        const LegChoice choice = ChooseLeg(by_records, Weigh(leg_now(summary)));
         report.second_leg.is_taken = choice.takes_images;
         if (!choice.takes_images) {
           report.second_leg.outcome = "not taken: " + choice.why;
@@ -422,7 +431,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
     report.iterations += summary.iterations;
   }
   if (report.second_leg.why.empty()) {
-    const LegEvidence held = Weigh(leg_now(summary.rms_px));
+    const LegEvidence held = Weigh(leg_now(summary));
     report.second_leg.outcome = fmt::format(
         "the recorded poses hold: {} of {} photos are tied together from them", held.tied, held.readable);
   }
@@ -443,7 +452,7 @@ Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flig
       {&posed, &problem, &ground_tracks, &linked.corrected, &doubts, &photographed.unreadable}, report);
   SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
   if (std::string words = report.second_leg.is_taken ? SecondLegInWords(report.second_leg)
-                                                     : ContradictionInWords(Weigh(leg_now(summary.rms_px)));
+                                                     : ContradictionInWords(Weigh(leg_now(summary)));
       !words.empty()) {
     flight.warnings.insert(flight.warnings.begin(), std::move(words));
   }

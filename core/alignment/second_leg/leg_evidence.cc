@@ -21,7 +21,7 @@ constexpr double kGoodResidualPx = 1.5;
 constexpr double kMaxResidualGrowth = 1.5;
 // A flight with good records drops up to two fifths, one whose rolling shutter is not known three.
 constexpr double kMaxDroppedShare = 0.7;
-constexpr double kFarBetterResidual = 0.5;
+constexpr double kFarBetter = 0.5;
 constexpr double kMaxMoreContradicted = 0.1;  // of the photos
 // So many more photos tied together outweigh whatever the records say.
 constexpr double kManyTimesMore = 1.5;
@@ -32,6 +32,10 @@ double Share(std::size_t part, std::size_t whole) {
 
 }  // namespace
 
+double LegEvidence::DroppedShare() const {
+  if (is_adjusted && observations == 0) return 1.0;
+  return Share(static_cast<std::size_t>(dropped), static_cast<std::size_t>(observations + dropped));
+}
 double LegEvidence::PositionsContradicted() const { return Share(positions_contradicted, positions); }
 double LegEvidence::AttitudesContradicted() const { return Share(attitudes_contradicted, attitudes); }
 
@@ -66,6 +70,9 @@ std::vector<char> TiedPhotos(const WeighedLeg& leg) {
 LegEvidence Weigh(const WeighedLeg& leg) {
   LegEvidence evidence;
   evidence.residual_rms_px = leg.residual_rms_px;
+  evidence.observations = leg.observations;
+  evidence.dropped = leg.dropped;
+  evidence.is_adjusted = leg.is_adjusted;
   const std::vector<char> is_tied = TiedPhotos(leg);
   std::vector<double> errors_m, errors_sigmas;
   for (std::size_t i = 0; i < is_tied.size(); ++i) {
@@ -120,13 +127,23 @@ std::string WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
     return fmt::format("by their recorded poses the photos disagree by {:.1f} pixels",
                        evidence.residual_rms_px);
   }
+  if (evidence.is_adjusted && evidence.observations == 0) {
+    return "by their recorded poses no point found in several photos fits";
+  }
+  if (evidence.DroppedShare() > kMaxDroppedShare) {
+    return fmt::format("by their recorded poses only {} of {} points found in several photos fit",
+                       evidence.observations, evidence.observations + evidence.dropped);
+  }
   return {};
 }
 
 LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images) {
   const auto refused = [](std::string why) { return LegChoice{false, std::move(why)}; };
-  const bool fits_far_better = by_images.residual_rms_px < kFarBetterResidual * by_records.residual_rms_px &&
-                               by_records.residual_rms_px > kPoorResidualPx;
+  const bool keeps_far_more = by_records.DroppedShare() > kMaxDroppedShare &&
+                              by_images.DroppedShare() < kFarBetter * by_records.DroppedShare();
+  const bool fits_far_better =
+      keeps_far_more || (by_images.residual_rms_px < kFarBetter * by_records.residual_rms_px &&
+                         by_records.residual_rms_px > kPoorResidualPx);
   const bool ties_more = by_images.tied > by_records.tied;
   if (!ties_more && !(fits_far_better && by_images.tied == by_records.tied)) {
     return refused(fmt::format("what the photos show ties {} of them together, the recorded poses {}",
@@ -145,7 +162,8 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
   }
   const bool ties_far_more = static_cast<double>(by_images.tied) >=
                              kManyTimesMore * static_cast<double>(std::max<std::size_t>(1, by_records.tied));
-  if (!ties_far_more) {
+  // Poses to which hardly anything fits agree with their records because they were not moved from them.
+  if (!ties_far_more && !keeps_far_more) {
     if (by_images.PositionsContradicted() > by_records.PositionsContradicted() + kMaxMoreContradicted) {
       return refused(
           fmt::format("it contradicts {} of {} recorded positions, the alignment by records {} of {}",
@@ -158,6 +176,11 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
                       by_images.attitudes_contradicted, by_images.attitudes,
                       by_records.attitudes_contradicted, by_records.attitudes));
     }
+  }
+  if (!ties_more && keeps_far_more) {
+    return {true, fmt::format("{} of {} points found in several photos fit, by the recorded poses {} of {}",
+                              by_images.observations, by_images.observations + by_images.dropped,
+                              by_records.observations, by_records.observations + by_records.dropped)};
   }
   if (!ties_more) {
     return {true, fmt::format("the photos disagree by {:.1f} pixels, by the recorded poses by {:.1f}",

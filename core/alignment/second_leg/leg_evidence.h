@@ -23,11 +23,15 @@ struct LegEvidence {
   std::size_t unplaced = 0;      // of those: no record says where, or how high, and nothing tied them
   std::size_t tied = 0;          // in the largest connected component, by enough points
   double residual_rms_px = 0.0;  // at a picture 4000 pixels wide; 0 before any adjustment
+  // Kept and dropped by that adjustment. None of either: all were refused before it.
+  int observations = 0, dropped = 0;
+  bool is_adjusted = false;
   std::size_t positions = 0, positions_contradicted = 0;   // of tied photos with a recorded one
   std::size_t attitudes = 0, attitudes_contradicted = 0;   // by where the optical axis points
   double median_error_m = 0.0, median_error_sigmas = 0.0;  // of recorded positions, horizontal
 
   std::size_t Lost() const { return readable - tied; }
+  double DroppedShare() const;           // of the observations
   double PositionsContradicted() const;  // share
   double AttitudesContradicted() const;
 };
@@ -40,6 +44,8 @@ struct WeighedLeg {
   const std::vector<VerifiedPair>* links = nullptr;
   const BundleProblem* problem = nullptr;  // adjusted, or without tracks
   double residual_rms_px = 0.0;
+  int observations = 0, dropped = 0;  // kept and dropped by the adjustment
+  bool is_adjusted = false;
 };
 
 // By photo, whether it belongs to the largest connected component and, once there are tracks, sees enough of

@@ -169,6 +169,10 @@ std::string HowPlaced(const BlockPlace& place) {
     case Placing::kByGuess:
       break;
   }
+  if (place.positions > 0) {
+    return "the recorded positions say about where it lies, but nothing says how large it is, nor where north is: add "
+           "the flight log, surveyed points (gcp_list.txt) or positions (geo.txt)";
+  }
   return "nothing says where on Earth, nor how large";
 }
 

@@ -78,6 +78,27 @@ TEST(ChooseLeg, AFewMorePhotosDoNotOutweighTheAngles) {
   EXPECT_TRUE(ChooseLeg(records, images).takes_images) << "the records contradict themselves as much";
 }
 
+TEST(ChooseLeg, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
+  LegEvidence records = Evidence(18, 18), images = Evidence(18, 18);
+  records.observations = 687;
+  records.dropped = 3070;
+  images.observations = 3500;
+  images.dropped = 200;
+  images.positions_contradicted = 17;
+  EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("only 687 of 3757 points"));
+  const LegChoice choice = ChooseLeg(records, images);
+  EXPECT_TRUE(choice.takes_images);
+  EXPECT_THAT(choice.why, HasSubstr("3500 of 3700 points"));
+  std::swap(images.observations, images.dropped);
+  EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "as few fit without the records";
+  records.observations = 2000;
+  EXPECT_EQ(WhyDoubted(records, 0.1), "");
+  records.observations = records.dropped = 0;
+  EXPECT_EQ(WhyDoubted(records, 0.1), "") << "nothing was adjusted yet";
+  records.is_adjusted = true;
+  EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("no point"));
+}
+
 TEST(ContradictionInWords, IsSaidOfMostPositionsOnly) {
   LegEvidence evidence = Evidence(30, 28);
   evidence.median_error_m = 8.0;
