@@ -27,7 +27,7 @@ StageShares SharesOf(const storage::Expectation& expectation) {
   StageShares shares;
   for (const auto& [stage, usual] : UsualShares()) {
     const auto measured = std::find_if(expectation.shares.begin(), expectation.shares.end(),
-                                       [&](const auto& share) { return share.first == stage; });
+                                       [&name = stage](const auto& share) { return share.first == name; });
     shares.emplace_back(stage, measured == expectation.shares.end() ? 0.0 : measured->second);
   }
   return shares;

@@ -50,8 +50,9 @@ std::vector<StampedPhotos> StampsByCamera(const std::vector<Photo>& photos) {
     if (!std::is_sorted(camera.stamp_s.begin(), camera.stamp_s.end())) {
       std::vector<std::size_t> order(camera.photo.size());
       for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-      std::stable_sort(order.begin(), order.end(),
-                       [&](std::size_t a, std::size_t b) { return camera.stamp_s[a] < camera.stamp_s[b]; });
+      std::stable_sort(order.begin(), order.end(), [&stamp_s = camera.stamp_s](std::size_t a, std::size_t b) {
+        return stamp_s[a] < stamp_s[b];
+      });
       StampedPhotos sorted;
       for (const std::size_t i : order) {
         sorted.photo.push_back(camera.photo[i]);
