@@ -58,7 +58,8 @@ double PixelSizeInMercM(int zoom, int tile_size_px) { return TileSizeInMercM(zoo
 int ZoomForGsd(double gsd_m, double lat_deg, int tile_size_px) {
   SKYQUILT_CHECK(gsd_m > 0.0 && tile_size_px > 0, "ground sampling distance and tile size must be positive");
   const double world_px = 2.0 * kMercHalfWidthM * GroundMetresPerMercMetre(lat_deg) / (gsd_m * tile_size_px);
-  return std::clamp(static_cast<int>(std::ceil(std::log2(world_px) - 1e-9)), 0, kMaxZoom);
+  return static_cast<int>(
+      std::clamp(std::ceil(std::log2(world_px) - 1e-9), 0.0, static_cast<double>(kMaxZoom)));
 }
 
 }  // namespace skyquilt::geo

@@ -14,17 +14,27 @@ namespace {
 constexpr double kMinHeightM = 0.5;  // above the ground: a drone about to land
 // Further from the middle of the flight its flat ground leaves the Earth by more than the drone is high.
 constexpr double kFarthestM = 50'000.0;
+// From the frame's origin: no two points of the Earth lie further apart.
+constexpr double kEarthM = 13e6;
+// Of the focal length, in widths of the picture: from a view of 179 degrees to one of four minutes of arc.
+constexpr double kMinFocalWidths = 0.005;
+constexpr double kMaxFocalWidths = 1000.0;
 // Of what a photo in the middle of the flight shows. Looking as far towards the horizon as is ever drawn
 // shows some 60 times the ground of looking down, a climb to five times the height 25 times.
 constexpr double kMaxTimesTheGround = 400.0;
 
-bool IsFinite(const CameraStand& stand) {
+bool IsFocalLength(double focal_px, const camera::Intrinsics& lens) {
+  const double widths = focal_px / std::max(1, lens.width_px);
+  return widths > kMinFocalWidths && widths < kMaxFocalWidths;
+}
+
+bool IsOnEarth(const CameraStand& stand) {
   const camera::Intrinsics& lens = stand.intrinsics;
-  return stand.cam_from_enu.rotation.coeffs().allFinite() && stand.cam_from_enu.translation.allFinite() &&
-         std::isfinite(stand.height_above_ground_m) && std::isfinite(lens.focal_x_px) &&
-         std::isfinite(lens.focal_y_px) && std::isfinite(lens.center_x_px) &&
-         std::isfinite(lens.center_y_px) && std::isfinite(lens.k1 + lens.k2 + lens.k3 + lens.p1 + lens.p2) &&
-         lens.focal_x_px > 0.0 && lens.focal_y_px > 0.0;
+  return stand.cam_from_enu.rotation.coeffs().allFinite() &&
+         stand.cam_from_enu.translation.norm() < kEarthM && std::abs(stand.height_above_ground_m) < kEarthM &&
+         IsFocalLength(lens.focal_x_px, lens) && IsFocalLength(lens.focal_y_px, lens) &&
+         std::isfinite(lens.center_x_px) && std::isfinite(lens.center_y_px) &&
+         std::isfinite(lens.k1 + lens.k2 + lens.k3 + lens.p1 + lens.p2);
 }
 
 double GroundSeenM2(const CameraStand& stand) {
@@ -42,8 +52,8 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
   std::vector<std::optional<std::string>> why(stands.size());
   std::vector<double> easts, norths;
   for (std::size_t i = 0; i < stands.size(); ++i) {
-    if (!IsFinite(stands[i])) {
-      why[i] = "has a position, height or angle that is not a number.";
+    if (!IsOnEarth(stands[i])) {
+      why[i] = "has a position, height, angle or focal length that is not a number, or none that can be.";
       continue;
     }
     const Eigen::Vector3d center = stands[i].cam_from_enu.TargetOriginInSource();
@@ -63,7 +73,7 @@ std::vector<std::optional<std::string>> WhyImplausible(const std::vector<CameraS
           "was taken {:.0f} km away from the rest of the flight. If the position is right, stitch it as a "
           "flight of its own.",
           far_m / 1000.0);
-    } else if (std::abs(frame.Wgs84FromEnu(center).lat_deg) > kHighestLatDeg) {
+    } else if (!(std::abs(frame.Wgs84FromEnu(center).lat_deg) <= kHighestLatDeg)) {
       why[i] = "was taken beyond 85 degrees of latitude, where web maps end.";
     } else if (height_m < kMinHeightM) {
       why[i] = fmt::format(

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::geo {
@@ -34,6 +36,12 @@ TEST(TileId, HoldsItsPointAndItsChildren) {
     tile = parent;
   }
   EXPECT_NEAR(tile.BoundsInMerc().max.x(), 20037508.342789244, 1e-6);
+}
+
+TEST(ZoomForGsd, StaysOnTheScaleOfZooms) {
+  EXPECT_EQ(ZoomForGsd(1e300, 46.8, 256), 0);
+  EXPECT_EQ(ZoomForGsd(std::numeric_limits<double>::infinity(), 46.8, 256), 0);
+  EXPECT_EQ(ZoomForGsd(1e-300, 46.8, 256), kMaxZoom);
 }
 
 TEST(ZoomForGsd, IsNeverCoarserThanAskedAndNeverTwiceTooFine) {

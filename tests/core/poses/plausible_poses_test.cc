@@ -43,6 +43,25 @@ TEST(WhyImplausible, NamesWhatIsWrong) {
   EXPECT_THAT(*WhyBesideFive({LookingDown(0.0, 0.0, 50.0)}, 89.0)[0], HasSubstr("85 degrees"));
 }
 
+TEST(WhyImplausible, AFlightThatIsTogetherElsewhereThanOnEarthIsNowhere) {
+  const std::vector<CameraStand> far(3, LookingDown(0.0, 1e298, 50.0));
+  for (const auto& why : WhyImplausible(far, geo::LocalFrame({46.8, 7.1, 500.0})))
+    EXPECT_THAT(why.value_or(""), HasSubstr("none that can be"));
+  for (const auto& why : WhyBesideFive(std::vector<CameraStand>(9, LookingDown(0.0, 0.0, 1e298))))
+    EXPECT_THAT(why.value_or(""), HasSubstr("none that can be"));
+}
+
+TEST(WhyImplausible, AFocalLengthThatNoLensHas) {
+  for (const double focal_px : {0.0, 1e-300, 1.0, 1e8, 1e300}) {
+    CameraStand stand = LookingDown(0.0, 0.0, 50.0);
+    stand.intrinsics.focal_x_px = stand.intrinsics.focal_y_px = focal_px;
+    EXPECT_THAT(Why(stand), HasSubstr("none that can be")) << focal_px;
+  }
+  CameraStand fisheye = LookingDown(0.0, 0.0, 50.0);
+  fisheye.intrinsics.focal_x_px = fisheye.intrinsics.focal_y_px = 900.0;
+  EXPECT_EQ(Why(fisheye), "");
+}
+
 TEST(WhyImplausible, LeavesHonestFlightsAlone) {
   EXPECT_EQ(Why(LookingDown(1000.0, 0.0, 20.0)), "");
   EXPECT_EQ(Why(LookingDown(0.0, 0.0, 5.0)), "");
