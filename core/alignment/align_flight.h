@@ -7,9 +7,7 @@
 // twice, the second time with matches searched on the relief of the first.
 #pragma once
 
-#include <vector>
-
-#include "core/alignment/adjustment/ground_control.h"
+#include "core/alignment/align_options.h"
 #include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
 #include "core/alignment/features/extract_all.h"
@@ -19,29 +17,6 @@
 #include "core/poses/posed_flight.h"
 
 namespace skyquilt::alignment {
-
-// Whether photos may be placed by what they show alone (registration/second_leg.h) instead of from recorded
-// poses.
-enum class ByImages {
-  kNever,
-  kByEvidence,  // where the records fail their test, and only if the result stands better
-  kAlways,      // unless it ties fewer photos together
-};
-
-struct AlignOptions {
-  int threads = 0;                   // 0 = all cores
-  int detector_pixels = 1'500'000;   // pixels of the picture given to the feature detector
-  int max_features = 2000;           // kept a photo
-  int observations_per_photo = 220;  // tie points a photo brings into the adjustment
-
-  std::vector<ControlPoint> control;  // surveyed points marked in photos
-  // By photo: placed for good, and its lens known; the others are placed against it. Empty: none.
-  std::vector<char> fixed;
-  ByImages by_images = ByImages::kByEvidence;  // never with `fixed`
-
-  FeatureOptions Features() const;
-  Result<void> Validate() const;
-};
 
 // `found`: features with options.Features() of photos that were decoded before; the others are decoded here.
 Result<AlignedFlight> AlignFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,

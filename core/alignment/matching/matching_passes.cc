@@ -111,11 +111,10 @@ std::vector<VerifiedPair> KeepInliers(const GroundGraph& graph, const std::vecto
 }
 
 void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& verified,
-                    const poses::PosedFlight& posed, AlignReport& report) {
+                    const poses::PosedFlight& posed, std::vector<AlignPairReport>& told) {
   for (std::size_t l = 0; l < verified.size(); ++l) {
     if (graph.is_inlier[l]) continue;
-    ++report.pairs_rejected;
-    AlignPairReport& rejected = report.rejected_pairs.emplace_back();
+    AlignPairReport& rejected = told.emplace_back();
     rejected.first = posed.photos[verified[l].first].photo.name;
     rejected.second = posed.photos[verified[l].second].photo.name;
     rejected.matches = static_cast<int>(verified[l].matches.size());
@@ -126,7 +125,7 @@ void ReportRejected(const GroundGraph& graph, const std::vector<VerifiedPair>& v
 }  // namespace
 
 MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
-                            MatchingInput& input, int threads, AlignReport& report, Progress& progress) {
+                            MatchingInput& input, int threads, Progress& progress) {
   const std::size_t count = posed.photos.size();
   const Relief flat(posed.ground_z_in_enu_m);
   const double tolerance_m = kToleranceShare * MedianWidthM(input.views);
@@ -174,7 +173,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
   }
   GroundGraph graph =
       SolveGroundGraph(recorded, verified, projected.views, kFirstToleranceFactor * tolerance_m);
-  ReportRejected(graph, verified, posed, report);
+  ReportRejected(graph, verified, posed, matched.rejected);
   matched.links = KeepInliers(graph, verified);
   total = graph.corrections;
   for (GroundCorrection& one : total) {
@@ -205,7 +204,7 @@ MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<i
     if (now_placed <= placed) break;
     placed = now_placed;
   }
-  ReportRejected(graph, verified, posed, report);
+  ReportRejected(graph, verified, posed, matched.rejected);
   move_views();
   return matched;
 }

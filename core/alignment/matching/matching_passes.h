@@ -20,11 +20,12 @@ struct MatchedFlight {
   std::vector<CandidatePair> pairs;  // candidates of the last pass
   std::vector<VerifiedPair> links;   // verified, and not contradicted by the others
   std::vector<CorrectedPose> corrected;
+  std::vector<AlignPairReport> rejected;  // linked by a few matches, contradicted by the rest; of all passes
 };
 
 // `input.views` are moved to the corrected poses, `input.ground_sigma_m` and `sigma_turn_rad` set to what is
 // left of their uncertainty. Stops early, with what there is, when `progress` is cancelled.
 MatchedFlight MatchInPasses(const poses::PosedFlight& posed, const std::vector<int>& lines,
-                            MatchingInput& input, int threads, AlignReport& report, Progress& progress);
+                            MatchingInput& input, int threads, Progress& progress);
 
 }  // namespace skyquilt::alignment

@@ -1,0 +1,131 @@
+#include "core/alignment/stages/conclude.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <utility>
+
+#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/matching/pairs_in_use.h"
+#include "core/alignment/registration/doubt_photos.h"
+#include "core/alignment/registration/place_photos.h"
+#include "core/alignment/second_leg/second_leg.h"
+#include "core/base/median.h"
+#include "core/base/try.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem, AlignReport& report) {
+  for (std::size_t c = 0; c < problem.lenses.size(); ++c) {
+    const BundleLens& lens = problem.lenses[c];
+    AlignLensReport told;
+    for (std::size_t i = 0; i < problem.photos.size(); ++i) {
+      if (problem.photos[i].lens == static_cast<int>(c)) {
+        told.camera_key = posed.photos[i].photo.camera_key;
+        told.recorded = posed.photos[i].photo.intrinsics;
+        break;
+      }
+    }
+    told.adjusted = lens.intrinsics;
+    told.sigma_focal_px = lens.found_sigma_focal_px;
+    const double prior_sigma_px = lens.sigma_focal_share * lens.recorded.focal_x_px;
+    told.focal_is_held = lens.found_sigma_focal_px <= 0.0 || lens.found_sigma_focal_px > 0.5 * prior_sigma_px;
+    report.lenses.push_back(told);
+  }
+}
+
+// Surveyed points further from where the photos agree they are than any survey errs; empty: they fit.
+std::string ContradictedControl(const std::vector<ControlReport>& control) {
+  constexpr double kNoSurveyM = 0.25;
+  std::vector<double> errors_m;
+  for (const ControlReport& point : control) {
+    if (point.is_used) errors_m.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
+  }
+  if (errors_m.size() < 3) return {};
+  const double median_m = Median(errors_m);
+  if (median_m < kNoSurveyM) return {};
+  return fmt::format(
+      "the surveyed points CONTRADICT the photos: half of the {} used lie {:.1f} m or more from where all photos together "
+      "show them. Check the list's coordinates, their zone and the marks",
+      errors_m.size(), median_m);
+}
+
+AlignPhotoReport PhotoReport(const ExtractedFlight& extracted, const Leg& leg, std::size_t i) {
+  AlignPhotoReport told;
+  told.name = extracted.posed.photos[i].photo.name;
+  told.features = static_cast<int>(extracted.photographed.features[i].keypoints.size());
+  told.is_by_images = leg.by_images[i] != 0;
+  return told;
+}
+
+void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) {
+  const std::vector<std::string> names = extracted.Names();
+  report.photos = static_cast<int>(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    report.photo_reports.push_back(PhotoReport(extracted, leg, i));
+    report.decode_s += extracted.photographed.features[i].decode_s;
+    report.features_s += extracted.photographed.features[i].detect_s;
+  }
+  report.pairs_tried = static_cast<int>(leg.matched.pairs.size());
+  report.pairs_linked = static_cast<int>(leg.matched.links.size());
+  report.rejected_pairs = std::move(leg.matched.rejected);
+  report.pairs_rejected = static_cast<int>(report.rejected_pairs.size());
+  report.pairs_by_direct = leg.pairs_by_direct;
+  report.matching_s = leg.matching_s;
+  report.adjustment_s = leg.adjustment_s;
+  report.corrections = DescribeCorrections(leg.matched.corrected, names, extracted.lines);
+  report.pairs = PairsInUse(leg.problem, names);
+  report.control = std::move(leg.control);
+  ReportControl(leg.problem, report.control);
+  report.position_bias_m = leg.problem.position_bias_m;
+  report.tie_points = static_cast<int>(leg.problem.tracks.size());
+  report.observations = leg.adjusted.observations;
+  report.observations_dropped = leg.adjusted.dropped;
+  report.residual_rms_px = leg.adjusted.rms_px;
+  report.solver = leg.adjusted.solver;
+  report.iterations = leg.iterations;
+  ReportLenses(leg.posed, leg.problem, report);
+}
+
+// What the user must know, the most important first, and what was corrected last.
+void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight& flight) {
+  std::vector<std::string> first{
+      ContradictedControl(report.control), DroppedInWords(report.observations, report.observations_dropped),
+      report.second_leg.is_taken ? SecondLegInWords(report.second_leg) : ContradictionInWords(evidence)};
+  std::erase(first, "");
+  flight.warnings.insert(flight.warnings.begin(), first.begin(), first.end());
+  for (const ControlReport& point : report.control) {
+    if (!point.is_used) {
+      flight.warnings.push_back(
+          fmt::format("ground control point {} is not used: it {}", point.name, point.reason));
+    }
+  }
+  flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
+}
+
+}  // namespace
+
+Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
+                               PlacedFlight placed, const AlignOptions& options, AlignReport& report) {
+  Leg& leg = placed.leg;
+  const LegEvidence evidence = Weigh(AsWeighed(extracted, leg));
+  report.second_leg = std::move(placed.second_leg);
+  if (report.second_leg.why.empty()) {
+    report.second_leg.outcome =
+        fmt::format("the recorded poses hold: {} of {} photos are tied together from them", evidence.tied,
+                    evidence.readable);
+  }
+  const std::vector<PhotoDoubt> doubts = DoubtPhotos(leg.input, leg.compared, leg.matched.links, leg.relief);
+  ReportLeg(extracted, leg, report);
+  leg.input.views = ViewsOf(leg.problem);
+  const std::vector<Track> ground_tracks = GroundTracks(leg, options);
+  AlignedFlight flight = PlacePhotos({&leg.posed, &leg.problem, &ground_tracks, &leg.matched.corrected,
+                                      &doubts, &extracted.photographed.unreadable},
+                                     report);
+  SKYQUILT_TRY(SettleUnplaced(recorded, flight, report));
+  Warn(report, evidence, flight);
+  return flight;
+}
+
+}  // namespace skyquilt::alignment

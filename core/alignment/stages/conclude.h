@@ -1,0 +1,15 @@
+// Conclude: from an adjusted leg to the flight that the map is made of, and what is told of it. Pure; any
+// thread.
+#pragma once
+
+#include "core/alignment/align_report.h"
+#include "core/alignment/aligned_flight.h"
+#include "core/alignment/stages/place_by_evidence.h"
+
+namespace skyquilt::alignment {
+
+// Fills the whole report but its total time. Errors: kUnprocessable where no photo is left to place.
+Result<AlignedFlight> Conclude(const poses::PosedFlight& recorded, const ExtractedFlight& extracted,
+                               PlacedFlight placed, const AlignOptions& options, AlignReport& report);
+
+}  // namespace skyquilt::alignment

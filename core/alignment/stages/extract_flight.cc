@@ -1,0 +1,40 @@
+#include "core/alignment/stages/extract_flight.h"
+
+#include <utility>
+
+#include "core/alignment/registration/flight_lines.h"
+#include "core/alignment/second_leg/second_leg.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kLastFraction = 0.7;  // of the alignment's progress
+
+}  // namespace
+
+std::vector<std::string> ExtractedFlight::Names() const {
+  std::vector<std::string> names;
+  for (const poses::PosedPhoto& photo : posed.photos) names.push_back(photo.photo.name);
+  return names;
+}
+
+Error AlignmentCancelled() { return {ErrorCode::kCancelled, "the alignment was cancelled", ""}; }
+
+Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const flight::PhotoSource& source,
+                                      const AlignOptions& options, FoundFeatures found, Progress& progress) {
+  ExtractedFlight extracted;
+  extracted.posed = WithUnplaced(recorded, &extracted.is_unplaced);
+  extracted.photographed = ExtractAll(extracted.posed, source, options.Features(), std::move(found),
+                                      options.threads, kLastFraction, progress);
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  extracted.readable = extracted.photographed.Readable();
+  extracted.records = RecordsOf(extracted.posed, extracted.is_unplaced);
+  std::vector<Eigen::Vector2d> places;
+  for (const poses::PosedPhoto& photo : extracted.posed.photos) {
+    places.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  extracted.lines = FindLines(places);
+  return extracted;
+}
+
+}  // namespace skyquilt::alignment

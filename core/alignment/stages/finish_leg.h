@@ -1,0 +1,11 @@
+// FinishLeg: the last matching pass, on the relief that the first adjustment found, and the last adjustment.
+// The same for any number of threads.
+#pragma once
+
+#include "core/alignment/stages/leg.h"
+
+namespace skyquilt::alignment {
+
+Leg FinishLeg(Leg leg, const AlignOptions& options, Progress& progress);
+
+}  // namespace skyquilt::alignment

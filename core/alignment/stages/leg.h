@@ -1,0 +1,47 @@
+// Leg: one alignment of a flight as far as it has come, and the steps that several stages take with it.
+// Values; the same for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/adjustment/bundle_adjustment.h"
+#include "core/alignment/matching/matching_passes.h"
+#include "core/alignment/relief.h"
+#include "core/alignment/second_leg/leg_evidence.h"
+#include "core/alignment/stages/extract_flight.h"
+
+namespace skyquilt::alignment {
+
+struct Leg {
+  poses::PosedFlight posed;  // where the photos were taken to be before they were compared
+  MatchingInput input;
+  MatchedFlight matched;
+  std::vector<CandidatePair> compared;  // by the first passes, whatever came of it
+  Relief relief{0.0};
+  BundleProblem problem;
+  BundleSummary adjusted;  // by the last adjustment
+  bool is_adjusted = false;
+  std::vector<char> by_images;         // by photo: placed by what it shows
+  std::vector<ControlReport> control;  // by surveyed point, once tied to them
+  int iterations = 0;                  // of all adjustments
+  int pairs_by_direct = 0;
+  double matching_s = 0.0, adjustment_s = 0.0;  // wall
+};
+
+// What Weigh needs of it. Keeps pointers to both.
+WeighedLeg AsWeighed(const ExtractedFlight& extracted, const Leg& leg);
+
+// Tracks by the poses as they stand, and an adjustment of those.
+Leg Adjusted(Leg leg, const BundleOptions& bundle_options, const AlignOptions& options);
+
+// The relief as adjusted, and pairs and matches from where the photos now lie.
+Leg Rematched(Leg leg, const MatchingPass& pass, const AlignOptions& options);
+
+// The ground as the adjusted points show it.
+Relief AdjustedRelief(const Leg& leg);
+
+// Every match that agrees with the adjusted poses, not only those the adjustment needed: the ground is
+// modelled from these.
+std::vector<Track> GroundTracks(const Leg& leg, const AlignOptions& options);
+
+}  // namespace skyquilt::alignment

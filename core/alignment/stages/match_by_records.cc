@@ -1,0 +1,49 @@
+#include "core/alignment/stages/match_by_records.h"
+
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+// Photos that are placed already are no matter of doubt, whatever the verified pairs suggested.
+void HoldFixed(const poses::PosedFlight& posed, const std::vector<char>& fixed, BundleProblem& problem) {
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i] == 0) continue;
+    BundlePhoto& photo = problem.photos[i];
+    photo.cam_from_enu = photo.prior_cam_from_enu = posed.photos[i].cam_from_enu;
+    photo.is_fixed = true;
+    problem.lenses[photo.lens].is_fixed = true;
+  }
+}
+
+}  // namespace
+
+Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options,
+                           Progress& progress) {
+  const std::size_t count = extracted.posed.photos.size();
+  Leg leg;
+  leg.posed = extracted.posed;
+  leg.relief = Relief(leg.posed.ground_z_in_enu_m);
+  leg.by_images.assign(count, 0);
+  leg.input = MakeMatchingInput(leg.posed);
+  leg.input.features = extracted.readable;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (extracted.is_unplaced[i]) leg.input.features[i] = nullptr;  // until the images place it
+  }
+  {
+    ScopedTimer timer(leg.matching_s);
+    progress.Report(0.7, "comparing photos");
+    leg.matched = MatchInPasses(leg.posed, extracted.lines, leg.input, options.threads, progress);
+  }
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  leg.compared = leg.matched.pairs;
+  leg.problem = MakeBundle(leg.posed, leg.matched.corrected, extracted.lines);
+  if (!options.fixed.empty()) {
+    HoldFixed(leg.posed, options.fixed, leg.problem);
+    leg.input.views = ViewsOf(leg.problem);
+  }
+  return leg;
+}
+
+}  // namespace skyquilt::alignment

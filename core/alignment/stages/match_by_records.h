@@ -1,0 +1,12 @@
+// MatchByRecords: the photos compared where their records place them, in passes that correct records proved
+// wrong by the others, and the bundle to be adjusted from there. The same for any number of threads.
+#pragma once
+
+#include "core/alignment/stages/leg.h"
+
+namespace skyquilt::alignment {
+
+// Errors: kCancelled.
+Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions& options, Progress& progress);
+
+}  // namespace skyquilt::alignment

@@ -1,0 +1,209 @@
+#include "core/alignment/stages/place_by_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/registration/direct_registration.h"
+#include "core/alignment/registration/registration_rounds.h"
+#include "core/alignment/second_leg/lost_photos.h"
+#include "core/alignment/second_leg/second_leg.h"
+#include "core/base/median.h"
+#include "core/base/scoped_timer.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+// From poses adjusted a first time, where they came from records that were degrees off: a motion over level
+// ground fits only part of what two such photos share, so the rest is still to be found.
+const MatchingPass kMiddlePass{.min_radius_share = 0.05,
+                               .sigmas = 0.0,
+                               .max_turn_rad = 0.45,
+                               .tolerance_share = 0.015,
+                               .min_matches = 8};
+constexpr double kMuchLeanedShare = 0.02;  // of a photo's width that a turn of the axis moves its middle by
+
+// Of the readable photos, those that may stay lost before the records are doubted as a whole: by links alone,
+// when nothing has been adjusted and hardly anything would be worth it, and after everything was tried.
+constexpr double kMaxLostShareByLinks = 0.4;
+constexpr double kMaxLostShare = 0.1;
+constexpr int kMaxLostRounds = 3;
+
+constexpr double kOtherFocalSigmas = 3.0;
+constexpr double kSigmaFoundFocal = 0.01;
+
+BundleOptions FirstAdjustment() {
+  BundleOptions first;
+  first.cuts_px = {30.0, 10.0};
+  first.max_iterations = 15;
+  return first;
+}
+
+// Of photos that have been adjusted to each other.
+BundleOptions SettledAdjustment() {
+  BundleOptions settled = FirstAdjustment();
+  settled.cuts_px = {10.0};
+  settled.max_iterations = 8;
+  return settled;
+}
+
+// How far the adjustment swung the photos' axes over the ground, in photo widths: half of them further.
+double LeanedShare(const std::vector<CorrectedPose>& corrected, const BundleProblem& problem) {
+  const std::vector<View> views = ViewsOf(problem);
+  std::vector<double> shares{0.0};
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Eigen::Quaterniond before = corrected[i].start_cam_from_enu.rotation.conjugate();
+    const Eigen::Quaterniond now = views[i].cam_from_enu.rotation.conjugate();
+    const double swung = ((now * Eigen::Vector3d::UnitZ()) - (before * Eigen::Vector3d::UnitZ())).norm();
+    if (swung > 0.0) shares.push_back(swung * views[i].height_above_ground_m / views[i].WidthM());
+  }
+  return Median(std::move(shares));
+}
+
+LegEvidence Evidence(const ExtractedFlight& extracted, const Leg& leg) {
+  return Weigh(AsWeighed(extracted, leg));
+}
+
+struct TriedSecondLeg {
+  SecondLegReport report;
+  std::optional<SecondLeg> second;  // none where the records hold, or where it ties no more photos together
+};
+
+TriedSecondLeg TrySecondLeg(const ExtractedFlight& extracted, const Leg& by_records, double max_lost_share,
+                            const AlignOptions& options, Progress& progress) {
+  TriedSecondLeg tried;
+  const LegEvidence evidence = Evidence(extracted, by_records);
+  const bool is_asked_for = options.by_images == ByImages::kAlways;
+  tried.report.why =
+      is_asked_for ? "placing by what they show was asked for" : WhyDoubted(evidence, max_lost_share);
+  if (tried.report.why.empty()) return tried;
+  progress.Report(0.82, "placing photos by what they show");
+  // Where residuals are in doubt, as many photos tied are not better by number.
+  const bool takes_equal = is_asked_for || evidence.Lost() == 0;
+  const FirstLeg first{&by_records.posed, &extracted.is_unplaced, &extracted.readable, &extracted.records,
+                       &by_records.problem};
+  tried.second = PlaceByImages(first, evidence.tied, takes_equal, options.control, options.threads,
+                               tried.report, progress);
+  return tried;
+}
+
+Leg TiedDirectly(Leg leg, const AlignOptions& options) {
+  {
+    ScopedTimer timer(leg.matching_s);
+    leg.problem.soft_tracks =
+        DirectTracks(leg.input, leg.matched.pairs, leg.matched.links, leg.relief, options.threads);
+  }
+  leg.pairs_by_direct = static_cast<int>(leg.problem.soft_tracks.size());
+  return leg;
+}
+
+// Adjusted from the records, and photos that these left apart registered against the others.
+Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_lost,
+                      const AlignOptions& options) {
+  const BundleOptions first = FirstAdjustment();
+  leg = Adjusted(std::move(leg), first, options);
+  leg.input.views = ViewsOf(leg.problem);
+  leg.relief = AdjustedRelief(leg);
+  leg.problem.plane = FitPlane(leg.problem);
+  if (RegisterInRounds(leg.posed, leg.relief, options.threads, leg.input, leg.matched, leg.problem) > 0)
+    leg = Adjusted(std::move(leg), first, options);
+  for (int round = 0; round < kMaxLostRounds && takes_in_lost && HasLost(Evidence(extracted, leg)); ++round) {
+    leg.input.views = ViewsOf(leg.problem);
+    const std::vector<Track> seen = GroundTracks(leg, options);
+    if (TakeInLost(AsWeighed(extracted, leg), seen, options.threads, leg.posed, leg.input, leg.matched,
+                   leg.problem, leg.by_images) == 0) {
+      break;
+    }
+    leg = Adjusted(std::move(leg), first, options);
+  }
+  return leg;
+}
+
+// The leg from where the images place the photos, as if the records had said so.
+Leg GoOnFrom(SecondLeg second, const ExtractedFlight& extracted, Leg leg) {
+  leg.posed = std::move(second.posed);
+  leg.matched.corrected = std::move(second.corrected);
+  leg.matched.links = std::move(second.links);
+  leg.matched.pairs.clear();
+  for (const VerifiedPair& link : leg.matched.links)
+    leg.matched.pairs.push_back({link.first, link.second, 0.0});
+  leg.compared = leg.matched.pairs;
+  leg.problem = MakeBundle(leg.posed, leg.matched.corrected, extracted.lines);
+  for (std::size_t c = 0; c < leg.problem.lenses.size(); ++c) {
+    BundleLens& lens = leg.problem.lenses[c];
+    lens.intrinsics = second.lenses[c];
+    // Where the images found another focal length than was recorded, theirs is the one to hold on to: level
+    // ground alone says little of it, and heights that are wrong would bend it.
+    const double off = std::abs(std::log(lens.intrinsics.focal_x_px / lens.recorded.focal_x_px));
+    if (off <= kOtherFocalSigmas * lens.sigma_focal_share) continue;
+    lens.recorded.focal_x_px = lens.intrinsics.focal_x_px;
+    lens.recorded.focal_y_px = lens.intrinsics.focal_y_px;
+    lens.sigma_focal_share = std::max(lens.sigma_focal_share, kSigmaFoundFocal);
+  }
+  leg.input = MakeMatchingInput(leg.posed);
+  leg.input.features = extracted.readable;
+  for (std::size_t i = 0; i < extracted.readable.size(); ++i) {
+    if (!second.by_images[i]) leg.input.features[i] = nullptr;
+    leg.problem.photos[i].has_record = second.has_record[i] != 0;
+  }
+  leg.input.views = ViewsOf(leg.problem);
+  leg.by_images = std::move(second.by_images);
+  return leg;
+}
+
+PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSecondLeg tried, bool compares,
+                      const AlignOptions& options) {
+  SecondLegReport& report = tried.report;
+  report.is_placed = tried.second->is_placed;
+  report.is_taken = true;
+  std::optional<Leg> kept;
+  if (compares && options.by_images != ByImages::kAlways) kept = by_records;
+  Leg by_images = Adjusted(GoOnFrom(*std::move(tried.second), extracted, std::move(by_records)),
+                           SettledAdjustment(), options);
+  if (kept) {
+    const LegChoice choice = ChooseLeg(Evidence(extracted, *kept), Evidence(extracted, by_images));
+    if (!choice.takes_images) {
+      report.is_taken = report.is_placed = false;
+      report.outcome = "not taken: " + choice.why;
+      kept->iterations = by_images.iterations;
+      kept->adjustment_s = by_images.adjustment_s;
+      return {*std::move(kept), std::move(report)};
+    }
+  }
+  return {std::move(by_images), std::move(report)};
+}
+
+}  // namespace
+
+Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_records,
+                                     const AlignOptions& options, Progress& progress) {
+  const bool may_go_by_images =
+      options.fixed.empty() && options.by_images != ByImages::kNever && !extracted.posed.photos.empty();
+  TriedSecondLeg tried;
+  // Where hardly any photo fits to the others, nothing is worth adjusting.
+  if (may_go_by_images) tried = TrySecondLeg(extracted, by_records, kMaxLostShareByLinks, options, progress);
+  const bool compares = !tried.second || !tried.second->is_nearly_all;
+  if (compares) by_records = TiedDirectly(std::move(by_records), options);
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  progress.Report(0.8, "adjusting");
+  if (compares) {
+    by_records = AdjustedByRecords(extracted, std::move(by_records), may_go_by_images, options);
+    if (may_go_by_images && tried.report.why.empty())
+      tried = TrySecondLeg(extracted, by_records, kMaxLostShare, options, progress);
+  }
+  PlacedFlight placed = tried.second
+                            ? BetterOf(extracted, std::move(by_records), std::move(tried), compares, options)
+                            : PlacedFlight{std::move(by_records), std::move(tried.report)};
+  Leg& leg = placed.leg;
+  if (!placed.second_leg.is_taken && LeanedShare(leg.matched.corrected, leg.problem) > kMuchLeanedShare) {
+    leg = Adjusted(Rematched(std::move(leg), kMiddlePass, options), FirstAdjustment(), options);
+  }
+  TieToControl(leg.posed, options.control, leg.problem, leg.control);
+  if (progress.IsCancelled()) return AlignmentCancelled();
+  return placed;
+}
+
+}  // namespace skyquilt::alignment
