@@ -25,32 +25,38 @@ endif()
 
 set_property(GLOBAL PROPERTY SKYQUILT_HEADERS "")
 
-# skyquilt_unity(target): where SKYQUILT_UNITY is on, the target's sources of one folder are compiled as one, so that
-# what they include is read once. Sources with compile options of their own stay by themselves (CMake sees to that).
-# Private names of one folder must differ, which tests/architecture/unity_names.py holds in every configuration.
-function(skyquilt_unity target)
+# skyquilt_unity(target is_large): where SKYQUILT_UNITY is on, the target's sources are compiled as one, those of a large
+# target as one for each folder, so that what they include is read once. Sources with compile options of their own stay by
+# themselves (CMake sees to that). Private names of what is compiled as one must differ, which
+# tests/architecture/unity_names.py holds in every configuration.
+function(skyquilt_unity target is_large)
   if(NOT SKYQUILT_UNITY)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
   foreach(source ${sources})
     get_filename_component(folder ${source} DIRECTORY)
-    if(IS_ABSOLUTE ${source})
+    if(NOT is_large)
+      set(folder all)
+    elseif(IS_ABSOLUTE ${source})
       set(folder embedded)
     endif()
     string(MAKE_C_IDENTIFIER "in_${folder}" group)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # sources look like headers to it
+  endif()
 endfunction()
 
-# skyquilt_library(name SOURCES a.cc ... HEADERS a.h ... DEPS public... PRIVATE_DEPS private...)
+# skyquilt_library(name [LARGE] SOURCES a.cc ... HEADERS a.h ... DEPS public... PRIVATE_DEPS private...)
 function(skyquilt_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;DEPS;PRIVATE_DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "LARGE" "" "SOURCES;HEADERS;DEPS;PRIVATE_DEPS" ${ARGN})
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
     target_link_libraries(${name} PUBLIC skyquilt_flags ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
-    skyquilt_unity(${name})
+    skyquilt_unity(${name} ${ARG_LARGE})
   else()
     add_library(${name} INTERFACE ${ARG_HEADERS})
     target_link_libraries(${name} INTERFACE skyquilt_flags ${ARG_DEPS})

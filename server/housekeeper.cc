@@ -8,7 +8,7 @@
 namespace skyquilt::server {
 namespace {
 
-constexpr std::chrono::minutes kPause{5};
+constexpr std::chrono::minutes kHousekeepingPause{5};
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void Housekeeper::Run() {
     lock.unlock();
     Round();
     lock.lock();
-    end_.wait_for(lock, kPause, [this] { return is_ended_; });
+    end_.wait_for(lock, kHousekeepingPause, [this] { return is_ended_; });
   }
 }
 

@@ -18,9 +18,7 @@ using Value = nlohmann::ordered_json;
 Response MapServer(Service& service, const Request& request) {
   const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
   if (!map) return Problem(map.error(), request);
-  const auto& [west, south, east, north] = map->revision().bounds;
-  const Eigen::Vector2d low = geo::MercFromLatLon({.lat_deg = south, .lon_deg = west});
-  const Eigen::Vector2d high = geo::MercFromLatLon({.lat_deg = north, .lon_deg = east});
+  const auto [low, high] = geo::MercFromLatLonBounds(map->revision().bounds);
   const Value reference = {{"wkid", 102100}, {"latestWkid", 3857}};
   const Value extent = {{"xmin", low.x()},
                         {"ymin", low.y()},
@@ -74,7 +72,7 @@ Response MapServer(Service& service, const Request& request) {
   return response;
 }
 
-Result<Response> Tile(Service& service, const Request& request) {
+Result<Response> ArcgisTile(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("z"), request.Parameter("column"),
                                                          request.Parameter("row")));
   TileRequest wanted;
@@ -89,7 +87,7 @@ void AddArcgisRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/arcgis/rest/services/{flight}/MapServer",
              [&](const Request& r) { return MapServer(service, r); });
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/tile/{z}/{row}/{column}",
-                  [&](const Request& r) { return TileResponse(Tile(service, r), r); });
+                  [&](const Request& r) { return TileResponse(ArcgisTile(service, r), r); });
 }
 
 }  // namespace skyquilt::api

@@ -72,12 +72,12 @@ const Rule* FindRule(Method method, std::string_view pattern) {
   return nullptr;
 }
 
-struct Shown {
+struct ShownToken {
   std::string_view text;
   bool is_in_query = false;
 };
 
-Shown ShownBy(const Request& request) {
+ShownToken ShownBy(const Request& request) {
   const std::string_view header = request.headers.Find("Authorization");
   constexpr std::string_view kBearer = "Bearer ";
   if (header.size() > kBearer.size() && EqualsIgnoringCase(header.substr(0, kBearer.size()), kBearer)) {
@@ -144,7 +144,7 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
     request.is_admin = true;
     return std::nullopt;
   }
-  const Shown shown = ShownBy(request);
+  const ShownToken shown = ShownBy(request);
   const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
   if (token == nullptr) return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()));
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.

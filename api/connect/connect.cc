@@ -13,6 +13,8 @@
 namespace skyquilt::api {
 namespace {
 
+using Value = nlohmann::ordered_json;
+
 // "{z}" and its kin as a program writes them.
 std::string Tiles(const MapView& map, const char* z, const char* x, const char* y) {
   return map.Link(fmt::format("/tiles/{}/{}/{}/{}.png", map.id, z, x, y));
@@ -113,7 +115,6 @@ std::string Gdal(const MapView& map) {
 }
 
 std::string Arcgis(const MapView& map) {
-  using Value = nlohmann::ordered_json;
   Value layer;
   layer["id"] = "skyquilt-" + map.id;
   layer["title"] = map.name;

@@ -42,7 +42,7 @@ Result<int> PageSize(const Request& request) {
   return limit;
 }
 
-Response List(Service& service, const Request& request) {
+Response ListFlights(Service& service, const Request& request) {
   const Result<int> limit = PageSize(request);
   if (!limit) return Problem(limit.error(), request);
   std::optional<std::string> cursor;
@@ -74,7 +74,7 @@ Response List(Service& service, const Request& request) {
   return response;
 }
 
-Response Get(Service& service, const Request& request) {
+Response GetFlight(Service& service, const Request& request) {
   Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
   if (!view) return Problem(view.error(), request);
   view->may_change = MayChange(request, view->flight.owner);
@@ -93,10 +93,10 @@ Response Patch(Service& service, const Request& request, const std::string& body
     const Result<void> set = service.catalogue.SetFlightOptions(id, *fields->options);
     if (!set) return Problem(set.error(), request);
   }
-  return Get(service, request);
+  return GetFlight(service, request);
 }
 
-Response Delete(Service& service, const Request& request) {
+Response DeleteFlight(Service& service, const Request& request) {
   const Result<void> deleted = DeleteFlight(service, request.Parameter("flight"));
   if (!deleted) return Problem(deleted.error(), request);
   return NoContent();
@@ -123,10 +123,11 @@ Result<FlightView> ViewFlight(Service& service, const std::string& id) {
 }
 
 void AddFlightRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/flights", [&](const Request& r) { return List(service, r); });
-  router.Add(Method::kGet, "/api/v1/flights/{flight}", [&](const Request& r) { return Get(service, r); });
+  router.Add(Method::kGet, "/api/v1/flights", [&](const Request& r) { return ListFlights(service, r); });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}",
+             [&](const Request& r) { return GetFlight(service, r); });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}",
-             [&](const Request& r) { return Delete(service, r); });
+             [&](const Request& r) { return DeleteFlight(service, r); });
   router.AddUpload(
       Method::kPatch, "/api/v1/flights/{flight}",
       [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {

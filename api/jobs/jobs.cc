@@ -21,7 +21,7 @@ Response Queue(Service& service, const Request& request, const std::string& body
   return response;
 }
 
-Response Get(Service& service, const Request& request) {
+Response GetJob(Service& service, const Request& request) {
   const Result<void> checked = CheckId(request.Parameter("job"), "job");
   if (!checked) return Problem(checked.error(), request);
   const Result<storage::Job> job = service.queue.Get(request.Parameter("job"));
@@ -29,7 +29,7 @@ Response Get(Service& service, const Request& request) {
   return Json(200, JobJson(*job, storage::Now()));
 }
 
-Response List(Service& service, const Request& request) {
+Response ListJobs(Service& service, const Request& request) {
   std::optional<std::string> flight;
   if (const auto given = request.Query("flight")) flight = *given;
   if (!request.only_flight.empty()) {
@@ -89,8 +89,8 @@ void AddJobRoutes(Router& router, Service& service) {
                        return Once(service, request, body, [&] { return Retry(service, request); });
                      });
                    });
-  router.Add(Method::kGet, "/api/v1/jobs", [&](const Request& r) { return List(service, r); });
-  router.Add(Method::kGet, "/api/v1/jobs/{job}", [&](const Request& r) { return Get(service, r); });
+  router.Add(Method::kGet, "/api/v1/jobs", [&](const Request& r) { return ListJobs(service, r); });
+  router.Add(Method::kGet, "/api/v1/jobs/{job}", [&](const Request& r) { return GetJob(service, r); });
   router.Add(Method::kDelete, "/api/v1/jobs/{job}", [&](const Request& r) { return Cancel(service, r); });
 }
 

@@ -153,7 +153,7 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   const auto& revision = view.revision;
   value["revision"] = revision ? ordered_json(revision->revision) : ordered_json(nullptr);
   value["job"] = view.job ? JobValue(*view.job, now) : ordered_json(nullptr);
-  value["bounds"] = revision ? ordered_json(revision->bounds) : ordered_json(nullptr);
+  value["bounds"] = revision ? ordered_json(revision->bounds.ToArray()) : ordered_json(nullptr);
   value["min_zoom"] = revision ? ordered_json(revision->min_zoom) : ordered_json(nullptr);
   value["max_zoom"] = revision ? ordered_json(revision->max_zoom) : ordered_json(nullptr);
   value["photos"] = nullptr;
@@ -170,7 +170,7 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   if (view.preview) {
     value["preview"] = {{"edition", view.preview->edition},
                         {"photos", view.preview->photos},
-                        {"bounds", view.preview->bounds},
+                        {"bounds", view.preview->bounds.ToArray()},
                         {"tilejson", fmt::format("/tiles/{}.json?rev={}", view.flight.id, kPreviewRevision)}};
   }
   value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);

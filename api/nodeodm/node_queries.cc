@@ -26,7 +26,9 @@ using storage::JobState;
 
 constexpr const char* kApiVersion = "2.2.4";  // of the contract; clients choose their way by it
 
-std::string Dump(const Value& value) { return value.dump(-1, ' ', false, Value::error_handler_t::replace); }
+std::string NodeJson(const Value& value) {
+  return value.dump(-1, ' ', false, Value::error_handler_t::replace);
+}
 
 int StatusCode(const std::optional<storage::Job>& job) {
   if (!job) return 10;
@@ -79,15 +81,15 @@ Response Info(Service& service, const Request& request) {
   answer["maxParallelTasks"] = std::max(1, service.worker_count);
   answer["engineVersion"] = service.version;
   answer["engine"] = "skyquilt";
-  return NodeAnswer(Dump(answer));
+  return NodeAnswer(NodeJson(answer));
 }
 
-Response List(Service& service, const Request& request) {
+Response ListTasks(Service& service, const Request& request) {
   const Result<std::vector<std::string>> uuids = service.node_tasks.List();
   if (!uuids) return NodeProblem(uuids.error(), request);
   Value list = Value::array();
   for (const std::string& uuid : *uuids) list.push_back({{"uuid", uuid}});
-  return NodeAnswer(Dump(list));
+  return NodeAnswer(NodeJson(list));
 }
 
 std::optional<std::int64_t> WholeNumber(std::string_view text) {
@@ -118,7 +120,7 @@ Response TaskInfo(Service& service, const Request& request) {
   if (!lines) return NodeProblem(lines.error(), request);
   Value answer = Value::parse(*description);
   answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
-  return NodeAnswer(Dump(answer));
+  return NodeAnswer(NodeJson(answer));
 }
 
 Response TaskOutput(Service& service, const Request& request) {
@@ -126,7 +128,8 @@ Response TaskOutput(Service& service, const Request& request) {
   if (!task) return NodeProblem(task.error(), request);
   const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
   if (!lines) return NodeProblem(lines.error(), request);
-  return NodeAnswer(Dump(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
+  return NodeAnswer(
+      NodeJson(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
 }
 
 std::string LineOf(const storage::Event& event) {
@@ -147,7 +150,7 @@ Response NodeRefusal(std::string_view message, bool no_retry) {
   Value answer;
   answer["error"] = message;
   if (no_retry) answer["noRetry"] = true;
-  return NodeAnswer(Dump(answer));
+  return NodeAnswer(NodeJson(answer));
 }
 
 Response NodeProblem(const Error& error, const Request& request) {
@@ -223,13 +226,13 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   answer["options"] = Value::parse(task.options, nullptr, false);
   answer["imagesCount"] = flight.file_count;
   answer["progress"] = code == 40 ? 100.0 : job ? std::min(99.0, job->progress * 100.0) : 0.0;
-  return Dump(answer);
+  return NodeJson(answer);
 }
 
 void AddNodeRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/info", [&](const Request& r) { return Info(service, r); });
   router.AddQuick(Method::kGet, "/options", [](const Request&) { return NodeAnswer(NodeOptionsJson()); });
-  router.Add(Method::kGet, "/task/list", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kGet, "/task/list", [&](const Request& r) { return ListTasks(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
   router.AddQuick(Method::kGet, "/auth/info", [](const Request&) {

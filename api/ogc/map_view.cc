@@ -45,9 +45,9 @@ Result<MapView> FindMap(Service& service, const Request& request, const std::str
 
 std::vector<TileMatrix> MatricesOf(const MapView& map) {
   constexpr double kOgcPixelM = 0.00028;
-  const auto& [west, south, east, north] = map.revision().bounds;
-  const Eigen::Vector2d north_west = geo::MercFromLatLon({.lat_deg = north, .lon_deg = west});
-  const Eigen::Vector2d south_east = geo::MercFromLatLon({.lat_deg = south, .lon_deg = east});
+  const geo::LatLonBounds& bounds = map.revision().bounds;
+  const Eigen::Vector2d north_west = geo::MercFromLatLon(bounds.NorthWest());
+  const Eigen::Vector2d south_east = geo::MercFromLatLon(bounds.SouthEast());
   std::vector<TileMatrix> matrices;
   for (int zoom = map.revision().min_zoom; zoom <= map.revision().max_zoom; ++zoom) {
     TileMatrix matrix;

@@ -87,7 +87,8 @@ Value Collection(const MapView& map) {
   Value collection;
   collection["id"] = map.id;
   collection["title"] = map.name;
-  collection["extent"] = {{"spatial", {{"bbox", Value::array({map.revision().bounds})}, {"crs", kCrs84}}}};
+  collection["extent"] = {
+      {"spatial", {{"bbox", Value::array({map.revision().bounds.ToArray()})}, {"crs", kCrs84}}}};
   collection["dataType"] = "map";
   collection["crs"] = {kMercator};
   collection["links"] = links;

@@ -61,7 +61,7 @@ Value Summary(const Request& request) {
   return process;
 }
 
-Response List(const Request& request) {
+Response ListProcesses(const Request& request) {
   return Document(
       200, {{"processes", Value::array({Summary(request)})},
             {"links",
@@ -72,7 +72,7 @@ Value Output(const char* title, const char* type) {
   return {{"title", title}, {"schema", {{"type", "string"}, {"contentMediaType", type}}}};
 }
 
-Response Describe(const Request& request) {
+Response DescribeProcess(const Request& request) {
   if (request.Parameter("process") != kProcess) {
     return Exception(404, "no-such-process", "No such process", "There is one process here: stitch.",
                      request);
@@ -152,8 +152,8 @@ Response NoSuchJob(const Request& request) {
 }
 
 Response Jobs(Service& service, const Request& request) {
-  constexpr int kMaxListed = 200;
-  const Result<std::vector<storage::Job>> jobs = service.queue.List(std::nullopt, kMaxListed);
+  constexpr int kMaxJobsListed = 200;
+  const Result<std::vector<storage::Job>> jobs = service.queue.List(std::nullopt, kMaxJobsListed);
   if (!jobs) return Problem(jobs.error(), request);
   Value list = Value::array();
   for (const storage::Job& job : *jobs) list.push_back(StatusInfo(request, job));
@@ -212,8 +212,8 @@ Response Results(Service& service, const Request& request) {
 }  // namespace
 
 void AddProcessRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/ogc/processes", List);
-  router.Add(Method::kGet, "/ogc/processes/{process}", Describe);
+  router.Add(Method::kGet, "/ogc/processes", ListProcesses);
+  router.Add(Method::kGet, "/ogc/processes/{process}", DescribeProcess);
   router.AddUpload(Method::kPost, "/ogc/processes/stitch/execution",
                    [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
                      if (!IsJson(request)) {

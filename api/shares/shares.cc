@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/access.h"
+#include "api/flights/flights.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
@@ -51,11 +52,10 @@ std::vector<std::pair<std::string_view, std::string>> Described(const storage::T
           {"expires_at", token.expires ? JsonString(FormatTime(*token.expires)) : std::string("null")}};
 }
 
-Result<void> RequireFlight(Service& service, const std::string& flight_id) {
+// A flight that this server has: one whose id could be none is not looked for.
+Result<void> RequireKnownFlight(Service& service, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
-  SKYQUILT_TRY_ASSIGN(const bool known, service.catalogue.HasFlight(flight_id));
-  if (!known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
-  return {};
+  return RequireFlight(service, flight_id);
 }
 
 // Those that have not ended, newest first.
@@ -68,9 +68,9 @@ std::vector<storage::Token> SharesOf(const storage::TokenSet& set, const std::st
   return shares;
 }
 
-Response List(Service& service, const Request& request) {
+Response ListShares(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> known = RequireFlight(service, flight_id);
+  const Result<void> known = RequireKnownFlight(service, flight_id);
   if (!known) return Problem(known.error(), request);
   const Result<storage::TokenSet> set = service.tokens.Read();
   if (!set) return Problem(set.error(), request);
@@ -98,9 +98,9 @@ Result<void> MakeRoom(Service& service, const storage::TokenSet& set, const std:
   return {};
 }
 
-Response Add(Service& service, const Request& request, const std::string& body) {
+Response AddShare(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
-  const Result<void> known = RequireFlight(service, flight_id);
+  const Result<void> known = RequireKnownFlight(service, flight_id);
   if (!known) return Problem(known.error(), request);
   const Result<std::optional<int>> days = ParseDays(body);
   if (!days) return Problem(days.error(), request);
@@ -135,7 +135,7 @@ Response Add(Service& service, const Request& request, const std::string& body) 
   return Json(201, JsonObject(members));
 }
 
-Response Remove(Service& service, const Request& request) {
+Response RemoveShare(Service& service, const Request& request) {
   const Result<void> removed =
       service.tokens.RevokeShare(request.Parameter("flight"), request.Parameter("share"));
   return removed ? NoContent() : Problem(removed.error(), request);
@@ -145,7 +145,7 @@ Response Remove(Service& service, const Request& request) {
 
 void AddShareRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/api/v1/flights/{flight}/shares",
-             [&](const Request& r) { return List(service, r); });
+             [&](const Request& r) { return ListShares(service, r); });
   router.AddUpload(
       Method::kPost, "/api/v1/flights/{flight}/shares",
       [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
@@ -153,10 +153,10 @@ void AddShareRoutes(Router& router, Service& service) {
           return Problem({ErrorCode::kUnsupportedFormat, "Send the wish as application/json.", ""}, request);
         }
         return CollectBody(
-            [&service, request](const std::string& body) { return Add(service, request, body); });
+            [&service, request](const std::string& body) { return AddShare(service, request, body); });
       });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}/shares/{share}",
-             [&](const Request& r) { return Remove(service, r); });
+             [&](const Request& r) { return RemoveShare(service, r); });
 }
 
 }  // namespace skyquilt::api

@@ -45,7 +45,7 @@ Value Item(const MapView& map, const std::filesystem::path& folder) {
   item["stac_extensions"] = {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
                              "https://stac-extensions.github.io/web-map-links/v1.1.0/schema.json"};
   item["id"] = fmt::format("{}-r{}", map.id, map.revision().revision);
-  item["bbox"] = map.revision().bounds;
+  item["bbox"] = map.revision().bounds.ToArray();
   item["geometry"] = {{"type", "Polygon"}, {"coordinates", Value::array({ring})}};
   item["properties"] = {{"title", map.name},
                         {"datetime", FormatTime(map.revision().created)},

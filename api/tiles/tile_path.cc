@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kMaxDigits = 10;  // 2^30 has ten
 
-std::optional<std::int64_t> ParseNumber(std::string_view text) {
+std::optional<std::int64_t> ParseTileNumber(std::string_view text) {
   if (text.empty() || text.size() > kMaxDigits) return std::nullopt;
   std::int64_t number = 0;
   for (const char c : text) {
@@ -40,9 +40,9 @@ Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::stri
   constexpr std::string_view kDouble = "@2x";
   path.is_double = y.ends_with(kDouble);
   if (path.is_double) y.remove_suffix(kDouble.size());
-  const std::optional<std::int64_t> zoom = ParseNumber(z);
-  const std::optional<std::int64_t> column = ParseNumber(x);
-  const std::optional<std::int64_t> row = ParseNumber(y);
+  const std::optional<std::int64_t> zoom = ParseTileNumber(z);
+  const std::optional<std::int64_t> column = ParseTileNumber(x);
+  const std::optional<std::int64_t> row = ParseTileNumber(y);
   if (!zoom || !column || !row) {
     return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row.",
                  ""};

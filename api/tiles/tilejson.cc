@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
 
@@ -11,23 +10,24 @@
 #include "api/json/json_codec.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
+#include "core/geo/lat_lon_bounds.h"
 
 namespace skyquilt::api {
 namespace {
 
 using Value = nlohmann::ordered_json;
 
-struct Shown {
+struct ShownMap {
   std::string version;
   std::string revision;  // as it stands in addresses
-  std::array<double, 4> bounds{};
+  geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;
   int tile_size_px = 256;
   std::string layer;  // empty: the map itself
 };
 
-Value Document(const Request& request, const storage::Flight& flight, const Shown& shown) {
+Value Document(const Request& request, const storage::Flight& flight, const ShownMap& shown) {
   const auto& [west, south, east, north] = shown.bounds;
   const int center_zoom = std::max(shown.min_zoom, shown.max_zoom - 4);
   Value document;
@@ -37,7 +37,7 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   document["scheme"] = "xyz";
   document["tiles"] = {fmt::format("{}/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id,
                                    shown.layer.empty() ? "" : shown.layer + "/", shown.revision)};
-  document["bounds"] = shown.bounds;
+  document["bounds"] = shown.bounds.ToArray();
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
   document["maxzoom"] = shown.max_zoom;

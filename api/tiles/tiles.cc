@@ -38,11 +38,7 @@ Result<EmptyTile> ParseEmptyTile(const Request& request, EmptyTile otherwise) {
 }
 
 bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
-  const auto& [west, south, east, north] = revision.bounds;
-  geo::Bounds2 bounds_in_merc;
-  bounds_in_merc.Include(geo::MercFromLatLon({.lat_deg = south, .lon_deg = west}));
-  bounds_in_merc.Include(geo::MercFromLatLon({.lat_deg = north, .lon_deg = east}));
-  return tile.BoundsInMerc().Intersects(bounds_in_merc);
+  return tile.BoundsInMerc().Intersects(geo::MercFromLatLonBounds(revision.bounds));
 }
 
 // Not on this thread: the request is repeated where such work is done.

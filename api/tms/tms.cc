@@ -39,9 +39,7 @@ Response Maps(Service& service, const Request& request) {
 Response TileMap(Service& service, const Request& request) {
   const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
   if (!map) return Problem(map.error(), request);
-  const auto& [west, south, east, north] = map->revision().bounds;
-  const Eigen::Vector2d low = geo::MercFromLatLon({.lat_deg = south, .lon_deg = west});
-  const Eigen::Vector2d high = geo::MercFromLatLon({.lat_deg = north, .lon_deg = east});
+  const auto [low, high] = geo::MercFromLatLonBounds(map->revision().bounds);
   std::string sets;
   // "order" counts from 0; the zoom is in the address.
   for (const TileMatrix& matrix : MatricesOf(*map)) {
@@ -60,7 +58,7 @@ Response TileMap(Service& service, const Request& request) {
       map->tile_size_px(), sets));
 }
 
-Result<Response> Tile(Service& service, const Request& request) {
+Result<Response> TmsTile(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const TilePath path,
                       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
   SKYQUILT_TRY_ASSIGN(const geo::TileId tile,
@@ -80,7 +78,7 @@ void AddTmsRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/tms/1.0.0", [&](const Request& r) { return Maps(service, r); });
   router.Add(Method::kGet, "/tms/1.0.0/{flight}", [&](const Request& r) { return TileMap(service, r); });
   router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{z}/{x}/{y}",
-                  [&](const Request& r) { return TileResponse(Tile(service, r), r); });
+                  [&](const Request& r) { return TileResponse(TmsTile(service, r), r); });
 }
 
 }  // namespace skyquilt::api

@@ -94,7 +94,7 @@ std::variant<std::unique_ptr<BodySink>, Response> BeginPut(Service& service, con
                                    std::move(sha256));
 }
 
-Response List(Service& service, const Request& request) {
+Response ListFiles(Service& service, const Request& request) {
   const Result<void> checked = CheckId(request.Parameter("flight"), "flight");
   if (!checked) return Problem(checked.error(), request);
   const Result<void> there = RequireFlight(service, request.Parameter("flight"));
@@ -107,7 +107,7 @@ Response List(Service& service, const Request& request) {
   return Json(200, JsonObject({{"files", JsonArray(items)}}));
 }
 
-Response Delete(Service& service, const Request& request) {
+Response DeleteFile(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const Result<void> checked = CheckId(flight_id, "flight");
   if (!checked) return Problem(checked.error(), request);
@@ -123,11 +123,11 @@ Response Delete(Service& service, const Request& request) {
 
 void AddFileRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/api/v1/flights/{flight}/files",
-             [&](const Request& r) { return List(service, r); });
+             [&](const Request& r) { return ListFiles(service, r); });
   router.AddUpload(Method::kPut, "/api/v1/flights/{flight}/files/{name}",
                    [&](const Request& r) { return BeginPut(service, r); });
   router.Add(Method::kDelete, "/api/v1/flights/{flight}/files/{name}",
-             [&](const Request& r) { return Delete(service, r); });
+             [&](const Request& r) { return DeleteFile(service, r); });
 }
 
 }  // namespace skyquilt::api

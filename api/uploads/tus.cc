@@ -249,7 +249,7 @@ Begun BeginPatch(Service& service, const Request& request) {
   });
 }
 
-Response Get(Service& service, const Request& request) {
+Response GetUpload(Service& service, const Request& request) {
   if (auto refused = CheckOwner(service, request)) return *std::move(refused);
   const Result<SpooledUpload> upload =
       service.spool.Find(request.Parameter("upload"), service.db.ages().Now());
@@ -309,7 +309,7 @@ void AddTusRoutes(Router& router, Service& service) {
                    [&](const Request& r) { return BeginCreation(service, r); });
   router.AddQuick(Method::kOptions, "/api/v1/uploads", Options);
   router.AddQuick(Method::kOptions, kOne, Options);
-  router.Add(Method::kGet, kOne, [&](const Request& r) { return Get(service, r); });
+  router.Add(Method::kGet, kOne, [&](const Request& r) { return GetUpload(service, r); });
   router.AddUpload(Method::kPatch, kOne, [&](const Request& r) { return BeginPatch(service, r); });
   router.AddUpload(Method::kPost, kOne, [&](const Request& r) { return Overridden(service, r); });
   router.Add(Method::kDelete, kOne, [&](const Request& r) { return DeleteUpload(service, r); });

@@ -60,7 +60,7 @@ std::string Described(const storage::Webhook& webhook, bool with_secret) {
   return JsonObject(members);
 }
 
-Response Add(Service& service, const Request& request, const std::string& body) {
+Response AddWebhook(Service& service, const Request& request, const std::string& body) {
   if (!service.sends_webhooks) {
     return Problem(
         {ErrorCode::kForbidden, "This server speaks to nobody by itself; serve --webhooks changes that.", ""},
@@ -73,7 +73,7 @@ Response Add(Service& service, const Request& request, const std::string& body) 
   return Json(201, Described(*made, true));
 }
 
-Response List(Service& service, const Request& request) {
+Response ListWebhooks(Service& service, const Request& request) {
   const Result<std::vector<storage::Webhook>> webhooks = service.webhooks.List();
   if (!webhooks) return Problem(webhooks.error(), request);
   std::vector<std::string> items;
@@ -81,7 +81,7 @@ Response List(Service& service, const Request& request) {
   return Json(200, JsonObject({{"webhooks", JsonArray(items)}}));
 }
 
-Response Remove(Service& service, const Request& request) {
+Response RemoveWebhook(Service& service, const Request& request) {
   const Result<void> removed = service.webhooks.Remove(request.Parameter("webhook"));
   return removed ? NoContent() : Problem(removed.error(), request);
 }
@@ -100,15 +100,15 @@ std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const
 }
 
 void AddWebhookRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request& r) { return List(service, r); });
+  router.Add(Method::kGet, "/api/v1/webhooks", [&](const Request& r) { return ListWebhooks(service, r); });
   router.AddUpload(Method::kPost, "/api/v1/webhooks",
                    [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
                      return CollectBody([&service, request](const std::string& body) {
-                       return Add(service, request, body);
+                       return AddWebhook(service, request, body);
                      });
                    });
   router.Add(Method::kDelete, "/api/v1/webhooks/{webhook}",
-             [&](const Request& r) { return Remove(service, r); });
+             [&](const Request& r) { return RemoveWebhook(service, r); });
 }
 
 }  // namespace skyquilt::api

@@ -72,8 +72,7 @@ Result<int> Side(const Request& request, const char* name) {
 
 std::string Capabilities(const MapView& map, bool is_newer) {
   const auto& [west, south, east, north] = map.revision().bounds;
-  const Eigen::Vector2d low = geo::MercFromLatLon({.lat_deg = south, .lon_deg = west});
-  const Eigen::Vector2d high = geo::MercFromLatLon({.lat_deg = north, .lon_deg = east});
+  const auto [low, high] = geo::MercFromLatLonBounds(map.revision().bounds);
   const std::string href = XmlText(map.Link("/wms/" + map.id) + (map.token.empty() ? "?" : "&"));
   const std::string http = fmt::format(
       R"(<DCPType><HTTP><Get>)"

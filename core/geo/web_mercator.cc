@@ -14,6 +14,19 @@ LatLon LatLonFromMerc(const Eigen::Vector2d& point_in_merc) {
           RadToDeg(point_in_merc.x() / kWgs84SemiMajorM)};
 }
 
+Bounds2 MercFromLatLonBounds(const LatLonBounds& bounds) {
+  Bounds2 in_merc;
+  in_merc.Include(MercFromLatLon(bounds.SouthWest()));
+  in_merc.Include(MercFromLatLon(bounds.NorthEast()));
+  return in_merc;
+}
+
+LatLonBounds LatLonBoundsFromMerc(const Bounds2& bounds_in_merc) {
+  const LatLon south_west = LatLonFromMerc(bounds_in_merc.min);
+  const LatLon north_east = LatLonFromMerc(bounds_in_merc.max);
+  return {south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg};
+}
+
 double GroundMetresPerMercMetre(double lat_deg) {
   const double lat_rad = DegToRad(lat_deg);
   const double sin_lat = std::sin(lat_rad);

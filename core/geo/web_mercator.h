@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "core/geo/lat_lon.h"
+#include "core/geo/lat_lon_bounds.h"
 
 namespace skyquilt::geo {
 
@@ -12,6 +13,8 @@ inline constexpr double kMercHalfWidthM = kPi * kWgs84SemiMajorM;  // 20037508.3
 
 Eigen::Vector2d MercFromLatLon(const LatLon& position);
 LatLon LatLonFromMerc(const Eigen::Vector2d& point_in_merc);
+Bounds2 MercFromLatLonBounds(const LatLonBounds& bounds);
+LatLonBounds LatLonBoundsFromMerc(const Bounds2& bounds_in_merc);
 // How many metres on the ground one merc metre is at this latitude, east-west. (Mercator is conformal on the
 // sphere; on the ellipsoid north-south differs by up to 0.7 %.)
 double GroundMetresPerMercMetre(double lat_deg);

@@ -19,6 +19,8 @@
 namespace skyquilt::pipeline {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 using alignment::AlignedFlight;
 using alignment::AlignedPhoto;
 
@@ -101,7 +103,6 @@ geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) 
 // The finished flight's figures with those of the new photos.
 std::string MergedReport(const std::string& known_json, const alignment::AlignReport& report,
                          const std::set<std::string>& added) {
-  using Json = nlohmann::ordered_json;
   if (known_json.empty()) return known_json;
   Json merged = Json::parse(known_json);
   const Json part = Json::parse(alignment::AlignReportJson(report));

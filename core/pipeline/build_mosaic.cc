@@ -32,12 +32,6 @@ std::int64_t PeakMemoryBytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::array<double, 4> DegreeBounds(const geo::Bounds2& bounds_in_merc) {
-  const geo::LatLon south_west = geo::LatLonFromMerc(bounds_in_merc.min);
-  const geo::LatLon north_east = geo::LatLonFromMerc(bounds_in_merc.max);
-  return {south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg};
-}
-
 void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report) {
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     ++(photo.placement == alignment::Placement::kAligned ? report.photos_aligned : report.photos_pose_only);
@@ -151,7 +145,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const double lat_deg = aligned.frame.origin().lat_deg;
   const double ground_per_merc = geo::GroundMetresPerMercMetre(lat_deg);
   report.area_m2 = rendered->covered_merc_m2 * ground_per_merc * ground_per_merc;
-  report.bounds = DegreeBounds(rendered->covered_in_merc);
+  report.bounds = geo::LatLonBoundsFromMerc(rendered->covered_in_merc);
   report.min_zoom = plan.min_zoom;
   report.max_zoom = plan.base_zoom;
   report.tile_size_px = plan.tile_size_px;

@@ -27,7 +27,7 @@ constexpr double kAlignSecondsPerPhoto = 0.45;
 constexpr double kDecodeSecondsPerMegapixel = 0.012;
 constexpr double kRenderSecondsPerMegapixel = 0.10;
 
-std::string IsoTime(const flight::UtcTime& time) {
+std::string IsoSecond(const flight::UtcTime& time) {
   const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)));
 }
@@ -125,7 +125,7 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     ++verdict.attitude_sources[photo.attitude ? photo.attitude->source : "none"];
     input_megapixels += 1e-6 * lens.width_px * lens.height_px;
     if (!photo.captured_at) continue;
-    const std::string time = IsoTime(*photo.captured_at);
+    const std::string time = IsoSecond(*photo.captured_at);
     if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
     verdict.last_capture = std::max(verdict.last_capture, time);
   }

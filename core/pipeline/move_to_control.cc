@@ -20,6 +20,8 @@
 namespace skyquilt::pipeline {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 using alignment::AlignedPhoto;
 using alignment::GroundSimilarity;
 using Complex = std::complex<double>;
@@ -122,7 +124,6 @@ ground::GroundSurface Moved(const ground::GroundSurface& ground, const GroundSim
 
 std::string WithControl(const std::string& known_json, const std::vector<alignment::ControlReport>& control,
                         Complex shift_of_middle) {
-  using Json = nlohmann::ordered_json;
   if (known_json.empty()) return known_json;
   alignment::AlignReport of_control;
   of_control.control = control;

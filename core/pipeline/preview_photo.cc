@@ -38,13 +38,8 @@ Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::s
   if (rendered.base_tiles == 0) {
     return Error{ErrorCode::kUnprocessable, one.photos[0].photo.name + " shows no ground.", ""};
   }
-  const geo::LatLon south_west = geo::LatLonFromMerc(rendered.covered_in_merc.min);
-  const geo::LatLon north_east = geo::LatLonFromMerc(rendered.covered_in_merc.max);
-  return PhotoPreview{{south_west.lon_deg, south_west.lat_deg, north_east.lon_deg, north_east.lat_deg},
-                      plan.min_zoom,
-                      plan.base_zoom,
-                      plan.tile_size_px,
-                      rendered.tiles};
+  return PhotoPreview{geo::LatLonBoundsFromMerc(rendered.covered_in_merc), plan.min_zoom, plan.base_zoom,
+                      plan.tile_size_px, rendered.tiles};
 }
 
 }  // namespace skyquilt::pipeline

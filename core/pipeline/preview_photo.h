@@ -4,13 +4,13 @@
 // kUnprocessable when the photo does not look at the ground.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 
 #include "core/alignment/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/flight/photos/photo_source.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::pipeline {
@@ -22,7 +22,7 @@ struct PreviewOptions {
 };
 
 struct PhotoPreview {
-  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;
   int tile_size_px = 256;

@@ -12,7 +12,7 @@ namespace skyquilt::poses {
 namespace {
 
 // Measurements further from the photos than this say nothing about them.
-constexpr double kMarginS = 60.0;
+constexpr double kLogMarginS = 60.0;
 
 template <typename Sample>
 std::vector<Sample> Part(const std::vector<Sample>& samples, double begin_s, double end_s) {
@@ -23,8 +23,8 @@ std::vector<Sample> Part(const std::vector<Sample>& samples, double begin_s, dou
 
 // The part of a log that the photos need; all of it where the flight is reckoned from its start.
 flight::FlightLog PartFor(const flight::FlightLog& log, double first_s, double last_s, bool has_positions) {
-  const double begin_s = has_positions ? first_s - kMarginS : -1e18;
-  const double end_s = has_positions ? last_s + kMarginS : 1e18;
+  const double begin_s = has_positions ? first_s - kLogMarginS : -1e18;
+  const double end_s = has_positions ? last_s + kLogMarginS : 1e18;
   flight::FlightLog part;
   part.format = log.format;
   part.file_name = log.file_name;

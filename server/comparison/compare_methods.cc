@@ -73,7 +73,7 @@ void ReadOutcome(const std::string& truth_json, MethodOutcome& outcome) {
   outcome.aligned = photos.at("aligned");
   outcome.placed = outcome.aligned + photos.at("pose_only").get<int>();
   outcome.gsd_m = report.at("gsd_m");
-  outcome.bounds_deg = report.at("bounds").get<std::vector<double>>();
+  outcome.bounds = geo::LatLonBounds::FromArray(report.at("bounds"));
   outcome.min_zoom = report.at("min_zoom");
   outcome.max_zoom = report.at("max_zoom");
   if (const Json& alignment = report.at("alignment"); !alignment.is_null()) {

@@ -11,6 +11,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/read_flight.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "core/pipeline/mosaic_options.h"
 #include "server/comparison/truth_error.h"
 
@@ -28,7 +29,7 @@ struct MethodOutcome {
   std::optional<double> residual_px;
   std::optional<double> seam_median_m, seam_p90_m;
   double gsd_m = 0.0;
-  std::vector<double> bounds_deg;  // west, south, east, north
+  geo::LatLonBounds bounds;
   int min_zoom = 0, max_zoom = 0;
   double wall_s = 0.0;
   double cpu_s = 0.0;

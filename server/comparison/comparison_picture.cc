@@ -23,13 +23,6 @@ struct View {
   double pixel_m = 1.0;  // in merc
 };
 
-geo::Bounds2 BoundsOf(const MethodOutcome& outcome) {
-  geo::Bounds2 bounds;
-  bounds.Include(geo::MercFromLatLon({outcome.bounds_deg[1], outcome.bounds_deg[0]}));
-  bounds.Include(geo::MercFromLatLon({outcome.bounds_deg[3], outcome.bounds_deg[2]}));
-  return bounds;
-}
-
 Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const View& view) {
   api::MapWindow window;
   window.width_px = window.height_px = kPanelPx;
@@ -65,14 +58,14 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
     tileset.revision.max_zoom = outcome.max_zoom;
     tilesets.push_back(std::move(tileset));
     drawn.push_back(&outcome);
-    all.Include(BoundsOf(outcome));
+    all.Include(geo::MercFromLatLonBounds(outcome.bounds));
   }
   if (drawn.empty())
     return Error{ErrorCode::kUnprocessable, "No method made a map, so there is nothing to compare.", ""};
   // The last method is the product's own: the middle of its map surely shows ground.
   const MethodOutcome& best = *drawn.back();
-  const geo::Bounds2 of_best = BoundsOf(best);
-  const double lat_deg = 0.5 * (best.bounds_deg[1] + best.bounds_deg[3]);
+  const geo::Bounds2 of_best = geo::MercFromLatLonBounds(best.bounds);
+  const double lat_deg = best.bounds.Middle().lat_deg;
   const View whole{0.5 * (all.min + all.max), std::max(all.Width(), all.Height()) / kPanelPx};
   const View detail{0.5 * (of_best.min + of_best.max), best.gsd_m / geo::GroundMetresPerMercMetre(lat_deg)};
   std::vector<pyramid::SheetPicture> pictures;

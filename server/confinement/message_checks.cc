@@ -17,7 +17,7 @@ Error Untrue(std::string detail) {
 
 bool IsWithin(double value, double least, double most) { return value >= least && value <= most; }
 
-bool AreBounds(const std::array<double, 4>& bounds) {
+bool AreBounds(const geo::LatLonBounds& bounds) {
   const auto& [west, south, east, north] = bounds;
   return IsWithin(west, -180, 180) && IsWithin(east, west, 180) && IsWithin(south, -90, 90) &&
          IsWithin(north, south, 90);

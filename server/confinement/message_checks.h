@@ -3,11 +3,11 @@
 // length. Pure.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <string>
 
 #include "core/base/result.h"
+#include "core/geo/lat_lon_bounds.h"
 
 namespace skyquilt::server {
 
@@ -15,7 +15,7 @@ namespace skyquilt::server {
 Error Untrue(std::string detail);
 
 bool IsWithin(double value, double least, double most);
-bool AreBounds(const std::array<double, 4>& bounds);  // west, south, east, north in degrees, on Earth
+bool AreBounds(const geo::LatLonBounds& bounds);  // on Earth
 bool AreZooms(int min_zoom, int max_zoom);
 // A stage's name, an id: 1 to `most` of a-z, 0-9, _ and -.
 bool IsWord(const std::string& text, std::size_t most);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/confinement/message_checks.h"
+#include "server/confinement/message_json.h"
 
 namespace skyquilt::server {
 namespace {
@@ -16,13 +17,8 @@ using Json = nlohmann::json;
 constexpr std::size_t kMaxStageBytes = 32;
 constexpr std::size_t kMaxStages = 64;
 constexpr std::size_t kMaxMessageChars = 500;
-constexpr std::size_t kMaxErrorBytes = 4 * 1024;
 // A byte that is no UTF-8 is sent as the three of the replacement character.
 constexpr std::size_t kMaxGrowth = 3;
-constexpr int kMaxPhotos = 10'000'000;
-
-// Texts of photos may hold any bytes: those that are no UTF-8 are replaced.
-std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 bool IsStage(const std::string& stage) { return IsWord(stage, kMaxStageBytes); }
 
@@ -41,16 +37,10 @@ std::optional<Error> WhatIsWrong(const StitchOutcome& outcome) {
   return std::nullopt;
 }
 
-// A number beyond the range of int comes as -1, which no figure is.
-int CountOf(const Json& json) {
-  const double value = json;
-  return IsWithin(value, 0, kMaxPhotos) ? static_cast<int>(value) : -1;
-}
-
 StitchOutcome OutcomeOf(const Json& json) {
   StitchOutcome outcome;
   storage::Revision& map = outcome.figures;
-  map.bounds = json.at("bounds");
+  map.bounds = geo::LatLonBounds::FromArray(json.at("bounds"));
   map.min_zoom = CountOf(json.at("min_zoom"));
   map.max_zoom = CountOf(json.at("max_zoom"));
   map.gsd_m = json.at("gsd_m");
@@ -64,7 +54,7 @@ StitchOutcome OutcomeOf(const Json& json) {
 
 Json JsonOf(const StitchOutcome& outcome) {
   const storage::Revision& map = outcome.figures;
-  return {{"bounds", map.bounds},
+  return {{"bounds", map.bounds.ToArray()},
           {"min_zoom", map.min_zoom},
           {"max_zoom", map.max_zoom},
           {"gsd_m", map.gsd_m},
@@ -80,14 +70,14 @@ Json JsonOf(const StitchOutcome& outcome) {
 std::string ToText(const StitchTask& task) {
   Json files = Json::array();
   for (const flight::InputFile& file : task.files) files.push_back({file.name, file.path.string()});
-  return Dump({{"files", files},
-               {"files_dir", task.files_dir.string()},
-               {"previous_dir", task.previous_dir.string()},
-               {"out_dir", task.out_dir.string()},
-               {"options", task.options},
-               {"title", task.title},
-               {"memory_bytes", task.memory_bytes},
-               {"cpu_s", task.cpu_s}});
+  return DumpMessage({{"files", files},
+                      {"files_dir", task.files_dir.string()},
+                      {"previous_dir", task.previous_dir.string()},
+                      {"out_dir", task.out_dir.string()},
+                      {"options", task.options},
+                      {"title", task.title},
+                      {"memory_bytes", task.memory_bytes},
+                      {"cpu_s", task.cpu_s}});
 }
 
 Result<StitchTask> ParseTask(std::string_view text) {
@@ -110,18 +100,19 @@ Result<StitchTask> ParseTask(std::string_view text) {
 }
 
 std::string ToText(const JobMessage& message) {
-  if (const auto* begun = std::get_if<StageBegun>(&message)) return Dump({{"stage", begun->stage}});
+  if (const auto* begun = std::get_if<StageBegun>(&message)) return DumpMessage({{"stage", begun->stage}});
   if (const auto* progress = std::get_if<StageProgress>(&message)) {
     const double fraction =
         std::isfinite(progress->fraction) ? std::clamp(progress->fraction, 0.0, 1.0) : 0.0;
-    return Dump({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
+    return DumpMessage({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
   }
-  if (const auto* outcome = std::get_if<StitchOutcome>(&message)) return Dump({{"done", JsonOf(*outcome)}});
+  if (const auto* outcome = std::get_if<StitchOutcome>(&message))
+    return DumpMessage({{"done", JsonOf(*outcome)}});
   const Error& error = std::get<Error>(message);
-  return Dump({{"error",
-                {{"code", static_cast<int>(error.code)},
-                 {"message", Shortened(error.message, kMaxErrorBytes)},
-                 {"detail", Shortened(error.detail, kMaxErrorBytes)}}}});
+  return DumpMessage({{"error",
+                       {{"code", static_cast<int>(error.code)},
+                        {"message", Shortened(error.message, kMaxErrorBytes)},
+                        {"detail", Shortened(error.detail, kMaxErrorBytes)}}}});
 }
 
 Result<JobMessage> ParseJobMessage(std::string_view text) {

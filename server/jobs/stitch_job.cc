@@ -72,11 +72,8 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
     if (auto written = storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress); !written) return written;
   }
   if (options.write_utm) {
-    const auto& b = report.bounds;
-    const storage::UtmOptions utm{{0.5 * (b[1] + b[3]), 0.5 * (b[0] + b[2])},
-                                  options.mosaic.gsd_m.value_or(report.gsd_m),
-                                  options.mosaic.jpeg_quality,
-                                  options.mosaic.threads};
+    const storage::UtmOptions utm{report.bounds.Middle(), options.mosaic.gsd_m.value_or(report.gsd_m),
+                                  options.mosaic.jpeg_quality, options.mosaic.threads};
     return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", out_dir / "mosaic_utm.tif", utm, progress);
   }
   return {};

@@ -23,7 +23,7 @@ using storage::StoredFile;
 constexpr int kPhotosAtOnce = 3;
 constexpr std::size_t kMaxSessions = 4;
 constexpr std::chrono::seconds kIdle{20};
-constexpr std::chrono::milliseconds kPollInterval{50};
+constexpr std::chrono::milliseconds kPreviewPollInterval{50};
 // A process that waits for the disk takes no processor time; on a machine with other work to do it gets a
 // share.
 constexpr double kWallPerCpu = 5.0;
@@ -122,7 +122,7 @@ PreviewApart::Answer PreviewApart::Exchange(Session& session, const PreviewReque
       answer.why = fmt::format("it takes more than {:.0f} seconds of processor time", limits_.cpu_s);
       return answer;
     }
-    const std::optional<std::string> text = child.Listen(kPollInterval);
+    const std::optional<std::string> text = child.Listen(kPreviewPollInterval);
     if (!text) continue;
     Result<PreviewMessage> message = ParsePreviewMessage(*text);
     if (!message) {

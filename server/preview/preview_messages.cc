@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/confinement/message_checks.h"
+#include "server/confinement/message_json.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {
@@ -12,16 +13,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxForgone = 64;
-constexpr std::size_t kMaxErrorBytes = 4 * 1024;
-constexpr int kMaxPhotos = 10'000'000;
-
-std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-// A number beyond the range of int comes as -1, which no figure is.
-int CountOf(const Json& json) {
-  const double value = json;
-  return IsWithin(value, 0, kMaxPhotos) ? static_cast<int>(value) : -1;
-}
 
 Json FilesJson(const std::vector<storage::StoredFile>& files) {
   Json list = Json::array();
@@ -40,8 +31,8 @@ Json PreviewJson(const std::optional<storage::Preview>& preview) {
   return {{"photos", preview->photos},
           {"min_zoom", preview->min_zoom},
           {"max_zoom", preview->max_zoom},
-          {"bounds", preview->bounds},
-          {"changed", preview->changed}};
+          {"bounds", preview->bounds.ToArray()},
+          {"changed", preview->changed.ToArray()}};
 }
 
 std::optional<storage::Preview> PreviewOf(const Json& json) {
@@ -50,8 +41,8 @@ std::optional<storage::Preview> PreviewOf(const Json& json) {
   preview.photos = CountOf(json.at("photos"));
   preview.min_zoom = CountOf(json.at("min_zoom"));
   preview.max_zoom = CountOf(json.at("max_zoom"));
-  preview.bounds = json.at("bounds");
-  preview.changed = json.at("changed");
+  preview.bounds = geo::LatLonBounds::FromArray(json.at("bounds"));
+  preview.changed = geo::LatLonBounds::FromArray(json.at("changed"));
   return preview;
 }
 
@@ -83,9 +74,9 @@ Result<PreviewMessage> CheckedDrawn(const Json& json) {
 }  // namespace
 
 std::string ToText(const PreviewPlace& place) {
-  return Dump({{"files_dir", place.files_dir.string()},
-               {"folder", place.folder.string()},
-               {"memory_bytes", place.memory_bytes}});
+  return DumpMessage({{"files_dir", place.files_dir.string()},
+                      {"folder", place.folder.string()},
+                      {"memory_bytes", place.memory_bytes}});
 }
 
 Result<PreviewPlace> ParsePlace(std::string_view text) {
@@ -96,9 +87,9 @@ Result<PreviewPlace> ParsePlace(std::string_view text) {
 }
 
 std::string ToText(const PreviewRequest& request) {
-  return Dump({{"fresh", FilesJson(request.fresh)},
-               {"tried", FilesJson(request.tried)},
-               {"preview", PreviewJson(request.preview)}});
+  return DumpMessage({{"fresh", FilesJson(request.fresh)},
+                      {"tried", FilesJson(request.tried)},
+                      {"preview", PreviewJson(request.preview)}});
 }
 
 Result<PreviewRequest> ParseRequest(std::string_view text) {
@@ -109,12 +100,13 @@ Result<PreviewRequest> ParseRequest(std::string_view text) {
 }
 
 std::string ToText(const PreviewMessage& message) {
-  if (const auto* begun = std::get_if<PhotoBegun>(&message)) return Dump({{"photo", begun->stored_name}});
+  if (const auto* begun = std::get_if<PhotoBegun>(&message))
+    return DumpMessage({{"photo", begun->stored_name}});
   if (const auto* drawn = std::get_if<PreviewDrawn>(&message))
-    return Dump({{"preview", PreviewJson(drawn->preview)}, {"forgone", drawn->forgone}});
+    return DumpMessage({{"preview", PreviewJson(drawn->preview)}, {"forgone", drawn->forgone}});
   const Error& error = std::get<Error>(message);
-  return Dump({{"error", Shortened(error.message, kMaxErrorBytes)},
-               {"detail", Shortened(error.detail, kMaxErrorBytes)}});
+  return DumpMessage({{"error", Shortened(error.message, kMaxErrorBytes)},
+                      {"detail", Shortened(error.detail, kMaxErrorBytes)}});
 }
 
 Result<PreviewMessage> ParsePreviewMessage(std::string_view text) {

@@ -34,11 +34,6 @@ class Collected final : public pyramid::TileSink {
   std::vector<std::pair<geo::TileId, std::string>> tiles;
 };
 
-void Include(const std::array<double, 4>& more, std::array<double, 4>& bounds) {
-  bounds = {std::min(bounds[0], more[0]), std::min(bounds[1], more[1]), std::max(bounds[2], more[2]),
-            std::max(bounds[3], more[3])};
-}
-
 // Pixels of this size make just this zoom.
 double GsdOfZoom(int zoom, double lat_deg) {
   constexpr double kBetweenZooms = 1.4;
@@ -105,7 +100,7 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
   const flight::FilePhotoSource source;
   std::optional<PreviewCanvas> canvas;
   std::shared_ptr<storage::PreviewTiles> tiles;
-  std::optional<std::array<double, 4>> changed;
+  std::optional<geo::LatLonBounds> changed;
   for (std::size_t i = 0; i < placed.photos.size(); ++i) {
     const std::string stored_name = placed.photos[i].photo.path.filename().string();
     if (!waiting_.contains(stored_name) || !IsTurned(posed, i)) continue;
@@ -137,8 +132,8 @@ Result<std::optional<Preview>> PreviewPainter::DrawWaiting(std::optional<Preview
       SKYQUILT_TRY(canvas->Lay(tile, bytes));
     }
     if (!changed) changed = drawn->bounds;
-    Include(drawn->bounds, *changed);
-    Include(drawn->bounds, preview->bounds);
+    changed->Include(drawn->bounds);
+    preview->bounds.Include(drawn->bounds);
     ++preview->photos;
   }
   if (!changed) return std::optional<Preview>();

@@ -9,7 +9,7 @@
 namespace skyquilt::server {
 namespace {
 
-constexpr std::chrono::milliseconds kPause{500};
+constexpr std::chrono::milliseconds kDeliveryPause{500};
 constexpr int kAtOnce = 20;
 
 }  // namespace
@@ -40,7 +40,7 @@ void WebhookSender::Run() {
       }
     }
     lock.lock();
-    end_.wait_for(lock, kPause, [this] { return is_ended_; });
+    end_.wait_for(lock, kDeliveryPause, [this] { return is_ended_; });
   }
 }
 

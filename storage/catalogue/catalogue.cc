@@ -357,7 +357,8 @@ Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& fli
   Revision revision;
   revision.revision = query.ColumnInt64(0);
   revision.created = FromUs(query.ColumnInt64(1));
-  for (int i = 0; i < 4; ++i) revision.bounds[static_cast<std::size_t>(i)] = query.ColumnDouble(2 + i);
+  revision.bounds = {query.ColumnDouble(2), query.ColumnDouble(3), query.ColumnDouble(4),
+                     query.ColumnDouble(5)};
   revision.min_zoom = static_cast<int>(query.ColumnInt64(6));
   revision.max_zoom = static_cast<int>(query.ColumnInt64(7));
   revision.gsd_m = query.ColumnDouble(8);

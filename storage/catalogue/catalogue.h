@@ -4,13 +4,13 @@
 // Errors: kNotFound (no such flight or file), kConflict (a job is using it), kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "storage/catalogue/flight_record.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/db/clock.h"
@@ -40,7 +40,7 @@ Result<std::vector<StoredFile>> FilesOf(Statement& query);
 struct Revision {
   std::int64_t revision = 0;
   Time created;
-  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;
   double gsd_m = 0.0;

@@ -118,7 +118,8 @@ Result<void> ShowMap(SqliteDb& db, const std::string& flight_id, const Revision&
   SKYQUILT_TRY_ASSIGN(Statement insert,
                       db.Prepare("INSERT OR REPLACE INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
   insert.Bind(1, flight_id).Bind(2, map.revision).Bind(3, ToUs(map.created));
-  for (int i = 0; i < 4; ++i) insert.Bind(4 + i, map.bounds[static_cast<std::size_t>(i)]);
+  insert.Bind(4, map.bounds.west_deg).Bind(5, map.bounds.south_deg);
+  insert.Bind(6, map.bounds.east_deg).Bind(7, map.bounds.north_deg);
   insert.Bind(8, map.min_zoom).Bind(9, map.max_zoom).Bind(10, map.gsd_m);
   insert.Bind(11, map.photos_total).Bind(12, map.photos_aligned);
   insert.Bind(13, map.photos_pose_only).Bind(14, map.photos_left_out);

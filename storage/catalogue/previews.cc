@@ -69,10 +69,12 @@ Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) cons
   preview.photos = query.ColumnInt64(2);
   preview.min_zoom = static_cast<int>(query.ColumnInt64(3));
   preview.max_zoom = static_cast<int>(query.ColumnInt64(4));
-  for (int i = 0; i < 4; ++i) {
-    preview.bounds[static_cast<std::size_t>(i)] = query.ColumnDouble(5 + i);
-    preview.changed[static_cast<std::size_t>(i)] = query.ColumnDouble(9 + i);
-  }
+  const auto box = [&](int first) -> geo::LatLonBounds {
+    return {query.ColumnDouble(first), query.ColumnDouble(first + 1), query.ColumnDouble(first + 2),
+            query.ColumnDouble(first + 3)};
+  };
+  preview.bounds = box(5);
+  preview.changed = box(9);
   return std::optional<Preview>(std::move(preview));
 }
 
@@ -101,9 +103,10 @@ Result<bool> Previews::Show(const Preview& preview) {
   if (!write) return write.error();
   write->Bind(1, preview.flight_id).Bind(2, preview.folder).Bind(3, preview.edition).Bind(4, preview.photos);
   write->Bind(5, preview.min_zoom).Bind(6, preview.max_zoom);
-  for (int i = 0; i < 4; ++i) {
-    write->Bind(7 + i, preview.bounds[static_cast<std::size_t>(i)]);
-    write->Bind(11 + i, preview.changed[static_cast<std::size_t>(i)]);
+  const std::array<double, 4> bounds = preview.bounds.ToArray(), changed = preview.changed.ToArray();
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    write->Bind(7 + static_cast<int>(i), bounds[i]);
+    write->Bind(11 + static_cast<int>(i), changed[i]);
   }
   SKYQUILT_TRY(write->Run());
   return db->Changes() > 0;

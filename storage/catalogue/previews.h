@@ -3,13 +3,13 @@
 // in PreviewTiles. Any thread, any number of processes, of which one draws. Errors: kUnavailable, kIo.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/catalogue_db.h"
 
@@ -22,8 +22,8 @@ struct Preview {
   std::int64_t photos = 0;  // that are drawn
   int min_zoom = 0;
   int max_zoom = 0;
-  std::array<double, 4> bounds{};   // west, south, east, north in degrees
-  std::array<double, 4> changed{};  // what the latest edition changed
+  geo::LatLonBounds bounds;
+  geo::LatLonBounds changed;  // what the latest edition changed
 };
 
 // Photos to draw.

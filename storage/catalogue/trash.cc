@@ -7,7 +7,7 @@
 namespace skyquilt::storage {
 namespace {
 
-constexpr const char* kColumns =
+constexpr const char* kTrashColumns =
     "SELECT id, name, created_us, (SELECT count(*) FROM file WHERE flight_id=f.id),"
     " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), deleted_us, deleted_age_us, owner FROM flight f"
     " WHERE deleted_us IS NOT NULL ";
@@ -84,7 +84,7 @@ Result<void> Trash::Restore(const std::string& flight_id) {
 Result<std::vector<TrashedFlight>> Trash::List() const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(Statement query,
-                      db->Prepare(std::string(kColumns) + "ORDER BY deleted_age_us DESC, id"));
+                      db->Prepare(std::string(kTrashColumns) + "ORDER BY deleted_age_us DESC, id"));
   std::vector<TrashedFlight> flights;
   while (true) {
     SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
@@ -95,7 +95,7 @@ Result<std::vector<TrashedFlight>> Trash::List() const {
 
 Result<TrashedFlight> Trash::Find(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kColumns) + "AND id=?"));
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kTrashColumns) + "AND id=?"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
   if (!row) return NotInTrash(flight_id);
   return TrashedFlightFrom(query);

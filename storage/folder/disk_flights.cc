@@ -108,10 +108,9 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
   revision.created = ChangedAt(tiles);
   revision.bounds = {-180.0, -85.0, 180.0, 85.0};
   if (const auto bounds = metadata.find("bounds"); bounds != metadata.end()) {
-    auto& b = revision.bounds;
     std::array<double, 4> read{};
     if (std::sscanf(bounds->second.c_str(), "%lf,%lf,%lf,%lf", &read[0], &read[1], &read[2], &read[3]) == 4)
-      b = read;
+      revision.bounds = geo::LatLonBounds::FromArray(read);
   }
   const Json report = ReportIn(revision_folder);
   if (report.contains("bounds") && report["bounds"].is_array() && report["bounds"].size() == 4) {
@@ -121,7 +120,7 @@ Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t nu
       is_number = is_number && report["bounds"][i].is_number();
       if (is_number) read[i] = report["bounds"][i].get<double>();
     }
-    if (is_number) revision.bounds = read;
+    if (is_number) revision.bounds = geo::LatLonBounds::FromArray(read);
   }
   revision.min_zoom = IntOr(report, "min_zoom", NumberIn(metadata, "minzoom", 0));
   revision.max_zoom = IntOr(report, "max_zoom", NumberIn(metadata, "maxzoom", 22));

@@ -183,7 +183,8 @@ Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Tim
     SKYQUILT_TRY_ASSIGN(Statement insert,
                         db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
     insert.Bind(1, lease.flight_id).Bind(2, revision.revision).Bind(3, ToUs(now));
-    for (int i = 0; i < 4; ++i) insert.Bind(4 + i, revision.bounds[static_cast<std::size_t>(i)]);
+    insert.Bind(4, revision.bounds.west_deg).Bind(5, revision.bounds.south_deg);
+    insert.Bind(6, revision.bounds.east_deg).Bind(7, revision.bounds.north_deg);
     insert.Bind(8, revision.min_zoom).Bind(9, revision.max_zoom).Bind(10, revision.gsd_m);
     insert.Bind(11, revision.photos_total).Bind(12, revision.photos_aligned);
     insert.Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);

@@ -122,8 +122,9 @@ Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
   const std::vector<std::pair<std::string, std::string>> rows = {
       {"name", metadata.name},
       {"format", format},
-      {"bounds", fmt::format("{:.12f},{:.12f},{:.12f},{:.12f}", b[0], b[1], b[2], b[3])},
-      {"center", fmt::format("{:.8f},{:.8f},{}", 0.5 * (b[0] + b[2]), 0.5 * (b[1] + b[3]),
+      {"bounds",
+       fmt::format("{:.12f},{:.12f},{:.12f},{:.12f}", b.west_deg, b.south_deg, b.east_deg, b.north_deg)},
+      {"center", fmt::format("{:.8f},{:.8f},{}", b.Middle().lon_deg, b.Middle().lat_deg,
                              std::max(metadata.min_zoom, metadata.max_zoom - 4))},
       {"minzoom", std::to_string(metadata.min_zoom)},
       {"maxzoom", std::to_string(metadata.max_zoom)},

@@ -6,12 +6,12 @@
 // tiles_data behind a view `tiles`. Errors: kOutOfSpace, kIo.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/geo/lat_lon_bounds.h"
 #include "core/pyramid/tile_sink.h"
 
 namespace skyquilt::storage {
@@ -20,7 +20,7 @@ struct TilesetMetadata {
   std::string name;
   std::string description;
   std::string attribution;
-  std::array<double, 4> bounds{};  // west, south, east, north, degrees
+  geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;
   int tile_size_px = 256;

@@ -22,11 +22,11 @@ namespace fs = std::filesystem;
 // How much may be lost to a power cut without a word to the client; also what a slow disk syncs at a time.
 constexpr std::int64_t kSyncEveryBytes = std::int64_t{16} << 20;
 
-constexpr const char* kColumns =
+constexpr const char* kUploadColumns =
     "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner FROM upload ";
 
 // To a flight in the trash nothing is added; when it comes back, its uploads do.
-constexpr const char* kOfFlightThere = "flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)";
+constexpr const char* kUploadOfFlightThere = "flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)";
 
 Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. It may have expired.", ""}; }
 
@@ -71,8 +71,9 @@ std::shared_ptr<UploadSpool::Turn> UploadSpool::TurnOf(const std::string& id) {
 Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
   if (!IsId(id)) return NoSuchUpload();
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kColumns) +
-                                                   "WHERE id=? AND expires_us>? AND " + kOfFlightThere));
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(std::string(kUploadColumns) + "WHERE id=? AND expires_us>? AND " + kUploadOfFlightThere));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Bind(2, ToUs(now)).Step());
   if (!row) return NoSuchUpload();
   return UploadFrom(query);
@@ -215,8 +216,8 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
     const auto db = db_.Read();
     SKYQUILT_TRY_ASSIGN(
         Statement query,
-        db->Prepare(std::string(kColumns) + "WHERE is_done=0 AND byte_offset=length AND expires_us>? AND " +
-                    kOfFlightThere));
+        db->Prepare(std::string(kUploadColumns) +
+                    "WHERE is_done=0 AND byte_offset=length AND expires_us>? AND " + kUploadOfFlightThere));
     query.Bind(1, ToUs(now));
     while (true) {
       SKYQUILT_TRY_ASSIGN(const bool row, query.Step());

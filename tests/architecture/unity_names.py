@@ -1,5 +1,5 @@
-"""Fails when two sources of a library in the same folder define the same name in their unnamed namespaces: the release
-configuration compiles them as one (cmake/Skyquilt.cmake), where such names meet. What is the same thing belongs in one
+"""Fails when two sources of a library (of a LARGE one: in the same folder) define the same name in their unnamed namespaces:
+the release configuration compiles them as one (cmake/Skyquilt.cmake), where such names meet. What is the same thing belongs in one
 header; what is not deserves a name that tells it apart."""
 import collections
 import pathlib
@@ -7,7 +7,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-LIBRARY = re.compile(r"skyquilt_library\((\w+)([^)]*)\)")
+LIBRARY = re.compile(r"skyquilt_library\((\w+)( LARGE)?([^)]*)\)")
 OPENING = re.compile(r"^namespace \{$.*?^\}  // namespace$", re.M | re.S)
 # Definitions at the left margin; overloads that differ in their parameters may share a name.
 DEFINED = [
@@ -45,17 +45,17 @@ problems = []
 for lists in sorted(ROOT.rglob("CMakeLists.txt")):
     if {"build", "node_modules"} & set(lists.relative_to(ROOT).parts):
         continue
-    for library, body in LIBRARY.findall(lists.read_text()):
+    for library, is_large, body in LIBRARY.findall(lists.read_text()):
         owners = collections.defaultdict(list)
         sources = body.split("HEADERS")[0].split("DEPS")[0]
         for source in re.findall(r"[\w./-]+\.cc\b", sources):
             path = lists.parent / source
             if path.exists():
                 for name, meaning in names_of(path).items():
-                    owners[path.parent, *name].append((path.relative_to(ROOT).as_posix(), meaning))
+                    owners[path.parent if is_large else "", *name].append((path.relative_to(ROOT).as_posix(), meaning))
         for (_, name, parameters), places in sorted(owners.items()):
             if len({meaning for _, meaning in places}) > 1:
                 paths = [path for path, _ in places]
                 problems.append(f"{library}: {name}{parameters} is defined in {', '.join(paths)}")
-print("\n".join(problems) or "no two sources of a folder define the same name")
+print("\n".join(problems) or "no two sources that are compiled as one define the same name")
 sys.exit(1 if problems else 0)

@@ -89,12 +89,55 @@ def noisy_gnss(folder):
     """Five metres more, each photo for itself."""
     chance = random.Random(11)
     for photo in sorted((folder / "photos").iterdir()):
-        tags = json.loads(subprocess.run(["exiftool", "-j", "-n", "-GPSLatitude", "-GPSLongitude", str(photo)],
-                                         check=True, capture_output=True, text=True).stdout)[0]
-        lat = tags["GPSLatitude"] + chance.gauss(0, 5.0) / 111_200
-        lon = tags["GPSLongitude"] + chance.gauss(0, 5.0) / (111_200 * math.cos(math.radians(tags["GPSLatitude"])))
-        exif(photo, "-n", f"-EXIF:GPSLatitude={lat}", f"-EXIF:GPSLongitude={lon}", f"-XMP:GpsLatitude={lat}",
-             f"-XMP:GpsLongitude={lon}")
+        move(photo, chance.gauss(0, 5.0), chance.gauss(0, 5.0))
+
+
+def low_heights(folder):
+    """Recorded heights above take-off are two fifths of the true ones, as of a barometer that is wrong."""
+    truth = truth_of(folder)
+    for photo in truth["photos"]:
+        height = 0.4 * photo["camera_center_in_enu"][2]
+        exif(folder / "photos" / photo["name"], "-n", f"-XMP:RelativeAltitude={height:+.2f}",
+             f"-XMP:AbsoluteAltitude={truth['origin'].get('height_ellipsoid_m', 500.0) + height:+.2f}",
+             f"-EXIF:GPSAltitude={truth['origin'].get('height_ellipsoid_m', 500.0) + height:.2f}")
+
+
+def without_focal(folder):
+    exif(folder / "photos", "-XMP:CalibratedFocalLength=", "-XMP:CalibratedOpticalCenterX=", "-XMP:CalibratedOpticalCenterY=",
+         "-FocalLengthIn35mmFormat=", "-FocalLength=", "-Make=", "-Model=")
+
+
+def wrong_positions(folder):
+    """Three photos of ten were recorded 50 m from where they were taken."""
+    chance = random.Random(13)
+    for photo in sorted((folder / "photos").iterdir()):
+        if chance.random() >= 0.3:
+            continue
+        turn = chance.uniform(0, 2 * math.pi)
+        move(photo, 50 * math.sin(turn), 50 * math.cos(turn))
+
+
+def with_foreign(folder):
+    """Three photos of another place, with the records of photos beside which they lie."""
+    names = sorted(photo.name for photo in (folder / "photos").iterdir())
+    for number, name in enumerate(names[2::7][:3]):
+        picture = folder / "photos" / f"Z{number}_foreign.JPG"
+        chance = numpy.random.default_rng(100 + number)
+        spots = cv2.resize(chance.normal(128, 60, (90, 120, 3)).clip(0, 255).astype(numpy.uint8), (1600, 1200),
+                           interpolation=cv2.INTER_CUBIC)
+        cv2.imwrite(str(picture), spots, [cv2.IMWRITE_JPEG_QUALITY, 92])
+        subprocess.run(["exiftool", "-q", "-overwrite_original", "-TagsFromFile", str(folder / "photos" / name), "-all:all",
+                        "-unsafe", str(picture)], check=True)
+
+
+def move(photo, east_m, north_m):
+    """The recorded position, and nothing else."""
+    tags = json.loads(subprocess.run(["exiftool", "-j", "-n", "-GPSLatitude", "-GPSLongitude", str(photo)],
+                                     check=True, capture_output=True, text=True).stdout)[0]
+    lat = tags["GPSLatitude"] + north_m / 111_200
+    lon = tags["GPSLongitude"] + east_m / (111_200 * math.cos(math.radians(tags["GPSLatitude"])))
+    exif(photo, "-n", f"-EXIF:GPSLatitude={lat}", f"-EXIF:GPSLongitude={lon}", f"-XMP:GpsLatitude={lat}",
+         f"-XMP:GpsLongitude={lon}")
 
 
 def over_water(folder):
@@ -159,6 +202,11 @@ HARSH = {
     "shuffled": ([XMP], shuffled),
     "gnss_5_m": ([XMP], noisy_gnss),
     "gnss_5_m_bare": ([[*XMP, "--texture", "bare"]], noisy_gnss),
+    "low_heights": ([XMP], low_heights),
+    "no_focal": ([XMP], without_focal),
+    "wrong_positions": ([XMP], wrong_positions),
+    "foreign": ([XMP], with_foreign),
+    "climb": ([[*XMP, "--height", "100"], [*XMP, "--height", "20", "--overlap", "0.8", "--sidelap", "0.8"]], without_altitude),
     "no_xmp_windy": ([[*XMP, "--tilt-deg", "8", "--yaw-wander-deg", "8", "--height-wander-m", "4"]], without_xmp),
 }
 

@@ -13,8 +13,6 @@ namespace {
 using std::chrono::microseconds;
 constexpr std::int64_t kMicro = 1'000'000;
 constexpr std::int64_t kWeekUs = 604'800 * kMicro;
-// 1980-01-06 as days since 1970-01-01.
-constexpr std::int64_t kGpsEpochUnixUs = std::int64_t{3657} * 86'400 * kMicro;
 
 // Days since 1970-01-01 of the first UTC day after each leap second.
 constexpr std::chrono::sys_days Day(int y, unsigned m) {

@@ -12,6 +12,8 @@
 
 namespace skyquilt::flight {
 
+inline constexpr std::int64_t kGpsEpochUnixUs = 315'964'800'000'000;  // 1980-01-06
+
 // GPS time minus UTC at an instant given on the GPS clock (microseconds since 1980-01-06 00:00:00 GPS).
 int LeapSecondsAtGps(std::int64_t gps_us);
 

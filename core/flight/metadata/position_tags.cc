@@ -67,7 +67,6 @@ std::optional<geo::LatLon> XmpPosition(const XmpTags& xmp) {
 
 // Metres, good enough to compare two readings of one position.
 double DistanceM(const geo::LatLon& a, const geo::LatLon& b) {
-  constexpr double kMetresPerDegree = 111320.0;
   double east_deg = std::abs(a.lon_deg - b.lon_deg);
   east_deg = std::min(east_deg, 360.0 - east_deg);
   return kMetresPerDegree *

@@ -70,7 +70,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["gsd_m"] = Rounded(report.gsd_m, 6);
   json["area_m2"] = Rounded(report.area_m2, 2);
   json["bounds"] = Json::array();
-  for (const double bound : report.bounds) json["bounds"].push_back(Rounded(bound, 12));
+  for (const double bound : report.bounds.ToArray()) json["bounds"].push_back(Rounded(bound, 12));
   json["min_zoom"] = report.min_zoom;
   json["max_zoom"] = report.max_zoom;
   json["tile_size_px"] = report.tile_size_px;

@@ -2,7 +2,6 @@
 // core/pipeline/report.schema.json) and the photos as GeoJSON (RFC 7946). A value; any thread.
 #pragma once
 
-#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "core/alignment/aligned_flight.h"
 #include "core/flight/photos/photo.h"
+#include "core/geo/lat_lon_bounds.h"
 #include "core/ground/ground_surface.h"
 
 namespace skyquilt::pipeline {
@@ -27,9 +27,9 @@ struct MosaicReport {
   int photos_pose_only = 0;
   int photos_left_out = 0;
   std::vector<flight::LeftOutPhoto> left_out_photos;
-  double gsd_m = 0.0;              // of the photos (median at the image centres)
-  double area_m2 = 0.0;            // covered ground
-  std::array<double, 4> bounds{};  // west, south, east, north in degrees
+  double gsd_m = 0.0;    // of the photos (median at the image centres)
+  double area_m2 = 0.0;  // covered ground
+  geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;
   int tile_size_px = 256;  // above zoom 22 the tiles grow instead of the zoom

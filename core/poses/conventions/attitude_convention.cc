@@ -8,12 +8,6 @@
 namespace skyquilt::poses {
 namespace {
 
-Eigen::Quaterniond CamFromGimbal() {
-  Eigen::Matrix3d m;
-  m << 0, 1, 0, 0, 0, 1, 1, 0, 0;
-  return Eigen::Quaterniond(m);
-}
-
 // Yaw, pitch, roll of a Z-Y-X rotation whose pitch is not near +-90 degrees.
 CameraAngles ZyxAngles(const Eigen::Matrix3d& ned_from_frame) {
   return {std::atan2(ned_from_frame(1, 0), ned_from_frame(0, 0)),
@@ -22,6 +16,12 @@ CameraAngles ZyxAngles(const Eigen::Matrix3d& ned_from_frame) {
 }
 
 }  // namespace
+
+Eigen::Quaterniond CamFromGimbal() {
+  Eigen::Matrix3d m;
+  m << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  return Eigen::Quaterniond(m);
+}
 
 Eigen::Quaterniond CamFromBody() {
   Eigen::Matrix3d m;

@@ -17,6 +17,8 @@ Eigen::Quaterniond CamFromEnu(const flight::RecordedAttitude& attitude);
 Eigen::Quaterniond NadirCamFromEnu(double yaw_rad);
 // The body frame (x forward, y right, z down) that carries a down-looking camera fixed to it.
 Eigen::Quaterniond CamFromBody();
+// The gimbal frame: x along the optical axis, y image right, z image down.
+Eigen::Quaterniond CamFromGimbal();
 Eigen::Quaterniond NedFromBody(double yaw_rad, double pitch_rad, double roll_rad);
 Eigen::Quaterniond EnuFromNed();
 

@@ -17,13 +17,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Axes of the gimbal frame (x optical axis, y image right, z image down) as those of the camera.
-Quaterniond CamFromGimbal() {
-  Matrix3d r;
-  r << 0, 1, 0, 0, 0, 1, 1, 0, 0;
-  return Quaterniond(r);
-}
-
 // The camera's rotation as a gimbal recorded it at a time, between the two samples around it.
 std::optional<Quaterniond> GimbalAt(const std::vector<flight::AttitudeSample>& samples, double t_s) {
   const auto next = std::upper_bound(samples.begin(), samples.end(), t_s,

@@ -26,9 +26,9 @@ std::optional<double> At(const std::vector<Sample>& samples, double t_s, Value v
   return (1.0 - w) * value(*(next - 1)) + w * value(*next);
 }
 
-class Search {
+class TakeoffSearch {
  public:
-  Search(const FlightLog& log, const std::vector<std::pair<double, const flight::Photo*>>& photos_at)
+  TakeoffSearch(const FlightLog& log, const std::vector<std::pair<double, const flight::Photo*>>& photos_at)
       : log_(log), photos_at_(photos_at) {
     if (!log.gnss.empty()) geoid_m_ = geo::GeoidHeightM(log.gnss.front().position).value_or(0.0);
   }
@@ -194,7 +194,7 @@ class Search {
 
 Takeoff FindTakeoff(const FlightLog& log,
                     const std::vector<std::pair<double, const flight::Photo*>>& photos_at) {
-  return Search(log, photos_at).Run();
+  return TakeoffSearch(log, photos_at).Run();
 }
 
 }  // namespace skyquilt::poses

@@ -11,13 +11,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-struct Reading {
+struct ImuReading {
   Vector3d rate;
   Vector3d force;
 };
 
 // Linear between the two samples around t; the end samples hold outside (callers bound how far).
-Reading ReadingAt(const std::vector<flight::ImuSample>& samples, std::size_t next, double t) {
+ImuReading ReadingAt(const std::vector<flight::ImuSample>& samples, std::size_t next, double t) {
   if (next == 0) return {samples.front().angular_rate_radps, samples.front().specific_force_mps2};
   if (next >= samples.size()) return {samples.back().angular_rate_radps, samples.back().specific_force_mps2};
   const flight::ImuSample& a = samples[next - 1];
@@ -111,7 +111,7 @@ std::optional<Preintegration> Preintegrate(const std::vector<flight::ImuSample>&
   sum.at_cuts.reserve(cuts.size());
   std::size_t cut = 0;
   double t = begin_s;
-  Reading before = ReadingAt(samples, next, t);
+  ImuReading before = ReadingAt(samples, next, t);
   const auto keep_cuts = [&] {
     for (; cut < cuts.size() && cuts[cut] <= t; ++cut) {
       sum.delta.end_rate_radps = before.rate;
@@ -134,7 +134,7 @@ std::optional<Preintegration> Preintegrate(const std::vector<flight::ImuSample>&
     if (next > 0 && next < samples.size() && samples[next].t_s - samples[next - 1].t_s > noise.max_gap_s) {
       return std::nullopt;
     }
-    const Reading after = ReadingAt(samples, next, stop);
+    const ImuReading after = ReadingAt(samples, next, stop);
     if (stop > t) {
       Step(0.5 * (before.rate + after.rate), 0.5 * (before.force + after.force), stop - t, noise, sum);
     }

@@ -24,7 +24,7 @@ int Worth(const FlightLog& log) {
          (log.baro.empty() ? 0 : 1) + (log.range.empty() ? 0 : 1) + (HasTimedEvents(log) ? 1 : 0);
 }
 
-struct Span {
+struct LogSpan {
   double begin_s = std::numeric_limits<double>::infinity();
   double end_s = -std::numeric_limits<double>::infinity();
   template <typename Sample>
@@ -35,8 +35,8 @@ struct Span {
   }
 };
 
-Span SpanOf(const FlightLog& log) {
-  Span span;
+LogSpan SpanOf(const FlightLog& log) {
+  LogSpan span;
   span.Take(log.imu);
   span.Take(log.attitude);
   span.Take(log.gnss);
@@ -109,8 +109,8 @@ class Joiner {
     }
     const double shift_s = std::chrono::duration<double>(*other.utc_at_zero - *log.utc_at_zero).count();
     FlightLog moved = Shifted(other, shift_s);
-    const Span here = SpanOf(log);
-    const Span there = SpanOf(moved);
+    const LogSpan here = SpanOf(log);
+    const LogSpan there = SpanOf(moved);
     if (there.begin_s > here.end_s || there.end_s < here.begin_s) {
       Lengthen(std::move(moved));
     } else {

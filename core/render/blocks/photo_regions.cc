@@ -18,8 +18,10 @@ constexpr double kCellsAround = 2.5;
 constexpr double kCellsAroundAtEnd = 6.0;
 
 PixelBox Around(const Eigen::Vector2d& pixel_in_image) {
-  constexpr double kFarPx = 1e6;  // beyond any photo, well within whole numbers
-  const auto whole = [&](double at) { return static_cast<int>(std::floor(std::clamp(at, -kFarPx, kFarPx))); };
+  constexpr double kBeyondPhotoPx = 1e6;  // beyond any photo, well within whole numbers
+  const auto whole = [&](double at) {
+    return static_cast<int>(std::floor(std::clamp(at, -kBeyondPhotoPx, kBeyondPhotoPx)));
+  };
   const int x = whole(pixel_in_image.x()), y = whole(pixel_in_image.y());
   return {x, y, x + 2, y + 2};
 }

@@ -70,11 +70,11 @@ TEST_P(ExactPoses, MapAgreesWithTheWorldToAPixel) {
   for (const auto& photo : built->flight.photos) {
     // East of the date line the bounds go on beyond 180 degrees.
     const double lon_deg =
-        bounds[0] + std::remainder(photo.photo.position->position.lon_deg - bounds[0], 360.0);
-    EXPECT_GE(lon_deg, bounds[0]);
-    EXPECT_GE(photo.photo.position->position.lat_deg, bounds[1]);
-    EXPECT_LE(lon_deg, bounds[2]);
-    EXPECT_LE(photo.photo.position->position.lat_deg, bounds[3]);
+        bounds.west_deg + std::remainder(photo.photo.position->position.lon_deg - bounds.west_deg, 360.0);
+    EXPECT_GE(lon_deg, bounds.west_deg);
+    EXPECT_GE(photo.photo.position->position.lat_deg, bounds.south_deg);
+    EXPECT_LE(lon_deg, bounds.east_deg);
+    EXPECT_LE(photo.photo.position->position.lat_deg, bounds.north_deg);
   }
 
   // The same bytes in the same order from one thread.

@@ -8,7 +8,7 @@ namespace {
 
 using geo::DegToRad;
 
-constexpr std::size_t kMaxEvents = 200'000;
+constexpr std::size_t kMaxVehicleEvents = 200'000;
 
 bool IsUnixUs(std::uint64_t us) { return us > 946'684'800'000'000 && us < 4'102'444'800'000'000; }
 UtcTime FromUnixUs(std::uint64_t us) {
@@ -208,14 +208,14 @@ void MavlinkVehicle::TakeImageCaptured(const MavlinkPacket& packet) {
   }
   event.sequence = MavlinkField<std::int32_t>(p, 44);
   if (event.t_s > 0.0) {
-    if (events_[1].size() < kMaxEvents) events_[1].emplace_back(event, 0);
+    if (events_[1].size() < kMaxVehicleEvents) events_[1].emplace_back(event, 0);
   } else {
     Keep(events_[1], event, packet, MavlinkField<std::uint64_t>(p, 0));
   }
 }
 
 void MavlinkVehicle::Keep(Events& list, CameraEvent event, const MavlinkPacket& packet, std::uint64_t us) {
-  if (list.size() >= kMaxEvents) return;
+  if (list.size() >= kMaxVehicleEvents) return;
   event.t_s = EitherClock(packet, us);
   list.emplace_back(std::move(event), IsUnixUs(us) ? us : 0);
 }

@@ -55,7 +55,6 @@ std::optional<Solution> ParseRow(std::string_view line, const PosHeader& header,
     solution.time = written->time;
     if (!header.is_utc) {
       // The calendar of GPS time: the civil date counted without leap seconds.
-      constexpr std::int64_t kGpsEpochUnixUs = 315'964'800'000'000;
       const std::int64_t gps_us = written->time.time_since_epoch().count() - kGpsEpochUnixUs;
       solution.time -= std::chrono::seconds(LeapSecondsAtGps(gps_us));
     }

@@ -11,13 +11,13 @@
 namespace skyquilt::flight {
 namespace {
 
-constexpr std::size_t kLongestLine = 512;
+constexpr std::size_t kLongestSrsLine = 512;
 
 // The words PROJ understands for a line; nothing when we do not take it.
 std::optional<std::string> DefinitionOf(std::string_view line) {
   line = Trim(line);
   const std::string lower = LowerCase(line);
-  if (line.empty() || line.size() > kLongestLine) return std::nullopt;
+  if (line.empty() || line.size() > kLongestSrsLine) return std::nullopt;
   if (lower.starts_with("epsg:")) {
     const auto code = ParseInteger(line.substr(5));
     if (!code || *code < 1024 || *code > 999'999) return std::nullopt;
