@@ -3,9 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <random>
+#include <opencv2/calib3d.hpp>
 
 namespace skyquilt::alignment {
 namespace {
@@ -84,26 +83,22 @@ std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlacePair>& pairs
 std::optional<RobustFit> RobustHomography(const std::vector<PlacePair>& pairs, double tolerance) {
   const auto count = static_cast<int>(pairs.size());
   if (count < 8) return std::nullopt;
-  std::minstd_rand random(1);
-  RobustFit best;
-  double trials = kMaxTrials;
-  for (int trial = 0; trial < trials; ++trial) {
-    std::array<int, 4> chosen{};
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-      const auto taken = chosen.begin() + static_cast<std::ptrdiff_t>(k);
-      do {
-        chosen[k] = static_cast<int>(random() % static_cast<unsigned>(count));
-      } while (std::find(chosen.begin(), taken, chosen[k]) != taken);
-    }
-    const auto tried = FitHomography(Chosen(pairs, {chosen.begin(), chosen.end()}));
-    if (!tried) continue;
-    std::vector<int> inliers = FindInliers(pairs, *tried, tolerance);
-    if (inliers.size() <= best.inliers.size()) continue;
-    best = {*tried, std::move(inliers)};
-    const double share = static_cast<double>(best.inliers.size()) / count;
-    trials =
-        std::min(trials, std::log(1.0 - kConfidence) / std::log(1.0 - std::pow(share, 4) + 1e-12) + 10.0);
+  std::vector<cv::Point2d> from, to;
+  for (const PlacePair& pair : pairs) {
+    from.emplace_back(pair.from.x(), pair.from.y());
+    to.emplace_back(pair.to.x(), pair.to.y());
   }
+  const cv::Mat found =
+      cv::findHomography(from, to, cv::USAC_MAGSAC, tolerance, cv::noArray(), kMaxTrials, kConfidence);
+  if (found.empty()) return std::nullopt;
+  RobustFit best;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) best.to_from(r, c) = found.at<double>(r, c);
+  }
+  if (!best.to_from.allFinite() || std::abs(best.to_from(2, 2)) < 1e-12 * best.to_from.norm())
+    return std::nullopt;
+  best.to_from /= best.to_from(2, 2);
+  best.inliers = FindInliers(pairs, best.to_from, tolerance);
   for (int round = 0; round < kRefinements && best.inliers.size() >= 4; ++round) {
     const auto refined = FitHomography(Chosen(pairs, best.inliers));
     if (!refined) break;

@@ -1,7 +1,7 @@
 // FitHomography: the projective map of one plane onto another that brings pairs of places nearest together:
 // the direct linear transform on normalised coordinates (Hartley, In defense of the eight-point algorithm,
-// 1997; eq. 2 of Iz and Unel). RobustHomography finds it among wrong pairs by trying fours of them (RANSAC,
-// Fischler and Bolles 1981), with a fixed seed: the same pairs give the same map. Pure; any thread.
+// 1997; eq. 2 of Iz and Unel). RobustHomography finds it among wrong pairs by OpenCV's MAGSAC (Barath and
+// others, CVPR 2019), with a fixed seed: the same pairs give the same map. Pure; any thread.
 #pragma once
 
 #include <Eigen/Core>
