@@ -10,6 +10,7 @@ find_package(GDAL 3.6 REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(OpenSSL REQUIRED)
+find_package(CURL 7.85 REQUIRED)
 find_package(Ceres REQUIRED)
 
 find_package(PkgConfig REQUIRED)

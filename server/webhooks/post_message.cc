@@ -1,65 +1,38 @@
 #include "server/webhooks/post_message.h"
 
-#include <utility>
-// <utility> first: Boost 1.74's awaitable uses std::exchange without including it.
+#include <arpa/inet.h>
+#include <curl/curl.h>
 #include <fmt/format.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/address.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl/context.hpp>
-#include <boost/asio/ssl/host_name_verification.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http/read.hpp>
-#include <boost/beast/http/string_body.hpp>
-#include <boost/beast/http/write.hpp>
-#include <boost/beast/ssl/ssl_stream.hpp>
-#include <exception>
-#include <optional>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <utility>
 
-#include "core/base/try.h"
+#include "core/base/check.h"
 
 namespace skyquilt::server {
 namespace {
 
-namespace net = boost::asio;
-namespace beast = boost::beast;
-namespace http = boost::beast::http;
-using Tcp = net::ip::tcp;
+constexpr long kPatience_ms = 10'000;
 
-constexpr std::chrono::seconds kPatience{10};
-constexpr std::uint64_t kMaxAnswerBytes = 64 * 1024;
-
-struct Place {
-  bool is_tls = false;
-  std::string host;  // without brackets
-  std::string port;
-  std::string target;
+struct FreeUrl {
+  void operator()(CURLU* url) const { curl_url_cleanup(url); }
 };
+struct FreeTransfer {
+  void operator()(CURL* transfer) const { curl_easy_cleanup(transfer); }
+};
+struct FreeHeaders {
+  void operator()(curl_slist* headers) const { curl_slist_free_all(headers); }
+};
+using Headers = std::unique_ptr<curl_slist, FreeHeaders>;
 
-Result<Place> PlaceOf(const std::string& url) {
-  Place place;
-  place.is_tls = url.starts_with("https://");
-  const std::size_t begin = url.find("://") + 3;
-  const std::size_t slash = url.find_first_of("/?", begin);
-  std::string authority = url.substr(begin, slash == std::string::npos ? slash : slash - begin);
-  place.target = slash == std::string::npos ? "/" : url.substr(slash);
-  if (place.target.front() == '?') place.target.insert(0, "/");
-  const std::size_t bracket = authority.rfind(']');
-  const std::size_t colon = authority.find(':', bracket == std::string::npos ? 0 : bracket);
-  place.port = colon == std::string::npos ? (place.is_tls ? "443" : "80") : authority.substr(colon + 1);
-  place.host = authority.substr(0, colon);
-  if (place.host.starts_with('[') && place.host.ends_with(']'))
-    place.host = place.host.substr(1, place.host.size() - 2);
-  if (place.host.empty()) return Error{ErrorCode::kInvalidArgument, "The address has no host.", url};
-  return place;
-}
-
-bool IsPublic(const net::ip::address_v4& address) {
-  const std::uint32_t bits = address.to_uint();
+bool IsPublic(const in_addr& address) {
+  const std::uint32_t bits = ntohl(address.s_addr);
   const auto within = [&](std::uint32_t network, int prefix) {
     return (bits ^ network) >> (32 - prefix) == 0;
   };
@@ -75,8 +48,8 @@ bool IsPublic(const net::ip::address_v4& address) {
 
 // Only what is allotted to the public at large; everything else, and what carries an IPv4 address inside, is
 // not.
-bool IsPublic(const net::ip::address_v6& address) {
-  const auto bytes = address.to_bytes();
+bool IsPublic(const in6_addr& address) {
+  const std::uint8_t* bytes = address.s6_addr;
   if ((bytes[0] & 0xe0) != 0x20) return false;             // 2000::/3
   if (bytes[0] == 0x20 && bytes[1] == 0x02) return false;  // 6to4
   if (bytes[0] != 0x20 || bytes[1] != 0x01) return true;
@@ -84,90 +57,117 @@ bool IsPublic(const net::ip::address_v6& address) {
   return bytes[2] >= 0x02 && !is_for_documents;  // below: Teredo and other protocols
 }
 
-bool IsPublic(const net::ip::address& address) {
-  return address.is_v4() ? IsPublic(address.to_v4()) : IsPublic(address.to_v6());
-}
+// Of what a connection is about to be made to.
+struct Gate {
+  bool may_go_private = false;
+  bool has_refused = false;
+};
 
-http::request<http::string_body> RequestFor(const OutgoingMessage& message, const Place& place) {
-  http::request<http::string_body> request(http::verb::post, place.target, 11);
-  request.set(http::field::host, place.host);
-  request.set(http::field::connection, "close");
-  for (const auto& [name, value] : message.headers) request.set(name, value);
-  request.body() = message.body;
-  request.prepare_payload();
-  return request;
-}
-
-template <typename Stream>
-net::awaitable<int> Exchange(Stream& stream, http::request<http::string_body> request) {
-  co_await http::async_write(stream, request, net::use_awaitable);
-  beast::flat_buffer buffer;
-  http::response_parser<http::string_body> answer;
-  answer.body_limit(kMaxAnswerBytes);
-  co_await http::async_read_header(stream, buffer, answer, net::use_awaitable);
-  co_return answer.get().result_int();
-}
-
-net::awaitable<int> Send(net::io_context& io, const OutgoingMessage& message, const Place& place) {
-  Tcp::resolver resolver(io);
-  const auto found = co_await resolver.async_resolve(place.host, place.port, net::use_awaitable);
-  for (const auto& entry : found) {
-    if (!message.may_go_private && !IsPublic(entry.endpoint().address())) {
-      throw std::invalid_argument(entry.endpoint().address().to_string());
-    }
+// libcurl asks for each socket with the very address that it will connect to.
+curl_socket_t OpenIfAllowed(void* gate_of, curlsocktype, curl_sockaddr* to) {
+  auto& gate = *static_cast<Gate*>(gate_of);
+  bool is_public = false;
+  if (to->family == AF_INET) {
+    sockaddr_in address{};
+    std::memcpy(&address, &to->addr, sizeof(address));
+    is_public = IsPublic(address.sin_addr);
+  } else if (to->family == AF_INET6) {
+    // curl_sockaddr ends with a short sockaddr, behind which libcurl keeps the rest of a longer one.
+    sockaddr_in6 address{};
+    std::memcpy(&address, reinterpret_cast<const char*>(to) + offsetof(curl_sockaddr, addr), sizeof(address));
+    is_public = IsPublic(address.sin6_addr);
   }
-  const Tcp::endpoint endpoint = found.begin()->endpoint();
-  if (!place.is_tls) {
-    beast::tcp_stream stream(io);
-    stream.expires_after(kPatience);
-    co_await stream.async_connect(endpoint, net::use_awaitable);
-    co_return co_await Exchange(stream, RequestFor(message, place));
+  if (!is_public && !gate.may_go_private) {
+    gate.has_refused = true;
+    return CURL_SOCKET_BAD;
   }
-  net::ssl::context tls(net::ssl::context::tls_client);
-  tls.set_default_verify_paths();
-  tls.set_verify_mode(net::ssl::verify_peer);
-  beast::ssl_stream<beast::tcp_stream> stream(io, tls);
-  stream.set_verify_callback(net::ssl::host_name_verification(place.host));
-  SSL_set_tlsext_host_name(stream.native_handle(), place.host.c_str());
-  beast::get_lowest_layer(stream).expires_after(kPatience);
-  co_await beast::get_lowest_layer(stream).async_connect(endpoint, net::use_awaitable);
-  co_await stream.async_handshake(net::ssl::stream_base::client, net::use_awaitable);
-  co_return co_await Exchange(stream, RequestFor(message, place));
+  return socket(to->family, to->socktype | SOCK_CLOEXEC, to->protocol);
+}
+
+// The answer's status is enough: its body ends the transfer.
+std::size_t TakeNoBody(char*, std::size_t, std::size_t, void*) { return 0; }
+
+template <typename Value>
+void Set(CURL* transfer, CURLoption option, Value value) {
+  const CURLcode code = curl_easy_setopt(transfer, option, value);
+  SKYQUILT_CHECK(code == CURLE_OK, "this libcurl lacks an option that webhooks need");
+}
+
+Headers HeadersOf(const OutgoingMessage& message) {
+  // Without it libcurl asks before it sends a large body, and waits for those who do not answer that.
+  Headers headers(curl_slist_append(nullptr, "Expect:"));
+  for (const auto& [name, value] : message.headers) {
+    curl_slist* longer = curl_slist_append(headers.get(), fmt::format("{}: {}", name, value).c_str());
+    SKYQUILT_CHECK(longer != nullptr, "out of memory");
+    (void)headers.release();
+    headers.reset(longer);
+  }
+  return headers;
+}
+
+// Empty where the address has none.
+std::string HostOf(const std::string& address) {
+  const std::unique_ptr<CURLU, FreeUrl> url(curl_url());
+  char* host = nullptr;
+  if (curl_url_set(url.get(), CURLUPART_URL, address.c_str(), 0) != CURLUE_OK ||
+      curl_url_get(url.get(), CURLUPART_HOST, &host, 0) != CURLUE_OK) {
+    return "";
+  }
+  const std::string copy = host;
+  curl_free(host);
+  return copy;
 }
 
 }  // namespace
 
 bool IsPublicAddress(const std::string& address) {
-  boost::system::error_code error;
-  const net::ip::address parsed = net::ip::make_address(address, error);
-  return !error && IsPublic(parsed);
+  in_addr four{};
+  in6_addr six{};
+  if (inet_pton(AF_INET, address.c_str(), &four) == 1) return IsPublic(four);
+  return inet_pton(AF_INET6, address.c_str(), &six) == 1 && IsPublic(six);
 }
 
 Result<void> PostMessage(const OutgoingMessage& message) {
-  SKYQUILT_TRY_ASSIGN(const Place place, PlaceOf(message.url));
-  net::io_context io;
-  std::optional<int> status;
-  std::exception_ptr failure;
-  net::co_spawn(io, Send(io, message, place), [&](std::exception_ptr thrown, int answered) {
-    failure = thrown;
-    if (!thrown) status = answered;
-  });
-  io.run_for(kPatience + std::chrono::seconds(2));
-  if (failure) {
-    try {
-      std::rethrow_exception(failure);
-    } catch (const std::invalid_argument& refused) {
-      return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", place.host),
-                   refused.what()};
-    } catch (const std::exception& broken) {
-      return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer.", place.host), broken.what()};
-    }
+  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
+  SKYQUILT_CHECK(started == CURLE_OK, "libcurl does not start");
+  const std::string host = HostOf(message.url);
+  if (host.empty()) return Error{ErrorCode::kInvalidArgument, "The address has no host.", message.url};
+  const std::unique_ptr<CURL, FreeTransfer> owner(curl_easy_init());
+  CURL* transfer = owner.get();
+  SKYQUILT_CHECK(transfer != nullptr, "out of memory");
+  const Headers headers = HeadersOf(message);
+  Gate gate{message.may_go_private};
+  std::array<char, CURL_ERROR_SIZE> said{};
+  Set(transfer, CURLOPT_URL, message.url.c_str());
+  Set(transfer, CURLOPT_PROTOCOLS_STR, "http,https");
+  Set(transfer, CURLOPT_PROXY, "");  // the environment's would stand between the check and the receiver
+  Set(transfer, CURLOPT_FOLLOWLOCATION, 0L);
+  Set(transfer, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
+  Set(transfer, CURLOPT_POST, 1L);
+  Set(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(message.body.size()));
+  Set(transfer, CURLOPT_POSTFIELDS, message.body.c_str());
+  Set(transfer, CURLOPT_HTTPHEADER, headers.get());
+  Set(transfer, CURLOPT_OPENSOCKETFUNCTION, &OpenIfAllowed);
+  Set(transfer, CURLOPT_OPENSOCKETDATA, &gate);
+  Set(transfer, CURLOPT_WRITEFUNCTION, &TakeNoBody);
+  Set(transfer, CURLOPT_TIMEOUT_MS, kPatience_ms);
+  Set(transfer, CURLOPT_NOSIGNAL, 1L);
+  Set(transfer, CURLOPT_ERRORBUFFER, said.data());
+  // As OpenSSL's own programs have it.
+  if (const char* trusted = std::getenv("SSL_CERT_FILE")) Set(transfer, CURLOPT_CAINFO, trusted);
+  const CURLcode sent = curl_easy_perform(transfer);
+  long status = 0;
+  curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &status);
+  if (status == 0) {
+    if (gate.has_refused)
+      return Error{ErrorCode::kForbidden, fmt::format("{} leads to a private address.", host), ""};
+    const std::string why = said[0] != '\0' ? said.data() : curl_easy_strerror(sent);
+    if (sent == CURLE_OPERATION_TIMEDOUT)
+      return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer in time.", host), why};
+    return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer.", host), why};
   }
-  if (!status)
-    return Error{ErrorCode::kUnavailable, fmt::format("{} did not answer in time.", place.host), ""};
-  if (*status < 200 || *status > 299) {
-    return Error{ErrorCode::kUnavailable, fmt::format("{} answered {}.", place.host, *status), ""};
-  }
+  if (status < 200 || status > 299)
+    return Error{ErrorCode::kUnavailable, fmt::format("{} answered {}.", host, status), ""};
   return {};
 }
 

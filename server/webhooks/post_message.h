@@ -1,8 +1,9 @@
 // PostMessage: one POST to another server, the only outgoing request of this program, made only where its
-// operator allows webhooks. The name is resolved once and the connection goes to the address that was
-// checked; private addresses are refused unless allowed; redirects are not followed. TLS certificates are
-// verified. Blocking, ten seconds at most. Errors: kInvalidArgument (the address), kForbidden (a private
-// address), kUnavailable (no answer, or not a 2xx).
+// operator allows webhooks. Each address of the name is checked when its socket is opened, so that what was
+// checked is what is connected to; private ones are refused unless allowed. Redirects are not followed and
+// proxies not used. TLS certificates are verified (SSL_CERT_FILE names others to trust). Blocking, ten
+// seconds at most; any thread. Errors: kInvalidArgument (the address), kForbidden (a private address),
+// kUnavailable (no answer, or not a 2xx).
 #pragma once
 
 #include <string>

@@ -142,14 +142,14 @@ class Sharing(ServerTestCase):
             return hook
         server = self.serve("--webhooks", "any")
         tell("127.0.0.1")
-        wait_until(lambda: "certificate verify failed" in server.errors(), "a certificate of nobody was taken")
+        wait_until(lambda: "SSL certificate problem" in server.errors(), "a certificate of nobody was taken")
         server.stop()
         self.assertEqual(receiver.heard, [])
         with mock.patch.dict(os.environ, {"SSL_CERT_FILE": f"{both}.crt"}):
             server = self.serve("--webhooks", "any")
         tell("localhost")  # a name that the certificate does not have
         wait_until(lambda: any(path == "/127.0.0.1" for path, _, _ in receiver.heard), f"nothing was heard: {server.errors()}")
-        wait_until(lambda: "certificate verify failed" in server.errors(), "another's certificate was taken")
+        wait_until(lambda: "certificate subject name" in server.errors(), "another's certificate was taken")
         self.assertEqual({path for path, _, _ in receiver.heard}, {"/127.0.0.1"})
         receiver.shutdown()
 
