@@ -71,8 +71,44 @@ std::vector<int> FindInliers(const camera::Intrinsics& lens, const geo::Rigid3& 
   return inliers;
 }
 
-geo::Rigid3 Refine(const camera::Intrinsics& lens, const geo::Rigid3& start,
-                   const std::vector<PointObservation>& observations, const std::vector<int>& used) {
+}  // namespace
+
+std::vector<geo::Rigid3> PosesOfThree(const std::array<Vector3d, 3>& rays,
+                                      const std::array<Vector3d, 3>& points) {
+  const double aa = (points[1] - points[2]).squaredNorm(), bb = (points[0] - points[2]).squaredNorm(),
+               cc = (points[0] - points[1]).squaredNorm();
+  const double longest = std::max({aa, bb, cc});
+  if (bb < 1e-12 * longest) return {};
+  const double flat = (points[1] - points[0]).cross(points[2] - points[0]).norm();
+  if (flat < 1e-3 * longest) return {};
+  const double alpha = rays[1].dot(rays[2]), beta = rays[0].dot(rays[2]), gamma = rays[0].dot(rays[1]);
+  const double d = (aa - cc) / bb, s = (aa + cc) / bb, ab = aa / bb, cb = cc / bb;
+  const std::array<double, 5> polynomial{
+      (d - 1.0) * (d - 1.0) - 4.0 * cb * alpha * alpha,
+      4.0 * (d * (1.0 - d) * beta - (1.0 - s) * alpha * gamma + 2.0 * cb * alpha * alpha * beta),
+      2.0 * (d * d - 1.0 + 2.0 * d * d * beta * beta + 2.0 * (1.0 - cb) * alpha * alpha -
+             4.0 * s * alpha * beta * gamma + 2.0 * (1.0 - ab) * gamma * gamma),
+      4.0 * (-d * (1.0 + d) * beta + 2.0 * ab * gamma * gamma * beta - (1.0 - s) * alpha * gamma),
+      (1.0 + d) * (1.0 + d) - 4.0 * ab * gamma * gamma};
+  std::vector<geo::Rigid3> poses;
+  const Matrix3d of_points = Axes(points);
+  for (const double v : RealRoots(polynomial)) {
+    const double below = 2.0 * (gamma - v * alpha);
+    if (std::abs(below) < 1e-12) continue;
+    const double u = ((d - 1.0) * v * v - 2.0 * d * beta * v + 1.0 + d) / below;
+    const double under = 1.0 + v * v - 2.0 * v * beta;
+    if (under <= 0.0 || u <= 0.0 || v <= 0.0) continue;
+    const double first = std::sqrt(bb / under);
+    const std::array<Vector3d, 3> in_cam{first * rays[0], u * first * rays[1], v * first * rays[2]};
+    const Matrix3d rotation = Axes(in_cam) * of_points.transpose();
+    const geo::Rigid3 pose{Eigen::Quaterniond(rotation).normalized(), in_cam[0] - rotation * points[0]};
+    if (pose.translation.allFinite()) poses.push_back(pose);
+  }
+  return poses;
+}
+
+geo::Rigid3 RefineResection(const camera::Intrinsics& lens, const geo::Rigid3& start,
+                            const std::vector<PointObservation>& observations, const std::vector<int>& used) {
   constexpr double kWidthSigmas = 2.5, kNudge = 1e-7;
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   // Turn and shift in cam: in_cam' = Exp(turn) in_cam + shift.
@@ -130,42 +166,6 @@ geo::Rigid3 Refine(const camera::Intrinsics& lens, const geo::Rigid3& start,
   return pose;
 }
 
-}  // namespace
-
-std::vector<geo::Rigid3> PosesOfThree(const std::array<Vector3d, 3>& rays,
-                                      const std::array<Vector3d, 3>& points) {
-  const double aa = (points[1] - points[2]).squaredNorm(), bb = (points[0] - points[2]).squaredNorm(),
-               cc = (points[0] - points[1]).squaredNorm();
-  const double longest = std::max({aa, bb, cc});
-  if (bb < 1e-12 * longest) return {};
-  const double flat = (points[1] - points[0]).cross(points[2] - points[0]).norm();
-  if (flat < 1e-3 * longest) return {};
-  const double alpha = rays[1].dot(rays[2]), beta = rays[0].dot(rays[2]), gamma = rays[0].dot(rays[1]);
-  const double d = (aa - cc) / bb, s = (aa + cc) / bb, ab = aa / bb, cb = cc / bb;
-  const std::array<double, 5> polynomial{
-      (d - 1.0) * (d - 1.0) - 4.0 * cb * alpha * alpha,
-      4.0 * (d * (1.0 - d) * beta - (1.0 - s) * alpha * gamma + 2.0 * cb * alpha * alpha * beta),
-      2.0 * (d * d - 1.0 + 2.0 * d * d * beta * beta + 2.0 * (1.0 - cb) * alpha * alpha -
-             4.0 * s * alpha * beta * gamma + 2.0 * (1.0 - ab) * gamma * gamma),
-      4.0 * (-d * (1.0 + d) * beta + 2.0 * ab * gamma * gamma * beta - (1.0 - s) * alpha * gamma),
-      (1.0 + d) * (1.0 + d) - 4.0 * ab * gamma * gamma};
-  std::vector<geo::Rigid3> poses;
-  const Matrix3d of_points = Axes(points);
-  for (const double v : RealRoots(polynomial)) {
-    const double below = 2.0 * (gamma - v * alpha);
-    if (std::abs(below) < 1e-12) continue;
-    const double u = ((d - 1.0) * v * v - 2.0 * d * beta * v + 1.0 + d) / below;
-    const double under = 1.0 + v * v - 2.0 * v * beta;
-    if (under <= 0.0 || u <= 0.0 || v <= 0.0) continue;
-    const double first = std::sqrt(bb / under);
-    const std::array<Vector3d, 3> in_cam{first * rays[0], u * first * rays[1], v * first * rays[2]};
-    const Matrix3d rotation = Axes(in_cam) * of_points.transpose();
-    const geo::Rigid3 pose{Eigen::Quaterniond(rotation).normalized(), in_cam[0] - rotation * points[0]};
-    if (pose.translation.allFinite()) poses.push_back(pose);
-  }
-  return poses;
-}
-
 std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
                                   const std::vector<PointObservation>& observations, std::uint64_t seed,
                                   const FindPoseOptions& options) {
@@ -202,7 +202,7 @@ std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
   for (int round = 0; round < 3; ++round) {
     if (static_cast<int>(best.inliers.size()) < options.min_inliers) return std::nullopt;
     FoundPose refined;
-    refined.cam_from_world = Refine(lens, best.cam_from_world, observations, best.inliers);
+    refined.cam_from_world = RefineResection(lens, best.cam_from_world, observations, best.inliers);
     refined.inliers = FindInliers(lens, refined.cam_from_world, observations, options.tolerance_sigmas);
     if (refined.inliers.size() < best.inliers.size()) break;
     const bool is_settled = refined.inliers.size() == best.inliers.size();

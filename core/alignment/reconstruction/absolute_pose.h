@@ -35,6 +35,12 @@ struct FindPoseOptions {
 std::vector<geo::Rigid3> PosesOfThree(const std::array<Eigen::Vector3d, 3>& rays,
                                       const std::array<Eigen::Vector3d, 3>& points);
 
+// The pose brought nearer to the observations `used`: damped Gauss-Newton with Cauchy's weight at 2.5 sigmas,
+// ten steps at most. Needs a start that has most of the points before the camera; where no step helps, the
+// start comes back.
+geo::Rigid3 RefineResection(const camera::Intrinsics& lens, const geo::Rigid3& start,
+                            const std::vector<PointObservation>& observations, const std::vector<int>& used);
+
 std::optional<FoundPose> FindPose(const camera::Intrinsics& lens,
                                   const std::vector<PointObservation>& observations, std::uint64_t seed,
                                   const FindPoseOptions& options);

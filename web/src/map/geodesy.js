@@ -1,7 +1,7 @@
 // Lengths and areas on the WGS84 ellipsoid. Places are [longitude, latitude] in degrees.
-// Length: Vincenty's inverse formula (Survey Review 23, 1975), sub-millimetre except near antipodes, which no
-// drone flight has. Area: spherical excess on the authalic sphere; its great circles differ from geodesics by far
-// less than 0.001 % of the area for polygons up to 50 km.
+// Length: Vincenty's inverse formula (Survey Review 23, 1975), sub-millimetre except within a degree of the antipode
+// (up to 96 km off there), which no drone flight has. Area: spherical excess on the authalic sphere; its great circles
+// differ from geodesics by far less than 0.001 % of the area for polygons up to 50 km.
 import { kFlattening, kSemiMajor_m, wrapLongitude } from './coordinates.js';
 
 /** @typedef {[number, number]} LonLat */
