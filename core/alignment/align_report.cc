@@ -60,6 +60,15 @@ std::string AlignReportJson(const AlignReport& report) {
                {"solver", report.solver},
                {"iterations", report.iterations},
                {"corrections", report.corrections}};
+  for (const GyroReport& gyro : report.gyros) {
+    json["gyros"].push_back({{"camera_key", gyro.camera_key},
+                             {"pairs", gyro.pairs},
+                             {"matches", gyro.matches},
+                             {"fitting", gyro.fitting},
+                             {"fitting_without", gyro.fitting_without},
+                             {"lag_s", gyro.lag_s},
+                             {"is_used", gyro.is_used}});
+  }
   json["timings_s"] = {{"decode", report.decode_s},
                        {"features", report.features_s},
                        {"matching_wall", report.matching_s},

@@ -75,6 +75,15 @@ struct SecondLegReport {
   bool is_placed = false;  // on Earth, by positions or surveyed points
 };
 
+// A camera's gyro against what its photos show.
+struct GyroReport {
+  std::string camera_key;
+  int pairs = 0, matches = 0;            // of photos that were compared
+  int fitting = 0, fitting_without = 0;  // matches that fit one motion of the ground, with and without it
+  double lag_s = 0.0;                    // by which its records come after the rows that they belong to
+  bool is_used = true;                   // false: the photos contradict it
+};
+
 struct AlignReport {
   int photos = 0;
   int aligned = 0;
@@ -101,6 +110,7 @@ struct AlignReport {
   Eigen::Vector3d position_bias_m = Eigen::Vector3d::Zero();  // of the recorded positions; known with control
   std::vector<std::string> corrections;                       // in words, a photo or a line each
   SecondLegReport second_leg;
+  std::vector<GyroReport> gyros;
 };
 
 std::string AlignReportJson(const AlignReport& report);

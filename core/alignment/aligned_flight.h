@@ -8,6 +8,7 @@
 
 #include "core/camera/footprint.h"
 #include "core/camera/intrinsics.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
@@ -20,9 +21,9 @@ struct AlignedPhoto {
   flight::Photo photo;            // as read; its intrinsics are the recorded ones
   camera::Intrinsics intrinsics;  // as refined
   geo::Rigid3 cam_from_enu;
-  // How far the camera moved while it read its rows, from the first to the last; cam_from_enu is of the
-  // middle row. Zero where that is not known.
-  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();
+  // How the camera moved while it read its rows; cam_from_enu is of the middle row. Still where that is not
+  // known.
+  camera::RowMotion readout_motion;
   Placement placement = Placement::kPoseOnly;
   std::string placement_reason;  // why it is not aligned, or what was corrected
   double error_radius_m =

@@ -24,18 +24,24 @@ bool MeetAlong(const Eigen::Vector3d& center, const Eigen::Vector3d& ray, const 
 
 bool MeetGround(const View& view, const Relief& relief, const Eigen::Vector2d& pixel_in_image,
                 Eigen::Vector3d* point_in_enu) {
-  const Eigen::Vector3d ray =
-      view.cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(pixel_in_image);
-  return MeetAlong(view.CenterInEnu(), ray, relief, point_in_enu);
+  const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(pixel_in_image);
+  const Eigen::Vector3d ray = cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(pixel_in_image);
+  return MeetAlong(cam_from_enu.TargetOriginInSource(), ray, relief, point_in_enu);
 }
 
 std::vector<GroundKeypoint> ProjectToGround(const PhotoFeatures& features, const View& view,
                                             const Relief& relief) {
   std::vector<GroundKeypoint> projected(features.keypoints.size());
-  const Eigen::Vector3d center = view.CenterInEnu();
-  const Eigen::Quaterniond enu_from_cam = view.cam_from_enu.rotation.conjugate();
+  const bool moves = !view.readout_motion.IsStill();
+  Eigen::Vector3d center = view.CenterInEnu();
+  Eigen::Quaterniond enu_from_cam = view.cam_from_enu.rotation.conjugate();
   for (std::size_t i = 0; i < projected.size(); ++i) {
     const Keypoint& keypoint = features.keypoints[i];
+    if (moves) {
+      const geo::Rigid3 there = view.CamFromEnuAt({keypoint.x_px, keypoint.y_px});
+      center = there.TargetOriginInSource();
+      enu_from_cam = there.rotation.conjugate();
+    }
     const Eigen::Vector3d ray_in_cam = view.intrinsics.Unproject({keypoint.x_px, keypoint.y_px});
     Eigen::Vector3d point;
     if (!MeetAlong(center, enu_from_cam * ray_in_cam, relief, &point)) continue;

@@ -18,11 +18,11 @@ struct View {
   camera::Intrinsics intrinsics;
   geo::Rigid3 cam_from_enu;
   double height_above_ground_m = 50.0;
-  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // as AlignedPhoto has it
+  camera::RowMotion readout_motion;  // as AlignedPhoto has it
 
   // While the row of that pixel was read.
   geo::Rigid3 CamFromEnuAt(const Eigen::Vector2d& pixel_in_image) const {
-    return camera::PoseAtRow(cam_from_enu, readout_motion_in_enu_m, pixel_in_image.y(), intrinsics.height_px);
+    return camera::PoseAtRow(cam_from_enu, readout_motion, pixel_in_image.y(), intrinsics.height_px);
   }
   Eigen::Vector3d CenterInEnu() const { return cam_from_enu.TargetOriginInSource(); }
   double GsdM() const { return height_above_ground_m / intrinsics.MeanFocalPx(); }

@@ -85,9 +85,7 @@ poses::PosedPhoto AsPosed(const AlignedPhoto& finished) {
   photo.covariance = poses::Matrix6d::Identity() * kFixedSigma * kFixedSigma;
   photo.height_above_ground_m = finished.height_above_ground_m;
   photo.error_radius_m = finished.error_radius_m;
-  // Only the product of both counts.
-  photo.photo.readout_s = 1.0;
-  photo.velocity_in_enu_mps = finished.readout_motion_in_enu_m;
+  photo.readout_motion = finished.readout_motion;
   return photo;
 }
 

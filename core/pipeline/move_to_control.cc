@@ -92,7 +92,8 @@ void Move(const GroundSimilarity& move, double ground_z_m, AlignedPhoto& photo) 
       (photo.cam_from_enu.rotation * Eigen::Quaterniond(turn_back)).normalized(),
       {place.real(), place.imag(), ground_z_m + stretch * (center.z() - ground_z_m)});
   photo.height_above_ground_m *= stretch;
-  photo.readout_motion_in_enu_m = stretch * (turn_back.inverse() * photo.readout_motion_in_enu_m);
+  Eigen::Vector3d& shift_m = photo.readout_motion.shift_in_enu_m;
+  shift_m = stretch * (turn_back.inverse() * shift_m);
 }
 
 ground::GroundSurface Moved(const ground::GroundSurface& ground, const GroundSimilarity& move) {
@@ -144,7 +145,7 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   std::vector<double> gsds_m;
   for (const AlignedPhoto& photo : known.flight.photos) {
     views.push_back(
-        {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion_in_enu_m});
+        {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion});
     gsds_m.push_back(views.back().GsdM());
   }
   const double gsd_m = Median(std::move(gsds_m));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera/rolling_shutter.h"
 #include "core/flight/photos/photo.h"
 #include "core/geo/local_frame.h"
 #include "core/geo/rigid3.h"
@@ -28,6 +29,8 @@ struct PosedPhoto {
   // Cross-covariance with the next photo in time (this row, next column); zero for the last.
   Matrix6d covariance_with_next = Matrix6d::Zero();
   std::optional<Eigen::Vector3d> velocity_in_enu_mps;  // recorded, or by a log
+  // While the rows were read, where a finished flight knows it; otherwise speed and gyro say it.
+  std::optional<camera::RowMotion> readout_motion;
   double height_above_ground_m = 0.0;
   double error_radius_m = 0.0;  // 1-sigma horizontal ground error of the image centre
   AttitudeOrigin attitude_origin = AttitudeOrigin::kRecorded;

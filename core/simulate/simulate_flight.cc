@@ -15,6 +15,7 @@
 #include "core/geo/web_mercator.h"
 #include "core/simulate/sensors/noise.h"
 #include "core/simulate/sensors/random.h"
+#include "core/simulate/sensors/shaking.h"
 #include "core/simulate/world/world_raster.h"
 #include "core/simulate/writers/truth_json.h"
 #include "core/simulate/writers/write_csv.h"
@@ -92,6 +93,24 @@ Result<void> WriteLogs(const SimulatedFlight& flight, const std::filesystem::pat
   return {};
 }
 
+constexpr double kGyroNoiseRadps = 0.004;
+constexpr double kGyroBiasRadps = 0.003;
+constexpr double kFastestShakingRadps = 2.0;
+
+void Shake(const SimulateOptions& options, std::size_t i, SimulatedPhoto& photo) {
+  RandomStream random(HashCell(static_cast<std::int32_t>(i), 23, options.seed), 401);
+  const Shaking shaking(options.shaking_radps, random);
+  photo.render.readout_motion.turns_rad =
+      shaking.TurnsOfRows(options.readout_s, photo.photo.exposure_time_s.value_or(0.0));
+  if (!options.has_gyro) return;
+  GyroModel gyro;
+  if (options.noise != NoiseClass::kExact) gyro = {kGyroNoiseRadps, kGyroBiasRadps};
+  photo.recorded.turning = RecordShaking(shaking, options.readout_s, gyro, random);
+  photo.recorded.readout_s = options.readout_s;
+  photo.photo.turning = photo.recorded.turning;
+  photo.photo.readout_s = options.readout_s;
+}
+
 }  // namespace
 
 Result<void> SimulateOptions::Validate() const {
@@ -124,6 +143,10 @@ Result<void> SimulateOptions::Validate() const {
     return Bad("The exposure jitter must be from 0 to 1.");
   if (!(shutter_s >= 0.0 && shutter_s <= 10.0)) return Bad("The exposure time must be from 0 to 10000 ms.");
   if (!(readout_s >= 0.0 && readout_s <= 0.5)) return Bad("The readout time must be from 0 to 500 ms.");
+  if (!(shaking_radps >= 0.0 && shaking_radps <= kFastestShakingRadps))
+    return Bad("The shaking must be from 0 to 114 degrees per second.");
+  if (has_gyro && !(readout_s > 0.0 && shaking_radps > 0.0))
+    return Bad("A gyro is recorded of a camera that shakes while it reads its rows: give both times.");
   if (jpeg_quality < 1 || jpeg_quality > 100) return Bad("The JPEG quality must be from 1 to 100.");
   if (!(std::abs(world.relief_m) <= 0.4 * trajectory.height_m)) {
     return Bad(
@@ -183,7 +206,8 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     photo.render.vignetting = options.vignetting;
     photo.render.exposure_gain = std::exp(options.exposure_jitter * exposure.Gauss());
     photo.render.motion_in_enu_m = options.shutter_s * photo.pose.velocity_in_enu_mps;
-    photo.render.readout_motion_in_enu_m = options.readout_s * photo.pose.velocity_in_enu_mps;
+    photo.render.readout_motion.shift_in_enu_m = options.readout_s * photo.pose.velocity_in_enu_mps;
+    if (options.readout_s > 0.0 && options.shaking_radps > 0.0) Shake(options, i, photo);
     photo.render.noise_counts = options.noise_counts;
     photo.render.noise_seed = HashCell(static_cast<std::int32_t>(i), 17, options.seed);
     flight.photos.push_back(std::move(photo));

@@ -49,6 +49,8 @@ struct SimulateOptions {
   double noise_counts = 1.0;           // sensor noise, 8-bit counts
   double shutter_s = 0.0;              // 0 = no motion blur
   double readout_s = 0.0;              // from the first row to the last; 0 = all rows at once
+  double shaking_radps = 0.0;          // 1-sigma of how fast the camera turns while rows are read
+  bool has_gyro = false;               // it records that, and the readout time
   int supersample = 0;                 // 0 = as needed
   int jpeg_quality = 92;
   bool write_world = true;

@@ -41,6 +41,9 @@ SCENARIOS = {
     "rtk": ["--noise", "rtk"],
     "rolling": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
     "rolling_unknown": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
+    # A camera without gimbal that turns while its rows are read, with and without a gyro.
+    "gyro": ["--noise", "xmp", "--speed", "10", "--readout-ms", "160", "--shaking-dps", "12", "--gyro"],
+    "gyro_ignored": ["--noise", "xmp", "--speed", "10", "--readout-ms", "160", "--shaking-dps", "12"],
     "little_overlap": ["--noise", "xmp", "--overlap", "0.6", "--sidelap", "0.45"],
     "rows": ["--noise", "xmp", "--texture", "rows"],
     "bare": ["--noise", "xmp", "--texture", "bare"],

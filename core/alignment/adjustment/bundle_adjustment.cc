@@ -22,6 +22,7 @@ constexpr int kDenseUpToPhotos = 25;
 constexpr double kControlLossSigmas = 5.0;
 constexpr double kPositionBiasSigmaM =
     30.0;  // of consumer GNSS in a bad hour, and of a wrong reference system
+constexpr double kHeldSigma = 1e-9;
 constexpr double kUnknownHeightSigmaM = 1000.0;
 constexpr double kReliefShare = 0.03;  // of the flying height: how near the ground a soft tie lies
 
@@ -94,9 +95,9 @@ class Round {
         first_bias_(first_lens_ + kLensSize * problem.lenses.size()),
         position_bias_(first_bias_ + kBiasSize * problem.lines),
         first_point_(position_bias_ + kBiasSize),
-        state_(first_point_ +
-                   kPointSize * (problem.tracks.size() + problem.soft_tracks.size() + problem.control.size()),
-               0.0) {}
+        first_correction_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size() +
+                                                       problem.control.size())),
+        state_(first_correction_ + kCorrectionSize * problem.photos.size(), 0.0) {}
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
@@ -117,6 +118,7 @@ class Round {
       if (!in_use[i]) continue;
       AddPriors(i);
       if (bundle_.photos[i].is_fixed) ceres_.SetParameterBlockConstant(Pose(i));
+      if (ceres_.HasParameterBlock(Correction(i))) AddCorrectionPrior(i);
     }
     AddPositionBias();
     for (int l = 0; l < bundle_.lines; ++l) {
@@ -137,6 +139,8 @@ class Round {
     ordering_ = nullptr;
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
       if (in_use[i]) options.linear_solver_ordering->AddElementToGroup(Pose(i), 1);
+      if (ceres_.HasParameterBlock(Correction(i)))
+        options.linear_solver_ordering->AddElementToGroup(Correction(i), 1);
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       if (ceres_.HasParameterBlock(Lens(c))) options.linear_solver_ordering->AddElementToGroup(Lens(c), 1);
@@ -259,11 +263,18 @@ class Round {
   void AddObservation(double* point, const Observation& seen) {
     const BundlePhoto& photo = bundle_.photos[seen.photo];
     const camera::Intrinsics& lens = recorded_[photo.lens];
-    ceres_.AddResidualBlock(
-        MakeReprojectionCost(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion_in_enu_m,
-                                               seen.pixel_in_image.y(), lens.height_px),
-                             lens, seen.pixel_in_image, seen.sigma_px),
-        new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens));
+    if (photo.readout_doubt.IsAny()) {
+      ceres_.AddResidualBlock(
+          MakeTurningReprojectionCost(photo.cam_from_enu, photo.readout_motion, photo.readout_doubt, lens,
+                                      seen.pixel_in_image, seen.sigma_px),
+          new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens),
+          Correction(seen.photo));
+      return;
+    }
+    ceres_.AddResidualBlock(MakeReprojectionCost(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion,
+                                                                   seen.pixel_in_image.y(), lens.height_px),
+                                                 lens, seen.pixel_in_image, seen.sigma_px),
+                            new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens));
   }
 
   void AddPriors(std::size_t i) {
@@ -278,6 +289,18 @@ class Round {
     ceres_.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionResidual, 3, kPoseSize, 3>(
                                 new PositionResidual{moved, photo.sigma_position_m}),
                             new ceres::HuberLoss(3.0), Pose(i), PositionBias());
+  }
+
+  // The record was right so far; what earlier rounds took off counts too.
+  void AddCorrectionPrior(std::size_t i) {
+    const BundlePhoto& photo = bundle_.photos[i];
+    const PriorResidual<kCorrectionSize> prior{-photo.readout_correction,
+                                               photo.readout_doubt.sigma.cwiseMax(kHeldSigma)};
+    ceres_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PriorResidual<kCorrectionSize>, kCorrectionSize, kCorrectionSize>(
+            new PriorResidual<kCorrectionSize>(prior)),
+        nullptr, Correction(i));
+    if (photo.is_fixed) ceres_.SetParameterBlockConstant(Correction(i));
   }
 
   void EstimateLensSigma() {
@@ -305,7 +328,12 @@ class Round {
 
   void TakeOver(std::vector<Eigen::Vector3d>& line_bias) {
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
-      bundle_.photos[i].cam_from_enu = Applied(bundle_.photos[i].cam_from_enu, Pose(i));
+      BundlePhoto& photo = bundle_.photos[i];
+      photo.cam_from_enu = Applied(photo.cam_from_enu, Pose(i));
+      if (!ceres_.HasParameterBlock(Correction(i))) continue;
+      const ReadoutCorrection correction = Eigen::Map<const ReadoutCorrection>(Correction(i));
+      photo.readout_motion = Corrected(photo.readout_motion, photo.readout_doubt, correction);
+      photo.readout_correction += correction;
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       bundle_.lenses[c].intrinsics = Applied(recorded_[c], Lens(c));
@@ -325,6 +353,7 @@ class Round {
   double* Lens(std::size_t c) { return state_.data() + first_lens_ + kLensSize * c; }
   double* Bias(std::size_t l) { return state_.data() + first_bias_ + kBiasSize * l; }
   double* PositionBias() { return state_.data() + position_bias_; }
+  double* Correction(std::size_t i) { return state_.data() + first_correction_ + kCorrectionSize * i; }
   double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
 
   BundleProblem& bundle_;
@@ -332,7 +361,7 @@ class Round {
   const BundleOptions& options_;
   // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
   // allocator put things would change the last digits from run to run.
-  std::size_t first_lens_, first_bias_, position_bias_, first_point_;
+  std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_;
   std::vector<double> state_;
   ceres::Problem ceres_;
   ceres::ParameterBlockOrdering* ordering_ = nullptr;
@@ -345,7 +374,7 @@ std::vector<View> ViewsOf(const BundleProblem& problem) {
   views.reserve(problem.photos.size());
   for (const BundlePhoto& photo : problem.photos) {
     views.push_back({problem.lenses[photo.lens].intrinsics, photo.cam_from_enu, photo.height_above_ground_m,
-                     photo.readout_motion_in_enu_m});
+                     photo.readout_motion});
   }
   return views;
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/alignment/adjustment/readout_correction.h"
 #include "core/alignment/adjustment/tracks.h"
 #include "core/alignment/view.h"
 
@@ -24,7 +25,9 @@ struct BundlePhoto {
   int lens = 0;
   int line = 0;
   double height_above_ground_m = 50.0;
-  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // as AlignedPhoto has it
+  camera::RowMotion readout_motion;  // as AlignedPhoto has it; in: as recorded; out: adjusted
+  ReadoutDoubt readout_doubt;        // what of it is to be adjusted
+  ReadoutCorrection readout_correction = ReadoutCorrection::Zero();  // out: by how much it was
   bool is_fixed = false;   // stays where it is; others are placed against it
   bool has_record = true;  // false: the prior is no more than where it was found before
 };

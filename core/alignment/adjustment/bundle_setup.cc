@@ -65,7 +65,9 @@ MatchingInput MakeMatchingInput(const poses::PosedFlight& posed) {
   input.features.assign(posed.photos.size(), nullptr);
   for (const poses::PosedPhoto& photo : posed.photos) {
     const double height = std::max(1.0, photo.height_above_ground_m);
-    input.views.push_back({photo.photo.intrinsics, photo.cam_from_enu, height});
+    input.views.push_back({photo.photo.intrinsics, photo.cam_from_enu, height, {}});
+    if (photo.photo.turning && !photo.photo.is_resaved_by_viewer)
+      input.views.back().readout_motion = ReadoutMotion(photo, 0);
     input.ground_sigma_m.push_back(std::hypot(SigmaHorizontalM(photo), height * SigmaTiltRad(photo)));
     input.sigma_turn_rad.push_back(std::max(kMinSigmaRad, std::sqrt(photo.covariance(2, 2))));
   }
@@ -118,7 +120,9 @@ BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose&
   bundled.lens = lens;
   bundled.line = line;
   bundled.height_above_ground_m = std::max(1.0, posed.height_above_ground_m);
-  bundled.readout_motion_in_enu_m = ReadoutMotion(posed, corrected.quarter_turns);
+  bundled.readout_motion = ReadoutMotion(posed, corrected.quarter_turns);
+  if (!posed.readout_motion && !bundled.readout_motion.turns_rad.empty())
+    bundled.readout_doubt = DoubtOfReadout(posed.photo, corrected.quarter_turns);
   const double sigma_h = SigmaHorizontalM(posed);
   const double sigma_v = std::max(kMinSigmaM, std::sqrt(posed.covariance(5, 5)));
   bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};

@@ -105,7 +105,73 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, 
   const double k3_, sigma_px_;
 };
 
+class TurningReprojectionCost final
+    : public ceres::SizedCostFunction<2, kPoseSize, 3, kLensSize, kCorrectionSize> {
+ public:
+  TurningReprojectionCost(const geo::Rigid3& start, const camera::RowMotion& motion,
+                          const ReadoutDoubt& doubt, const camera::Intrinsics& lens,
+                          const Eigen::Vector2d& pixel, double sigma_px)
+      : share_(camera::RowShare(pixel.y(), lens.height_px)),
+        turn_by_correction_(TurnByCorrection(motion, doubt, share_)),
+        row_from_middle_(motion.TurnAt(share_).toRotationMatrix()),
+        start_rotation_(start.rotation.toRotationMatrix()),
+        start_center_in_enu_(start.TargetOriginInSource() + share_ * motion.shift_in_enu_m),
+        of_row_(geo::Rigid3{}, lens, pixel, sigma_px) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+    const double* pose = parameters[0];
+    const Eigen::Map<const ReadoutCorrection> off(parameters[3]);
+    const Turn turn(Eigen::Vector3d(pose[0], pose[1], pose[2]));
+    const Turn off_turn(turn_by_correction_ * off);
+    const Eigen::Vector3d center_in_enu =
+        start_center_in_enu_ + Eigen::Vector3d(pose[3], pose[4], pose[5]) + share_ * off.segment<3>(3);
+    const Eigen::Matrix3d middle_from_enu = turn.rotation * start_rotation_;
+    const Eigen::Vector3d in_middle =
+        middle_from_enu * (Eigen::Map<const Eigen::Vector3d>(parameters[1]) - center_in_enu);
+    const Eigen::Vector3d in_off = off_turn.rotation * in_middle;
+    const Eigen::Vector3d in_row = row_from_middle_ * in_off;
+    // Within the row's own axes it is a camera that stands still.
+    const double still[kPoseSize] = {};
+    const double* row_parameters[] = {still, in_row.data(), parameters[2]};
+    if (jacobians == nullptr) return of_row_.Evaluate(row_parameters, residuals, nullptr);
+    Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_row;
+    double* row_jacobians[] = {nullptr, by_row.data(), jacobians[2]};
+    if (!of_row_.Evaluate(row_parameters, residuals, row_jacobians)) return false;
+    const Eigen::Matrix<double, 2, 3> by_off = by_row * row_from_middle_;
+    const Eigen::Matrix<double, 2, 3> by_middle = by_off * off_turn.rotation;
+    const Eigen::Matrix<double, 2, 3> by_point = by_middle * middle_from_enu;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>> by_pose(jacobians[0]);
+      by_pose.leftCols<3>() = -by_middle * Cross(in_middle) * turn.change;
+      by_pose.rightCols<3>() = -by_point;
+    }
+    if (jacobians[1] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = by_point;
+    }
+    if (jacobians[3] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kCorrectionSize, Eigen::RowMajor>> by_correction(jacobians[3]);
+      by_correction = -by_off * Cross(in_off) * off_turn.change * turn_by_correction_;
+      by_correction.middleCols<3>(3) = -share_ * by_point;
+    }
+    return true;
+  }
+
+ private:
+  const double share_;
+  const Eigen::Matrix<double, 3, kCorrectionSize> turn_by_correction_;
+  const Eigen::Matrix3d row_from_middle_, start_rotation_;  // the latter cam_from_enu of the middle row
+  const Eigen::Vector3d start_center_in_enu_;
+  const ReprojectionCost of_row_;
+};
+
 }  // namespace
+
+ceres::CostFunction* MakeTurningReprojectionCost(const geo::Rigid3& start_cam_from_enu,
+                                                 const camera::RowMotion& motion, const ReadoutDoubt& doubt,
+                                                 const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                                                 double sigma_px) {
+  return new TurningReprojectionCost(start_cam_from_enu, motion, doubt, lens, pixel, sigma_px);
+}
 
 ceres::CostFunction* MakeReprojectionCost(const geo::Rigid3& start_cam_from_enu,
                                           const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,

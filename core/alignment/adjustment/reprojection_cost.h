@@ -5,7 +5,9 @@
 
 #include <Eigen/Core>
 
+#include "core/alignment/adjustment/readout_correction.h"
 #include "core/camera/intrinsics.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/geo/rigid3.h"
 
 namespace ceres {
@@ -17,5 +19,12 @@ namespace skyquilt::alignment {
 ceres::CostFunction* MakeReprojectionCost(const geo::Rigid3& start_cam_from_enu,
                                           const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
                                           double sigma_px);
+
+// The same of a camera that turns while it reads its rows: the pose is the middle row's, and one more block
+// (ReadoutCorrection) corrects `motion`.
+ceres::CostFunction* MakeTurningReprojectionCost(const geo::Rigid3& start_cam_from_enu,
+                                                 const camera::RowMotion& motion, const ReadoutDoubt& doubt,
+                                                 const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                                                 double sigma_px);
 
 }  // namespace skyquilt::alignment

@@ -79,8 +79,8 @@ double WidestAngle(const std::vector<View>& views, const Track& track) {
   rays.reserve(track.observations.size());
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
-    rays.push_back((view.cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(seen.pixel_in_image))
-                       .normalized());
+    const Eigen::Quaterniond enu_from_cam = view.CamFromEnuAt(seen.pixel_in_image).rotation.conjugate();
+    rays.push_back((enu_from_cam * view.intrinsics.Unproject(seen.pixel_in_image)).normalized());
   }
   double min_cosine = 1.0;
   for (std::size_t a = 0; a < rays.size(); ++a) {
@@ -98,12 +98,12 @@ bool Triangulate(const std::vector<View>& views, Track& track) {
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Observation& seen : track.observations) {
     const View& view = views[seen.photo];
+    const geo::Rigid3 cam_from_enu = view.CamFromEnuAt(seen.pixel_in_image);
     const Eigen::Vector3d ray =
-        (view.cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(seen.pixel_in_image))
-            .normalized();
+        (cam_from_enu.rotation.conjugate() * view.intrinsics.Unproject(seen.pixel_in_image)).normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
     normal += across;
-    right += across * view.CamFromEnuAt(seen.pixel_in_image).TargetOriginInSource();
+    right += across * cam_from_enu.TargetOriginInSource();
   }
   track.point_in_enu = normal.ldlt().solve(right);
   for (const Observation& seen : track.observations) {

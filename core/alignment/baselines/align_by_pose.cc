@@ -16,7 +16,7 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
     aligned.photos.push_back({.photo = photo.photo,
                               .intrinsics = photo.photo.intrinsics,
                               .cam_from_enu = photo.cam_from_enu,
-                              .readout_motion_in_enu_m = ReadoutMotion(photo, 0),
+                              .readout_motion = ReadoutMotion(photo, 0),
                               .placement = Placement::kPoseOnly,
                               .placement_reason = "placed by its recorded pose; images were not compared",
                               .error_radius_m = photo.error_radius_m,

@@ -212,7 +212,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
     AlignedPhoto photo{.photo = before.photo,
                        .intrinsics = problem.lenses[problem.photos[i].lens].intrinsics,
                        .cam_from_enu = problem.photos[i].cam_from_enu,
-                       .readout_motion_in_enu_m = problem.photos[i].readout_motion_in_enu_m,
+                       .readout_motion = problem.photos[i].readout_motion,
                        .placement = Placement::kPoseOnly,
                        .placement_reason = "",
                        .error_radius_m = before.error_radius_m,

@@ -67,6 +67,7 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
     report.decode_s += extracted.photographed.features[i].decode_s;
     report.features_s += extracted.photographed.features[i].detect_s;
   }
+  report.gyros = extracted.gyros;
   report.pairs_tried = static_cast<int>(leg.matched.pairs.size());
   report.pairs_linked = static_cast<int>(leg.matched.links.size());
   report.rejected_pairs = std::move(leg.matched.rejected);

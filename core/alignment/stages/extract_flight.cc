@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/alignment/registration/flight_lines.h"
+#include "core/alignment/registration/gyro_lag.h"
 #include "core/alignment/second_leg/second_leg.h"
 
 namespace skyquilt::alignment {
@@ -28,6 +29,7 @@ Result<ExtractedFlight> ExtractFlight(const poses::PosedFlight& recorded, const 
                                       options.threads, kLastFraction, progress);
   if (progress.IsCancelled()) return AlignmentCancelled();
   extracted.readable = extracted.photographed.Readable();
+  extracted.gyros = TieGyrosToRows(extracted.posed, extracted.readable, options.threads);
   extracted.records = RecordsOf(extracted.posed, extracted.is_unplaced);
   std::vector<Eigen::Vector2d> places;
   for (const poses::PosedPhoto& photo : extracted.posed.photos) {

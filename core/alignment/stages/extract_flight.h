@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/alignment/align_options.h"
+#include "core/alignment/align_report.h"
 #include "core/alignment/features/extract_all.h"
 #include "core/alignment/reconstruction/georeference.h"
 #include "core/base/progress.h"
@@ -25,6 +26,7 @@ struct ExtractedFlight {
   std::vector<PhotoRecord> records;  // by photo
   std::vector<int> lines;            // by photo: the flight line it was taken on
   Photographed photographed;
+  std::vector<GyroReport> gyros;               // by camera with a gyro: how its clock was tied to the rows
   std::vector<const PhotoFeatures*> readable;  // into `photographed`; null where a photo could not be read
 
   std::vector<std::string> Names() const;

@@ -1,6 +1,7 @@
 #include "core/alignment/stages/match_by_records.h"
 
 #include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/adjustment/readout_motion.h"
 #include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
@@ -30,6 +31,8 @@ Result<Leg> MatchByRecords(const ExtractedFlight& extracted, const AlignOptions&
   leg.input.features = extracted.readable;
   for (std::size_t i = 0; i < count; ++i) {
     if (extracted.is_unplaced[i]) leg.input.features[i] = nullptr;  // until the images place it
+    const poses::PosedPhoto& photo = leg.posed.photos[i];
+    if (photo.photo.turning) leg.input.views[i].readout_motion = ReadoutMotion(photo, 0);
   }
   {
     ScopedTimer timer(leg.matching_s);

@@ -3,6 +3,7 @@
 // roll right wing down; intrinsic Z-Y-X in NED, radians.
 #pragma once
 
+#include <Eigen/Core>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -50,6 +51,17 @@ struct RecordedVelocity {
   double up_mps = 0.0;
 };
 
+// How fast a camera turned at one moment.
+struct TurnRate {
+  double time_s = 0.0;  // since the first row began to be read
+  Eigen::Vector3d in_cam_radps = Eigen::Vector3d::Zero();
+};
+
+// How a camera turned around the exposure of one photo, by its gyro; in time order, without long gaps.
+struct RecordedTurning {
+  std::vector<TurnRate> samples;
+};
+
 enum class FocalSource {
   kDewarpData,
   kCalibrated,
@@ -74,6 +86,7 @@ struct Photo {
   std::optional<RecordedPosition> position;
   std::optional<RecordedAttitude> attitude;
   std::optional<RecordedVelocity> velocity;
+  std::optional<RecordedTurning> turning;
   std::optional<double> exposure_time_s;
   std::optional<double> readout_s;    // from the first row to the last, of a camera known to read row by row
   bool is_resaved_by_viewer = false;  // the picture may have been turned after its angles were recorded

@@ -10,6 +10,7 @@
 #include "core/flight/metadata/capture_time.h"
 #include "core/flight/metadata/dji_maker_note.h"
 #include "core/flight/metadata/exif.h"
+#include "core/flight/metadata/gyro_tags.h"
 #include "core/flight/metadata/position_tags.h"
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/choose_intrinsics.h"
@@ -20,6 +21,7 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::uint16_t kMakerNoteTag = 0x927C;
+constexpr double kLongestReadoutS = 0.5;
 
 XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<std::string>& notes) {
   XmpTags xmp;
@@ -72,6 +74,13 @@ void NoteOrientation(const ExifRecord& exif, Photo& photo) {
 // The rows of a picture that a sensor crops to another aspect take their share of its time. A picture stored
 // upright from a sensor on its side does not say which way its rows were read.
 std::optional<double> ReadoutOf(const Photo& photo, const XmpTags& xmp) {
+  // Cameras write the time of a row also for sensors that expose all rows at once; what a gyro says they
+  // write of those that do not.
+  const auto row_ns = xmp.Number("Camera:LineReadoutTime");
+  if (photo.turning && row_ns && *row_ns > 0.0 && photo.intrinsics.width_px >= photo.intrinsics.height_px) {
+    const double readout_s = 1e-9 * *row_ns * photo.intrinsics.height_px;
+    if (readout_s <= kLongestReadoutS) return readout_s;
+  }
   const auto sensor = camera::FindSensor(photo.model);
   const auto whole_s = camera::FindReadoutS(photo.model);
   const int width_px = photo.intrinsics.width_px, height_px = photo.intrinsics.height_px;
@@ -108,6 +117,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.position = PositionFromTags(exif, xmp, photo.notes);
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);
   photo.velocity = VelocityFromTags(xmp);
+  photo.turning = TurningFromTags(xmp, photo.notes);
   photo.exposure_time_s = exif.exposure_time_s;
   photo.readout_s = ReadoutOf(photo, xmp);
   return photo;

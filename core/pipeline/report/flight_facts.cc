@@ -14,7 +14,7 @@ namespace {
 using Cbor = nlohmann::json;
 
 // Raised whenever the meaning changes, or alignment so much that a flight should be aligned anew.
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 
 Cbor Binary(const void* data, std::size_t bytes) {
   const auto* first = static_cast<const std::uint8_t*>(data);
@@ -135,9 +135,7 @@ FlightFacts Parse(std::string_view bytes) {
     photo.placement_reason = ToText(photos[i].at("reason"));
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
-    for (int axis = 0; axis < 3; ++axis)
-      photo.readout_motion_in_enu_m[axis] =
-          photos[i].at("readout_motion_m").at(static_cast<std::size_t>(axis));
+    photo.readout_motion = camera.readout_motion;
     const std::vector<std::uint8_t>& jpeg = photos[i].at("thumbnail").get_binary();
     facts.thumbnails.push_back(
         {photo.photo.name, photos[i].at("thumbnail_size").at(0), photos[i].at("thumbnail_size").at(1), jpeg});
@@ -199,9 +197,6 @@ std::string WriteFacts(const FlightFacts& facts) {
                               {"camera_key", OfText(photo.photo.camera_key)},
                               {"reason", OfText(photo.placement_reason)},
                               {"height_m", photo.height_above_ground_m},
-                              {"readout_motion_m",
-                               {photo.readout_motion_in_enu_m.x(), photo.readout_motion_in_enu_m.y(),
-                                photo.readout_motion_in_enu_m.z()}},
                               {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
                               {"thumbnail", Binary(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
   }

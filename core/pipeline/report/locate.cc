@@ -75,14 +75,16 @@ Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
                              lens.height_px),
                  ""};
   }
+  const geo::Rigid3 cam_from_enu =
+      camera::PoseAtRow(camera->cam_from_enu, camera->readout_motion, pixel_in_image.y(), lens.height_px);
   const Eigen::Vector3d direction =
-      (camera->cam_from_enu.rotation.conjugate() * lens.Unproject(pixel_in_image)).normalized();
+      (cam_from_enu.rotation.conjugate() * lens.Unproject(pixel_in_image)).normalized();
   const double off_nadir_rad = std::acos(std::clamp(-direction.z(), -1.0, 1.0));
   const Error horizon{ErrorCode::kUnprocessable, "The pixel looks towards the horizon, not at the ground.",
                       ""};
   if (off_nadir_rad > camera::kMaxViewAngleRad) return horizon;
   const std::optional<Eigen::Vector3d> point =
-      MeetGround(map.ground, camera->cam_from_enu.TargetOriginInSource(), direction);
+      MeetGround(map.ground, cam_from_enu.TargetOriginInSource(), direction);
   if (!point) return horizon;
   const geo::Wgs84 wgs84 = map.frame.Wgs84FromEnu(*point);
   return GroundPoint{{.lat_deg = wgs84.lat_deg, .lon_deg = wgs84.lon_deg},
@@ -97,7 +99,8 @@ std::vector<Sighting> PhotosAtPoint(const LocatedMap& map, const geo::LatLon& po
     point = map.frame.EnuAtHeight(position, map.ground.HeightAt(point.head<2>()));
   std::vector<Sighting> sightings;
   for (const LocatedCamera& camera : map.cameras) {
-    const std::optional<Eigen::Vector2d> pixel = camera.intrinsics.Project(camera.cam_from_enu * point);
+    const std::optional<Eigen::Vector2d> pixel =
+        camera::ProjectRolling(camera.intrinsics, camera.cam_from_enu, camera.readout_motion, point);
     if (!pixel || !camera.intrinsics.IsInImage(*pixel)) continue;
     const Eigen::Vector3d up = camera.cam_from_enu.TargetOriginInSource() - point;
     const double off_nadir_rad = std::atan2(up.head<2>().norm(), up.z());

@@ -19,7 +19,8 @@ namespace skyquilt::pipeline {
 struct LocatedCamera {
   std::string name;
   camera::Intrinsics intrinsics;
-  geo::Rigid3 cam_from_enu;
+  geo::Rigid3 cam_from_enu;  // of the middle row
+  camera::RowMotion readout_motion;
   alignment::Placement placement = alignment::Placement::kPoseOnly;
   double error_radius_m = 0.0;
 };

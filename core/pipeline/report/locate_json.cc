@@ -21,19 +21,25 @@ Json GroundOf(const ground::GroundSurface& ground) {
   return json;
 }
 
+Json Numbers(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
 Json CameraOf(const alignment::AlignedPhoto& photo) {
   const camera::Intrinsics& lens = photo.intrinsics;
   const Eigen::Quaterniond& rotation = photo.cam_from_enu.rotation;
   const Eigen::Vector3d& translation = photo.cam_from_enu.translation;
-  return {{"name", photo.photo.name},
-          {"size_px", {lens.width_px, lens.height_px}},
-          {"focal_px", {lens.focal_x_px, lens.focal_y_px}},
-          {"center_px", {lens.center_x_px, lens.center_y_px}},
-          {"distortion", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}},
-          {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
-          {"translation_m", {translation.x(), translation.y(), translation.z()}},
-          {"placement", alignment::PlacementName(photo.placement)},
-          {"error_radius_m", photo.error_radius_m}};
+  Json json = {{"name", photo.photo.name},
+               {"size_px", {lens.width_px, lens.height_px}},
+               {"focal_px", {lens.focal_x_px, lens.focal_y_px}},
+               {"center_px", {lens.center_x_px, lens.center_y_px}},
+               {"distortion", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}},
+               {"rotation_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}},
+               {"translation_m", {translation.x(), translation.y(), translation.z()}},
+               {"placement", alignment::PlacementName(photo.placement)},
+               {"error_radius_m", photo.error_radius_m}};
+  const camera::RowMotion& motion = photo.readout_motion;
+  if (!motion.shift_in_enu_m.isZero(0.0)) json["readout_shift_m"] = Numbers(motion.shift_in_enu_m);
+  for (const Eigen::Vector3d& turn : motion.turns_rad) json["readout_turns_rad"].push_back(Numbers(turn));
+  return json;
 }
 
 template <int kSize>
@@ -89,6 +95,12 @@ LocatedMap MapFrom(const Json& json) {
                            ? alignment::Placement::kAligned
                            : alignment::Placement::kPoseOnly;
     camera.error_radius_m = from.at("error_radius_m");
+    if (from.contains("readout_shift_m"))
+      camera.readout_motion.shift_in_enu_m = Vector<3>(from.at("readout_shift_m"));
+    if (from.contains("readout_turns_rad")) {
+      for (const Json& turn : from.at("readout_turns_rad"))
+        camera.readout_motion.turns_rad.push_back(Vector<3>(turn));
+    }
     map.cameras.push_back(std::move(camera));
   }
   return map;

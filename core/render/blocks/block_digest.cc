@@ -21,7 +21,9 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
   hasher.Add(lens.k1).Add(lens.k2).Add(lens.k3).Add(lens.p1).Add(lens.p2);
   hasher.AddBytes(photo.cam_from_enu.rotation.coeffs().data(), 4 * sizeof(double));
   hasher.AddBytes(photo.cam_from_enu.translation.data(), 3 * sizeof(double));
-  hasher.AddBytes(photo.readout_motion_in_enu_m.data(), 3 * sizeof(double));
+  hasher.AddBytes(photo.readout_motion.shift_in_enu_m.data(), 3 * sizeof(double));
+  for (const Eigen::Vector3d& turn : photo.readout_motion.turns_rad)
+    hasher.AddBytes(turn.data(), 3 * sizeof(double));
   hasher.Add(static_cast<int>(photo.placement)).Add(photo.error_radius_m).Add(photo.height_above_ground_m);
   hasher.Add(photo.max_look_rad);
   for (const double gain : tone.gain) hasher.Add(gain);

@@ -43,7 +43,7 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
   const Eigen::Vector3d center = photo.cam_from_enu.TargetOriginInSource();
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
   const double widest_tangent = std::tan(photo.max_look_rad);
-  const bool moves = !photo.readout_motion_in_enu_m.isZero(0.0);
+  const bool moves = !photo.readout_motion.IsStill(), turns = !photo.readout_motion.turns_rad.empty();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < block.ground_in_enu.size(); ++i) {
     const Eigen::Vector3d offset = block.ground_in_enu[i] - center;
@@ -52,14 +52,21 @@ PhotoView ViewBlock(const alignment::AlignedPhoto& photo, const BlockGeometry& b
     view.pixel_in_image[i] = {kNan, kNan};
     const Eigen::Vector3d in_cam = rotation * offset;
     if (in_cam.z() <= 1e-6 || offset.z() >= 0.0 || sideways_m > -offset.z() * widest_tangent) continue;
+    if (turns) {  // what the middle row cannot see another may
+      if (const auto pixel = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion,
+                                                    block.ground_in_enu[i])) {
+        view.pixel_in_image[i] = pixel->cast<float>();
+      }
+      continue;
+    }
     const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
     if (normalised.squaredNorm() > max_radius_squared) continue;
     const Eigen::Vector2d bent = lens.Distort(normalised);
     Eigen::Vector2d pixel(lens.focal_x_px * bent.x() + lens.center_x_px,
                           lens.focal_y_px * bent.y() + lens.center_y_px);
     if (moves) {
-      const auto rolling = camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion_in_enu_m,
-                                                  block.ground_in_enu[i]);
+      const auto rolling =
+          camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, block.ground_in_enu[i]);
       if (!rolling) continue;
       pixel = *rolling;
     }

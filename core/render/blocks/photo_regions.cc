@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::render {
@@ -41,7 +42,8 @@ std::vector<PixelBox> ShownRegions(const alignment::AlignedFlight& flight,
         flight.frame.VerticalAt(geo::LatLonFromMerc(seams.grid.CellInMerc(column, row)));
     Eigen::Vector3d point = vertical.AtHeight(ground.MeanHeight());
     if (!ground.IsPlane()) point = vertical.AtHeight(ground.HeightAt(point.head<2>()));
-    const auto pixel = photo.intrinsics.Project(photo.cam_from_enu * point);
+    const auto pixel =
+        camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion, point);
     if (!pixel) return;
     const double cell_px =
         seams.cell_m * photo.intrinsics.MeanFocalPx() / std::max(1.0, photo.height_above_ground_m);

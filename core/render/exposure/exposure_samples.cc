@@ -7,7 +7,7 @@
 
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
-#include "core/camera/ground_projection.h"
+#include "core/camera/rolling_shutter.h"
 
 namespace skyquilt::render {
 namespace {
@@ -72,9 +72,9 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
       for (auto column = static_cast<std::int64_t>(std::floor(bounds.min.x() / step_m));
            column * step_m <= bounds.max.x(); ++column) {
         const Eigen::Vector2d spot{column * step_m, row * step_m};
-        const auto pixel = camera::PixelFromEnu(photo.intrinsics, photo.cam_from_enu,
-                                                {spot.x(), spot.y(), ground.HeightAt(spot)});
-        if (!pixel) continue;
+        const auto pixel = camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion,
+                                                  {spot.x(), spot.y(), ground.HeightAt(spot)});
+        if (!pixel || !photo.intrinsics.IsInImage(*pixel)) continue;
         const auto colour = Colour(thumbnail, photo.intrinsics, *pixel);
         if (!colour) continue;
         const std::int64_t cell = (row << 32) ^ (column & 0xffffffff);

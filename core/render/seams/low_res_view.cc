@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/camera/footprint.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/geo/web_mercator.h"
 #include "core/render/seams/view_score.h"
 
@@ -86,6 +87,7 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
   view.camera_north_m = static_cast<float>(center.y());
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
   const double widest_tangent = std::tan(photo.max_look_rad);
+  const bool turns = !photo.readout_motion.turns_rad.empty();  // a shift alone is less than a cell
   const double radius_scale = 4.0 / (static_cast<double>(lens.width_px) * lens.width_px +
                                      static_cast<double>(lens.height_px) * lens.height_px);
   // A long thin photo's thumbnail may be one pixel wide.
@@ -101,8 +103,15 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
     const Eigen::Vector2d normalised = in_cam.head<2>() / in_cam.z();
     if (normalised.squaredNorm() > max_radius_squared) continue;
     const Eigen::Vector2d bent = lens.Distort(normalised);
-    const double x = lens.focal_x_px * bent.x() + lens.center_x_px;
-    const double y = lens.focal_y_px * bent.y() + lens.center_y_px;
+    double x = lens.focal_x_px * bent.x() + lens.center_x_px;
+    double y = lens.focal_y_px * bent.y() + lens.center_y_px;
+    if (turns) {
+      const auto pixel =
+          camera::ProjectRolling(lens, photo.cam_from_enu, photo.readout_motion, center + offset);
+      if (!pixel) continue;
+      x = pixel->x();
+      y = pixel->y();
+    }
     const float margin_px = score.Margin(static_cast<float>(x), static_cast<float>(y));
     if (margin_px <= -half_cell_px) continue;
     view.seen[i] = margin_px >= half_cell_px ? Seen::kFully : Seen::kPartly;

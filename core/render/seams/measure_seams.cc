@@ -90,9 +90,8 @@ std::optional<PatchInPhoto> FindPatch(const alignment::AlignedPhoto& photo, int 
     for (int column = 0; column < kNodes; ++column) {
       const Eigen::Vector2d at = patch.middle + patch.sample_m * Eigen::Vector2d(column * kNode - kPatch / 2,
                                                                                  kPatch / 2 - row * kNode);
-      const auto pixel =
-          camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion_in_enu_m,
-                                 {at.x(), at.y(), ground.HeightAt(at)});
+      const auto pixel = camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion,
+                                                {at.x(), at.y(), ground.HeightAt(at)});
       if (!pixel || !photo.intrinsics.IsInImage(*pixel)) return std::nullopt;
       found.nodes_x.at<float>(row, column) = static_cast<float>((pixel->x() + 0.5) * scale - 0.5);
       found.nodes_y.at<float>(row, column) = static_cast<float>((pixel->y() + 0.5) * scale - 0.5);

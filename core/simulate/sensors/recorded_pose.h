@@ -31,6 +31,8 @@ struct RecordedPose {
   std::optional<YawPitchRoll> gimbal;
   std::optional<YawPitchRoll> airframe;
   std::optional<Eigen::Vector3d> velocity_in_enu_mps;
+  std::optional<flight::RecordedTurning> turning;  // and with it the readout time
+  double readout_s = 0.0;
   bool is_rtk_fixed = false;
   camera::Intrinsics intrinsics;  // as recorded
   bool is_lens_recorded = true;   // the whole lens; otherwise the focal length alone

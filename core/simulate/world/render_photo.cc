@@ -101,13 +101,15 @@ class PhotoRenderer {
   }
 
   Eigen::Vector3d CenterAt(double y) const {
-    return center_ + camera::RowShare(y, intrinsics_.height_px) * options_.readout_motion_in_enu_m;
+    return center_ + camera::RowShare(y, intrinsics_.height_px) * options_.readout_motion.shift_in_enu_m;
   }
 
   Eigen::Vector3d DirectionOf(double x, double y, double& length) const {
     const Eigen::Vector3d ray_in_cam = intrinsics_.Unproject({x, y});
     length = ray_in_cam.norm();
-    return enu_from_cam_ * (ray_in_cam / length);
+    if (options_.readout_motion.turns_rad.empty()) return enu_from_cam_ * (ray_in_cam / length);
+    const double share = camera::RowShare(y, intrinsics_.height_px);
+    return enu_from_cam_ * (options_.readout_motion.TurnAt(share).conjugate() * (ray_in_cam / length));
   }
 
   // The mean of a pixel's samples; hint_m is the distance of the last hit, for the next.

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/camera/intrinsics.h"
+#include "core/camera/rolling_shutter.h"
 #include "core/geo/rigid3.h"
 #include "core/image/decoded_image.h"
 #include "core/simulate/world/world.h"
@@ -20,7 +21,7 @@ struct RenderPhotoOptions {
   double vignetting = 0.0;     // share of light lost in the corners (of the encoded value), falling with r^2
   double exposure_gain = 1.0;  // factor on the encoded values
   Eigen::Vector3d motion_in_enu_m = Eigen::Vector3d::Zero();  // of the camera while the shutter is open
-  Eigen::Vector3d readout_motion_in_enu_m = Eigen::Vector3d::Zero();  // from the first row to the last
+  camera::RowMotion readout_motion;  // while it reads its rows
   double noise_counts = 1.0;  // 1-sigma of the sensor's noise, in 8-bit counts
   std::uint32_t noise_seed = 1;
   int threads = 1;  // 0 = all cores

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string_view>
 
@@ -141,6 +142,41 @@ std::vector<std::uint8_t> WithSignature(std::string_view signature, std::string_
   return payload;
 }
 
+std::string Base64(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::string_view kSigns = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) three = (three << 8) | (k < count ? bytes[at + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kSigns[(three >> (18 - 6 * k)) & 63u] : '=';
+  }
+  return text;
+}
+
+// As a Parrot Sequoia writes its gyro: records of microseconds, rates about the body's axes, and a flag.
+std::string GyroTags(const RecordedPose& recorded) {
+  constexpr std::uint64_t kBootedUs = 277'000'000;
+  const std::vector<flight::TurnRate>& samples = recorded.turning->samples;
+  std::vector<std::uint8_t> bytes;
+  const auto append = [&bytes](auto number) {
+    for (std::size_t i = 0; i < sizeof(number); ++i)
+      bytes.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
+  };
+  for (const flight::TurnRate& sample : samples) {
+    append(kBootedUs +
+           static_cast<std::uint64_t>(std::llround(1e6 * (sample.time_s - samples.front().time_s))));
+    for (const double rate : {-sample.in_cam_radps.y(), sample.in_cam_radps.x(), sample.in_cam_radps.z()})
+      append(std::bit_cast<std::uint32_t>(static_cast<float>(rate)));
+    append(std::uint32_t{1});
+  }
+  return fmt::format(
+      "\n   Camera:LineReadoutTime=\"{}\"\n   Camera:IMUFrequency=\"1000\"\n   Camera:IMUSampleSize=\"{}\"\n"
+      "   Camera:IMUTimeOffset=\"{}\"\n   Camera:IMUAngularVelocity=\"&#xA;{}&#xA;\"",
+      std::llround(1e9 * recorded.readout_s / recorded.intrinsics.height_px), samples.size(),
+      std::llround(-1e9 * samples.front().time_s), Base64(bytes));
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
@@ -246,13 +282,18 @@ std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded) {
                     lens.center_y_px - 0.5 * (lens.height_px - 1), lens.k1, lens.k2, lens.p1, lens.p2,
                     lens.k3));
   }
+  std::string spaces = "xmlns:drone-dji=\"http://www.dji.com/drone-dji/1.0/\"";
+  if (recorded.turning) {
+    spaces += " xmlns:Camera=\"http://pix4d.com/camera/1.0/\"";
+    tags += GyroTags(recorded);
+  }
   const std::string body = fmt::format(
       "<?xpacket begin=\"\xEF\xBB\xBF\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
       "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n"
       " <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
-      "  <rdf:Description rdf:about=\"\" xmlns:drone-dji=\"http://www.dji.com/drone-dji/1.0/\"{}/>\n"
+      "  <rdf:Description rdf:about=\"\" {}{}/>\n"
       " </rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"w\"?>",
-      tags);
+      spaces, tags);
   return WithSignature("http://ns.adobe.com/xap/1.0/", body);
 }
 

@@ -36,6 +36,7 @@ struct SimulateArguments {
   double yaw_wander_deg = 0.0;
   double shutter_ms = 0.0;
   double readout_ms = 0.0;
+  double shaking_dps = 0.0;
   bool no_world = false;
   simulate::SurveyOptions survey;
   ImuKind imu = ImuKind::kIcm;
@@ -85,6 +86,7 @@ void Run(SimulateArguments& arguments) {
   options.trajectory.yaw_wander_rad = geo::DegToRad(arguments.yaw_wander_deg);
   options.shutter_s = 1e-3 * arguments.shutter_ms;
   options.readout_s = 1e-3 * arguments.readout_ms;
+  options.shaking_radps = geo::DegToRad(arguments.shaking_dps);
   options.write_world = !arguments.no_world;
   options.world.seed = options.seed;
   const Result<simulate::SimulatedFlight> flight = [&] {
@@ -232,6 +234,13 @@ void AddSimulateCommand(CLI::App& app) {
       ->add_option("--readout-ms", arguments->readout_ms,
                    "Milliseconds from reading a picture's first row to its last, while the camera flies on")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--shaking-dps", arguments->shaking_dps,
+          "With --readout-ms: the camera turns meanwhile, 1-sigma in degrees per second about each axis")
+      ->capture_default_str();
+  command->add_flag("--gyro", options.has_gyro,
+                    "With --shaking-dps: the photos record the camera's gyro and its readout time");
   command->add_option("--pixel-noise", options.noise_counts, "Sensor noise in 8-bit counts, 1-sigma")
       ->capture_default_str();
   command

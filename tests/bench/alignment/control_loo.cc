@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     for (const alignment::AlignedPhoto& photo : aligned->photos) {
       names.push_back(photo.photo.name);
       views.push_back(
-          {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion_in_enu_m});
+          {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion});
       is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
     }
     alignment::ControlReport told;

@@ -48,23 +48,52 @@ TEST(AlignFlight, UndoesTheRollingShutterThatItIsToldOf) {
   EXPECT_LT(2.0 * told.error.relative_ce90_m, untold.error.relative_ce90_m);
   for (std::size_t i = 0; i < 8; ++i) {
     const Eigen::Vector3d truly_m = options.readout_s * truth.photos[i].pose.velocity_in_enu_mps;
-    EXPECT_LT((told.flight.photos[i].readout_motion_in_enu_m - truly_m).norm(), 0.01);
+    EXPECT_LT((told.flight.photos[i].readout_motion.shift_in_enu_m - truly_m).norm(), 0.01);
   }
+}
+
+// One that also turns meanwhile, with a gyro that lags by a little that nobody tells.
+TEST(AlignFlight, UndoesTheTurningDuringTheReadoutByTheGyro) {
+  simulate::SimulateOptions options = SmallTruth(8, 0.0).options;
+  options.readout_s = 0.12;
+  options.shaking_radps = 0.2;
+  options.has_gyro = true;
+  const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  poses::PosedFlight posed = PosesOf(truth);
+  const Outcome told = Align(truth, posed);
+  for (poses::PosedPhoto& photo : posed.photos) photo.photo.turning.reset();
+  const Outcome untold = Align(truth, posed);
+  EXPECT_EQ(told.report.aligned, 8);
+  ASSERT_EQ(told.report.gyros.size(), 1U);
+  EXPECT_TRUE(told.report.gyros.front().is_used);
+  EXPECT_NEAR(told.report.gyros.front().lag_s, simulate::kGyroLagS, 0.004);
+  EXPECT_TRUE(untold.report.gyros.empty());
+  EXPECT_LT(told.error.relative_ce90_m, truth.GsdM());
+  EXPECT_LT(4.0 * told.error.relative_ce90_m, untold.error.relative_ce90_m);
+  // A gyro that belongs to other photos is found out.
+  poses::PosedFlight wrong = PosesOf(truth);
+  for (std::size_t i = 0; i < wrong.photos.size(); ++i) {
+    for (flight::TurnRate& sample : wrong.photos[i].photo.turning->samples)
+      sample.in_cam_radps = -sample.in_cam_radps;
+  }
+  const Outcome refused = Align(truth, wrong);
+  ASSERT_EQ(refused.report.gyros.size(), 1U);
+  EXPECT_FALSE(refused.report.gyros.front().is_used);
 }
 
 TEST(ReadoutMotion, KnowsPicturesThatAViewerTurned) {
   poses::PosedPhoto posed;
-  EXPECT_EQ(ReadoutMotion(posed, 0), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(ReadoutMotion(posed, 0).IsStill());
   posed.photo.readout_s = 0.05;
-  EXPECT_EQ(ReadoutMotion(posed, 0), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(ReadoutMotion(posed, 0).IsStill());
   posed.velocity_in_enu_mps = Eigen::Vector3d(4.0, -2.0, 0.0);
   const Eigen::Vector3d motion_m(0.2, -0.1, 0.0);
-  EXPECT_TRUE(ReadoutMotion(posed, 0).isApprox(motion_m));
-  EXPECT_TRUE(ReadoutMotion(posed, 2).isApprox(motion_m));  // the camera is mounted so
+  EXPECT_TRUE(ReadoutMotion(posed, 0).shift_in_enu_m.isApprox(motion_m));
+  EXPECT_TRUE(ReadoutMotion(posed, 2).shift_in_enu_m.isApprox(motion_m));  // the camera is mounted so
   posed.photo.is_resaved_by_viewer = true;
-  EXPECT_TRUE(ReadoutMotion(posed, 0).isApprox(motion_m));
-  EXPECT_TRUE(ReadoutMotion(posed, 2).isApprox(-motion_m));
-  EXPECT_EQ(ReadoutMotion(posed, 1), Eigen::Vector3d::Zero());  // its rows lie across now
+  EXPECT_TRUE(ReadoutMotion(posed, 0).shift_in_enu_m.isApprox(motion_m));
+  EXPECT_TRUE(ReadoutMotion(posed, 2).shift_in_enu_m.isApprox(-motion_m));
+  EXPECT_TRUE(ReadoutMotion(posed, 1).IsStill());  // its rows lie across now
 }
 
 void TurnAboutAxis(poses::PosedPhoto& photo, double angle_rad) {

@@ -27,7 +27,7 @@ TEST(RollingShutter, SeesAPointFromWhereTheCameraWasWhileItsRowWasRead) {
   for (double east_m = -20.0; east_m <= 20.0; east_m += 10.0) {
     for (double north_m = -20.0; north_m <= 20.0; north_m += 10.0) {
       const Eigen::Vector3d point(east_m, north_m, 1.5);
-      const auto seen = ProjectRolling(Lens(), Pose(), motion_m, point);
+      const auto seen = ProjectRolling(Lens(), Pose(), {motion_m, {}}, point);
       ASSERT_TRUE(seen);
       // The camera at that row's moment, moved by hand.
       const double share = (seen->y() + 0.5) / 600.0 - 0.5;
@@ -36,10 +36,10 @@ TEST(RollingShutter, SeesAPointFromWhereTheCameraWasWhileItsRowWasRead) {
       const auto from_there = Lens().Project(there * point);
       ASSERT_TRUE(from_there);
       EXPECT_LT((*seen - *from_there).norm(), 1e-3);
-      EXPECT_LT(
-          (PoseAtRow(Pose(), motion_m, seen->y(), 600).TargetOriginInSource() - there.TargetOriginInSource())
-              .norm(),
-          1e-9);
+      EXPECT_LT((PoseAtRow(Pose(), {motion_m, {}}, seen->y(), 600).TargetOriginInSource() -
+                 there.TargetOriginInSource())
+                    .norm(),
+                1e-9);
     }
   }
 }
@@ -48,15 +48,41 @@ TEST(RollingShutter, StretchesThePictureOfACameraThatFliesTowardsItsTop) {
   const geo::Rigid3 level = geo::Rigid3::FromRotationAndTargetOrigin(
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX())), {0.0, 0.0, 60.0});
   const Eigen::Vector3d north_m(0.0, 1.0, 0.0), point(0.0, 15.0, 0.0);
-  const double still_px = ProjectRolling(Lens(), level, Eigen::Vector3d::Zero(), point)->y();
+  const double still_px = ProjectRolling(Lens(), level, {}, point)->y();
   EXPECT_EQ(still_px, Lens().Project(level * point)->y());
   // In the upper half the camera has not come so far north yet: the point lies farther ahead of it.
-  EXPECT_LT(ProjectRolling(Lens(), level, north_m, point)->y(), still_px - 1.0);
-  EXPECT_GT(ProjectRolling(Lens(), level, -north_m, point)->y(), still_px + 1.0);
+  EXPECT_LT(ProjectRolling(Lens(), level, {north_m, {}}, point)->y(), still_px - 1.0);
+  EXPECT_GT(ProjectRolling(Lens(), level, {-north_m, {}}, point)->y(), still_px + 1.0);
 }
 
 TEST(RollingShutter, SeesNothingBehindTheCamera) {
-  EXPECT_FALSE(ProjectRolling(Lens(), Pose(), {1.0, 0.0, 0.0}, {0.0, 0.0, 100.0}));
+  EXPECT_FALSE(ProjectRolling(Lens(), Pose(), {{1.0, 0.0, 0.0}, {}}, {0.0, 0.0, 100.0}));
+}
+
+TEST(RollingShutter, SeesAPointThroughTheCameraAsItIsTurnedAtItsRow) {
+  const RowMotion motion{{1.2, -0.7, 0.2}, {{0.03, -0.04, 0.06}, {0.0, 0.0, 0.0}, {-0.05, 0.02, 0.01}}};
+  for (double east_m = -20.0; east_m <= 20.0; east_m += 10.0) {
+    for (double north_m = -20.0; north_m <= 20.0; north_m += 10.0) {
+      const Eigen::Vector3d point(east_m, north_m, 1.5);
+      const auto seen = ProjectRolling(Lens(), Pose(), motion, point);
+      ASSERT_TRUE(seen);
+      const double share = (seen->y() + 0.5) / 600.0 - 0.5;
+      const Eigen::Vector3d turn_rad = share < 0.0 ? Eigen::Vector3d(-2.0 * share * motion.turns_rad.front())
+                                                   : Eigen::Vector3d(2.0 * share * motion.turns_rad.back());
+      const geo::Rigid3 there = geo::Rigid3::FromRotationAndTargetOrigin(
+          geo::RotationFromVector(turn_rad) * Pose().rotation,
+          Pose().TargetOriginInSource() + share * motion.shift_in_enu_m);
+      const auto from_there = Lens().Project(there * point);
+      ASSERT_TRUE(from_there);
+      EXPECT_LT((*seen - *from_there).norm(), 0.01);
+      EXPECT_GT((*seen - *Lens().Project(Pose() * point)).norm(), 1.0);
+    }
+  }
+}
+
+TEST(RollingShutter, SeesNothingWhereTheCameraTurnsFasterThanItsRows) {
+  const RowMotion motion{Eigen::Vector3d::Zero(), {{1.5, 0.0, 0.0}, {0.0, 0.0, 0.0}, {-1.5, 0.0, 0.0}}};
+  EXPECT_FALSE(ProjectRolling(Lens(), Pose(), motion, {5.0, 20.0, 0.0}));
 }
 
 TEST(FindReadoutS, KnowsCamerasWithAndWithout) {

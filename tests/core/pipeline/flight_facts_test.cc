@@ -21,7 +21,8 @@ FlightFacts SomeFacts() {
       Eigen::Quaterniond(0.1, 0.7, -0.7, 0.02).normalized(), {1.0 / 3.0, -20.1, 60.7});
   photo.placement = alignment::Placement::kAligned;
   photo.height_above_ground_m = 60.0 / 7.0;
-  photo.readout_motion_in_enu_m = {1.0 / 3.0, -0.2, 1e-9};
+  photo.readout_motion = {{1.0 / 3.0, -0.2, 1e-9},
+                          {{0.1, -1.0 / 3.0, 1e-9}, {0.0, 0.0, 0.0}, {0.2, 0.1, 0.0}}};
   facts.flight.photos = {photo};
   facts.ground = ground::GroundSurface::Grid({-1.0, -2.0}, 0.3, 2, 2, {0.1F, 0.2F, 0.3F, 0.4F}, 0.25);
   facts.thumbnails = {{"DJI_1.JPG", 4, 3, {1, 2, 250}}};
@@ -53,7 +54,7 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(now.cam_from_enu.rotation.coeffs(), was.cam_from_enu.rotation.coeffs());
   EXPECT_EQ(now.cam_from_enu.translation, was.cam_from_enu.translation);
   EXPECT_EQ(now.height_above_ground_m, was.height_above_ground_m);
-  EXPECT_EQ(now.readout_motion_in_enu_m, was.readout_motion_in_enu_m);
+  EXPECT_EQ(now.readout_motion, was.readout_motion);
   EXPECT_EQ(read->ground.Heights(), facts.ground.Heights());
   EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
   ASSERT_TRUE(read->appearance);

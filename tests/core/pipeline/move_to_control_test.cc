@@ -110,14 +110,14 @@ TEST(MoveToControl, TurnsAndStretchesByPointsThatLieFarApart) {
   EXPECT_GT(flight.WorstTurnRad(flight.known), 0.015);
   // As far as it truly moved while it read its rows, turned and stretched with the flight.
   const Eigen::Vector3d truly_m(1e-3, -2e-3, 5e-4);
-  flight.known.flight.photos.front().readout_motion_in_enu_m =
+  flight.known.flight.photos.front().readout_motion.shift_in_enu_m =
       1.01 * (Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()) * truly_m);
   for (const std::size_t points : {2u, 3u, 4u}) {
     const auto moved = MoveToControl(flight.known, flight.Survey(points));
     ASSERT_TRUE(moved.has_value());
     EXPECT_LT(flight.WorstCameraM(*moved), 0.01);
     EXPECT_LT(flight.WorstTurnRad(*moved), 1e-4);
-    EXPECT_LT((moved->flight.photos.front().readout_motion_in_enu_m - truly_m).norm(), 1e-6);
+    EXPECT_LT((moved->flight.photos.front().readout_motion.shift_in_enu_m - truly_m).norm(), 1e-6);
     EXPECT_LT(moved->flight.photos.front().error_radius_m, 0.1);
   }
 }

@@ -1,0 +1,101 @@
+#include "core/flight/metadata/gyro_tags.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+namespace skyquilt::flight {
+namespace {
+
+constexpr std::size_t kRecordBytes = 24;
+constexpr std::size_t kMaxRecords = 4096;
+constexpr double kFastestRadps = 35.0;  // the range of the gyros in cameras: 2000 degrees per second
+constexpr double kLongestGapS = 0.02;   // between records: no shaking may be missed
+constexpr double kMaxOffsetS = 1.0;     // from the first record to the first row
+constexpr std::size_t kMaxTextBytes = (kRecordBytes * kMaxRecords * 4) / 3 + 4;
+
+// What stands for 6 bits; -1 for anything else.
+int SixBits(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  if (c == '/') return 63;
+  return -1;
+}
+
+// Blanks and line ends may stand anywhere, '=' only at the end. Nothing for other characters or too many.
+std::optional<std::vector<std::uint8_t>> FromBase64(std::string_view text) {
+  if (text.size() > kMaxTextBytes) return std::nullopt;
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t kept = 0;
+  int bits = 0;
+  bool has_ended = false;
+  for (const char c : text) {
+    if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
+    if (c == '=') {
+      has_ended = true;
+      continue;
+    }
+    const int six = SixBits(c);
+    if (six < 0 || has_ended) return std::nullopt;
+    kept = (kept << 6) | static_cast<std::uint32_t>(six);
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(static_cast<std::uint8_t>(kept >> bits));
+  }
+  return bytes;
+}
+
+template <typename Number>
+Number LittleEndian(const std::uint8_t* bytes) {
+  Number number = 0;
+  for (std::size_t i = 0; i < sizeof(Number); ++i) number |= static_cast<Number>(bytes[i]) << (8 * i);
+  return number;
+}
+
+// The gyro's axes are the body's (x ahead, y right, z down) of a camera that looks down with its image top
+// ahead, as its angles are recorded too.
+Eigen::Vector3d InCam(const Eigen::Vector3d& in_body) { return {in_body.y(), -in_body.x(), in_body.z()}; }
+
+}  // namespace
+
+std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<std::string>& notes) {
+  const std::string* text = xmp.Find("Camera:IMUAngularVelocity");
+  if (text == nullptr || text->empty()) return std::nullopt;
+  const auto refuse = [&](const char* why) -> std::optional<RecordedTurning> {
+    notes.push_back(std::string("The gyro's records in the photo ") + why + " and were not used.");
+    return std::nullopt;
+  };
+  const auto offset_ns = xmp.Number("Camera:IMUTimeOffset");
+  const double offset_s = 1e-9 * offset_ns.value_or(0.0);
+  if (std::abs(offset_s) > kMaxOffsetS) return refuse("begin at an impossible time");
+  const auto bytes = FromBase64(*text);
+  if (!bytes || bytes->size() % kRecordBytes != 0) return refuse("are damaged");
+  if (bytes->size() < 2 * kRecordBytes) return refuse("are too few");
+  RecordedTurning turning;
+  const auto first_us = LittleEndian<std::uint64_t>(bytes->data());
+  for (std::size_t at = 0; at < bytes->size(); at += kRecordBytes) {
+    const std::uint8_t* record = bytes->data() + at;
+    const auto us = LittleEndian<std::uint64_t>(record);
+    Eigen::Vector3d in_body;
+    for (int axis = 0; axis < 3; ++axis)
+      in_body[axis] = std::bit_cast<float>(LittleEndian<std::uint32_t>(record + 8 + 4 * axis));
+    // Compared so that no NaN passes.
+    if (!(in_body.cwiseAbs().maxCoeff() <= kFastestRadps) || !in_body.allFinite())
+      return refuse("tell of impossible rates");
+    if (us < first_us) return refuse("run backwards");
+    const double time_s = 1e-6 * static_cast<double>(us - first_us) - offset_s;
+    if (!turning.samples.empty()) {
+      const double step_s = time_s - turning.samples.back().time_s;
+      if (!(step_s > 0.0)) return refuse("run backwards");
+      if (step_s > kLongestGapS) return refuse("have gaps");
+    }
+    turning.samples.push_back({time_s, InCam(in_body)});
+  }
+  return turning;
+}
+
+}  // namespace skyquilt::flight
