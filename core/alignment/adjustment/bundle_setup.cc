@@ -122,7 +122,7 @@ BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose&
   bundled.height_above_ground_m = std::max(1.0, posed.height_above_ground_m);
   bundled.readout_motion = ReadoutMotion(posed, corrected.quarter_turns);
   if (!posed.readout_motion && !bundled.readout_motion.turns_rad.empty())
-    bundled.readout_doubt = DoubtOfReadout(posed.photo, corrected.quarter_turns);
+    bundled.readout_doubt = DoubtOfReadout(posed, corrected.quarter_turns);
   const double sigma_h = SigmaHorizontalM(posed);
   const double sigma_v = std::max(kMinSigmaM, std::sqrt(posed.covariance(5, 5)));
   bundled.sigma_position_m = {sigma_h, sigma_h, sigma_v};

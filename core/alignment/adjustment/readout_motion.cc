@@ -9,10 +9,11 @@ namespace {
 constexpr double kKnotS = 0.004;  // between knots the rate is as good as constant: shaking is slower
 constexpr int kMaxKnots = 129;
 constexpr double kMinCoveredShare = 0.5;
-constexpr double kGyroDriftRadps = 0.01;
-constexpr double kSpeedSigmaMps = 0.3;  // of a receiver
-constexpr double kShakingRadps2 = 8.0;  // how fast rates change where nobody looks
-constexpr double kLagSigmaS = 0.003;    // of its clock, found for the flight
+constexpr double kGyroDriftRadps = 0.005;  // of one that is zeroed at the start
+constexpr double kSpeedSigmaMps = 0.3;     // of a receiver
+constexpr double kUnknownSpeedMps = 10.0;  // an aircraft flies so fast, or hovers
+constexpr double kShakingRadps2 = 8.0;     // how fast rates change where nobody looks
+constexpr double kLagSigmaS = 0.001;       // of its clock, found for the flight
 
 // Between which moments the rows stand: each in the middle of its own exposure.
 struct ReadoutTimes {
@@ -73,7 +74,8 @@ std::vector<Eigen::Vector3d> TurnsOfRows(const flight::RecordedTurning& turning,
   return turns_rad;
 }
 
-ReadoutDoubt DoubtOfReadout(const flight::Photo& photo, int quarter_turns) {
+ReadoutDoubt DoubtOfReadout(const poses::PosedPhoto& posed, int quarter_turns) {
+  const flight::Photo& photo = posed.photo;
   ReadoutDoubt doubt;
   if (!photo.turning || photo.turning->samples.empty() || !photo.readout_s || *photo.readout_s <= 0.0)
     return doubt;
@@ -83,9 +85,10 @@ ReadoutDoubt DoubtOfReadout(const flight::Photo& photo, int quarter_turns) {
   const double after_s = std::max(0.0, rows.last_s - samples.back().time_s);
   doubt.known_from_share = before_s / *photo.readout_s - 0.5;
   doubt.known_to_share = 0.5 - after_s / *photo.readout_s;
+  const double speed_sigma_mps = posed.velocity_in_enu_mps ? kSpeedSigmaMps : kUnknownSpeedMps;
   const double unseen_s = std::max(before_s, after_s);
   doubt.sigma << Eigen::Vector3d::Constant(kGyroDriftRadps * *photo.readout_s),
-      Eigen::Vector3d::Constant(kSpeedSigmaMps * *photo.readout_s),
+      Eigen::Vector3d::Constant(speed_sigma_mps * *photo.readout_s),
       Eigen::Vector3d::Constant(0.5 * kShakingRadps2 * unseen_s * unseen_s), kLagSigmaS / *photo.readout_s;
   if (photo.is_resaved_by_viewer && quarter_turns == 2) {
     std::swap(doubt.known_from_share, doubt.known_to_share);

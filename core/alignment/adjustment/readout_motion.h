@@ -13,8 +13,9 @@ namespace skyquilt::alignment {
 // (CorrectedPose).
 camera::RowMotion ReadoutMotion(const poses::PosedPhoto& posed, int quarter_turns);
 
-// What of that the images may correct, for a photo whose turning is recorded.
-ReadoutDoubt DoubtOfReadout(const flight::Photo& photo, int quarter_turns);
+// What of that the images may correct, for a photo whose turning is recorded. Without a recorded speed that
+// is the speed too.
+ReadoutDoubt DoubtOfReadout(const poses::PosedPhoto& posed, int quarter_turns);
 
 // The turns by a gyro's samples, against the middle row, as RowMotion has them; beyond its records the camera
 // goes on turning as it did. Empty where they cover less than half of the readout.

@@ -31,6 +31,12 @@ struct ComparedPair {
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> places;  // in the two images
 };
 
+// With a gyro whose lag is to be found.
+bool IsOpen(const poses::PosedPhoto& posed) {
+  const flight::Photo& photo = posed.photo;
+  return photo.turning && photo.readout_s && !photo.is_resaved_by_viewer && !posed.readout_motion;
+}
+
 // Photos of one camera with a gyro that lie nearest to each other, spread over the flight.
 std::vector<ComparedPair> NearestPairs(const poses::PosedFlight& posed,
                                        const std::vector<std::size_t>& photos) {
@@ -74,9 +80,11 @@ Eigen::Vector2d InMiddle(const camera::Intrinsics& lens, const camera::RowMotion
   return (motion.TurnAt(share).conjugate() * lens.Unproject(pixel)).hnormalized();
 }
 
-// Without a lag: no turns at all.
-camera::RowMotion TurnsWithLag(const flight::Photo& photo, std::optional<double> lag_s) {
+// Without a lag: no turns at all. A finished photo's are known for good.
+camera::RowMotion TurnsWithLag(const poses::PosedPhoto& posed, std::optional<double> lag_s) {
   if (!lag_s) return {};
+  if (posed.readout_motion) return *posed.readout_motion;
+  const flight::Photo& photo = posed.photo;
   flight::RecordedTurning turning = *photo.turning;
   for (flight::TurnRate& sample : turning.samples) sample.time_s -= *lag_s;
   return {Eigen::Vector3d::Zero(),
@@ -86,7 +94,8 @@ camera::RowMotion TurnsWithLag(const flight::Photo& photo, std::optional<double>
 int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::optional<double> lag_s) {
   const flight::Photo& first = posed.photos[pair.first].photo;
   const flight::Photo& second = posed.photos[pair.second].photo;
-  const camera::RowMotion of_first = TurnsWithLag(first, lag_s), of_second = TurnsWithLag(second, lag_s);
+  const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
+  const camera::RowMotion of_second = TurnsWithLag(posed.photos[pair.second], lag_s);
   std::vector<PlacePair> places;
   for (const auto& [from, to] : pair.places) {
     places.push_back(
@@ -146,9 +155,7 @@ std::vector<GyroReport> TieGyrosToRows(poses::PosedFlight& posed,
                                        const std::vector<const PhotoFeatures*>& features, int threads) {
   std::map<std::string, std::vector<std::size_t>> of_camera;
   for (std::size_t i = 0; i < posed.photos.size(); ++i) {
-    const flight::Photo& photo = posed.photos[i].photo;
-    if (photo.turning && photo.readout_s && !photo.is_resaved_by_viewer && !posed.photos[i].readout_motion)
-      of_camera[photo.camera_key].push_back(i);
+    if (IsOpen(posed.photos[i])) of_camera[posed.photos[i].photo.camera_key].push_back(i);
   }
   std::vector<GyroReport> reports;
   for (const auto& [camera_key, photos] : of_camera) {
@@ -157,7 +164,18 @@ std::vector<GyroReport> TieGyrosToRows(poses::PosedFlight& posed,
     std::vector<std::size_t> readable;
     for (const std::size_t i : photos)
       if (features[i] != nullptr) readable.push_back(i);
+    // Of a camera of which a part is finished, that part tells most.
+    for (std::size_t i = 0; i < posed.photos.size(); ++i) {
+      const poses::PosedPhoto& other = posed.photos[i];
+      if (features[i] != nullptr && other.readout_motion && !other.readout_motion->turns_rad.empty() &&
+          other.photo.camera_key == camera_key) {
+        readable.push_back(i);
+      }
+    }
     std::vector<ComparedPair> pairs = NearestPairs(posed, readable);
+    std::erase_if(pairs, [&](const ComparedPair& pair) {
+      return !IsOpen(posed.photos[pair.first]) && !IsOpen(posed.photos[pair.second]);
+    });
     ParallelFor(pairs.size(), threads, [&](std::size_t k) { Match(features, pairs[k]); });
     std::erase_if(pairs, [](const ComparedPair& pair) { return pair.places.size() < kMinMatches; });
     std::stable_sort(pairs.begin(), pairs.end(), [](const ComparedPair& a, const ComparedPair& b) {

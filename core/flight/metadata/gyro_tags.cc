@@ -71,7 +71,8 @@ std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<s
   };
   const auto offset_ns = xmp.Number("Camera:IMUTimeOffset");
   const double offset_s = 1e-9 * offset_ns.value_or(0.0);
-  if (std::abs(offset_s) > kMaxOffsetS) return refuse("begin at an impossible time");
+  const bool is_odd = !offset_ns && xmp.Find("Camera:IMUTimeOffset") != nullptr;
+  if (is_odd || std::abs(offset_s) > kMaxOffsetS) return refuse("begin at an impossible time");
   const auto bytes = FromBase64(*text);
   if (!bytes || bytes->size() % kRecordBytes != 0) return refuse("are damaged");
   if (bytes->size() < 2 * kRecordBytes) return refuse("are too few");

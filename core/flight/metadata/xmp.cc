@@ -18,7 +18,7 @@ constexpr std::size_t kMaxAttributes = 400;
 constexpr std::size_t kMaxElements = 20'000;
 constexpr std::size_t kMaxName = 200;
 constexpr std::size_t kMaxProperties = 4000;
-constexpr std::size_t kMaxText = 128u << 10;
+constexpr std::size_t kMaxText = 256u << 10;
 constexpr int kMaxDepth = 32;
 
 struct KnownNamespace {

@@ -21,7 +21,7 @@ struct RenderPhotoOptions {
   double vignetting = 0.0;     // share of light lost in the corners (of the encoded value), falling with r^2
   double exposure_gain = 1.0;  // factor on the encoded values
   Eigen::Vector3d motion_in_enu_m = Eigen::Vector3d::Zero();  // of the camera while the shutter is open
-  camera::RowMotion readout_motion;  // while it reads its rows
+  camera::RowMotion readout_motion;                           // while it reads its rows
   double noise_counts = 1.0;  // 1-sigma of the sensor's noise, in 8-bit counts
   std::uint32_t noise_seed = 1;
   int threads = 1;  // 0 = all cores

@@ -8,6 +8,7 @@
 #include "core/alignment/adjustment/readout_motion.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/ground/model_ground.h"
+#include "core/simulate/sensors/shaking.h"
 #include "tests/core/alignment/simulated_case.h"
 
 namespace skyquilt::alignment {
@@ -70,11 +71,14 @@ TEST(AlignFlight, UndoesTheTurningDuringTheReadoutByTheGyro) {
   EXPECT_TRUE(untold.report.gyros.empty());
   EXPECT_LT(told.error.relative_ce90_m, truth.GsdM());
   EXPECT_LT(4.0 * told.error.relative_ce90_m, untold.error.relative_ce90_m);
-  // A gyro that belongs to other photos is found out.
+  // Without a recorded speed (8 m/s) the rows tell that too.
+  poses::PosedFlight speedless = PosesOf(truth);
+  for (poses::PosedPhoto& photo : speedless.photos) photo.velocity_in_enu_mps.reset();
+  EXPECT_LT(Align(truth, speedless).error.relative_ce90_m, 1.5 * truth.GsdM());
+  // A gyro whose axes are other than its maker's is found out.
   poses::PosedFlight wrong = PosesOf(truth);
-  for (std::size_t i = 0; i < wrong.photos.size(); ++i) {
-    for (flight::TurnRate& sample : wrong.photos[i].photo.turning->samples)
-      sample.in_cam_radps = -sample.in_cam_radps;
+  for (poses::PosedPhoto& photo : wrong.photos) {
+    for (flight::TurnRate& sample : photo.photo.turning->samples) sample.in_cam_radps *= -1.0;
   }
   const Outcome refused = Align(truth, wrong);
   ASSERT_EQ(refused.report.gyros.size(), 1U);
