@@ -12,6 +12,7 @@
 #include "core/flight/lists/duplicates.h"
 #include "core/flight/lists/sort_files.h"
 #include "core/flight/logs/read_log.h"
+#include "core/flight/metadata/name_time.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -46,12 +47,18 @@ std::vector<std::optional<Result<Photo>>> ReadAll(const std::vector<InputFile>& 
 // One after the other: a long log takes the memory it is allowed only once.
 void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   flight.warnings.insert(flight.warnings.end(), files.refused.begin(), files.refused.end());
+  std::vector<std::string> notes;
   std::vector<std::filesystem::path> paths;
   for (const InputFile& file : files.logs) paths.push_back(file.path);
   const auto duplicate_of = FindDuplicates(paths);
   for (std::size_t i = 0; i < files.logs.size(); ++i) {
     const InputFile& file = files.logs[i];
-    if (duplicate_of[i] || progress.IsCancelled()) continue;
+    if (progress.IsCancelled()) continue;
+    if (duplicate_of[i]) {
+      notes.push_back(
+          fmt::format("{} is not used: it is the same as {}.", file.name, files.logs[*duplicate_of[i]].name));
+      continue;
+    }
     progress.Report(0.0, fmt::format("reading the log {}", file.name));
     Result<FlightLog> log = ReadLog(file);
     if (!log) {
@@ -59,7 +66,7 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
       continue;
     }
     for (const std::string& warning : log->warnings) {
-      flight.warnings.push_back(fmt::format("{}: {}", file.name, warning));
+      notes.push_back(fmt::format("{}: {}", file.name, warning));
     }
     flight.logs.push_back(*std::move(log));
   }
@@ -70,10 +77,13 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
       continue;
     }
     for (const std::string& warning : list->warnings) {
-      flight.warnings.push_back(fmt::format("{}: {}", file.name, warning));
+      notes.push_back(fmt::format("{}: {}", file.name, warning));
     }
     flight.gcp_lists.push_back(*std::move(list));
   }
+  // What cannot be read stands above what was read and is only doubted.
+  if (!files.unused.empty()) flight.warnings.push_back(files.unused);
+  flight.warnings.insert(flight.warnings.end(), notes.begin(), notes.end());
   const auto by_name = [](const auto& a, const auto& b) { return a.file_name < b.file_name; };
   std::stable_sort(flight.logs.begin(), flight.logs.end(), by_name);
   std::stable_sort(flight.gcp_lists.begin(), flight.gcp_lists.end(), by_name);
@@ -85,7 +95,7 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   }
 }
 
-void WarnAboutFlight(Flight& flight) {
+void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
   const auto count = [&](auto predicate) {
     return std::count_if(flight.photos.begin(), flight.photos.end(), predicate);
   };
@@ -96,6 +106,7 @@ void WarnAboutFlight(Flight& flight) {
   if (flight.logs.empty()) {
     warn(count([](const Photo& p) { return !p.position; }), "carry no usable position.");
   }
+  warn(timed_by_name, "carry no time in their metadata; the one in their names is taken.");
   warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
   warn(count([](const Photo& p) { return p.focal_source == FocalSource::kAssumed; }),
        "do not say their focal length; the map's scale is a guess for them.");
@@ -140,10 +151,11 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
       flight.photos.push_back(std::move(*photo));
     }
   }
+  const int timed_by_name = TakeTimesFromNames(flight.photos);
   std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);
   std::sort(flight.left_out.begin(), flight.left_out.end(),
             [](const LeftOutPhoto& a, const LeftOutPhoto& b) { return a.name < b.name; });
-  WarnAboutFlight(flight);
+  WarnAboutFlight(timed_by_name, flight);
   progress.Report(1.0, fmt::format("{} photos and {} logs read", flight.photos.size(), flight.logs.size()));
   return flight;
 }

@@ -20,6 +20,7 @@
 #include "core/poses/plausible_poses.h"
 #include "core/poses/time/join_logs.h"
 #include "core/poses/time/tie_to_log.h"
+#include "core/poses/unplaced_words.h"
 
 namespace skyquilt::poses {
 namespace {
@@ -95,10 +96,7 @@ void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
   report.method = "reckoned from the start without any position";
   constexpr const char* kFromOrigin =
       "No position anywhere: the flight is reckoned from the given origin, and its error grows with time.";
-  constexpr const char* kFromNowhere =
-      "No position anywhere: the map has the right scale and north, but its place on Earth is not known; "
-      "it is drawn at 0 degrees north, 0 degrees east. Give --origin LAT,LON of the take-off to place it.";
-  posed.warnings.emplace_back(has_origin ? kFromOrigin : kFromNowhere);
+  posed.warnings.push_back(has_origin ? std::string(kFromOrigin) : ReckonedFromNowhereWords());
 }
 
 // Photos outside the log, or all of them without one. The frame is theirs where no log has set it.
@@ -281,14 +279,17 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   posed.left_out = flight.left_out;
   LogTie tie;
   tie.photos = flight.photos;
-  posed.report.logs = ApplyPhotoRows(flight.logs, tie.photos);
+  PhotoRowsUse rows = ApplyPhotoRows(flight.logs, tie.photos);
+  posed.report.logs = std::move(rows.lines);
+  posed.warnings = std::move(rows.warnings);
+  Append(WarnOfEmptyLogs(flight.logs), posed.warnings);
   if (options.dem != nullptr && !flight.elevation_models.empty()) {
     posed.report.logs.push_back(flight.elevation_models.front() + ": heights of the ground");
   }
   const std::optional<JoinedLog> log = JoinLogs(flight.logs);
   if (log) {
     Append(log->notes, posed.report.logs);
-    posed.warnings = log->warnings;
+    Append(log->warnings, posed.warnings);
     tie = TieToLog(log->log, std::move(tie.photos));
     Append(tie.warnings, posed.warnings);
     if (tie.sync) DescribeTime(*tie.sync, posed.report);

@@ -49,9 +49,8 @@ void TakeAngles(const CameraEvent& event, const std::string& source, Photo& phot
 
 }  // namespace
 
-std::vector<std::string> ApplyPhotoRows(const std::vector<flight::FlightLog>& logs,
-                                        std::vector<Photo>& photos) {
-  std::vector<std::string> lines;
+PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<Photo>& photos) {
+  PhotoRowsUse use;
   for (const flight::FlightLog& log : logs) {
     std::map<std::string, const CameraEvent*> rows;
     for (const CameraEvent& event : log.events) {
@@ -60,16 +59,22 @@ std::vector<std::string> ApplyPhotoRows(const std::vector<flight::FlightLog>& lo
     if (rows.empty()) continue;
     int matched = 0;
     for (Photo& photo : photos) {
-      const auto row = rows.find(PlainName(photo.name));
+      const std::string name = PlainName(photo.name);
+      auto row = rows.find(name);
+      if (row == rows.end()) row = rows.find(name.substr(0, name.rfind('.')));  // lists without endings
       if (row == rows.end()) continue;
       ++matched;
       if (row->second->position) TakePosition(*row->second, log.file_name, photo);
       if (row->second->yaw_pitch_roll_rad) TakeAngles(*row->second, log.file_name, photo);
     }
-    lines.push_back(
+    use.lines.push_back(
         fmt::format("{} ({}) names {} of {} photos", log.file_name, log.format, matched, photos.size()));
+    if (matched > 0 || photos.empty()) continue;
+    use.warnings.push_back(fmt::format(
+        "{} is not used: its rows name {} photos (the first is {}), and none of the photos given is called so.",
+        log.file_name, rows.size(), rows.begin()->first));
   }
-  return lines;
+  return use;
 }
 
 int ApplyEvents(const flight::FlightLog& log, const TimeSync& sync, bool log_has_track,

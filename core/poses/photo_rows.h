@@ -11,10 +11,14 @@
 
 namespace skyquilt::poses {
 
-// Rows that name a photo (case and folders do not matter) and have no time. Answers one line a list, in
-// words.
-std::vector<std::string> ApplyPhotoRows(const std::vector<flight::FlightLog>& logs,
-                                        std::vector<flight::Photo>& photos);
+struct PhotoRowsUse {
+  std::vector<std::string> lines;     // one a list, in words
+  std::vector<std::string> warnings;  // lists that name no photo
+};
+
+// Rows that name a photo (case and folders do not matter, nor endings where the list has none) and have no
+// time.
+PhotoRowsUse ApplyPhotoRows(const std::vector<flight::FlightLog>& logs, std::vector<flight::Photo>& photos);
 
 // Camera events matched to photos. An event's position is taken where it was surveyed (RTK), where the photo
 // has none, or where `log_has_track` is false; its angles where the photo has none. Answers how many photos

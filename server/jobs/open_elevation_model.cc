@@ -20,6 +20,10 @@ Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
   if (!dem_path.empty()) {
     SKYQUILT_TRY_ASSIGN(auto opened, Open(dem_path));
     given.source = std::move(opened);
+    for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
+      given.warnings.push_back(model.name + " is not used: the ground's heights are those of " + dem_path +
+                               ".");
+    }
     return given;
   }
   for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {

@@ -16,6 +16,7 @@
 #include "core/alignment/reconstruction/register_photos.h"
 #include "core/base/median.h"
 #include "core/base/scoped_timer.h"
+#include "core/poses/unplaced_words.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -377,11 +378,7 @@ std::string SecondLegInWords(const SecondLegReport& report) {
   if (!report.is_taken) return {};
   std::string words = report.why + ": " + report.outcome + ".";
   if (!report.is_placed) {
-    words += fmt::format(
-        " The map is whole but NOT GEOREFERENCED: it lies at a local origin, its north is a guess and its scale "
-        "is as if a photo showed {:.0f} m of ground. Add the flight log, surveyed points "
-        "(gcp_list.txt) or positions (geo.txt) to place it.",
-        GeoreferenceRecords().guessed_width_m);
+    words += " " + poses::NotGeoreferencedWords(GeoreferenceRecords().guessed_width_m);
   }
   return words;
 }

@@ -9,6 +9,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/photos/byte_source.h"
 
@@ -64,6 +65,10 @@ Result<Kind> KindOf(const InputFile& file) {
     return Error{ErrorCode::kUnsupportedFormat,
                  file.name + " is named like a flight log but is none that can be read; copy it again.", ""};
   }
+  if (!format && unknown == Kind::kNothing) {
+    if (auto why = ExplainUnknownTable(head, file.name))
+      return Error{ErrorCode::kUnsupportedFormat, *std::move(why), ""};
+  }
   if (!format) return unknown;
   return *format == LogFormat::kGcpList ? Kind::kGcpList : Kind::kLog;
 }
@@ -84,9 +89,14 @@ std::string NotUsed(const std::vector<std::string>& names) {
 SortedFiles SortFiles(const std::vector<InputFile>& files) {
   SortedFiles sorted;
   std::vector<std::string> unused;
+  std::size_t unread_tables = 0;
+  constexpr std::size_t kMaxTablesExplained = 10;
   for (const InputFile& file : files) {
     const auto kind = KindOf(file);
-    if (!kind) {
+    if (!kind && kind.error().code == ErrorCode::kUnsupportedFormat &&
+        ++unread_tables > kMaxTablesExplained) {
+      unused.push_back(file.name);
+    } else if (!kind) {
       sorted.refused.push_back(kind.error().message);
     } else if (*kind == Kind::kPhoto) {
       sorted.photos.push_back(file);
@@ -100,7 +110,7 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
       unused.push_back(file.name);
     }
   }
-  if (!unused.empty()) sorted.refused.push_back(NotUsed(unused));
+  if (!unused.empty()) sorted.unused = NotUsed(unused);
   return sorted;
 }
 

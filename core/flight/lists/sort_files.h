@@ -16,7 +16,8 @@ struct SortedFiles {
   std::vector<InputFile> logs;
   std::vector<InputFile> gcp_lists;
   std::vector<InputFile> elevation_models;
-  std::vector<std::string> refused;  // what is known but cannot be read, with advice; what is not used
+  std::vector<std::string> refused;  // what is known but cannot be read, or looks like a log, with advice
+  std::string unused;                // in words, what else is not used; empty where nothing is
 };
 
 SortedFiles SortFiles(const std::vector<InputFile>& files);

@@ -87,6 +87,8 @@ struct FlightLog {
   std::vector<AttitudeSample> gimbal;
   std::optional<UtcTime> utc_at_zero;
   double utc_sigma_s = 0.0;
+  // What a table's column of times counts at t_s = 0; two tables of one recorder may count alike.
+  std::optional<double> counter_at_zero_s;
   std::optional<UtcTime> local_at_zero;  // a clock of unknown zone, where the format has no better one
   std::map<std::string, std::uint64_t> message_counts;  // by the format's own message names
   std::vector<std::string> mapping;                     // for tolerant formats: "column -> meaning, unit"

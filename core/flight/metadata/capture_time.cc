@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kMicrosPerSecond = 1000000;
 
-UtcTime InUtc(const WrittenTime& time) {
+UtcTime InUtc(const ExifTime& time) {
   return time.clock_minus_utc ? UtcTime(time.as_written - *time.clock_minus_utc) : time.as_written;
 }
 
@@ -18,7 +18,7 @@ UtcTime InUtc(const WrittenTime& time) {
 
 CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::vector<std::string>& notes) {
   for (const std::string_view name : {"drone-dji:UTCAtExposure", "sensefly:UTCTime"}) {
-    if (const auto time = ParseWrittenTime(xmp.Text(name))) return {InUtc(*time), false};
+    if (const auto time = ParseExifTime(xmp.Text(name))) return {InUtc(*time), false};
   }
   if (exif.taken_at && exif.clock_minus_utc) return {UtcTime(*exif.taken_at - *exif.clock_minus_utc), false};
   if (exif.taken_at && exif.gps_time) {
@@ -38,7 +38,7 @@ CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::v
   if (exif.gps_time) return {exif.gps_time, false};
   if (exif.taken_at) return {exif.taken_at, true};
   for (const std::string_view name : {"exif:DateTimeOriginal", "xmp:CreateDate"}) {
-    if (const auto time = ParseWrittenTime(xmp.Text(name))) return {InUtc(*time), !time->clock_minus_utc};
+    if (const auto time = ParseExifTime(xmp.Text(name))) return {InUtc(*time), !time->clock_minus_utc};
   }
   return {};
 }

@@ -6,7 +6,9 @@
 #include "core/flight/metadata/tiff_number.h"
 
 namespace skyquilt::flight {
-std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool is_big_endian) {
+namespace {
+
+std::optional<DjiMakerNote> ReadInOrder(std::span<const std::uint8_t> note, bool is_big_endian) {
   constexpr std::uint32_t kMaxEntries = 100;
   constexpr std::uint32_t kFloat = 11;
   if (note.size() < 2) return std::nullopt;
@@ -33,6 +35,14 @@ std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note,
   }
   if (!any) return std::nullopt;
   return found;
+}
+
+}  // namespace
+
+std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool exif_is_big_endian) {
+  // Read the wrong way round, the number of entries or the type of each is nonsense: one order fits at most.
+  if (auto found = ReadInOrder(note, exif_is_big_endian)) return found;
+  return ReadInOrder(note, !exif_is_big_endian);
 }
 
 }  // namespace skyquilt::flight

@@ -15,8 +15,9 @@ struct DjiMakerNote {
   std::optional<double> camera_pitch_deg, camera_yaw_deg, camera_roll_deg;
 };
 
-// `note` is the value of EXIF tag 0x927C: a TIFF directory without a header of its own. Nothing when it is
-// not DJI's.
-std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool is_big_endian);
+// `note` is the value of EXIF tag 0x927C: a TIFF directory without a header of its own, which keeps the
+// camera's byte order when a program writes the EXIF block around it anew in the other; the order of the EXIF
+// is tried first. Nothing when it is not DJI's.
+std::optional<DjiMakerNote> ReadDjiMakerNote(std::span<const std::uint8_t> note, bool exif_is_big_endian);
 
 }  // namespace skyquilt::flight

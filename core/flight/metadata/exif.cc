@@ -166,7 +166,7 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
       {ExifIfd::kImage, tag::kDateTimeOriginal, tag::kSubSecTimeOriginal, tag::kOffsetTimeOriginal},
       {ExifIfd::kImage, tag::kDateTime, tag::kSubSecTime, tag::kOffsetTime}};
   for (const Source& source : kSources) {
-    const auto time = ParseWrittenTime(table.Text(source.ifd, source.time));
+    const auto time = ParseExifTime(table.Text(source.ifd, source.time));
     if (!time) continue;
     record.taken_at = time->as_written + ReadSubSeconds(table.Text(ExifIfd::kExif, source.sub_seconds));
     record.clock_minus_utc = ParseZone(table.Text(ExifIfd::kExif, source.zone));
@@ -179,7 +179,7 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
   const auto minutes = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 1), 0.0, 59.0);
   const auto seconds = Within(table.Number(ExifIfd::kGps, tag::kTimeStamp, 2), 0.0, 60.999999);
   if (date.empty() || !hours || !minutes || !seconds) return;
-  const auto midnight = ParseWrittenTime(date + " 00:00:00");
+  const auto midnight = ParseExifTime(date + " 00:00:00");
   if (!midnight) return;
   const double of_day_s = *hours * 3600.0 + *minutes * 60.0 + *seconds;
   record.gps_time = midnight->as_written + std::chrono::microseconds(std::llround(of_day_s * 1e6));
@@ -187,7 +187,7 @@ void ReadClock(const ExifTable& table, ExifRecord& record) {
 
 }  // namespace
 
-std::optional<WrittenTime> ParseWrittenTime(const std::string& text) {
+std::optional<ExifTime> ParseExifTime(const std::string& text) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
   if (std::sscanf(text.c_str(), "%4d%*1[:/-]%2d%*1[:/-]%2d%*1[ T]%2d:%2d:%2d%n", &year, &month, &day, &hour,
                   &minute, &second, &used) != 6 ||
@@ -199,7 +199,7 @@ std::optional<WrittenTime> ParseWrittenTime(const std::string& text) {
                                          std::chrono::day(static_cast<unsigned>(day))};
   if (month < 1 || day < 1 || !date.ok() || year < 1980 || year > 2200) return std::nullopt;
   if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 60) return std::nullopt;
-  WrittenTime time;
+  ExifTime time;
   time.as_written = std::chrono::sys_days(date) + std::chrono::hours(hour) + std::chrono::minutes(minute) +
                     std::chrono::seconds(second);
   std::size_t at = static_cast<std::size_t>(used);

@@ -49,10 +49,10 @@ ExifRecord InterpretExif(const ExifTable& table);
 
 // "2013:06:04 17:38:03.25", also with '-', 'T', and a zone ("Z", "+02:00") that is given back apart. The time
 // is as written; nothing for what is no date.
-struct WrittenTime {
+struct ExifTime {
   UtcTime as_written;
   std::optional<std::chrono::minutes> clock_minus_utc;
 };
-std::optional<WrittenTime> ParseWrittenTime(const std::string& text);
+std::optional<ExifTime> ParseExifTime(const std::string& text);
 
 }  // namespace skyquilt::flight

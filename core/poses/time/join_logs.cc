@@ -44,6 +44,26 @@ LogSpan SpanOf(const FlightLog& log) {
   return span;
 }
 
+Span SpanWithEvents(const FlightLog& log) {
+  Span span = SpanOf(log);
+  for (const flight::CameraEvent& event : log.events) {
+    if (!event.has_time) continue;
+    span.begin_s = std::min(span.begin_s, event.t_s);
+    span.end_s = std::max(span.end_s, event.t_s);
+  }
+  return span;
+}
+
+bool ShareASeries(const FlightLog& a, const FlightLog& b) {
+  return (!a.imu.empty() && !b.imu.empty()) || (!a.attitude.empty() && !b.attitude.empty()) ||
+         (!a.gnss.empty() && !b.gnss.empty()) || (!a.baro.empty() && !b.baro.empty());
+}
+
+bool NamesPhotos(const FlightLog& log) {
+  return std::any_of(log.events.begin(), log.events.end(),
+                     [](const auto& event) { return event.has_time && event.image_name.has_value(); });
+}
+
 bool IsMostlyFixed(const std::vector<flight::GnssSample>& samples) {
   const auto fixed =
       std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.is_rtk_fixed; });
@@ -100,11 +120,9 @@ class Joiner {
 
   void Take(const FlightLog& other) {
     FlightLog& log = out_.log;
-    if (!log.utc_at_zero || !other.utc_at_zero) {
-      out_.warnings.push_back(
-          fmt::format("{} is not used: {} does not say its UTC, so that the two cannot be laid "
-                      "side by side. Give one of them alone.",
-                      other.file_name, log.utc_at_zero ? other.file_name : log.file_name));
+    const bool both_know_utc = log.utc_at_zero && other.utc_at_zero;
+    if (!both_know_utc) {
+      TakeByCounter(other);
       return;
     }
     const double shift_s = std::chrono::duration<double>(*other.utc_at_zero - *log.utc_at_zero).count();
@@ -120,6 +138,36 @@ class Joiner {
   }
 
  private:
+  // Two tables without UTC that one recorder wrote count the same seconds: one holds what the other lacks,
+  // and its times fall into the other's.
+  void TakeByCounter(const FlightLog& other) {
+    FlightLog& log = out_.log;
+    const std::string& without_utc = log.utc_at_zero ? other.file_name : log.file_name;
+    if (!log.counter_at_zero_s || !other.counter_at_zero_s || ShareASeries(log, other)) {
+      out_.warnings.push_back(
+          fmt::format("{} is not used: {} does not say its UTC, so that the two cannot be laid "
+                      "side by side. Give one of them alone.",
+                      other.file_name, without_utc));
+      return;
+    }
+    FlightLog moved = Shifted(other, *other.counter_at_zero_s - *log.counter_at_zero_s);
+    const Span here = SpanWithEvents(log);
+    const Span there = SpanWithEvents(moved);
+    const double shared_s = std::min(here.end_s, there.end_s) - std::max(here.begin_s, there.begin_s);
+    const double shorter_s = std::min(here.end_s - here.begin_s, there.end_s - there.begin_s);
+    if (shared_s < 0.5 * shorter_s) {
+      const double zero_s = *log.counter_at_zero_s;
+      out_.warnings.push_back(fmt::format(
+          "{} is not used: its times ({:.1f} to {:.1f} s) are not those of {} ({:.1f} to {:.1f} s), and {} does "
+          "not say its UTC, so that the two cannot be laid side by side. Let both count the same seconds.",
+          other.file_name, there.begin_s + zero_s, there.end_s + zero_s, log.file_name, here.begin_s + zero_s,
+          here.end_s + zero_s, without_utc));
+      return;
+    }
+    Complete(std::move(moved));
+    out_.notes.back() += fmt::format(", its times being those that {} counts", log.file_name);
+  }
+
   // Another flight of the same mission.
   void Lengthen(FlightLog more) {
     FlightLog& log = out_.log;
@@ -159,9 +207,12 @@ class Joiner {
     fill(log.baro, more.baro, "barometer", false);
     fill(log.range, more.range, "range finder", false);
     fill(log.gimbal, more.gimbal, "gimbal", false);
-    fill(log.events, more.events, "camera events", surveyed(more) && !surveyed(log));
+    const bool better_named = NamesPhotos(more) && !NamesPhotos(log) && !surveyed(log);
+    fill(log.events, more.events, "camera events", better_named || (surveyed(more) && !surveyed(log)));
     if (taken.empty()) {
       out_.notes.push_back(fmt::format("{} ({}) adds nothing", more.file_name, more.format));
+      out_.warnings.push_back(fmt::format(
+          "{} is not used: the other logs cover the same time with all that it holds.", more.file_name));
     } else {
       out_.notes.push_back(fmt::format("{} ({}) for {}", more.file_name, more.format, taken));
     }
@@ -171,6 +222,18 @@ class Joiner {
 };
 
 }  // namespace
+
+std::vector<std::string> WarnOfEmptyLogs(const std::vector<FlightLog>& logs) {
+  std::vector<std::string> warnings;
+  for (const FlightLog& log : logs) {
+    if (Worth(log) > 0 || !log.events.empty()) continue;
+    warnings.push_back(fmt::format(
+        "{} is not used: it was read as a log ({}), but no row of it holds a position, an attitude, inertial "
+        "samples or a photo together with its time.",
+        log.file_name, log.format));
+  }
+  return warnings;
+}
 
 std::optional<JoinedLog> JoinLogs(const std::vector<FlightLog>& logs) {
   std::vector<const FlightLog*> useful;

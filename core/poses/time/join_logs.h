@@ -1,8 +1,9 @@
 // JoinLogs: the logs of one flight on one clock. People bring several: the autopilot's log beside a list of
 // exposures (MRK), a corrected track (RTKLIB) beside the recorder's own, one log a battery. The log with the
-// most kinds of series leads; the others are shifted by their UTC and give what it lacks, a better position,
-// or the time it does not cover. Lists that name photos without saying when (geo.txt, geolocation CSV) are no
-// part of it: ApplyPhotoRows takes them. Seconds on the leading log's clock. Pure; any thread.
+// most kinds of series leads; the others are shifted by their UTC (tables without one by the seconds that
+// both count) and give what it lacks, a better position, or the time it does not cover. Lists that name
+// photos without saying when (geo.txt, geolocation CSV) are no part of it: ApplyPhotoRows takes them. Seconds
+// on the leading log's clock. Pure; any thread.
 #pragma once
 
 #include <optional>
@@ -18,6 +19,9 @@ struct JoinedLog {
   std::vector<std::string> notes;     // what came from which file, in words
   std::vector<std::string> warnings;  // what could not be used
 };
+
+// Logs in which nothing is that a photo could be placed by, in words.
+std::vector<std::string> WarnOfEmptyLogs(const std::vector<flight::FlightLog>& logs);
 
 // Nothing where no log has a series or an event with a time.
 std::optional<JoinedLog> JoinLogs(const std::vector<flight::FlightLog>& logs);

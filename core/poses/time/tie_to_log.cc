@@ -49,7 +49,7 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
     return tie;
   }
   tie.sync = *std::move(sync);
-  ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
+  const int placed_by_events = ApplyEvents(log, *tie.sync, log.gnss.size() >= 2, tie.photos);
   tie.clock_sigma_s = kEventClockSigmaS;
   if (!HasTrackSeries(log)) return tie;
   const auto [begin_s, end_s] = MotionSpanOf(log);
@@ -58,6 +58,11 @@ LogTie TieToLog(const flight::FlightLog& log, std::vector<flight::Photo> photos)
     if (!time || time->t_s < begin_s - kBeyondLogS || time->t_s > end_s + kBeyondLogS) continue;
     tie.tied.push_back({i, time->t_s, OwnSigmaS(*time, tie.sync->sigma_s)});
     if (!time->event) tie.clock_sigma_s = tie.sync->sigma_s;
+  }
+  if (tie.tied.empty() && placed_by_events == 0) {
+    tie.warnings.push_back(log.file_name +
+                           " is not used: none of the photos was taken in the time that it covers. Give the "
+                           "log of this flight.");
   }
   std::stable_sort(tie.tied.begin(), tie.tied.end(),
                    [](const TiedPhoto& a, const TiedPhoto& b) { return a.t_s < b.t_s; });

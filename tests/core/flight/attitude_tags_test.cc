@@ -197,6 +197,13 @@ TEST(AttitudeFromTags, FallsBackToTheDjiMakerNote) {
                AttitudeKind::kAirframe, 46.0, 0.0, 0.0);
 }
 
+TEST(ReadDjiMakerNote, GoesByItsOwnByteOrder) {
+  const auto note = ReadDjiMakerNote(DjiNote({{9, -89.5f}, {10, 45.25f}, {11, 0.5f}}), true);
+  ASSERT_TRUE(note) << "little-endian inside a big-endian EXIF";
+  EXPECT_EQ(note->camera_pitch_deg, -89.5);
+  EXPECT_EQ(note->camera_yaw_deg, 45.25);
+}
+
 TEST(ReadDjiMakerNote, RefusesWhatIsNotDjis) {
   EXPECT_FALSE(ReadDjiMakerNote({}, false));
   const Bytes cut_off = [] {

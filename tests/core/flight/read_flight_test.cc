@@ -175,6 +175,41 @@ TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
               Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("notes.dat"))));
 }
 
+TEST(ReadFlight, ExplainsATableThatItCannotUseAboveAllElse) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string table = "stamp,lat_deg,lon_deg\n1,46.8,7.1\n2,46.8,7.1\n";
+  folder.Write("track.csv", Bytes(table.begin(), table.end()));
+  folder.Write("letter.txt", {'h', 'e', 'l', 'l', 'o'});
+  const Flight flight = Read(folder);
+  ASSERT_GE(flight.warnings.size(), 2u);
+  EXPECT_THAT(flight.warnings[0], HasSubstr("track.csv is a table, but not used: no column"));
+  EXPECT_THAT(flight.warnings[1], ::testing::AllOf(HasSubstr("Not used"), HasSubstr("letter.txt")));
+}
+
+TEST(ReadFlight, SaysWhichLogIsADouble) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string table = "time_s,lat_deg,lon_deg\n1,46.8,7.1\n2,46.8,7.1\n";
+  folder.Write("gnss.csv", Bytes(table.begin(), table.end()));
+  folder.Write("copy.csv", Bytes(table.begin(), table.end()));
+  const Flight flight = Read(folder);
+  EXPECT_EQ(flight.logs.size(), 1u);
+  EXPECT_THAT(flight.warnings, Contains(HasSubstr("gnss.csv is not used: it is the same as copy.csv")));
+}
+
+TEST(ReadFlight, TakesTimesFromNamesWhereNothingElseTellsThem) {
+  const Folder folder;
+  folder.Write("2018080501004480Z.jpg", JpegHeader({}));
+  folder.Write("2018080501004230Z.jpg", JpegHeader({}));
+  const Flight flight = Read(folder);
+  EXPECT_EQ(Names(flight), (std::vector<std::string>{"2018080501004230Z.jpg", "2018080501004480Z.jpg"}));
+  ASSERT_TRUE(flight.photos[0].captured_at);
+  EXPECT_FALSE(flight.photos[0].captured_at_is_local);
+  EXPECT_EQ(flight.photos[1].captured_at->time_since_epoch().count() % 60'000'000, 44'800'000);
+  EXPECT_THAT(flight.warnings, Contains(HasSubstr("2 of 2 photos carry no time in their metadata")));
+}
+
 TEST(ReadFlight, NamesAListThatCannotBeReadAsOne) {
   const Folder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));

@@ -98,6 +98,23 @@ TEST(ReadPhoto, TakesTheHeightAboveTakeOff) {
   EXPECT_EQ(photo->position->height_above_takeoff_m, 40.0);
 }
 
+// Programs that write the EXIF block anew keep the maker note byte for byte.
+TEST(ReadPhoto, ReadsALittleEndianMakerNoteInABigEndianExif) {
+  const ExifWriter exif =
+      ExifWriter()
+          .Ascii(ExifIfd::kImage, 0x010F, "DJI")
+          .Undefined(ExifIfd::kExif, 0x927C, DjiNote({{9, -75.0f}, {10, 45.0f}, {11, 0.0f}}))
+          .Position(46.5, 7.5);
+  for (const bool is_big_endian : {false, true}) {
+    const auto photo = ReadPhotoFromBytes("a.jpg", JpegHeader({.exif = exif.Write(is_big_endian)}));
+    ASSERT_TRUE(photo.ok());
+    ASSERT_TRUE(photo->attitude) << is_big_endian;
+    EXPECT_NEAR(photo->attitude->pitch_rad, geo::DegToRad(-75.0), 1e-6);
+    EXPECT_NEAR(photo->attitude->yaw_rad, geo::DegToRad(45.0), 1e-6);
+    EXPECT_NEAR(photo->position->position.lat_deg, 46.5, 1e-6);
+  }
+}
+
 TEST(ReadPhoto, TellsCamerasApart) {
   const auto key = [](const JpegParts& parts) {
     return ReadPhotoFromBytes("a.jpg", JpegHeader(parts))->camera_key;

@@ -100,11 +100,16 @@ Result<FlightLog> ParseFlightCsv(std::string_view name, LogBytes bytes, const Co
 }
 
 Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const ConsumedUpTo&) {
-  LogBuilder builder("images_csv", name);
   LineReader lines(TextOf(bytes));
   std::vector<std::string_view> cells;
   if (!ReadHeader(lines, cells)) return Error{ErrorCode::kCorrupt, fmt::format("{} is empty.", name), ""};
-  const auto columns = MapCanonicalColumns(cells);
+  return ReadImageRows(MapCanonicalColumns(cells), ',', lines, LogBuilder("images_csv", name));
+}
+
+Result<FlightLog> ReadImageRows(const std::vector<CsvColumn>& columns, char separator, LineReader lines,
+                                LogBuilder builder) {
+  const std::string name = builder.log().file_name;
+  std::vector<std::string_view> cells;
   const bool has_time = HasColumn(columns, M::kTime);
   std::string_view line;
   std::optional<UtcTime> first;
@@ -112,7 +117,7 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
   std::uint64_t bad = 0;
   while (lines.Next(line)) {
     if (Trim(line).empty() || line.front() == '#') continue;
-    SplitFields(line, ',', cells);
+    SplitFields(line, separator, cells);
     const CsvRow row = ReadCsvRow(columns, cells);
     if (row.image.empty()) {
       ++bad;
@@ -135,10 +140,10 @@ Result<FlightLog> ParseImagesCsv(std::string_view name, LogBytes bytes, const Co
     ++rows;
     builder.Add(std::move(event));
   }
-  if (rows == 0)
-    return Error{ErrorCode::kCorrupt, fmt::format("{} names no image in its column \"image\".", name), ""};
+  if (rows == 0) return Error{ErrorCode::kCorrupt, fmt::format("{} names no photo in its rows.", name), ""};
   builder.Count("row", rows);
   builder.log().utc_at_zero = first;
+  if (has_time) builder.log().counter_at_zero_s = 0.0;
   builder.log().utc_sigma_s = 0.05;
   builder.log().mapping = DescribeColumns(columns);
   if (bad > 0) builder.Warn(fmt::format("{} rows without an image were skipped", bad));

@@ -30,6 +30,53 @@ std::pair<std::string, std::string> CutBrackets(const std::string& lower) {
   return {lower.substr(0, open), std::string(Trim(inside))};
 }
 
+// "lonDeg" and "TimeUS" as "lon_deg" and "time_us": a capital behind a small letter or a digit begins a word.
+std::string WordsOf(std::string_view header) {
+  std::string words;
+  for (std::size_t i = 0; i < header.size(); ++i) {
+    const auto is_capital = [&](std::size_t k) { return header[k] >= 'A' && header[k] <= 'Z'; };
+    const auto is_letter = [&](std::size_t k) {
+      return is_capital(k) || (header[k] >= 'a' && header[k] <= 'z');
+    };
+    if (i > 0 && is_capital(i) && is_letter(i - 1) && !is_capital(i - 1)) words += '_';
+    words += header[i];
+  }
+  return LowerCase(words);
+}
+
+struct NameWithUnit {
+  M meaning = M::kIgnored;
+  std::string unit;
+};
+
+// The last words may be the unit: "gyro_x_dps", "lat_deg", "vel_n_m_s"; in names of one word, the last
+// letters: "LATDEG", "timeus".
+NameWithUnit CutUnit(const std::string& words) {
+  constexpr std::size_t kMaxName = 64;  // every cut of a name is tried
+  if (words.size() > kMaxName) return {};
+  std::string unit;
+  std::size_t end = words.size();
+  for (int parts = 0; parts < 2; ++parts) {
+    const std::size_t cut = end == 0 ? std::string::npos : words.find_last_of("_ .", end - 1);
+    if (cut == std::string::npos) break;
+    const std::string word = words.substr(cut + 1, end - cut - 1);
+    unit = unit.empty() ? word : word + "/" + unit;
+    end = cut;
+    const M meaning = FindCsvSynonym(Letters(words.substr(0, cut)));
+    if (meaning != M::kIgnored && FindUnit(unit, CsvMeaningDimension(meaning)) != nullptr)
+      return {meaning, unit};
+  }
+  constexpr std::size_t kMinName = 3;  // "ts" and "ms" are no "t" in seconds
+  const std::string letters = Letters(words);
+  for (std::size_t length = kMinName; length < letters.size(); ++length) {
+    const M meaning = FindCsvSynonym(letters.substr(0, length));
+    const std::string rest = letters.substr(length);
+    if (meaning != M::kIgnored && FindUnit(rest, CsvMeaningDimension(meaning)) != nullptr)
+      return {meaning, rest};
+  }
+  return {};
+}
+
 CsvColumn MapTolerantColumn(std::string_view header) {
   CsvColumn column;
   column.header = Trim(header);
@@ -38,16 +85,9 @@ CsvColumn MapTolerantColumn(std::string_view header) {
   column.says_utc = lower.find("utc") != std::string::npos || lower.find("gmt") != std::string::npos;
   column.meaning = FindCsvSynonym(Letters(base));
   if (column.meaning == M::kIgnored && unit.empty()) {
-    // The last word may be the unit: "gyro_x_dps".
-    const std::size_t cut = base.find_last_of("_ .");
-    if (cut != std::string::npos) {
-      const M meaning = FindCsvSynonym(Letters(base.substr(0, cut)));
-      const std::string word = base.substr(cut + 1);
-      if (meaning != M::kIgnored && FindUnit(word, CsvMeaningDimension(meaning)) != nullptr) {
-        column.meaning = meaning;
-        unit = word;
-      }
-    }
+    NameWithUnit found = CutUnit(WordsOf(column.header));
+    column.meaning = found.meaning;
+    unit = std::move(found.unit);
   }
   const Dimension dimension = CsvMeaningDimension(column.meaning);
   const auto [scale, name] = DefaultUnit(dimension);

@@ -1,6 +1,6 @@
 // What the columns of a CSV log mean. The canonical header is read by its exact names; any other by synonyms
-// and by the units that headers carry: "height(feet)", "acc_x [m/s^2]", "gyro_x_dps". Pure functions; any
-// thread.
+// and by the units that headers carry: "height(feet)", "acc_x [m/s^2]", "gyro_x_dps", "lonDeg", "LAT_DEG".
+// Pure functions; any thread.
 #pragma once
 
 #include <string>

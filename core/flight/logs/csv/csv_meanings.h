@@ -46,7 +46,7 @@ enum class CsvMeaning {
   kSigmaTilt,
   kSigmaYaw,  // rad
   kEvent,     // image name or number
-  kIsPhoto,   // 1 in the row of an exposure
+  kIsPhoto,   // 1 in the row of an exposure, or the photo's name
   kImage,     // name
   kCount
 };

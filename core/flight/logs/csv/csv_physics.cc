@@ -129,6 +129,36 @@ Result<bool> CheckRates(std::vector<CsvColumn>& columns, const CsvPreview& previ
   return true;
 }
 
+// A column of exposures with more than noughts and ones numbers the photos.
+void TellNumbersFromFlags(std::vector<CsvColumn>& columns, const CsvPreview& preview) {
+  CsvColumn* column = Find(columns, M::kIsPhoto);
+  if (column == nullptr || Find(columns, M::kEvent) != nullptr) return;
+  const bool is_numbered = std::any_of(preview.rows.begin(), preview.rows.end(), [](const CsvRow& row) {
+    return row[M::kIsPhoto].value_or(0.0) > 1.0;
+  });
+  if (is_numbered) column->meaning = M::kEvent;
+}
+
+// Rows of exposures alone come seconds apart, where a recorder's come tenths apart.
+double FactorOfTriggerStep(double step) {
+  if (step >= 1.5e8) return 1e-9;
+  if (step >= 1.5e5) return 1e-6;
+  return step >= 150.0 ? 1e-3 : 1.0;
+}
+
+double FactorOfRecorderStep(double step) {
+  if (step >= 2e6) return 1e-9;
+  if (step > 2000.0) return 1e-6;
+  return step >= 2.0 ? 1e-3 : 1.0;
+}
+
+bool HoldsExposuresAlone(std::vector<CsvColumn>& columns) {
+  return std::all_of(columns.begin(), columns.end(), [](const CsvColumn& column) {
+    return column.meaning == M::kIgnored || column.meaning == M::kTime || column.meaning == M::kUtc ||
+           column.meaning >= M::kEvent;
+  });
+}
+
 // The unit of the time column from its size (Unix times) or its step.
 Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& preview, CsvFindings& findings) {
   CsvColumn* column = Find(columns, M::kTime);
@@ -158,12 +188,8 @@ Result<double> CheckTime(std::vector<CsvColumn>& columns, const CsvPreview& prev
       factor = 1e-3;
     else if (size > 3e8 && step <= 60.0)
       factor = 1.0;
-    else if (step >= 2e6)
-      factor = 1e-9;
-    else if (step > 2000.0)
-      factor = 1e-6;
-    else if (step >= 2.0)
-      factor = 1e-3;
+    else
+      factor = HoldsExposuresAlone(columns) ? FactorOfTriggerStep(step) : FactorOfRecorderStep(step);
     column->scale *= factor;
     column->unit = factor == 1.0 ? "s" : factor == 1e-3 ? "ms" : factor == 1e-6 ? "us" : "ns";
   }
@@ -201,6 +227,7 @@ Result<CsvFindings> CheckCsvPhysics(std::vector<CsvColumn>& columns, const CsvPr
   CsvFindings findings;
   SKYQUILT_TRY_ASSIGN(const auto time_factor, CheckTime(columns, preview, findings));
   CheckDate(columns, preview, findings);
+  TellNumbersFromFlags(columns, preview);
   const auto acceleration = CheckAcceleration(columns, preview, findings);
   if (!acceleration) return acceleration.error();
   const auto rates = CheckRates(columns, preview, time_factor);

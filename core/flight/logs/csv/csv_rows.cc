@@ -18,6 +18,21 @@ bool IsRtkFixed(std::string_view fix) {
 
 bool IsYes(const CsvRow& row, M meaning) { return row[meaning].value_or(0.0) != 0.0; }
 
+// "1", "true" or nothing of the kind: then it is the photo's name.
+void TakePhotoCell(std::string_view cell, CsvRow& row) {
+  const std::string lower = LowerCase(cell);
+  std::optional<double> flag = ParseNumber(cell);
+  if (lower == "true" || lower == "yes") flag = 1.0;
+  if (lower == "false" || lower == "no" || lower == "none" || lower == "nan" || lower == "null" ||
+      lower == "-")
+    flag = 0.0;
+  if (flag) {
+    row.number[static_cast<std::size_t>(M::kIsPhoto)] = *flag;
+  } else if (row.image.empty()) {
+    row.image = cell;
+  }
+}
+
 }  // namespace
 
 bool CsvRow::Has(CsvMeaning first, CsvMeaning last) const {
@@ -47,8 +62,7 @@ CsvRow ReadCsvRow(const std::vector<CsvColumn>& columns, const std::vector<std::
         row.fix = cells[i];
         break;
       case M::kIsPhoto:
-        row.number[static_cast<std::size_t>(M::kIsPhoto)] =
-            LowerCase(cells[i]) == "true" ? 1.0 : ParseNumber(cells[i]).value_or(0.0);
+        TakePhotoCell(cells[i], row);
         break;
       default:
         if (const auto value = ParseNumber(cells[i]))
@@ -148,13 +162,19 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
   const bool is_photo = IsYes(row, M::kIsPhoto);
   const bool begins = is_photo && !was_photo_;
   was_photo_ = is_photo;
-  if (row.event.empty() && !begins) return;
+  if (row.event.empty() && row.image.empty() && !begins) return;
   CameraEvent event;
   event.t_s = t_s;
   if (!row.event.empty()) {
     event.sequence = ParseInteger(row.event);
-    if (!event.sequence) event.image_name = std::string(row.event.substr(0, 512));
-  } else {
+    if (!event.sequence) event.image_name = std::string(row.event.substr(0, kMaxNameLength));
+  }
+  if (!row.image.empty()) {
+    // A telemetry table that repeats the last photo's name in each row has one event a photo.
+    if (row.image == last_image_) return;
+    last_image_ = row.image;
+    event.image_name = std::string(row.image.substr(0, kMaxNameLength));
+  } else if (row.event.empty()) {
     event.sequence = ++photos_;
     event.is_feedback = false;  // the app's note of the command
   }
@@ -174,6 +194,7 @@ void CsvSampler::TakeEvent(const CsvRow& row, double t_s) {
 }
 
 void CsvSampler::Finish() {
+  if (rule_.has_time_column) builder_.log().counter_at_zero_s = rule_.first_time_s;
   std::optional<UtcTime> zero;
   double sigma_s = 0.0;
   if (!rule_.has_time_column) {

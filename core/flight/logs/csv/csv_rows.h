@@ -17,7 +17,7 @@ struct CsvRow {
   std::array<std::optional<double>, static_cast<std::size_t>(CsvMeaning::kCount)> number;
   std::string_view utc;
   std::string_view event;
-  std::string_view image;
+  std::string_view image;  // a name, also where the column of exposures holds names
   std::string_view fix;
 
   std::optional<double> operator[](CsvMeaning meaning) const {
@@ -63,6 +63,7 @@ class CsvSampler {
   double rows_in_tick_ = 0.0;
   double newest_offset_s_ = -1e18;
   bool was_photo_ = false;
+  std::string_view last_image_;  // a view into the file's text
   std::int64_t photos_ = 0;
 };
 

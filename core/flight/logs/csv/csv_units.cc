@@ -61,7 +61,17 @@ constexpr std::array kUnits = {CsvUnit{"s", Dimension::kTime, 1.0},
                                CsvUnit{"pa", Dimension::kPressure, 1.0},
                                CsvUnit{"hpa", Dimension::kPressure, 100.0},
                                CsvUnit{"mbar", Dimension::kPressure, 100.0},
-                               CsvUnit{"kpa", Dimension::kPressure, 1000.0}};
+                               CsvUnit{"kpa", Dimension::kPressure, 1000.0},
+                               CsvUnit{"deg", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"degree", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"degrees", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"dd", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"wgs84", Dimension::kCoordinate, 1.0},
+                               CsvUnit{"e7", Dimension::kCoordinate, 1e-7},
+                               CsvUnit{"dege7", Dimension::kCoordinate, 1e-7},
+                               CsvUnit{"1e7", Dimension::kCoordinate, 1e-7},
+                               CsvUnit{"rad", Dimension::kCoordinate, 1.0 / kDeg},
+                               CsvUnit{"radians", Dimension::kCoordinate, 1.0 / kDeg}};
 
 }  // namespace
 
@@ -88,6 +98,8 @@ std::pair<double, std::string_view> DefaultUnit(Dimension dimension) {
       return {1.0, "m/s2"};
     case Dimension::kPressure:
       return {1.0, "Pa"};
+    case Dimension::kCoordinate:
+      return {1.0, "deg"};
     case Dimension::kNone:
       return {1.0, ""};
   }

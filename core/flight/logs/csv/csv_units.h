@@ -6,12 +6,22 @@
 
 namespace skyquilt::flight {
 
-enum class Dimension { kNone, kTime, kLength, kSpeed, kAngle, kRate, kAcceleration, kPressure };
+enum class Dimension {
+  kNone,
+  kTime,
+  kLength,
+  kSpeed,
+  kAngle,
+  kRate,
+  kAcceleration,
+  kPressure,
+  kCoordinate  // latitude, longitude
+};
 
 struct CsvUnit {
   std::string_view name;  // lower case
   Dimension dimension;
-  double factor;  // times this gives s, m, m/s, rad, rad/s, m/s2 or Pa
+  double factor;  // times this gives s, m, m/s, rad, rad/s, m/s2, Pa or, of coordinates, deg
 };
 
 // Null for a word that is no unit of this dimension.

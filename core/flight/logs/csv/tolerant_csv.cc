@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/base/try.h"
+#include "core/flight/logs/csv/canonical_csv.h"
 #include "core/flight/logs/csv/csv_physics.h"
 #include "core/flight/logs/text_fields.h"
 
@@ -20,9 +21,11 @@ constexpr std::size_t kPreviewBytes = std::size_t{16} << 20;
 struct CsvHeader {
   std::vector<CsvColumn> columns;
   char separator = ',';
+  bool is_timed = true;  // false: rows name photos and say where they were taken, not when
 };
 
-// The first line with a time and something to time; a few title lines may stand before it.
+// The first line with a time and something to time, or with photos and where they were taken; a few title
+// lines may stand before it.
 std::optional<CsvHeader> FindHeader(LineReader& lines) {
   std::string_view line;
   std::vector<std::string_view> cells;
@@ -40,9 +43,12 @@ std::optional<CsvHeader> FindHeader(LineReader& lines) {
       return false;
     };
     const bool timed = has(M::kTime) || has(M::kUtc);
-    const bool useful = (has(M::kLat) && has(M::kLon)) || (has(M::kGyroX) && has(M::kAccelX)) ||
-                        has(M::kQw) || (has(M::kRoll) && has(M::kPitch)) || has(M::kEvent);
-    if (timed && useful) return header;
+    const bool has_position = has(M::kLat) && has(M::kLon);
+    const bool names_photos = has(M::kImage) || has(M::kIsPhoto);
+    const bool useful = has_position || (has(M::kGyroX) && has(M::kAccelX)) || has(M::kQw) ||
+                        (has(M::kRoll) && has(M::kPitch)) || has(M::kEvent) || names_photos;
+    header.is_timed = timed;
+    if (timed ? useful : has_position && names_photos) return header;
   }
   return std::nullopt;
 }
@@ -130,9 +136,13 @@ Result<FlightLog> ParseTolerantCsv(std::string_view name, LogBytes bytes, const 
   LineReader lines(TextOf(bytes));
   auto header = FindHeader(lines);
   if (!header) {
-    return Error{ErrorCode::kUnsupportedFormat,
-                 fmt::format("{} has no header with a time and a position, an attitude or an IMU.", name),
-                 ""};
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        fmt::format("{} has no header with a time and a position, an attitude, an IMU or photos.", name), ""};
+  }
+  if (!header->is_timed) {
+    LogBuilder rows("tolerant_csv", name);
+    return ReadImageRows(header->columns, header->separator, lines, std::move(rows));
   }
   CsvPreview preview;
   std::string_view line;

@@ -2,7 +2,9 @@
 // units by what the headers say, and both are checked against physics: gravity for accelerations, the
 // attitude column for angular rates, the step of the clock for times. The outcome is echoed in
 // FlightLog::mapping; a unit that a header states and the numbers contradict is an error that names the
-// column. Also the headerless replay rows "time_us,imu|gps|baro,values" of the PX4 estimator library. Fails
+// column. A column of photos may hold flags, numbers or names: `time_s,photo` is a table of exposures; rows
+// that name photos and say where they were taken, not when, become camera events without a time. Also the
+// headerless replay rows "time_us,imu|gps|baro,values" of the PX4 estimator library. Fails
 // with kCorrupt (no usable row), kUnprocessable (contradiction), kUnsupportedFormat (no column we know). Any
 // thread.
 #pragma once

@@ -1,0 +1,161 @@
+// Logs beside each other: tables without UTC that count the same seconds, and what of a file is not used,
+// said.
+#include "core/poses/time/join_logs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/poses/estimate_poses.h"
+
+namespace skyquilt::poses {
+namespace {
+
+using flight::FlightLog;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr geo::LatLon kField{47.4, 8.5};
+
+// North at 8 m/s, 60 m above where it began; the table counts from `counter_s`.
+FlightLog Gnss(double counter_s) {
+  FlightLog log;
+  log.format = "tolerant_csv";
+  log.file_name = "gnss.csv";
+  log.counter_at_zero_s = counter_s;
+  const geo::LocalFrame frame({kField.lat_deg, kField.lon_deg, 0.0});
+  for (int i = 0; i <= 300; ++i) {
+    flight::GnssSample fix;
+    fix.t_s = 0.2 * i;
+    const bool stands = fix.t_s < 5.0;
+    const geo::Wgs84 at = frame.Wgs84FromEnu({0.0, stands ? 0.0 : 8.0 * (fix.t_s - 5.0), 0.0});
+    fix.position = {at.lat_deg, at.lon_deg};
+    fix.height_amsl_m = stands ? 500.0 : 560.0;
+    log.gnss.push_back(fix);
+  }
+  return log;
+}
+
+FlightLog Triggers(double counter_s, double first_s = 20.0) {
+  FlightLog log;
+  log.format = "tolerant_csv";
+  log.file_name = "triggers.csv";
+  log.counter_at_zero_s = counter_s + first_s;
+  for (int i = 0; i < 10; ++i) {
+    flight::CameraEvent event;
+    event.t_s = 2.0 * i;
+    event.image_name = "IMG_" + std::to_string(i) + ".JPG";
+    log.events.push_back(event);
+  }
+  return log;
+}
+
+TEST(JoinLogs, LaysTablesThatCountTheSameSecondsOnOneClock) {
+  const auto joined = JoinLogs({Triggers(1000.0), Gnss(1000.0)});
+  ASSERT_TRUE(joined);
+  EXPECT_THAT(joined->warnings, IsEmpty());
+  EXPECT_THAT(joined->notes, Contains(HasSubstr("its times being those that gnss.csv counts")));
+  ASSERT_EQ(joined->log.events.size(), 10u);
+  EXPECT_NEAR(joined->log.events[1].t_s, 22.0, 1e-9) << "on the clock of gnss.csv";
+}
+
+TEST(JoinLogs, SaysWhenTwoTablesCountDifferently) {
+  const auto joined = JoinLogs({Gnss(1000.0), Triggers(5.0)});
+  ASSERT_TRUE(joined);
+  EXPECT_THAT(joined->log.events, IsEmpty());
+  EXPECT_THAT(joined->warnings, Contains(HasSubstr("its times (25.0 to 43.0 s) are not those of gnss.csv")));
+}
+
+TEST(JoinLogs, DoesNotTakeTwoTracksForOneClock) {
+  FlightLog other = Gnss(1000.0);
+  other.file_name = "other.csv";
+  const auto joined = JoinLogs({Gnss(1000.0), other});
+  ASSERT_TRUE(joined);
+  EXPECT_THAT(joined->warnings, Contains(HasSubstr("other.csv is not used")));
+}
+
+TEST(JoinLogs, PrefersEventsThatNameThePhotos) {
+  FlightLog numbered = Gnss(1000.0);
+  for (int i = 0; i < 10; ++i) {
+    flight::CameraEvent event;
+    event.t_s = 20.0 + 2.0 * i;
+    event.sequence = i;
+    numbered.events.push_back(event);
+  }
+  const auto joined = JoinLogs({numbered, Triggers(1000.0)});
+  ASSERT_TRUE(joined);
+  EXPECT_TRUE(joined->log.events.front().image_name);
+}
+
+TEST(JoinLogs, SaysWhatAddsNothing) {
+  FlightLog leader = Gnss(0.0), second = Gnss(0.0);
+  leader.utc_at_zero = second.utc_at_zero = flight::UtcTime(std::chrono::seconds(1717243200));
+  second.file_name = "second.csv";
+  const auto joined = JoinLogs({leader, second});
+  ASSERT_TRUE(joined);
+  EXPECT_THAT(joined->warnings, Contains(HasSubstr("second.csv is not used")));
+}
+
+flight::Flight PhotosWithoutPositions(int count) {
+  flight::Flight flight;
+  for (int k = 0; k < count; ++k) {
+    flight::Photo photo;
+    photo.name = "IMG_" + std::to_string(k) + ".JPG";
+    photo.intrinsics = camera::Intrinsics::Centered(4000, 3000, 3665.0);
+    flight.photos.push_back(photo);
+  }
+  return flight;
+}
+
+TEST(EstimatePoses, PlacesPhotosByATrackAndATableOfExposures) {
+  flight::Flight flight = PhotosWithoutPositions(10);
+  flight.logs = {Gnss(1000.0), Triggers(1000.0)};
+  const auto posed = EstimatePoses(flight, {});
+  ASSERT_TRUE(posed.ok()) << posed.error().message;
+  ASSERT_EQ(posed->photos.size(), 10u);
+  EXPECT_TRUE(posed->is_placed);
+  const Eigen::Vector3d first = posed->photos[0].cam_from_enu.TargetOriginInSource();
+  for (std::size_t k = 1; k < 10; ++k) {
+    const Eigen::Vector3d at = posed->photos[k].cam_from_enu.TargetOriginInSource();
+    EXPECT_NEAR(at.y() - first.y(), 16.0 * static_cast<double>(k), 1.0);
+    EXPECT_NEAR(posed->photos[k].height_above_ground_m, 60.0, 5.0);
+  }
+}
+
+TEST(EstimatePoses, SaysWhichFilesPlacedNothing) {
+  flight::Flight flight = PhotosWithoutPositions(3);
+  for (flight::Photo& photo : flight.photos) {
+    photo.position.emplace();
+    photo.position->position = kField;
+    photo.position->height_above_takeoff_m = 60.0;
+    photo.captured_at = flight::UtcTime(std::chrono::seconds(1717243200));
+  }
+  FlightLog rows;
+  rows.format = "geo_txt";
+  rows.file_name = "geo.txt";
+  rows.events.resize(1);
+  rows.events[0].has_time = false;
+  rows.events[0].image_name = "DSC_7.JPG";
+  rows.events[0].position = kField;
+  FlightLog empty;
+  empty.format = "tolerant_csv";
+  empty.file_name = "empty.csv";
+  FlightLog earlier = Gnss(0.0);
+  earlier.file_name = "earlier.csv";
+  for (int i = 0; i < 3; ++i) {
+    flight::CameraEvent event;
+    event.t_s = -100.0 + i;
+    event.image_name = "IMG_" + std::to_string(i) + ".JPG";
+    earlier.events.push_back(event);
+  }
+  flight.logs = {rows, empty, earlier};
+  const auto posed = EstimatePoses(flight, {});
+  ASSERT_TRUE(posed.ok()) << posed.error().message;
+  EXPECT_THAT(posed->warnings, Contains(HasSubstr("geo.txt is not used: its rows name 1 photos")));
+  EXPECT_THAT(posed->warnings, Contains(HasSubstr("empty.csv is not used")));
+  EXPECT_THAT(posed->warnings, Contains(HasSubstr("earlier.csv is not used: none of the photos was taken")));
+}
+
+}  // namespace
+}  // namespace skyquilt::poses
