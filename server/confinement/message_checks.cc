@@ -17,6 +17,8 @@ Error Untrue(std::string detail) {
 
 bool IsWithin(double value, double least, double most) { return value >= least && value <= most; }
 
+int CountOf(double value) { return IsWithin(value, 0, kMaxPhotos) ? static_cast<int>(value) : -1; }
+
 bool AreBounds(const geo::LatLonBounds& bounds) {
   const auto& [west, south, east, north] = bounds;
   return IsWithin(west, -180, 180) && IsWithin(east, west, 180) && IsWithin(south, -90, 90) &&

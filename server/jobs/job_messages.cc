@@ -7,7 +7,6 @@
 #include <string>
 
 #include "server/confinement/message_checks.h"
-#include "server/confinement/message_json.h"
 
 namespace skyquilt::server {
 namespace {
@@ -19,6 +18,9 @@ constexpr std::size_t kMaxStages = 64;
 constexpr std::size_t kMaxMessageChars = 500;
 // A byte that is no UTF-8 is sent as the three of the replacement character.
 constexpr std::size_t kMaxGrowth = 3;
+
+// Texts of photos may hold any bytes: those that are no UTF-8 are replaced.
+std::string DumpJob(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 bool IsStage(const std::string& stage) { return IsWord(stage, kMaxStageBytes); }
 
@@ -70,14 +72,14 @@ Json JsonOf(const StitchOutcome& outcome) {
 std::string ToText(const StitchTask& task) {
   Json files = Json::array();
   for (const flight::InputFile& file : task.files) files.push_back({file.name, file.path.string()});
-  return DumpMessage({{"files", files},
-                      {"files_dir", task.files_dir.string()},
-                      {"previous_dir", task.previous_dir.string()},
-                      {"out_dir", task.out_dir.string()},
-                      {"options", task.options},
-                      {"title", task.title},
-                      {"memory_bytes", task.memory_bytes},
-                      {"cpu_s", task.cpu_s}});
+  return DumpJob({{"files", files},
+                  {"files_dir", task.files_dir.string()},
+                  {"previous_dir", task.previous_dir.string()},
+                  {"out_dir", task.out_dir.string()},
+                  {"options", task.options},
+                  {"title", task.title},
+                  {"memory_bytes", task.memory_bytes},
+                  {"cpu_s", task.cpu_s}});
 }
 
 Result<StitchTask> ParseTask(std::string_view text) {
@@ -100,19 +102,19 @@ Result<StitchTask> ParseTask(std::string_view text) {
 }
 
 std::string ToText(const JobMessage& message) {
-  if (const auto* begun = std::get_if<StageBegun>(&message)) return DumpMessage({{"stage", begun->stage}});
+  if (const auto* begun = std::get_if<StageBegun>(&message)) return DumpJob({{"stage", begun->stage}});
   if (const auto* progress = std::get_if<StageProgress>(&message)) {
     const double fraction =
         std::isfinite(progress->fraction) ? std::clamp(progress->fraction, 0.0, 1.0) : 0.0;
-    return DumpMessage({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
+    return DumpJob({{"fraction", fraction}, {"message", Shortened(progress->message, kMaxMessageChars)}});
   }
   if (const auto* outcome = std::get_if<StitchOutcome>(&message))
-    return DumpMessage({{"done", JsonOf(*outcome)}});
+    return DumpJob({{"done", JsonOf(*outcome)}});
   const Error& error = std::get<Error>(message);
-  return DumpMessage({{"error",
-                       {{"code", static_cast<int>(error.code)},
-                        {"message", Shortened(error.message, kMaxErrorBytes)},
-                        {"detail", Shortened(error.detail, kMaxErrorBytes)}}}});
+  return DumpJob({{"error",
+                   {{"code", static_cast<int>(error.code)},
+                    {"message", Shortened(error.message, kMaxErrorBytes)},
+                    {"detail", Shortened(error.detail, kMaxErrorBytes)}}}});
 }
 
 Result<JobMessage> ParseJobMessage(std::string_view text) {

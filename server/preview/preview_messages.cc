@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "server/confinement/message_checks.h"
-#include "server/confinement/message_json.h"
 #include "storage/db/ids.h"
 
 namespace skyquilt::server {
@@ -13,6 +12,10 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxForgone = 64;
+
+std::string DumpPreview(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 Json FilesJson(const std::vector<storage::StoredFile>& files) {
   Json list = Json::array();
@@ -74,7 +77,7 @@ Result<PreviewMessage> CheckedDrawn(const Json& json) {
 }  // namespace
 
 std::string ToText(const PreviewPlace& place) {
-  return DumpMessage({{"files_dir", place.files_dir.string()},
+  return DumpPreview({{"files_dir", place.files_dir.string()},
                       {"folder", place.folder.string()},
                       {"memory_bytes", place.memory_bytes}});
 }
@@ -87,7 +90,7 @@ Result<PreviewPlace> ParsePlace(std::string_view text) {
 }
 
 std::string ToText(const PreviewRequest& request) {
-  return DumpMessage({{"fresh", FilesJson(request.fresh)},
+  return DumpPreview({{"fresh", FilesJson(request.fresh)},
                       {"tried", FilesJson(request.tried)},
                       {"preview", PreviewJson(request.preview)}});
 }
@@ -101,11 +104,11 @@ Result<PreviewRequest> ParseRequest(std::string_view text) {
 
 std::string ToText(const PreviewMessage& message) {
   if (const auto* begun = std::get_if<PhotoBegun>(&message))
-    return DumpMessage({{"photo", begun->stored_name}});
+    return DumpPreview({{"photo", begun->stored_name}});
   if (const auto* drawn = std::get_if<PreviewDrawn>(&message))
-    return DumpMessage({{"preview", PreviewJson(drawn->preview)}, {"forgone", drawn->forgone}});
+    return DumpPreview({{"preview", PreviewJson(drawn->preview)}, {"forgone", drawn->forgone}});
   const Error& error = std::get<Error>(message);
-  return DumpMessage({{"error", Shortened(error.message, kMaxErrorBytes)},
+  return DumpPreview({{"error", Shortened(error.message, kMaxErrorBytes)},
                       {"detail", Shortened(error.detail, kMaxErrorBytes)}});
 }
 
