@@ -79,7 +79,7 @@ class Chain {
  private:
   struct Matched {
     int other = 0;
-    std::vector<PlacePair> pairs;  // that agree: from this photo to the other
+    std::vector<PlanePair> pairs;  // that agree: from this photo to the other
     RobustFit fit;
   };
 
@@ -105,7 +105,7 @@ class Chain {
     const std::vector<KeypointMatch> matches =
         MatchOnGround({input_.features[photo], &projected_[photo]},
                       {input_.features[other], &projected_[other]}, {}, everywhere);
-    std::vector<PlacePair> pairs;
+    std::vector<PlanePair> pairs;
     for (const KeypointMatch& match : matches) {
       pairs.push_back({places_[photo][match.first], places_[other][match.second]});
     }
@@ -170,11 +170,11 @@ class Chain {
   // Eq. 3: one homography for all that the mosaic already shows of this photo.
   void RegisterToMosaic(int photo, const std::vector<Matched>& matched) {
     ChainedPhoto& added = mosaic_.photos[photo];
-    std::vector<PlacePair> pairs;
+    std::vector<PlanePair> pairs;
     double scale = 0.0;
     for (const Matched& one : matched) {
       const Eigen::Matrix3d& mosaic_from_other = mosaic_.photos[one.other].mosaic_from_photo;
-      for (const PlacePair& pair : one.pairs) {
+      for (const PlanePair& pair : one.pairs) {
         if (const auto place = MapPlace(mosaic_from_other, pair.to)) pairs.push_back({pair.from, *place});
       }
       scale = std::max(scale, std::sqrt(std::abs(mosaic_from_other.topLeftCorner<2, 2>().determinant())));
@@ -183,7 +183,7 @@ class Chain {
     const double tolerance = 2.0 * TolerancePx(photo) * std::max(scale, 1e-3);
     const auto fit = RobustHomography(pairs, tolerance);
     if (fit && IsSound(photo, fit->to_from)) added.mosaic_from_photo = fit->to_from;
-    for (const PlacePair& pair : pairs) {
+    for (const PlanePair& pair : pairs) {
       const auto place = MapPlace(added.mosaic_from_photo, pair.from);
       if (!place || (*place - pair.to).norm() > tolerance) continue;
       ++added.inliers;

@@ -16,11 +16,11 @@ constexpr double kMinDepth = 1e-3;  // of the middle's: nearer to the horizon no
 
 // Moves the mean to zero and the mean distance from it to sqrt(2).
 template <typename Read>
-std::optional<Eigen::Matrix3d> Normaliser(const std::vector<PlacePair>& pairs, Read read) {
+std::optional<Eigen::Matrix3d> Normaliser(const std::vector<PlanePair>& pairs, Read read) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const PlacePair& pair : pairs) mean += read(pair) / static_cast<double>(pairs.size());
+  for (const PlanePair& pair : pairs) mean += read(pair) / static_cast<double>(pairs.size());
   double distance = 0.0;
-  for (const PlacePair& pair : pairs) {
+  for (const PlanePair& pair : pairs) {
     distance += (read(pair) - mean).norm() / static_cast<double>(pairs.size());
   }
   if (distance < 1e-9) return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<Eigen::Matrix3d> Normaliser(const std::vector<PlacePair>& pairs, R
   return normaliser;
 }
 
-std::vector<int> FindInliers(const std::vector<PlacePair>& pairs, const Eigen::Matrix3d& to_from,
+std::vector<int> FindInliers(const std::vector<PlanePair>& pairs, const Eigen::Matrix3d& to_from,
                              double tolerance) {
   std::vector<int> inliers;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -40,8 +40,8 @@ std::vector<int> FindInliers(const std::vector<PlacePair>& pairs, const Eigen::M
   return inliers;
 }
 
-std::vector<PlacePair> Chosen(const std::vector<PlacePair>& pairs, const std::vector<int>& which) {
-  std::vector<PlacePair> chosen;
+std::vector<PlanePair> Chosen(const std::vector<PlanePair>& pairs, const std::vector<int>& which) {
+  std::vector<PlanePair> chosen;
   for (const int k : which) chosen.push_back(pairs[k]);
   return chosen;
 }
@@ -54,13 +54,13 @@ std::optional<Eigen::Vector2d> MapPlace(const Eigen::Matrix3d& to_from, const Ei
   return mapped.hnormalized();
 }
 
-std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlacePair>& pairs) {
+std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlanePair>& pairs) {
   if (pairs.size() < 4) return std::nullopt;
-  const auto normal_from = Normaliser(pairs, [](const PlacePair& pair) { return pair.from; });
-  const auto normal_to = Normaliser(pairs, [](const PlacePair& pair) { return pair.to; });
+  const auto normal_from = Normaliser(pairs, [](const PlanePair& pair) { return pair.from; });
+  const auto normal_to = Normaliser(pairs, [](const PlanePair& pair) { return pair.to; });
   if (!normal_from || !normal_to) return std::nullopt;
   Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();
-  for (const PlacePair& pair : pairs) {
+  for (const PlanePair& pair : pairs) {
     const Eigen::Vector3d from = *normal_from * pair.from.homogeneous();
     const Eigen::Vector3d to = *normal_to * pair.to.homogeneous();
     Eigen::Matrix<double, 2, 9> rows;
@@ -80,11 +80,11 @@ std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlacePair>& pairs
   return to_from;
 }
 
-std::optional<RobustFit> RobustHomography(const std::vector<PlacePair>& pairs, double tolerance) {
+std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, double tolerance) {
   const auto count = static_cast<int>(pairs.size());
   if (count < 8) return std::nullopt;
   std::vector<cv::Point2d> from, to;
-  for (const PlacePair& pair : pairs) {
+  for (const PlanePair& pair : pairs) {
     from.emplace_back(pair.from.x(), pair.from.y());
     to.emplace_back(pair.to.x(), pair.to.y());
   }

@@ -10,7 +10,7 @@
 
 namespace skyquilt::alignment {
 
-struct PlacePair {
+struct PlanePair {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
 };
@@ -24,10 +24,10 @@ struct RobustFit {
 std::optional<Eigen::Vector2d> MapPlace(const Eigen::Matrix3d& to_from, const Eigen::Vector2d& from);
 
 // Nothing for fewer than four pairs or pairs on one line.
-std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlacePair>& pairs);
+std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlanePair>& pairs);
 
 // `tolerance`: in units of `to`. Believed by the rule of Brown and Lowe (Automatic Panoramic Image Stitching,
 // 2007): more inliers than 5.9 and 0.22 of the pairs.
-std::optional<RobustFit> RobustHomography(const std::vector<PlacePair>& pairs, double tolerance);
+std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, double tolerance);
 
 }  // namespace skyquilt::alignment

@@ -96,7 +96,7 @@ int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::opti
   const flight::Photo& second = posed.photos[pair.second].photo;
   const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
   const camera::RowMotion of_second = TurnsWithLag(posed.photos[pair.second], lag_s);
-  std::vector<PlacePair> places;
+  std::vector<PlanePair> places;
   for (const auto& [from, to] : pair.places) {
     places.push_back(
         {InMiddle(first.intrinsics, of_first, from), InMiddle(second.intrinsics, of_second, to)});

@@ -153,7 +153,7 @@ void Judge(const Views& views, const std::function<PhotoFeatures(const cv::Mat&)
                                       (2.0 * static_cast<double>(views.first.total())));
   const std::vector<KeypointMatch> matches = MatchDescriptors(first, second, {.max_features = kMaxFeatures});
   std::vector<double> errors;
-  std::vector<PlacePair> pairs;
+  std::vector<PlanePair> pairs;
   for (const KeypointMatch& match : matches) {
     pairs.push_back({PlaceOf(first.keypoints[static_cast<std::size_t>(match.first)]),
                      PlaceOf(second.keypoints[static_cast<std::size_t>(match.second)])});

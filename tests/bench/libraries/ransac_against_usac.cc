@@ -132,7 +132,7 @@ Outcome JudgePose(const Problem& problem, const Eigen::Quaterniond& rotation, co
 
 Solver OurHomography() {
   return [](const Problem& problem) -> std::optional<Outcome> {
-    std::vector<PlacePair> pairs;
+    std::vector<PlanePair> pairs;
     for (std::size_t k = 0; k < problem.from.size(); ++k) {
       pairs.push_back({{problem.from[k].x, problem.from[k].y}, {problem.to[k].x, problem.to[k].y}});
     }
