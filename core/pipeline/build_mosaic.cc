@@ -73,8 +73,8 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
   }
 
-  const std::optional<double> gsd_m =
-      options.gsd_m || !facts.appearance ? options.gsd_m : facts.appearance->gsd_m;
+  std::optional<double> gsd_m = options.gsd_m ? options.gsd_m : placed.gsd_m;
+  if (!gsd_m && facts.appearance) gsd_m = facts.appearance->gsd_m;
   render::PlanOptions plan_options = PlanWithin(options);
   plan_options.gsd_m = gsd_m;
   SKYQUILT_TRY_ASSIGN(auto plan,

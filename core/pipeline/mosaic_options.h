@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/geo/lat_lon.h"
+#include "core/pipeline/placing/place_request.h"
 #include "core/render/map_layer.h"
 
 namespace skyquilt::pipeline {
@@ -31,7 +32,9 @@ struct MosaicOptions {
   std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
   int threads = 0;                                        // --threads: 0 = all cores
   std::vector<render::MapLayer> layers;                   // --layers: tilesets of their own beside the map
-  std::string title;                                      // name written into the tileset
+  // `skyquilt place`: the finished map of the same files is brought to where the user says it lies.
+  std::optional<PlaceRequest> placing;
+  std::string title;  // name written into the tileset
 
   Result<void> Validate() const;
 };

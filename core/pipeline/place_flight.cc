@@ -18,7 +18,9 @@
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/check_photos.h"
 #include "core/pipeline/control_points.h"
-#include "core/pipeline/move_to_control.h"
+#include "core/pipeline/placing/move_flight.h"
+#include "core/pipeline/placing/move_to_control.h"
+#include "core/pipeline/placing/place_known.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/plausible_poses.h"
 
@@ -44,12 +46,12 @@ struct Recalled {
   std::vector<NamedDigest> added;  // files that it did not have
 };
 
-std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOptions& options,
-                               const std::vector<NamedDigest>& inputs) {
+std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory,
+                                    const std::vector<NamedDigest>& inputs) {
   if (memory.Recall().empty()) return std::nullopt;
   Result<FlightFacts> facts = ParseFacts(memory.Recall());
   // Facts that cannot be read are as good as none: the flight is placed anew.
-  if (!facts || facts->options != DigestOfPlacing(options) || facts->inputs.empty()) return std::nullopt;
+  if (!facts || facts->inputs.empty()) return std::nullopt;
   std::map<std::string, Digest> given;
   for (const NamedDigest& input : inputs) {
     if (!given.emplace(input.file.name, input.digest).second) return std::nullopt;  // which one was which?
@@ -64,6 +66,13 @@ std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOpt
   for (const NamedDigest& input : inputs) {
     if (!known.contains(input.file.name)) recalled.added.push_back(input);
   }
+  return recalled;
+}
+
+std::optional<Recalled> Recall(const pyramid::MapMemory& memory, const MosaicOptions& options,
+                               const std::vector<NamedDigest>& inputs) {
+  std::optional<Recalled> recalled = RecallFiles(memory, inputs);
+  if (recalled && recalled->facts.options != DigestOfPlacing(options)) return std::nullopt;
   return recalled;
 }
 
@@ -204,6 +213,28 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   return facts;
 }
 
+// The finished map of these files, where the user says that it lies.
+Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceRequest& request,
+                                    const pyramid::MapMemory* memory, const std::vector<NamedDigest>& inputs,
+                                    StageRunner& stages) {
+  std::optional<Recalled> recalled;
+  if (memory != nullptr) recalled = RecallFiles(*memory, inputs);
+  if (!recalled || !recalled->added.empty() || !recalled->facts.appearance) {
+    return Error{
+        ErrorCode::kConflict,
+        "The map cannot be placed: its photos are no longer the files it was made from, or it was not "
+        "finished. Stitch them again.",
+        ""};
+  }
+  FillPhotos(read, recalled->facts.flight);
+  PlacedFlight placed;
+  const double was_m = MedianGsdM(recalled->facts);
+  SKYQUILT_TRY_ASSIGN(placed.facts,
+                      stages.Run("align", [&] { return PlaceKnown(recalled->facts, request); }));
+  placed.gsd_m = recalled->facts.appearance->gsd_m * MedianGsdM(placed.facts) / was_m;
+  return placed;
+}
+
 // Nothing: better to place the flight as a whole.
 Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::Flight& read,
                                               const MosaicOptions& options, const flight::PhotoSource& source,
@@ -275,7 +306,10 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
 
   PlacedFlight placed;
   std::optional<FlightFacts> facts;
-  if (memory != nullptr) {
+  if (options.placing) {
+    SKYQUILT_TRY_ASSIGN(placed, PlaceWhereTold(*read, *options.placing, memory, inputs, stages));
+    facts = std::move(placed.facts);
+  } else if (memory != nullptr) {
     if (std::optional<Recalled> recalled = Recall(*memory, options, inputs)) {
       if (recalled->added.empty()) {
         facts = std::move(recalled->facts);
@@ -296,10 +330,12 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     facts = std::move(anew);
   }
   placed.facts = *std::move(facts);
-  for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
-    photo.max_look_rad = geo::DegToRad(options.max_look_deg);
+  if (!options.placing) {  // that keeps what the map was made with
+    for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
+      photo.max_look_rad = geo::DegToRad(options.max_look_deg);
+    }
+    placed.facts.options = DigestOfPlacing(options);
   }
-  placed.facts.options = DigestOfPlacing(options);
   placed.facts.inputs = inputs;
   std::map<std::string, Digest> by_path;
   for (const NamedDigest& input : inputs) by_path[input.file.path.string()] = input.digest;

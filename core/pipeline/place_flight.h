@@ -1,8 +1,10 @@
 // PlaceFlight: the first half of the flow: from files to placed photos and the ground below them; with a
 // memory of an earlier run as little of it as has changed: the same files are not compared again, and a few
-// photos more are placed against the others. Blocking. Errors: as BuildMosaic.
+// photos more are placed against the others, or the finished map is brought to where options.placing says.
+// Blocking. Errors: as BuildMosaic.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/flight/photos/photo_source.h"
@@ -18,6 +20,8 @@ namespace skyquilt::pipeline {
 struct PlacedFlight {
   FlightFacts facts;            // `appearance` is an earlier run's: of its photos, which come first
   std::vector<Digest> digests;  // of the photos' files; only with a memory
+  // What a map pixel showed before the map was placed, in today's metres; nothing otherwise.
+  std::optional<double> gsd_m;
 };
 
 Result<PlacedFlight> PlaceFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,

@@ -5,6 +5,7 @@
 #include "server/commands/maps/compare.h"
 #include "server/commands/maps/inspect.h"
 #include "server/commands/maps/locate.h"
+#include "server/commands/maps/place.h"
 #include "server/commands/maps/reckon.h"
 #include "server/commands/maps/simulate.h"
 #include "server/commands/maps/stitch.h"
@@ -20,6 +21,7 @@ void AddCommands(CLI::App& app) {
   AddStitchCommand(app);
   AddServeCommand(app);
   AddLocateCommand(app);
+  AddPlaceCommand(app);
   AddInspectCommand(app);
   AddCompareCommand(app);
   AddReckonCommand(app);

@@ -136,6 +136,7 @@ FlightFacts Parse(std::string_view bytes) {
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
     photo.readout_motion = camera.readout_motion;
+    photo.max_look_rad = photos[i].value("max_look_rad", photo.max_look_rad);
     const std::vector<std::uint8_t>& jpeg = photos[i].at("thumbnail").get_binary();
     facts.thumbnails.push_back(
         {photo.photo.name, photos[i].at("thumbnail_size").at(0), photos[i].at("thumbnail_size").at(1), jpeg});
@@ -197,6 +198,7 @@ std::string WriteFacts(const FlightFacts& facts) {
                               {"camera_key", OfText(photo.photo.camera_key)},
                               {"reason", OfText(photo.placement_reason)},
                               {"height_m", photo.height_above_ground_m},
+                              {"max_look_rad", photo.max_look_rad},
                               {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
                               {"thumbnail", Binary(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
   }

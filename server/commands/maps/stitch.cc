@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "core/base/digest.h"
 #include "core/base/printable.h"
 #include "server/commands/fail.h"
+#include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
@@ -79,18 +79,8 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
 }
 
 void Run(StitchArguments& arguments) {
-  if (!arguments.origin.empty()) {
-    geo::LatLon origin;
-    char rest = 0;
-    if (std::sscanf(arguments.origin.c_str(), "%lf,%lf%c", &origin.lat_deg, &origin.lon_deg, &rest) != 2) {
-      Fail("skyquilt", {ErrorCode::kInvalidArgument,
-                        "--origin is '" + arguments.origin +
-                            "'; write it as LAT,LON in degrees, like "
-                            "46.80,7.10.",
-                        ""});
-    }
-    arguments.job.mosaic.origin = origin;
-  }
+  if (!arguments.origin.empty())
+    arguments.job.mosaic.origin = ParseLatLon("skyquilt", "--origin", arguments.origin);
   if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));

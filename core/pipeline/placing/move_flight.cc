@@ -1,0 +1,166 @@
+#include "core/pipeline/placing/move_flight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "core/alignment/adjustment/tie_to_control.h"
+#include "core/alignment/align_report.h"
+#include "core/alignment/view.h"
+#include "core/base/median.h"
+#include "core/geo/bounds.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+using alignment::AlignedPhoto;
+using alignment::Similarity3;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kLevel = 1e-9;
+
+Similarity3 InverseOf(const Similarity3& similarity) {
+  Similarity3 inverse;
+  inverse.scale = 1.0 / similarity.scale;
+  inverse.rotation = similarity.rotation.conjugate();
+  inverse.shift = -(inverse.scale * (inverse.rotation * similarity.shift));
+  return inverse;
+}
+
+std::vector<alignment::View> ViewsOf(const FlightFacts& known) {
+  std::vector<alignment::View> views;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    views.push_back(
+        {photo.intrinsics, photo.cam_from_enu, photo.height_above_ground_m, photo.readout_motion});
+  }
+  return views;
+}
+
+// The box that the ground is known in: a grid's own; for a plane below what the cameras may see of it.
+geo::Bounds2 BoundsOfGround(const FlightFacts& facts) {
+  const ground::GroundSurface& ground = facts.ground;
+  geo::Bounds2 bounds;
+  if (!ground.IsPlane()) {
+    bounds.Include(ground.SouthWest());
+    bounds.Include(
+        Vector2d(ground.SouthWest() + ground.CellSize() * Vector2d(ground.Columns() - 1, ground.Rows() - 1)));
+    return bounds;
+  }
+  for (const AlignedPhoto& photo : facts.flight.photos) {
+    const Vector2d below = photo.cam_from_enu.TargetOriginInSource().head<2>();
+    const double reach_m = 3.0 * std::max(1.0, photo.height_above_ground_m);
+    bounds.Include(Vector2d(below - Vector2d::Constant(reach_m)));
+    bounds.Include(Vector2d(below + Vector2d::Constant(reach_m)));
+  }
+  return bounds;
+}
+
+ground::GroundSurface Moved(const FlightFacts& facts, const Similarity3& move) {
+  const ground::GroundSurface& ground = facts.ground;
+  const double mean_z_m = (move * Vector3d(0.0, 0.0, ground.MeanHeight())).z();
+  const bool is_level = (move.rotation * Vector3d::UnitZ() - Vector3d::UnitZ()).norm() < kLevel;
+  if (is_level && ground.IsPlane()) return ground::GroundSurface::Plane(mean_z_m);
+  const geo::Bounds2 was = BoundsOfGround(facts);
+  geo::Bounds2 bounds;
+  for (const Vector2d& corner :
+       {was.min, Vector2d(was.max.x(), was.min.y()), Vector2d(was.min.x(), was.max.y()), was.max}) {
+    bounds.Include((move * Vector3d(corner.x(), corner.y(), ground.MeanHeight())).head<2>().eval());
+  }
+  constexpr double kCellsOfAPlane = 64.0;
+  const double cell_m = ground.IsPlane() ? std::max(bounds.Width(), bounds.Height()) / kCellsOfAPlane
+                                         : move.scale * ground.CellSize();
+  const int columns = static_cast<int>(std::ceil(bounds.Width() / cell_m)) + 1;
+  const int rows = static_cast<int>(std::ceil(bounds.Height() / cell_m)) + 1;
+  const Similarity3 back = InverseOf(move);
+  // Up and down leans with the turn: what lies below a place is sought from the height found before.
+  const auto height_at = [&](double x, double y) {
+    constexpr int kRounds = 8;
+    double z = mean_z_m;
+    for (int round = 0; round < (is_level ? 1 : kRounds); ++round) {
+      Vector3d old = back * Vector3d(x, y, z);
+      old.z() = ground.HeightAt(old.head<2>());
+      const Vector3d found = move * old;
+      z = found.z();
+    }
+    return z;
+  };
+  std::vector<float> heights_m;
+  double sum_m = 0.0;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const double z = height_at(bounds.min.x() + column * cell_m, bounds.min.y() + row * cell_m);
+      heights_m.push_back(static_cast<float>(z));
+      sum_m += z;
+    }
+  }
+  return ground::GroundSurface::Grid(bounds.min, cell_m, columns, rows, std::move(heights_m),
+                                     is_level ? mean_z_m : sum_m / (static_cast<double>(columns) * rows));
+}
+
+}  // namespace
+
+void MoveFlight(const Similarity3& new_from_old, FlightFacts& facts) {
+  facts.ground = Moved(facts, new_from_old);
+  facts.flight.ground_z_in_enu_m = (new_from_old * Vector3d(0.0, 0.0, facts.flight.ground_z_in_enu_m)).z();
+  for (AlignedPhoto& photo : facts.flight.photos) {
+    photo.cam_from_enu = new_from_old.Moved(photo.cam_from_enu);
+    photo.height_above_ground_m *= new_from_old.scale;
+    photo.error_radius_m *= new_from_old.scale;
+    Eigen::Vector3d& shift_m = photo.readout_motion.shift_in_enu_m;
+    shift_m = new_from_old.scale * (new_from_old.rotation * shift_m);
+  }
+  facts.appearance.reset();
+}
+
+std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
+                                        const std::vector<alignment::ControlPoint>& control,
+                                        std::vector<alignment::ControlReport>& reports) {
+  std::vector<std::string> names;
+  std::vector<char> is_tied;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    names.push_back(photo.photo.name);
+    is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
+  }
+  const std::vector<alignment::View> views = ViewsOf(known);
+  const alignment::MarkedPhotos photos(names, views, is_tied);
+  std::vector<MarkedPoint> marked;
+  for (const alignment::ControlPoint& point : control) {
+    const std::optional<alignment::Track> track = photos.TrackOf(point, reports.emplace_back());
+    if (track) marked.push_back({track->point_in_enu, point, reports.size() - 1});
+  }
+  return marked;
+}
+
+double MedianGsdM(const FlightFacts& known) {
+  std::vector<double> gsds_m;
+  for (const alignment::View& view : ViewsOf(known)) gsds_m.push_back(view.GsdM());
+  return MedianIfAny(std::move(gsds_m)).value_or(0.0);
+}
+
+double ExtentM(const FlightFacts& known) {
+  geo::Bounds2 bounds;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    bounds.Include(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  return bounds.IsEmpty() ? 0.0 : std::hypot(bounds.Width(), bounds.Height());
+}
+
+std::string WithControlReports(const std::string& alignment_json,
+                               const std::vector<alignment::ControlReport>& control,
+                               const Vector3d& moved_m) {
+  if (alignment_json.empty()) return alignment_json;
+  alignment::AlignReport of_control;
+  of_control.control = control;
+  of_control.position_bias_m = moved_m;
+  const Json part = Json::parse(alignment::AlignReportJson(of_control));
+  Json merged = Json::parse(alignment_json);
+  for (const char* field : {"ground_control", "position_bias_m"}) merged[field] = part.at(field);
+  return merged.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace skyquilt::pipeline

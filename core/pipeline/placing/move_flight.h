@@ -1,0 +1,42 @@
+// MoveFlight: everything that a finished flight knows in its local frame (cameras, ground) turned, scaled and
+// shifted as one, without a look at any photo. The appearance goes: seams lie elsewhere on the map now. Frame
+// `enu` before and after. Pure; any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/alignment/adjustment/ground_control.h"
+#include "core/alignment/reconstruction/similarity.h"
+#include "core/pipeline/report/flight_facts.h"
+
+namespace skyquilt::pipeline {
+
+// The frame stays: `facts.flight.frame` is the caller's to change with it.
+void MoveFlight(const alignment::Similarity3& new_from_old, FlightFacts& facts);
+
+// Where the marks of a surveyed point meet, in the flight's frame, and where it was surveyed.
+struct MarkedPoint {
+  Eigen::Vector3d seen_in_enu = Eigen::Vector3d::Zero();
+  alignment::ControlPoint point;
+  std::size_t report = 0;  // number of its report
+};
+
+// The points that two or more aligned photos show; every point has a report, which says why one is not among
+// them.
+std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
+                                        const std::vector<alignment::ControlPoint>& control,
+                                        std::vector<alignment::ControlReport>& reports);
+
+// Of the flight's photos, straight down, in the median; 0 of a flight without photos.
+double MedianGsdM(const FlightFacts& known);
+
+// Between the outermost cameras, along the diagonal.
+double ExtentM(const FlightFacts& known);
+
+// What became of surveyed points, written into the alignment's figures, with how far the flight moved for
+// them.
+std::string WithControlReports(const std::string& alignment_json,
+                               const std::vector<alignment::ControlReport>& control,
+                               const Eigen::Vector3d& moved_m);
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,248 @@
+#include "core/pipeline/placing/place_known.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/base/median.h"
+#include "core/base/try.h"
+#include "core/geo/bounds.h"
+#include "core/geo/lat_lon.h"
+#include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/move_flight.h"
+#include "core/poses/unplaced_words.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using alignment::AlignedPhoto;
+using alignment::FittedSimilarity;
+using alignment::PlacePair;
+using alignment::Similarity3;
+using Eigen::Vector3d;
+
+constexpr double kFinestPixelM = 0.0005, kCoarsestPixelM = 50.0;
+constexpr std::size_t kMinPoints = 3;
+// Points nearer together than this share of the flight's extent say too little of scale and north.
+constexpr double kMinSpread = 0.1;
+constexpr double kMinSigmaM = 0.02;
+// What points may miss by and still agree: the block bends by some pixels, more the wider it is.
+constexpr double kAgreedPixels = 6.0;
+constexpr double kAgreedShare = 0.01;  // of the points' spread
+// Up as the flight has it: by its own ground or by recorded angles.
+constexpr double kSigmaUpRad = 0.05;
+
+Error Refused(ErrorCode code, std::string message) { return Error{code, std::move(message), ""}; }
+
+double TurnDeg(const Similarity3& move) {
+  const Vector3d east = move.rotation * Vector3d::UnitX();
+  return geo::RadToDeg(std::atan2(east.y(), east.x()));
+}
+
+Result<Similarity3> CheckedScale(const FlightFacts& known, Similarity3 move) {
+  const double pixel_m = MedianGsdM(known) * move.scale;
+  if (pixel_m >= kFinestPixelM && pixel_m <= kCoarsestPixelM) return move;
+  return Refused(
+      ErrorCode::kInvalidArgument,
+      fmt::format("With this scale a photo's pixel would show {:.3g} m of ground; {:.4f} to {:.0f} m is "
+                  "possible. As the map is now it shows {:.4f} m.",
+                  pixel_m, kFinestPixelM, kCoarsestPixelM, MedianGsdM(known)));
+}
+
+// The place in the flight's frame that the origin is of.
+Result<Vector3d> OriginIn(const FlightFacts& known, const PlaceRequest& request) {
+  if (!request.origin_photo.empty()) {
+    for (const AlignedPhoto& photo : known.flight.photos) {
+      if (photo.photo.name == request.origin_photo) return photo.cam_from_enu.TargetOriginInSource();
+    }
+    return Refused(ErrorCode::kInvalidArgument,
+                   fmt::format("The map shows no photo called {}; the first is {}.", request.origin_photo,
+                               known.flight.photos.front().photo.name));
+  }
+  if (!known.is_by_images && !known.is_placed) return Vector3d(Vector3d::Zero());  // the take-off
+  geo::Bounds2 bounds;
+  for (const AlignedPhoto& photo : known.flight.photos) {
+    bounds.Include(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  }
+  const Eigen::Vector2d middle = 0.5 * (bounds.min + bounds.max);
+  return Vector3d(middle.x(), middle.y(), 0.0);
+}
+
+Result<FlightFacts> PlaceByOrigin(const FlightFacts& known, const PlaceRequest& request) {
+  const double gsd_m = MedianGsdM(known);
+  Similarity3 move;
+  if (request.photo_pixel_m) move.scale = *request.photo_pixel_m / gsd_m;
+  if (request.factor) move.scale = *request.factor;
+  if (!(move.scale > 0.0) || !std::isfinite(move.scale) || !std::isfinite(request.north_deg)) {
+    return Refused(ErrorCode::kInvalidArgument, "The scale must be above 0, and north a number of degrees.");
+  }
+  move.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(geo::DegToRad(request.north_deg), Vector3d::UnitZ()));
+  SKYQUILT_TRY_ASSIGN(const Vector3d origin, OriginIn(known, request));
+  const double ground_z_m = known.ground.MeanHeight();
+  move.shift = -(move.scale * (move.rotation * Vector3d(origin.x(), origin.y(), ground_z_m)));
+  move.shift.z() += ground_z_m;  // the ground keeps its height
+  SKYQUILT_TRY_ASSIGN(move, CheckedScale(known, move));
+  FlightFacts placed = known;
+  MoveFlight(move, placed);
+  placed.flight.frame = geo::LocalFrame(
+      {request.origin->lat_deg, request.origin->lon_deg, known.flight.frame.origin().height_ellipsoid_m});
+  placed.flight.warnings.push_back(fmt::format(
+      "The map was placed by hand: {} lies at {:.7f}, {:.7f}; it was turned by {:.1f} degrees and became {:.4g} "
+      "times as large. How far off it may be, the flight cannot tell: check it over known places.",
+      request.origin_photo.empty() ? "its origin" : request.origin_photo, request.origin->lat_deg,
+      request.origin->lon_deg, TurnDeg(move), move.scale));
+  return placed;
+}
+
+geo::LocalFrame FrameOf(const std::vector<MarkedPoint>& marked) {
+  std::vector<double> lats, lons, heights;
+  for (const MarkedPoint& one : marked) {
+    lats.push_back(one.point.position.lat_deg);
+    lons.push_back(one.point.position.lon_deg);
+    if (one.point.height_m) heights.push_back(*one.point.height_m);
+  }
+  return geo::LocalFrame(
+      {Median(std::move(lats)), Median(std::move(lons)), MedianIfAny(std::move(heights)).value_or(0.0)});
+}
+
+std::vector<PlacePair> PairsOf(const std::vector<MarkedPoint>& marked, const geo::LocalFrame& frame) {
+  std::vector<PlacePair> pairs;
+  for (const MarkedPoint& one : marked) {
+    PlacePair pair;
+    pair.in_source = one.seen_in_enu;
+    pair.in_target = frame.EnuFromWgs84({one.point.position.lat_deg, one.point.position.lon_deg,
+                                         one.point.height_m.value_or(frame.origin().height_ellipsoid_m)});
+    pair.sigma = {one.point.sigma_horizontal_m, one.point.sigma_horizontal_m,
+                  one.point.height_m ? one.point.sigma_vertical_m : std::numeric_limits<double>::infinity()};
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+double SpreadM(const std::vector<MarkedPoint>& marked) {
+  geo::Bounds2 bounds;
+  for (const MarkedPoint& one : marked) bounds.Include(one.seen_in_enu.head<2>());
+  return std::hypot(bounds.Width(), bounds.Height());
+}
+
+std::string WhyNot(const std::vector<alignment::ControlReport>& reports) {
+  std::string words;
+  for (const alignment::ControlReport& report : reports) {
+    if (!report.reason.empty()) words += fmt::format(" {} {}.", report.name, report.reason);
+  }
+  constexpr std::size_t kMaxLetters = 500;
+  return words.size() > kMaxLetters ? words.substr(0, kMaxLetters) + " ..." : words;
+}
+
+Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<flight::GcpList>& lists) {
+  std::vector<alignment::ControlReport> reports;
+  const std::vector<MarkedPoint> marked = MarkedPointsOf(known, ControlPointsOf(lists), reports);
+  if (marked.size() < kMinPoints) {
+    return Refused(
+        ErrorCode::kUnprocessable,
+        fmt::format("Of {} surveyed points {} can be used, and {} are needed, each marked in two or more "
+                    "photos of the map.{}",
+                    reports.size(), marked.size(), kMinPoints, WhyNot(reports)));
+  }
+  const double spread_m = SpreadM(marked);
+  if (spread_m < kMinSpread * ExtentM(known)) {
+    return Refused(
+        ErrorCode::kUnprocessable,
+        fmt::format("The surveyed points lie within {:.0f} % of the map's extent, too near together to "
+                    "tell its scale and north. Mark points near its edges.",
+                    100.0 * spread_m / ExtentM(known)));
+  }
+  const geo::LocalFrame frame = FrameOf(marked);
+  const std::vector<PlacePair> pairs = PairsOf(marked, frame);
+  const std::optional<FittedSimilarity> fitted =
+      alignment::FitRobustly(pairs, alignment::UpDirection{Vector3d::UnitZ(), kSigmaUpRad});
+  const double scale = fitted ? fitted->target_from_source.scale : 1.0;
+  const double agreed_m =
+      kMinSigmaM + kAgreedPixels * scale * MedianGsdM(known) + kAgreedShare * scale * spread_m;
+  std::vector<double> misses_m;
+  FlightFacts placed = known;
+  for (std::size_t k = 0; fitted && k < pairs.size(); ++k) {
+    const Vector3d miss = fitted->target_from_source * pairs[k].in_source - pairs[k].in_target;
+    alignment::ControlReport& told = reports[marked[k].report];
+    told.miss_east_m = miss.x();
+    told.miss_north_m = miss.y();
+    told.miss_up_m = std::isfinite(pairs[k].sigma.z()) ? miss.z() : 0.0;
+    told.residual_px = miss.head<2>().norm() / (scale * MedianGsdM(known));
+    told.is_used = fitted->holds[k] != 0 && miss.head<2>().norm() <= agreed_m;
+    if (told.is_used) {
+      misses_m.push_back(miss.head<2>().norm());
+    } else {
+      told.reason = fmt::format("lies {:.2f} m off where the other points put it", miss.head<2>().norm());
+    }
+  }
+  // Three of a line fit many a wrong turn: the points that are refused must be few.
+  if (misses_m.size() < kMinPoints || misses_m.size() < 2 * (marked.size() - misses_m.size())) {
+    return Refused(
+        ErrorCode::kUnprocessable,
+        fmt::format("The surveyed points contradict each other: no turn, scale and shift of the map brings "
+                    "most of them within {:.2f} m of where they were surveyed.{} Check the order of the "
+                    "coordinates, the reference system in the first line, and the marks.",
+                    agreed_m, WhyNot(reports)));
+  }
+  Similarity3 move = fitted->target_from_source;
+  const bool has_heights = std::any_of(pairs.begin(), pairs.end(),
+                                       [](const PlacePair& pair) { return std::isfinite(pair.sigma.z()); });
+  if (!has_heights)
+    move.shift.z() += known.ground.MeanHeight() - (move * Vector3d(0.0, 0.0, known.ground.MeanHeight())).z();
+  SKYQUILT_TRY_ASSIGN(move, CheckedScale(known, move));
+  MoveFlight(move, placed);
+  placed.flight.frame = frame;
+  for (const alignment::ControlReport& report : reports) {
+    if (!report.is_used) {
+      placed.flight.warnings.push_back(
+          fmt::format("Ground control point {} is not used: it {}.", report.name, report.reason));
+    }
+  }
+  const double miss_m = Median(misses_m);
+  for (AlignedPhoto& photo : placed.flight.photos) {
+    if (photo.placement == alignment::Placement::kAligned)
+      photo.error_radius_m = std::max(kMinSigmaM, miss_m);
+  }
+  placed.alignment_json = WithControlReports(known.alignment_json, reports, Vector3d::Zero());
+  placed.flight.warnings.push_back(fmt::format(
+      "The finished map was placed by {} surveyed points, which it misses by {:.2f} m in the median; it was turned by "
+      "{:.1f} degrees and became {:.4g} times as large. No photo was compared again.",
+      misses_m.size(), miss_m, TurnDeg(move), move.scale));
+  return placed;
+}
+
+std::string WithPlace(const std::string& poses_json) {
+  if (poses_json.empty()) return poses_json;
+  auto json = nlohmann::ordered_json::parse(poses_json);
+  json["is_placed"] = true;
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request) {
+  if (known.is_placed && !request.is_again) {
+    return Refused(
+        ErrorCode::kConflict,
+        "The map is georeferenced already. Say --again to place it anew, over what its records said.");
+  }
+  if (request.origin.has_value() == !request.control.empty()) {
+    return Refused(ErrorCode::kInvalidArgument,
+                   "Give either a place (--origin) or surveyed points (--gcp), and not both.");
+  }
+  if (known.flight.photos.empty()) {
+    return Refused(ErrorCode::kUnprocessable, "The map shows no photo, so there is nothing to place.");
+  }
+  SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin ? PlaceByOrigin(known, request)
+                                                         : PlaceByControl(known, request.control));
+  placed.is_placed = true;
+  placed.poses_json = WithPlace(known.poses_json);
+  poses::EraseUnplacedWords(placed.flight.warnings);
+  return placed;
+}
+
+}  // namespace skyquilt::pipeline

@@ -1,0 +1,26 @@
+// PlaceRequest: what a user knows of where a finished map lies: a place with scale and north, or surveyed
+// points. A value; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/flight/logs/texts/gcp_list.h"
+#include "core/geo/lat_lon.h"
+
+namespace skyquilt::pipeline {
+
+struct PlaceRequest {
+  // Of the take-off where the flight was reckoned from it, else of the middle of the photos, or of where
+  // `origin_photo` was taken.
+  std::optional<geo::LatLon> origin;
+  std::string origin_photo;
+  std::optional<double> photo_pixel_m;  // ground that a photo's pixel shows, in the median
+  std::optional<double> factor;         // the map is to become so many times larger; not with photo_pixel_m
+  double north_deg = 0.0;  // the direction on the map as it is that is north, clockwise from its top
+  std::vector<flight::GcpList> control;  // instead of all above
+  bool is_again = false;                 // also a map that has its place
+};
+
+}  // namespace skyquilt::pipeline

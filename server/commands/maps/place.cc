@@ -1,0 +1,200 @@
+#include "server/commands/maps/place.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/printable.h"
+#include "core/flight/logs/texts/gcp_list.h"
+#include "core/render/map_layer.h"
+#include "server/commands/fail.h"
+#include "server/commands/maps/parse_lat_lon.h"
+#include "server/commands/terminal_progress.h"
+#include "server/jobs/stitch_job.h"
+#include "storage/tilesets/mbtiles_reader.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCommand = "skyquilt place";
+
+struct PlaceArguments {
+  fs::path map_dir;
+  std::string origin;
+  std::string at_photo;
+  std::string scale;
+  double north_deg = 0.0;
+  std::vector<fs::path> gcp;
+  bool again = false;
+  int threads = 0;
+  double max_memory_gib = 1.0;
+};
+
+[[noreturn]] void Refuse(std::string message) {
+  Fail(kCommand, {ErrorCode::kInvalidArgument, std::move(message), ""});
+}
+
+// "0.03" is metres a pixel, "2.5x" so many times larger.
+void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
+  if (text.empty()) return;
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const std::string_view rest(end);
+  if (end == text.c_str() || !std::isfinite(value) || !(value > 0.0) || !(rest.empty() || rest == "x")) {
+    Refuse(
+        "--scale is '" + text +
+        "'; write the ground that a photo's pixel shows in metres, like 0.03, or by how many times the map is "
+        "to become larger, like 2.5x.");
+  }
+  (rest.empty() ? request.photo_pixel_m : request.factor) = value;
+}
+
+pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
+  pipeline::PlaceRequest request;
+  if (!arguments.origin.empty()) {
+    const geo::LatLon place = ParseLatLon(kCommand, "--origin", arguments.origin);
+    if (!(std::abs(place.lat_deg) <= 85.0 && std::abs(place.lon_deg) <= 180.0))
+      Refuse("--origin is " + arguments.origin +
+             " but must be a latitude up to 85 and a longitude up to 180 degrees.");
+    request.origin = place;
+  }
+  if (arguments.origin.empty() == arguments.gcp.empty())
+    Refuse("Say where the map lies: either --origin LAT,LON or --gcp gcp_list.txt.");
+  request.origin_photo = arguments.at_photo;
+  TakeScale(arguments.scale, request);
+  request.north_deg = arguments.north_deg;
+  for (const fs::path& path : arguments.gcp) {
+    Result<flight::GcpList> list = flight::ReadGcpList({path.filename().string(), path});
+    if (!list) {
+      Error error = list.error();
+      error.message = path.filename().string() + " cannot be read as surveyed points: " + error.message;
+      Fail(kCommand, error);
+    }
+    for (const std::string& warning : list->warnings)
+      fmt::print(stderr, "Warning: {}\n", Printable(path.filename().string() + ": " + warning));
+    request.control.push_back(*std::move(list));
+  }
+  request.is_again = arguments.again;
+  return request;
+}
+
+std::string TitleOf(const fs::path& map_dir) {
+  std::ifstream file(map_dir / "report.json", std::ios::binary);
+  const auto report = nlohmann::json::parse(file, nullptr, false);
+  return report.is_object() ? report.value("title", "") : std::string();
+}
+
+// What was asked for when the map was made, as far as the folder shows it.
+StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
+  StitchJobOptions options;
+  const auto has = [&](const std::string& name) { return fs::exists(arguments.map_dir / name); };
+  options.write_cog = has("mosaic.tif");
+  options.write_pmtiles = has("mosaic.pmtiles");
+  options.write_utm = has("mosaic_utm.tif");
+  options.write_kmz = has("mosaic.kmz");
+  for (const render::MapLayer layer : render::kMapLayers) {
+    if (has(render::LayerFileName(layer))) options.mosaic.layers.push_back(layer);
+  }
+  options.mosaic.title = TitleOf(arguments.map_dir);
+  options.mosaic.threads = arguments.threads;
+  options.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
+  const auto tiles = storage::MbtilesReader::Open(arguments.map_dir / "mosaic.mbtiles");
+  if (!tiles) Fail(kCommand, tiles.error());
+  const auto& metadata = (*tiles)->metadata();
+  const auto format = metadata.find("format");
+  if (format != metadata.end() && format->second == "webp")
+    options.mosaic.encoding = pipeline::TileEncoding::kWebp;
+  return options;
+}
+
+void Run(const PlaceArguments& arguments) {
+  const pipeline::PlaceRequest request = RequestOf(arguments);
+  const auto files = FilesOfMap(arguments.map_dir);
+  if (!files) Fail(kCommand, files.error());
+  for (const flight::InputFile& file : *files) {
+    if (fs::exists(file.path)) continue;
+    Fail(kCommand,
+         {ErrorCode::kNotFound,
+          file.path.string() + " is gone; a map is drawn again when it is placed, which needs its photos "
+                               "where they were.",
+          ""});
+  }
+  StitchJobOptions options = OptionsOf(arguments);
+  options.mosaic.placing = request;
+  const Result<pipeline::MosaicReport> report = [&] {
+    TerminalProgress progress;
+    return StitchToDirectory(*files, options, arguments.map_dir, progress);
+  }();
+  if (!report) Fail(kCommand, report.error());
+  if (!report->warnings.empty()) fmt::print("{}\n", Printable(report->warnings.back()));
+  fmt::print("{:.2f} ha at {:.1f} cm a pixel, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n",
+             report->area_m2 / 1e4, report->gsd_m * 100.0, report->bounds[1], report->bounds[0],
+             report->bounds[3], report->bounds[2], (arguments.map_dir / "mosaic.mbtiles").string());
+}
+
+}  // namespace
+
+void AddPlaceCommand(CLI::App& app) {
+  const auto arguments = std::make_shared<PlaceArguments>();
+  CLI::App* command = app.add_subcommand(
+      "place", "Put a map that is not georeferenced where it belongs, without aligning its photos again");
+  command
+      ->add_option("MAP", arguments->map_dir,
+                   "Folder that \"stitch\" wrote; its photos must be where they were")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  CLI::Option* origin = command->add_option(
+      "--origin", arguments->origin,
+      "LAT,LON in degrees of the middle of the photos; of the take-off, where the map was reckoned from it; with "
+      "--at of where that photo was taken");
+  command->add_option("--at", arguments->at_photo, "Name of the photo that was taken above --origin")
+      ->needs(origin);
+  command
+      ->add_option(
+          "--scale", arguments->scale,
+          "How large things are: ground that a photo's pixel shows in metres (0.03: the flying height "
+          "divided by the focal length in pixels), or a factor (2.5x: all distances on the map are to "
+          "become 2.5 times as long). Default: as the map is")
+      ->needs(origin);
+  command
+      ->add_option(
+          "--north", arguments->north_deg,
+          "Which direction on the map as it is drawn now is north, in degrees clockwise from its top (90: "
+          "what is right now will be up)")
+      ->needs(origin);
+  command
+      ->add_option(
+          "--gcp", arguments->gcp,
+          "Instead of a place: surveyed points, in the format of gcp_list.txt (reference system, then rows "
+          "x y z pixel_x pixel_y photo name). Three or more, spread over the map, each marked in two or "
+          "more photos; they give place, scale, north and, where they have heights, the tilt")
+      ->check(CLI::ExistingFile)
+      ->excludes(origin);
+  command->add_flag("--again", arguments->again,
+                    "Also a map that is georeferenced: what its records said of its place is overruled");
+  command->add_option("--threads", arguments->threads, "Threads; 0 takes all cores")->capture_default_str();
+  command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
+      ->capture_default_str();
+  command->footer(
+      "A map of photos without any position is whole, but lies at 0,0 with a guessed scale and north. What is known\n"
+      "of its place can be said later; the map is then drawn again, and no photo is compared.\n"
+      "Example:\n"
+      "  skyquilt place map --gcp gcp_list.txt\n"
+      "  skyquilt place map --origin 46.80,7.10 --scale 0.03 --north 12\n"
+      "  skyquilt place map --origin 46.80,7.10 --at DJI_0007.JPG --again");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

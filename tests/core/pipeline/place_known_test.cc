@@ -1,0 +1,222 @@
+// A finished flight that lies nowhere, brought to its place by surveyed points or by what a user knows of it;
+// and what is refused, in words that tell what to do.
+#include "core/pipeline/placing/place_known.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/poses/unplaced_words.h"
+#include "tests/core/pipeline/displaced_flight.h"
+
+namespace skyquilt::pipeline {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// As the images alone leave a flight: at 0, 0, in a scale and with a north of no meaning.
+struct Nowhere : Displaced {
+  Nowhere() : Displaced({2.1, 0.37, {12.0, -7.0}}) {
+    known.flight.frame = geo::LocalFrame({0.0, 0.0, 0.0});
+    known.is_placed = false;
+    known.is_by_images = true;
+    known.poses_json = R"({"method": "none", "is_placed": false})";
+    known.flight.warnings = {"3 photos are blurred.",
+                             "No records: 20 photos placed. " + poses::NotGeoreferencedWords(100.0)};
+  }
+
+  PlaceRequest BySurvey(std::size_t points, const Eigen::Vector3d& first_off_by = {0, 0, 0}) const {
+    PlaceRequest request;
+    request.control = Survey(points, first_off_by);
+    return request;
+  }
+
+  // Between where the cameras are now said to be and where they were, in metres on Earth.
+  double WorstOnEarthM(const FlightFacts& facts) const {
+    double worst_m = 0.0;
+    for (std::size_t i = 0; i < truth.photos.size(); ++i) {
+      const geo::Wgs84 said =
+          facts.flight.frame.Wgs84FromEnu(facts.flight.photos[i].cam_from_enu.TargetOriginInSource());
+      worst_m = std::max(
+          worst_m,
+          (truth.frame.EnuFromWgs84(said) - truth.photos[i].pose.cam_from_enu.TargetOriginInSource()).norm());
+    }
+    return worst_m;
+  }
+};
+
+std::string RefusalOf(const Result<FlightFacts>& placed) {
+  EXPECT_FALSE(placed.ok());
+  return placed.ok() ? "" : placed.error().message;
+}
+
+TEST(PlaceKnown, SurveyedPointsGivePlaceScaleAndNorth) {
+  const Nowhere flight;
+  for (const std::size_t points : {3u, 4u, 5u}) {
+    const auto placed = PlaceKnown(flight.known, flight.BySurvey(points));
+    ASSERT_TRUE(placed.ok()) << placed.error().message;
+    EXPECT_LT(flight.WorstOnEarthM(*placed), 0.05) << points;
+    EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
+    EXPECT_TRUE(placed->is_placed);
+    EXPECT_FALSE(placed->appearance);
+    EXPECT_NEAR(placed->flight.photos[0].height_above_ground_m,
+                flight.known.flight.photos[0].height_above_ground_m / 0.37, 0.1);
+    EXPECT_LE(placed->flight.photos[0].error_radius_m, 0.05);
+    EXPECT_THAT(placed->poses_json, HasSubstr("\"is_placed\": true"));
+    EXPECT_THAT(placed->flight.warnings, Each(Not(HasSubstr("NOT GEOREFERENCED"))));
+    EXPECT_THAT(placed->flight.warnings, Contains("No records: 20 photos placed."));
+    EXPECT_THAT(placed->flight.warnings, Contains("3 photos are blurred."));
+  }
+}
+
+TEST(PlaceKnown, PointsWithoutHeightsWillDo) {
+  const Nowhere flight;
+  PlaceRequest request = flight.BySurvey(4);
+  for (flight::GcpPoint& point : request.control.front().points) point.height_m.reset();
+  const auto placed = PlaceKnown(flight.known, request);
+  ASSERT_TRUE(placed.ok()) << placed.error().message;
+  EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
+  const double height_m =
+      placed->flight.photos[0].cam_from_enu.TargetOriginInSource().z() - placed->ground.MeanHeight();
+  EXPECT_NEAR(height_m, flight.truth.photos[0].pose.cam_from_enu.TargetOriginInSource().z() - kGroundZ, 0.1);
+}
+
+// Taken for level, the ground was a slope.
+TEST(PlaceKnown, PointsWithHeightsTakeATiltBack) {
+  Nowhere flight;
+  const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitX()));
+  for (alignment::AlignedPhoto& photo : flight.known.flight.photos) {
+    photo.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        photo.cam_from_enu.rotation * tilt.conjugate(), tilt * photo.cam_from_enu.TargetOriginInSource());
+  }
+  std::vector<float> heights_m;
+  for (int row = 0; row < 41; ++row) {
+    for (int column = 0; column < 41; ++column)
+      heights_m.push_back(static_cast<float>(std::tan(0.03) * (-60.0 + 3.0 * row)));
+  }
+  flight.known.ground = ground::GroundSurface::Grid({-60.0, -60.0}, 3.0, 41, 41, std::move(heights_m), 0.0);
+  const auto placed = PlaceKnown(flight.known, flight.BySurvey(5));
+  ASSERT_TRUE(placed.ok()) << placed.error().message;
+  EXPECT_LT(flight.WorstOnEarthM(*placed), 0.2);
+  EXPECT_LT(flight.WorstTurnRad(*placed), 2e-3);
+  const double level_m = placed->ground.HeightAt({0.0, 0.0});
+  for (const Eigen::Vector2d& at :
+       {Eigen::Vector2d(30.0, 20.0), Eigen::Vector2d(-25.0, 30.0), Eigen::Vector2d(0.0, -40.0)})
+    EXPECT_NEAR(placed->ground.HeightAt(at), level_m, 0.15) << "the ground is level again";
+}
+
+TEST(PlaceKnown, LeavesOutAPointThatTheOthersContradict) {
+  const Nowhere flight;
+  const auto placed = PlaceKnown(flight.known, flight.BySurvey(5, {25.0, -18.0, 0.0}));
+  ASSERT_TRUE(placed.ok()) << placed.error().message;
+  EXPECT_LT(flight.WorstOnEarthM(*placed), 0.1);
+  EXPECT_THAT(placed->flight.warnings, Contains(HasSubstr("point0 is not used: it lies 30.")));
+}
+
+TEST(PlaceKnown, RefusesPointsThatContradictEachOther) {
+  const Nowhere flight;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, flight.BySurvey(3, {25.0, -18.0, 0.0}))),
+              HasSubstr("contradict each other"));
+  // Mirrored, as latitude in place of longitude makes them.
+  PlaceRequest mirrored = flight.BySurvey(5);
+  const geo::LatLon pivot = mirrored.control.front().points.back().position;
+  for (flight::GcpPoint& point : mirrored.control.front().points)
+    point.position.lon_deg = 2.0 * pivot.lon_deg - point.position.lon_deg;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, mirrored)), HasSubstr("contradict each other"));
+}
+
+TEST(PlaceKnown, RefusesTooFewPointsAndThoseTooNearTogether) {
+  const Nowhere flight;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, flight.BySurvey(2))),
+              HasSubstr("Of 2 surveyed points 2 can be used"));
+  PlaceRequest unmarked = flight.BySurvey(4);
+  for (flight::GcpSighting& sighting : unmarked.control.front().sightings) sighting.image_name = "other.jpg";
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, unmarked)),
+              HasSubstr("point0 is marked in fewer than two photos"));
+  PlaceRequest near = flight.BySurvey(3);
+  flight::GcpList& list = near.control.front();
+  list.sightings.clear();  // all three are marked at the place of the first
+  const std::vector<flight::GcpList> once = flight.Survey(1);
+  for (const flight::GcpSighting& sighting : once.front().sightings) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      list.sightings.push_back(sighting);
+      list.sightings.back().point = k;
+    }
+  }
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, near)), HasSubstr("too near together"));
+}
+
+TEST(PlaceKnown, APlaceAScaleAndNorthWillDo) {
+  const Nowhere flight;
+  const auto& third = flight.truth.photos[3];
+  const geo::Wgs84 at = flight.truth.frame.Wgs84FromEnu(third.pose.cam_from_enu.TargetOriginInSource());
+  PlaceRequest request;
+  request.origin = geo::LatLon{at.lat_deg, at.lon_deg};
+  request.origin_photo = third.photo.name;
+  request.factor = 1.0 / 0.37;
+  request.north_deg = -geo::RadToDeg(2.1);  // turned left on the map, north points left of its top
+  const auto placed = PlaceKnown(flight.known, request);
+  ASSERT_TRUE(placed.ok()) << placed.error().message;
+  EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
+  for (std::size_t i = 0; i < flight.truth.photos.size(); ++i) {
+    const geo::Wgs84 said =
+        placed->flight.frame.Wgs84FromEnu(placed->flight.photos[i].cam_from_enu.TargetOriginInSource());
+    const Eigen::Vector3d off = flight.truth.frame.EnuFromWgs84(said) -
+                                flight.truth.photos[i].pose.cam_from_enu.TargetOriginInSource();
+    EXPECT_LT(off.head<2>().norm(), 0.05);
+  }
+  // The same by what a photo's pixel shows.
+  request.factor.reset();
+  request.photo_pixel_m = flight.truth.photos[0].pose.cam_from_enu.TargetOriginInSource().z() /
+                          flight.truth.options.intrinsics.MeanFocalPx();
+  const auto by_pixel = PlaceKnown(flight.known, request);
+  ASSERT_TRUE(by_pixel.ok());
+  EXPECT_NEAR(by_pixel->flight.photos[0].height_above_ground_m,
+              placed->flight.photos[0].height_above_ground_m, 0.5);
+}
+
+TEST(PlaceKnown, TheOriginIsTheMiddleOfThePhotosOrTheTakeOff) {
+  Nowhere flight;
+  PlaceRequest request;
+  request.origin = geo::LatLon{46.8, 7.1};
+  const auto middle = PlaceKnown(flight.known, request);
+  ASSERT_TRUE(middle.ok());
+  geo::Bounds2 bounds;
+  for (const auto& photo : middle->flight.photos)
+    bounds.Include(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  EXPECT_LT((bounds.min + bounds.max).norm(), 1e-6);
+  flight.known.is_by_images = false;  // reckoned from the take-off
+  const auto takeoff = PlaceKnown(flight.known, request);
+  ASSERT_TRUE(takeoff.ok());
+  EXPECT_LT((takeoff->flight.photos[0].cam_from_enu.TargetOriginInSource() -
+             flight.known.flight.photos[0].cam_from_enu.TargetOriginInSource())
+                .norm(),
+            1e-9);
+  EXPECT_EQ(takeoff->flight.frame.origin().lat_deg, 46.8);
+}
+
+TEST(PlaceKnown, RefusesWhatMakesNoSense) {
+  Nowhere flight;
+  PlaceRequest request;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("either a place"));
+  request.origin = geo::LatLon{46.8, 7.1};
+  request.factor = 1e6;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("m of ground"));
+  request.factor = -1.0;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("above 0"));
+  request.factor.reset();
+  request.origin_photo = "no.jpg";
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("no photo called no.jpg"));
+  request.origin_photo.clear();
+  flight.known.is_placed = true;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("--again"));
+  request.is_again = true;
+  EXPECT_TRUE(PlaceKnown(flight.known, request).ok());
+  request.control = flight.Survey(3);
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("not both"));
+}
+
+}  // namespace
+}  // namespace skyquilt::pipeline
