@@ -201,9 +201,9 @@ TEST(ReadFlight, SaysWhichLogIsADouble) {
 TEST(ReadFlight, TakesTimesFromNamesWhereNothingElseTellsThem) {
   const Folder folder;
   folder.Write("2018080501004480Z.jpg", JpegHeader({}));
-  folder.Write("2018080501004230Z.jpg", JpegHeader({}));
+  folder.Write("2018080501004230Z.jpg", JpegHeader({.width_px = 4008}));
   const Flight flight = Read(folder);
-  EXPECT_EQ(Names(flight), (std::vector<std::string>{"2018080501004230Z.jpg", "2018080501004480Z.jpg"}));
+  ASSERT_EQ(Names(flight), (std::vector<std::string>{"2018080501004230Z.jpg", "2018080501004480Z.jpg"}));
   ASSERT_TRUE(flight.photos[0].captured_at);
   EXPECT_FALSE(flight.photos[0].captured_at_is_local);
   EXPECT_EQ(flight.photos[1].captured_at->time_since_epoch().count() % 60'000'000, 44'800'000);
