@@ -177,6 +177,7 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
         .photo = before.photo,
         .intrinsics = before.photo.intrinsics,
         .cam_from_enu = resected->cam_from_enu,
+        .readout_motion = {},
         .placement = Placement::kAligned,
         .placement_reason = InWords(chained, resected->misfit_px),
         .error_radius_m = before.error_radius_m,
