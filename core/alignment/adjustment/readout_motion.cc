@@ -11,7 +11,6 @@ constexpr int kMaxKnots = 129;
 constexpr double kMinCoveredShare = 0.5;
 constexpr double kGyroDriftRadps = 0.005;  // of one that is zeroed at the start
 constexpr double kSpeedSigmaMps = 0.3;     // of a receiver
-constexpr double kUnknownSpeedMps = 10.0;  // an aircraft flies so fast, or hovers
 constexpr double kShakingRadps2 = 8.0;     // how fast rates change where nobody looks
 constexpr double kLagSigmaS = 0.001;       // of its clock, found for the flight
 
@@ -85,10 +84,9 @@ ReadoutDoubt DoubtOfReadout(const poses::PosedPhoto& posed, int quarter_turns) {
   const double after_s = std::max(0.0, rows.last_s - samples.back().time_s);
   doubt.known_from_share = before_s / *photo.readout_s - 0.5;
   doubt.known_to_share = 0.5 - after_s / *photo.readout_s;
-  const double speed_sigma_mps = posed.velocity_in_enu_mps ? kSpeedSigmaMps : kUnknownSpeedMps;
   const double unseen_s = std::max(before_s, after_s);
   doubt.sigma << Eigen::Vector3d::Constant(kGyroDriftRadps * *photo.readout_s),
-      Eigen::Vector3d::Constant(speed_sigma_mps * *photo.readout_s),
+      Eigen::Vector3d::Constant(kSpeedSigmaMps * *photo.readout_s),
       Eigen::Vector3d::Constant(0.5 * kShakingRadps2 * unseen_s * unseen_s), kLagSigmaS / *photo.readout_s;
   if (photo.is_resaved_by_viewer && quarter_turns == 2) {
     std::swap(doubt.known_from_share, doubt.known_to_share);

@@ -13,8 +13,7 @@ namespace skyquilt::alignment {
 // (CorrectedPose).
 camera::RowMotion ReadoutMotion(const poses::PosedPhoto& posed, int quarter_turns);
 
-// What of that the images may correct, for a photo whose turning is recorded. Without a recorded speed that
-// is the speed too.
+// What of that the images may correct, for a photo whose turning is recorded.
 ReadoutDoubt DoubtOfReadout(const poses::PosedPhoto& posed, int quarter_turns);
 
 // The turns by a gyro's samples, against the middle row, as RowMotion has them; beyond its records the camera

@@ -22,7 +22,7 @@ poses::PosedPhoto Leaning(double lean_rad) {
 }
 
 std::complex<double> MiddleOf(const poses::PosedPhoto& posed, const geo::Rigid3& cam_from_enu) {
-  const View view{posed.photo.intrinsics, cam_from_enu, 60.0};
+  const View view{posed.photo.intrinsics, cam_from_enu, 60.0, {}};
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   EXPECT_TRUE(MeetGround(view, Relief(0.0),
                          {posed.photo.intrinsics.center_x_px, posed.photo.intrinsics.center_y_px}, &middle));

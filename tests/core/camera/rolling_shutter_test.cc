@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "core/camera/sensor_database.h"
@@ -61,23 +62,26 @@ TEST(RollingShutter, SeesNothingBehindTheCamera) {
 
 TEST(RollingShutter, SeesAPointThroughTheCameraAsItIsTurnedAtItsRow) {
   const RowMotion motion{{1.2, -0.7, 0.2}, {{0.03, -0.04, 0.06}, {0.0, 0.0, 0.0}, {-0.05, 0.02, 0.01}}};
+  double most_px = 0.0;  // that it matters
   for (double east_m = -20.0; east_m <= 20.0; east_m += 10.0) {
     for (double north_m = -20.0; north_m <= 20.0; north_m += 10.0) {
       const Eigen::Vector3d point(east_m, north_m, 1.5);
       const auto seen = ProjectRolling(Lens(), Pose(), motion, point);
       ASSERT_TRUE(seen);
       const double share = (seen->y() + 0.5) / 600.0 - 0.5;
-      const Eigen::Vector3d turn_rad = share < 0.0 ? Eigen::Vector3d(-2.0 * share * motion.turns_rad.front())
-                                                   : Eigen::Vector3d(2.0 * share * motion.turns_rad.back());
+      const double held = std::clamp(share, -0.5, 0.5);  // no gyro tells of rows beyond the picture
+      const Eigen::Vector3d turn_rad = held < 0.0 ? Eigen::Vector3d(-2.0 * held * motion.turns_rad.front())
+                                                  : Eigen::Vector3d(2.0 * held * motion.turns_rad.back());
       const geo::Rigid3 there = geo::Rigid3::FromRotationAndTargetOrigin(
           geo::RotationFromVector(turn_rad) * Pose().rotation,
           Pose().TargetOriginInSource() + share * motion.shift_in_enu_m);
       const auto from_there = Lens().Project(there * point);
       ASSERT_TRUE(from_there);
       EXPECT_LT((*seen - *from_there).norm(), 0.01);
-      EXPECT_GT((*seen - *Lens().Project(Pose() * point)).norm(), 1.0);
+      most_px = std::max(most_px, (*seen - *Lens().Project(Pose() * point)).norm());
     }
   }
+  EXPECT_GT(most_px, 5.0);
 }
 
 TEST(RollingShutter, SeesNothingWhereTheCameraTurnsFasterThanItsRows) {
