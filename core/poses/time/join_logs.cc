@@ -44,8 +44,8 @@ LogSpan SpanOf(const FlightLog& log) {
   return span;
 }
 
-Span SpanWithEvents(const FlightLog& log) {
-  Span span = SpanOf(log);
+LogSpan SpanWithEvents(const FlightLog& log) {
+  LogSpan span = SpanOf(log);
   for (const flight::CameraEvent& event : log.events) {
     if (!event.has_time) continue;
     span.begin_s = std::min(span.begin_s, event.t_s);
@@ -151,8 +151,8 @@ class Joiner {
       return;
     }
     FlightLog moved = Shifted(other, *other.counter_at_zero_s - *log.counter_at_zero_s);
-    const Span here = SpanWithEvents(log);
-    const Span there = SpanWithEvents(moved);
+    const LogSpan here = SpanWithEvents(log);
+    const LogSpan there = SpanWithEvents(moved);
     const double shared_s = std::min(here.end_s, there.end_s) - std::max(here.begin_s, there.begin_s);
     const double shorter_s = std::min(here.end_s - here.begin_s, there.end_s - there.begin_s);
     if (shared_s < 0.5 * shorter_s) {

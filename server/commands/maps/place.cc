@@ -140,8 +140,9 @@ void Run(const PlaceArguments& arguments) {
   if (!report) Fail(kCommand, report.error());
   if (!report->warnings.empty()) fmt::print("{}\n", Printable(report->warnings.back()));
   fmt::print("{:.2f} ha at {:.1f} cm a pixel, {:.7f},{:.7f} to {:.7f},{:.7f} (LAT,LON)\n{}\n",
-             report->area_m2 / 1e4, report->gsd_m * 100.0, report->bounds[1], report->bounds[0],
-             report->bounds[3], report->bounds[2], (arguments.map_dir / "mosaic.mbtiles").string());
+             report->area_m2 / 1e4, report->gsd_m * 100.0, report->bounds.south_deg, report->bounds.west_deg,
+             report->bounds.north_deg, report->bounds.east_deg,
+             (arguments.map_dir / "mosaic.mbtiles").string());
 }
 
 }  // namespace
