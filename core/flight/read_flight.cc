@@ -62,7 +62,9 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
     progress.Report(0.0, fmt::format("reading the log {}", file.name));
     Result<FlightLog> log = ReadLog(file);
     if (!log) {
-      flight.warnings.push_back(log.error().message);
+      const std::string& message = log.error().message;
+      const bool names_it = message.find(file.name) != std::string::npos;
+      flight.warnings.push_back(names_it ? message : fmt::format("{} is not used. {}", file.name, message));
       continue;
     }
     for (const std::string& warning : log->warnings) {
@@ -95,6 +97,41 @@ void ReadLogs(const SortedFiles& files, Flight& flight, Progress& progress) {
   }
 }
 
+// How much is said at most of what was found on reading the photos: the notes of one flight are of few kinds,
+// but for those that carry a number of each photo.
+constexpr std::size_t kMaxKindsOfNotes = 8;
+
+// What was doubted or could not be used on reading the photos: each kind once, the most frequent first, with
+// the first photo that it is said of.
+void TellNotes(Flight& flight) {
+  struct Told {
+    std::string note;
+    std::string first_photo;
+    std::size_t photos = 0;
+  };
+  std::vector<Told> told;
+  std::map<std::string, std::size_t> at;
+  for (const Photo& photo : flight.photos) {
+    for (const std::string& note : photo.notes) {
+      const auto [found, is_new] = at.try_emplace(note, told.size());
+      if (is_new) told.push_back({note, photo.name, 0});
+      ++told[found->second].photos;
+    }
+  }
+  std::stable_sort(told.begin(), told.end(),
+                   [](const Told& a, const Told& b) { return a.photos > b.photos; });
+  for (std::size_t k = 0; k < std::min(told.size(), kMaxKindsOfNotes); ++k) {
+    const Told& one = told[k];
+    flight.warnings.push_back(one.photos == 1 ? fmt::format("{}: {}", one.first_photo, one.note)
+                                              : fmt::format("{} of {} photos ({} first): {}", one.photos,
+                                                            flight.photos.size(), one.first_photo, one.note));
+  }
+  if (told.size() > kMaxKindsOfNotes) {
+    flight.warnings.push_back(fmt::format("{} more remarks like these on single photos are left out here.",
+                                          told.size() - kMaxKindsOfNotes));
+  }
+}
+
 void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
   const auto count = [&](auto predicate) {
     return std::count_if(flight.photos.begin(), flight.photos.end(), predicate);
@@ -108,14 +145,11 @@ void WarnAboutFlight(std::ptrdiff_t timed_by_name, Flight& flight) {
   }
   warn(timed_by_name, "carry no time in their metadata; the one in their names is taken.");
   warn(count([](const Photo& p) { return !p.captured_at; }), "carry no time; they stand last, by name.");
-  warn(count([](const Photo& p) { return p.focal_source == FocalSource::kAssumed; }),
-       "do not say their focal length; the map's scale is a guess for them.");
-  warn(count([](const Photo& p) { return p.is_resaved_by_viewer; }),
-       "were re-saved by a picture viewer, which may have turned them against their recorded angles.");
   const auto local = count([](const Photo& p) { return p.captured_at && p.captured_at_is_local; });
   if (local > 0 && local < count([](const Photo& p) { return p.captured_at.has_value(); })) {
     warn(local, "have a clock of unknown zone while others have UTC: their order in time is doubtful.");
   }
+  TellNotes(flight);
 }
 
 }  // namespace

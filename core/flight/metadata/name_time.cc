@@ -170,7 +170,6 @@ int TakeTimesFromNames(std::vector<Photo>& photos) {
   for (auto& [photo, time] : named) {
     photo->captured_at = time.time;
     photo->captured_at_is_local = time.is_local;
-    photo->notes.push_back("Its metadata have no time: the one in its name was taken.");
   }
   return static_cast<int>(named.size());
 }

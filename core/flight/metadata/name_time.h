@@ -20,7 +20,7 @@ struct NameTime {
 // Nothing where the name holds no date of 1990 to 2099 with its time of day.
 std::optional<NameTime> TimeInName(std::string_view name);
 
-// Gives the photos without a time the one in their names and says so in their notes; returns how many. One
+// Gives the photos without a time the one in their names; returns how many. One
 // name proves little, so they are believed together or not at all: nearly all of these photos must be named
 // by a time, the times must differ, and not count up one by one from midnight as a running number does.
 int TakeTimesFromNames(std::vector<Photo>& photos);

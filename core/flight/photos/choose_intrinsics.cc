@@ -143,7 +143,7 @@ std::optional<double> FromFocalPlane(int width_px, int height_px, const ExifReco
   if (exif.recorded_width_px && std::max(width_px, height_px) != *exif.recorded_width_px) {
     notes.push_back(
         fmt::format("The camera recorded an image of {} px, this one has {} px: taken as a crop with the "
-                    "same pixel size.",
+                    "same pixel size, unless the images say otherwise.",
                     *exif.recorded_width_px, std::max(width_px, height_px)));
   }
   return *exif.focal_length_mm * *exif.focal_plane_x_px_per_mm;
@@ -198,7 +198,9 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
     if (const auto found = chosen(focal_px, FocalSource::k35mmEquivalent)) return *found;
   }
   constexpr double kUsualFocalPerSide = 0.8;
-  notes.push_back("No focal length is recorded; a usual drone lens (60 to 70 degrees wide) was taken.");
+  notes.push_back(
+      "No focal length is recorded: a usual drone lens (60 to 70 degrees wide) is the first guess, which the images "
+      "refine.");
   return {Intrinsics::Centered(width_px, height_px, kUsualFocalPerSide * std::max(width_px, height_px)),
           FocalSource::kAssumed};
 }

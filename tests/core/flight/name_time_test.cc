@@ -63,10 +63,8 @@ TEST(TakeTimesFromNames, GivesThePhotosWithoutATimeTheirs) {
   photos[0].captured_at = At(2019, 1, 2, 2, 4, 5);
   EXPECT_EQ(TakeTimesFromNames(photos), 1);
   EXPECT_EQ(photos[0].captured_at, At(2019, 1, 2, 2, 4, 5)) << "metadata stand above the name";
-  EXPECT_TRUE(photos[0].notes.empty());
   EXPECT_EQ(photos[1].captured_at, At(2019, 1, 2, 3, 4, 9));
   EXPECT_TRUE(photos[1].captured_at_is_local);
-  EXPECT_EQ(photos[1].notes.size(), 1u);
 }
 
 TEST(TakeTimesFromNames, BelievesNoNameThatTheOthersContradict) {

@@ -1,11 +1,13 @@
 // Folders and flights: names, order, doubles, side files; one bad file never fails the flight.
 #include "core/flight/read_flight.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/core/flight/synthetic_photo.h"
@@ -216,6 +218,54 @@ TEST(ReadFlight, NamesAListThatCannotBeReadAsOne) {
   const std::string nonsense = "EPSG:4326\nnan 46.8 1 10 10 a.jpg p1\n1e300 46.8 1 10 10 a.jpg p1\n";
   folder.Write("gcp_list.txt", Bytes(nonsense.begin(), nonsense.end()));
   EXPECT_THAT(Read(folder).warnings, Contains(HasSubstr("gcp_list.txt")));
+}
+
+TEST(ReadFlight, SaysOnceWhatItDoubtedOfSeveralPhotos) {
+  const Folder folder;
+  const auto with_xmp = [](double lat_deg, const std::string& attributes) {
+    return JpegHeader({.exif = ExifWriter().Position(lat_deg, 7.0).Write(), .xmp = XmpPacket(attributes)});
+  };
+  const std::string damaged =
+      "xmlns:Camera=\"http://pix4d.com/camera/1.0/\" Camera:IMUAngularVelocity=\"*\" ";
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  folder.Write("b.jpg", with_xmp(1.001, damaged));
+  folder.Write("c.jpg", with_xmp(1.002, damaged));
+  const Flight flight = Read(folder);
+  ASSERT_EQ(flight.photos.size(), 3U);
+  const auto of = [&](const char* what) {
+    return std::count_if(flight.warnings.begin(), flight.warnings.end(),
+                         [&](const std::string& text) { return text.find(what) != std::string::npos; });
+  };
+  EXPECT_EQ(of("gyro"), 1);
+  EXPECT_THAT(flight.warnings, Contains(HasSubstr("2 of 3 photos (b.jpg first): The gyro's records")));
+  EXPECT_EQ(of("focal length"), 1) << "one remark of it, not two";
+}
+
+TEST(ReadFlight, KeepsRemarksOnSinglePhotosFew) {
+  const Folder folder;
+  for (int i = 0; i < 40; ++i) {
+    folder.Write(fmt::format("{:02}.jpg", i),
+                 JpegHeader({.exif = ExifWriter().Position(1.0, 7.0).Write(),
+                             .xmp = XmpPacket(fmt::format("drone-dji:GpsLatitude=\"{:.3f}\" "
+                                                          "drone-dji:GpsLongitude=\"7.0\" ",
+                                                          1.001 + 0.001 * i))}));
+  }
+  const Flight flight = Read(folder);
+  ASSERT_EQ(flight.photos.size(), 40U);
+  EXPECT_THAT(flight.warnings, Contains(HasSubstr("EXIF and XMP put the photo")));
+  EXPECT_THAT(flight.warnings, Contains(HasSubstr("more remarks like these")));
+  EXPECT_LT(flight.warnings.size(), 14U);
+}
+
+TEST(ReadFlight, NamesTheTableThatCannotBeRead) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string back =
+      "time_s,lat_deg,lon_deg,alt_m\n5,46.8,7.1,500\n1,46.8,7.1,500\n9,46.8,7.1,500\n2,46.8,7.1,500\n";
+  folder.Write("gnss.csv", Bytes(back.begin(), back.end()));
+  const Flight flight = Read(folder);
+  EXPECT_TRUE(flight.logs.empty());
+  EXPECT_THAT(flight.warnings, Contains(HasSubstr("gnss.csv is not used")));
 }
 
 }  // namespace
