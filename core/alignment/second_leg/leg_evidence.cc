@@ -36,6 +36,9 @@ double LegEvidence::DroppedShare() const {
   if (is_adjusted && observations == 0) return 1.0;
   return Share(static_cast<std::size_t>(dropped), static_cast<std::size_t>(observations + dropped));
 }
+bool LegEvidence::ContradictsPositions() const {
+  return positions >= kMinPositions && 2 * positions_contradicted > positions;
+}
 double LegEvidence::PositionsContradicted() const { return Share(positions_contradicted, positions); }
 double LegEvidence::AttitudesContradicted() const { return Share(attitudes_contradicted, attitudes); }
 
@@ -134,6 +137,12 @@ std::string WhyDoubted(const LegEvidence& evidence, double max_lost_share) {
     return fmt::format("by their recorded poses only {} of {} points found in several photos fit",
                        evidence.observations, evidence.observations + evidence.dropped);
   }
+  // As of heights that are wrong by a factor: the photos fit each other at any size.
+  if (evidence.ContradictsPositions()) {
+    return fmt::format(
+        "by their recorded heights and angles {} of {} photos do not lie where they were recorded",
+        evidence.positions_contradicted, evidence.positions);
+  }
   return {};
 }
 
@@ -144,8 +153,11 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
   const bool fits_far_better =
       keeps_far_more || (by_images.residual_rms_px < kFarBetter * by_records.residual_rms_px &&
                          by_records.residual_rms_px > kPoorResidualPx);
+  const bool agrees_far_better =
+      by_records.ContradictsPositions() &&
+      by_images.PositionsContradicted() < kFarBetter * by_records.PositionsContradicted();
   const bool ties_more = by_images.tied > by_records.tied;
-  if (!ties_more && !(fits_far_better && by_images.tied == by_records.tied)) {
+  if (!ties_more && !((fits_far_better || agrees_far_better) && by_images.tied == by_records.tied)) {
     return refused(fmt::format("what the photos show ties {} of them together, the recorded poses {}",
                                by_images.tied, by_records.tied));
   }
@@ -182,6 +194,12 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
                               by_images.observations, by_images.observations + by_images.dropped,
                               by_records.observations, by_records.observations + by_records.dropped)};
   }
+  if (!ties_more && !fits_far_better) {
+    return {true,
+            fmt::format("it agrees with {} of {} recorded positions, the alignment by records with {} of {}",
+                        by_images.positions - by_images.positions_contradicted, by_images.positions,
+                        by_records.positions - by_records.positions_contradicted, by_records.positions)};
+  }
   if (!ties_more) {
     return {true, fmt::format("the photos disagree by {:.1f} pixels, by the recorded poses by {:.1f}",
                               by_images.residual_rms_px, by_records.residual_rms_px)};
@@ -191,8 +209,7 @@ LegChoice ChooseLeg(const LegEvidence& by_records, const LegEvidence& by_images)
 }
 
 std::string ContradictionInWords(const LegEvidence& evidence) {
-  if (evidence.positions < kMinPositions || 2 * evidence.positions_contradicted <= evidence.positions)
-    return {};
+  if (!evidence.ContradictsPositions()) return {};
   return fmt::format(
       "the recorded positions CONTRADICT what the photos show: half of the {} photos lie {:.0f} m or more from where "
       "they were recorded, which is {:.0f} times what the records claim: the map as a whole may be as far off",

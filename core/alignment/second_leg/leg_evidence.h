@@ -32,6 +32,7 @@ struct LegEvidence {
 
   std::size_t Lost() const { return readable - tied; }
   double DroppedShare() const;           // of the observations
+  bool ContradictsPositions() const;     // most of them, of enough for a verdict
   double PositionsContradicted() const;  // share
   double AttitudesContradicted() const;
 };

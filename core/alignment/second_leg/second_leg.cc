@@ -99,7 +99,9 @@ std::vector<PlacePair> ControlOf(const Registration& registration, int block, co
   for (std::size_t i = 0; i < registration.photos.size(); ++i) {
     const RegisteredPhoto& photo = registration.photos[i];
     views.push_back({registration.lenses[static_cast<std::size_t>(photo.lens)].intrinsics,
-                     photo.cam_from_world, kMedianDepth});
+                     photo.cam_from_world,
+                     kMedianDepth,
+                     {}});
     is_of_block.push_back(photo.block == block ? 1 : 0);
     names.push_back(posed.photos[i].photo.name);
   }
@@ -175,6 +177,15 @@ std::string HowPlaced(const BlockPlace& place) {
            "the flight log, surveyed points (gcp_list.txt) or positions (geo.txt)";
   }
   return "nothing says where on Earth, nor how large";
+}
+
+// What is said of the flying height, and of a recorded or assumed one that it contradicts.
+std::string HeightInWords(double found_m, std::optional<double> expected_m) {
+  constexpr double kMaxHeightFactor = 1.25;
+  std::string words = fmt::format("; flown {:.0f} m above the ground", found_m);
+  if (expected_m && std::max(found_m, *expected_m) > kMaxHeightFactor * std::min(found_m, *expected_m))
+    words += fmt::format(" ({:.0f} m were expected)", *expected_m);
+  return words;
 }
 
 // One photo of a block, as the block's place has it.
@@ -276,8 +287,10 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
     sigmas.push_back(records.photos[i].sigma_m.z());
     heights.push_back(posed.photos[i].height_above_ground_m);
   }
+  std::optional<double> expected_height_m;
+  if (!heights.empty()) expected_height_m = Median(std::move(heights));
   records.trusts_heights =
-      !sigmas.empty() && Median(std::move(sigmas)) < kTrustedHeightShare * Median(std::move(heights));
+      expected_height_m && Median(std::move(sigmas)) < kTrustedHeightShare * *expected_height_m;
   const Registration registration = RegisterPhotos(InputOf(first, records.photos), {}, threads, progress);
   report.pairs_compared = registration.report.pairs_compared;
   report.pairs_verified = registration.report.pairs_verified;
@@ -317,8 +330,7 @@ std::optional<SecondLeg> PlaceByImages(const FirstLeg& first, std::size_t tied_b
       report.outcome = fmt::format("{} of {} photos placed by what they show; {}", report.registered, count,
                                    HowPlaced(place));
       if (is_on_earth)
-        report.outcome +=
-            fmt::format("; flown {:.0f} m above the ground", MedianHeightM(registration, place, posed));
+        report.outcome += HeightInWords(MedianHeightM(registration, place, posed), expected_height_m);
     }
     std::vector<double> offsets;
     for (std::size_t i = 0; i < count; ++i) {

@@ -48,13 +48,12 @@ RecordedAttitude Attitude(AttitudeKind kind, const Degrees& angles, std::string_
 
 // Past the vertical some gimbals report roll = +-180. (yaw, pitch, roll) and (yaw + 180, -180 - pitch, roll -
 // 180) are the same rotation; the second form has an upright camera and keeps yaw meaningful.
-RecordedAttitude Gimbal(const Degrees& angles, std::string_view source, std::vector<std::string>& notes) {
+RecordedAttitude Gimbal(const Degrees& angles, std::string_view source) {
   RecordedAttitude attitude = Attitude(AttitudeKind::kGimbal, angles, source);
   if (std::abs(attitude.roll_rad) > 0.5 * geo::kPi) {
     attitude.yaw_rad = geo::WrapRad(attitude.yaw_rad + geo::kPi);
     attitude.pitch_rad = (attitude.pitch_rad > 0.0 ? geo::kPi : -geo::kPi) - attitude.pitch_rad;
     attitude.roll_rad = geo::WrapRad(attitude.roll_rad - geo::kPi);
-    notes.push_back("A gimbal roll of 180 degrees was read as a half turn of the yaw (the same rotation).");
   }
   return attitude;
 }
@@ -87,27 +86,27 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
                                                  const std::string& make, std::vector<std::string>& notes) {
   const Degrees dji =
       FromXmp(xmp, "drone-dji:GimbalYawDegree", "drone-dji:GimbalPitchDegree", "drone-dji:GimbalRollDegree");
-  if (IsUsable(dji, "drone-dji", notes)) return Gimbal(dji, "drone-dji", notes);
+  if (IsUsable(dji, "drone-dji", notes)) return Gimbal(dji, "drone-dji");
   if (maker_note && !dji.any()) {
     const Degrees note{maker_note->camera_yaw_deg, maker_note->camera_pitch_deg, maker_note->camera_roll_deg};
-    if (IsUsable(note, "DJI maker note", notes)) return Gimbal(note, "DJI maker note", notes);
+    if (IsUsable(note, "DJI maker note", notes)) return Gimbal(note, "DJI maker note");
   }
   const Degrees parrot = FromXmp(xmp, "drone-parrot:CameraYawDegree", "drone-parrot:CameraPitchDegree",
                                  "drone-parrot:CameraRollDegree");
-  if (IsUsable(parrot, "drone-parrot", notes)) return Gimbal(parrot, "drone-parrot", notes);
+  if (IsUsable(parrot, "drone-parrot", notes)) return Gimbal(parrot, "drone-parrot");
   const std::string skydio_struct = "drone-skydio:CameraOrientationNED/drone-skydio:";
   const Degrees skydio = FromXmp(xmp, skydio_struct + "Yaw", skydio_struct + "Pitch", skydio_struct + "Roll");
-  if (IsUsable(skydio, "drone-skydio", notes)) return Gimbal(skydio, "drone-skydio", notes);
+  if (IsUsable(skydio, "drone-skydio", notes)) return Gimbal(skydio, "drone-skydio");
   const Degrees teal{Sum(xmp.Number("exif:PlatformYaw"), xmp.Number("exif:CameraYaw")),
                      Sum(xmp.Number("exif:PlatformPitch"), xmp.Number("exif:CameraPitch")),
                      Sum(xmp.Number("exif:PlatformRoll"), xmp.Number("exif:CameraRoll"))};
-  if (IsUsable(teal, "Teal", notes)) return Gimbal(teal, "Teal", notes);
+  if (IsUsable(teal, "Teal", notes)) return Gimbal(teal, "Teal");
 
   Degrees camera = FromXmp(xmp, "Camera:Yaw", "Camera:Pitch", "Camera:Roll");
   if (IsUsable(camera, "Camera", notes)) {
     if (!IsAutel(make)) return Attitude(AttitudeKind::kAirframe, camera, "Camera");
     *camera.pitch -= 90.0;
-    return Gimbal(camera, "Camera", notes);
+    return Gimbal(camera, "Camera");
   }
   Degrees sensefly = FromXmp(xmp, "sensefly:Heading", "sensefly:PitchAngle", "sensefly:RollAngle");
   if (!sensefly.any()) sensefly = FromXmp(xmp, "sensefly:Yaw", "sensefly:Pitch", "sensefly:Roll");

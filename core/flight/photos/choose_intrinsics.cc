@@ -53,8 +53,7 @@ double DjiScale(int width_px, int height_px, const NativeSize& native) {
                                  static_cast<int>(native.height_px));
 }
 
-std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpTags& xmp,
-                                         std::vector<std::string>& notes) {
+std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpTags& xmp) {
   std::string text = xmp.Text("drone-dji:DewarpData");
   // "2018-09-04;fx,fy,cx,cy,k1,k2,p1,p2,k3": a date, then the numbers.
   if (const auto semicolon = text.find(';'); semicolon != std::string::npos) text.erase(0, semicolon + 1);
@@ -76,10 +75,7 @@ std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpT
   if (std::abs(offset_x_px) > 0.1 * width_px || std::abs(offset_y_px) > 0.1 * height_px) return std::nullopt;
   camera.center_x_px += offset_x_px;
   camera.center_y_px += offset_y_px;
-  if (xmp.Number("drone-dji:DewarpFlag") == 1.0) {
-    notes.push_back("The camera has taken its lens distortion out already.");
-    return camera;
-  }
+  if (xmp.Number("drone-dji:DewarpFlag") == 1.0) return camera;  // with no distortion left
   camera.k1 = *items[4];
   camera.k2 = *items[5];
   camera.p1 = *items[6];
@@ -168,7 +164,7 @@ double FocalPxFrom35mm(double focal_35mm, int width_px, int height_px) {
 
 ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
                                   std::vector<std::string>& notes) {
-  if (const auto camera = FromDewarpData(width_px, height_px, xmp, notes))
+  if (const auto camera = FromDewarpData(width_px, height_px, xmp))
     return {*camera, FocalSource::kDewarpData};
   if (const auto camera = FromCalibratedFocalLength(width_px, height_px, xmp)) {
     return {*camera, FocalSource::kCalibrated};

@@ -99,6 +99,26 @@ TEST(ChooseLeg, PosesThatHardlyAnythingFitsAgreeWithTheirRecordsForNothing) {
   EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("no point"));
 }
 
+TEST(ChooseLeg, AsManyThatLieWhereTheyWereRecordedWin) {
+  LegEvidence records = Evidence(24, 24, 0.5), images = Evidence(24, 24, 0.6);
+  records.positions_contradicted = 12;
+  EXPECT_EQ(WhyDoubted(records, 0.1), "") << "half of them are no majority";
+  records.positions_contradicted = 23;
+  EXPECT_THAT(WhyDoubted(records, 0.1), HasSubstr("23 of 24 photos do not lie where they were recorded"));
+  images.positions_contradicted = 1;
+  const LegChoice choice = ChooseLeg(records, images);
+  EXPECT_TRUE(choice.takes_images);
+  EXPECT_EQ(choice.why, "it agrees with 23 of 24 recorded positions, the alignment by records with 1 of 24");
+  images.positions_contradicted = 15;
+  EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "hardly better";
+  images.positions_contradicted = 1;
+  images.residual_rms_px = 4.0;
+  EXPECT_FALSE(ChooseLeg(records, images).takes_images) << "the photos come apart by it";
+  records.positions = images.positions = 4;
+  records.positions_contradicted = 4;
+  EXPECT_EQ(WhyDoubted(records, 0.1), "") << "four positions are too few for a verdict";
+}
+
 TEST(ContradictionInWords, IsSaidOfMostPositionsOnly) {
   LegEvidence evidence = Evidence(30, 28);
   evidence.median_error_m = 8.0;
