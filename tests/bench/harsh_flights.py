@@ -107,6 +107,66 @@ def without_focal(folder):
          "-FocalLengthIn35mmFormat=", "-FocalLength=", "-Make=", "-Model=")
 
 
+def without_positions(folder):
+    """What a camera on a kite records: the time, the focal length, nothing of where."""
+    exif(folder / "photos", "-XMP:all=", "-GPS:all=")
+
+
+def without_records(folder):
+    exif(folder / "photos", "-all=")
+
+
+def heights_in_feet(folder):
+    for photo in truth_of(folder)["photos"]:
+        exif(folder / "photos" / photo["name"], "-n", f"-XMP:RelativeAltitude={photo['camera_center_in_enu'][2] / 0.3048:+.2f}")
+
+
+def late_positions(folder):
+    """Every photo carries the position of the one before it."""
+    tags = ("GPSLatitude", "GPSLongitude")
+    photos = sorted((folder / "photos").iterdir())
+    read = json.loads(subprocess.run(["exiftool", "-j", "-n", *(f"-EXIF:{tag}" for tag in tags), *map(str, photos)],
+                                     check=True, capture_output=True, text=True).stdout)
+    for before, photo in zip(read, photos[1:]):
+        set_position(photo, before["GPSLatitude"], before["GPSLongitude"])
+
+
+def yaw_of_the_mount(folder):
+    """The camera is mounted a quarter turn from what the aircraft believes."""
+    photos = sorted((folder / "photos").iterdir())
+    read = json.loads(subprocess.run(["exiftool", "-j", "-n", "-XMP:GimbalYawDegree", *map(str, photos)],
+                                     check=True, capture_output=True, text=True).stdout)
+    for tags, photo in zip(read, photos):
+        exif(photo, "-n", f"-XMP:GimbalYawDegree={(float(tags['GimbalYawDegree']) + 270) % 360 - 180:+.1f}")
+
+
+def second_take_off(folder):
+    """The other half was flown from a place 15 m lower: its heights count from there."""
+    photos = sorted((folder / "photos").iterdir())
+    for photo in photos[len(photos) // 2:]:
+        exif(photo, "-n", "-XMP:RelativeAltitude=" + f"{height_of(folder, photo) + 15:+.2f}")
+
+
+def height_of(folder, photo):
+    return next(one["camera_center_in_enu"][2] for one in truth_of(folder)["photos"] if one["name"] == photo.name)
+
+
+def climbing(folder):
+    """Of the flights at other heights only the photo that is nearest to the first one of the survey."""
+    without_altitude(folder)
+    photos = sorted((folder / "photos").iterdir())
+    read = json.loads(subprocess.run(["exiftool", "-j", "-n", "-GPSLatitude", "-GPSLongitude", *map(str, photos)],
+                                     check=True, capture_output=True, text=True).stdout)
+    at = {photo: numpy.array([tags["GPSLatitude"], tags["GPSLongitude"] * math.cos(math.radians(tags["GPSLatitude"]))])
+          for tags, photo in zip(read, photos)}
+    first = next(photo for photo in photos if photo.name.startswith("SIM"))
+    for part in "BCDEF":
+        of_part = sorted((photo for photo in photos if photo.name.startswith(part)),
+                         key=lambda photo: numpy.linalg.norm(at[photo] - at[first]))
+        for photo in of_part[1:]:
+            photo.unlink()
+
+
 def wrong_positions(folder):
     """Three photos of ten were recorded 50 m from where they were taken."""
     chance = random.Random(13)
@@ -134,8 +194,11 @@ def move(photo, east_m, north_m):
     """The recorded position, and nothing else."""
     tags = json.loads(subprocess.run(["exiftool", "-j", "-n", "-GPSLatitude", "-GPSLongitude", str(photo)],
                                      check=True, capture_output=True, text=True).stdout)[0]
-    lat = tags["GPSLatitude"] + north_m / 111_200
-    lon = tags["GPSLongitude"] + east_m / (111_200 * math.cos(math.radians(tags["GPSLatitude"])))
+    set_position(photo, tags["GPSLatitude"] + north_m / 111_200,
+                 tags["GPSLongitude"] + east_m / (111_200 * math.cos(math.radians(tags["GPSLatitude"]))))
+
+
+def set_position(photo, lat, lon):
     exif(photo, "-n", f"-EXIF:GPSLatitude={lat}", f"-EXIF:GPSLongitude={lon}", f"-XMP:GpsLatitude={lat}",
          f"-XMP:GpsLongitude={lon}")
 
@@ -206,7 +269,15 @@ HARSH = {
     "no_focal": ([XMP], without_focal),
     "wrong_positions": ([XMP], wrong_positions),
     "foreign": ([XMP], with_foreign),
-    "climb": ([[*XMP, "--height", "100"], [*XMP, "--height", "20", "--overlap", "0.8", "--sidelap", "0.8"]], without_altitude),
+    "climb": ([[*XMP, "--height", "100"], *([*XMP, "--height", height] for height in ("20", "30", "45", "67"))], climbing),
+    "no_positions": ([XMP], without_positions),
+    "no_positions_windy": ([[*XMP, "--tilt-deg", "12", "--yaw", "any"]], without_positions),
+    "no_records": ([XMP], without_records),
+    "feet": ([XMP], heights_in_feet),
+    "late_positions": ([XMP], late_positions),
+    "turned_mount": ([XMP], yaw_of_the_mount),
+    "second_take_off": ([XMP], second_take_off),
+    "two_flights": ([XMP, [*XMP, "--heading", "40", "--height", "50"]], nothing),
     "no_xmp_windy": ([[*XMP, "--tilt-deg", "8", "--yaw-wander-deg", "8", "--height-wander-m", "4"]], without_xmp),
 }
 

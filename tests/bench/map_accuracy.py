@@ -9,7 +9,7 @@ takes all of those.
 Per scenario, in ground pixels (GSD) and metres: CE90 of the patches' shifts as they are (with the GNSS' own bias),
 after the best similarity (what is bent or torn inside the map), the largest of these, the share of patches that
 could be compared, and for each kind of placement how far the photos' middles lie off the truth, after the median
-shift of all (on level ground only): median and worst. Needs python3-gdal with numpy, and cv2 and exiftool for
+shift of all, or where the map is not georeferenced after a similarity (on level ground only): median and worst. Needs python3-gdal with numpy, and cv2 and exiftool for
 the harsh ones.
 """
 import argparse
@@ -141,6 +141,19 @@ def after_similarity(shifts, centres):
     return length
 
 
+def after_any_similarity(misses, found):
+    """As after_similarity, for places that may be turned by any angle: truth is laid on what was found."""
+    truth = found - misses
+    to, of = [points[:, 0] + 1j * points[:, 1] for points in (truth, found)]
+    weights = numpy.ones(len(to))
+    for _ in range(20):
+        middle_to, middle_of = [numpy.average(points, weights=weights) for points in (to, of)]
+        turn = (weights * (to - middle_to) * (of - middle_of).conj()).sum() / (weights * abs(of - middle_of) ** 2).sum()
+        left = abs(to - middle_to - turn * (of - middle_of))
+        weights = 1 / numpy.maximum(left, max(1.5 * numpy.median(left), 1e-4))
+    return left
+
+
 def photo_errors(folder):
     """How far each photo's middle lies off on the ground, by placement; {} where the truth is not level."""
     truth = json.loads((folder / "truth" / "poses.json").read_text())
@@ -153,7 +166,7 @@ def photo_errors(folder):
     origin = numpy.array([(located["origin"][1] - truth["origin"]["lon_deg"]) * per_lon,
                           (located["origin"][0] - truth["origin"]["lat_deg"]) * per_lat])
     ground_z = numpy.median(located["ground"].get("heights_m") or [located["ground"]["z_m"]])
-    misses, kinds = [], []
+    misses, middles, kinds = [], [], []
     for camera in located["cameras"]:
         if camera["name"] not in true_at:
             continue
@@ -163,11 +176,14 @@ def photo_errors(folder):
         photo = true_at[camera["name"]]
         turn = harsh_flights.rotation(photo["cam_from_enu_wxyz"]).T
         center = numpy.array(photo["camera_center_in_enu"])
+        middles.append(middle[:2])
         misses.append(middle[:2] + origin - (center - center[2] / turn[2, 2] * turn[:, 2])[:2])
         kinds.append(camera["placement"])
     if not misses:
         return {}
     off = numpy.linalg.norm(numpy.array(misses) - numpy.median(misses, 0), axis=1)
+    if not json.loads((folder / "map" / "report.json").read_text())["is_placed"]:  # any place, size and north
+        off = after_any_similarity(numpy.array(misses), numpy.array(middles))
     return {kind: [o for o, k in zip(off, kinds) if k == kind] for kind in sorted(set(kinds))}
 
 

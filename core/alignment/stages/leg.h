@@ -2,6 +2,7 @@
 // Values; the same for any number of threads.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/alignment/adjustment/bundle_adjustment.h"
@@ -23,6 +24,7 @@ struct Leg {
   bool is_adjusted = false;
   std::vector<char> by_images;         // by photo: placed by what it shows
   std::vector<ControlReport> control;  // by surveyed point, once tied to them
+  std::string levelled;                // in words: heights that were not believed; empty: they were
   int iterations = 0;                  // of all adjustments
   int pairs_by_direct = 0;
   double matching_s = 0.0, adjustment_s = 0.0;  // wall

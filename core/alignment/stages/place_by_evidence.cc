@@ -1,13 +1,17 @@
 #include "core/alignment/stages/place_by_evidence.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "core/alignment/adjustment/bundle_setup.h"
 #include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/registration/direct_registration.h"
+#include "core/alignment/registration/level_flight.h"
 #include "core/alignment/registration/registration_rounds.h"
 #include "core/alignment/second_leg/lost_photos.h"
 #include "core/alignment/second_leg/second_leg.h"
@@ -176,6 +180,21 @@ PlacedFlight BetterOf(const ExtractedFlight& extracted, Leg by_records, TriedSec
   return {std::move(by_images), std::move(report)};
 }
 
+// Adjusted anew where wrong heights held the flight tilted.
+Leg Levelled(const ExtractedFlight& extracted, Leg leg, const AlignOptions& options) {
+  const std::optional<Levelling> levelling = FindLevelling(leg.problem, extracted.records);
+  if (!levelling) return leg;
+  Level(*levelling, extracted.records, leg.by_images, leg.problem);
+  leg.input.views = ViewsOf(leg.problem);
+  leg = Adjusted(std::move(leg), SettledAdjustment(), options);
+  leg.levelled = fmt::format(
+      "The recorded heights would have the flight lie tilted by {:.0f} degrees against the recorded camera angles, as after "
+      "a second take-off from another height or by a barometer that drifted: they differ by up to {:.0f} m from how the "
+      "photos lie to each other, and were believed only from each photo to the next.",
+      levelling->tilt_rad * 180.0 / std::numbers::pi, levelling->height_range_m);
+  return leg;
+}
+
 }  // namespace
 
 Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_records,
@@ -198,6 +217,7 @@ Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_re
                             ? BetterOf(extracted, std::move(by_records), std::move(tried), compares, options)
                             : PlacedFlight{std::move(by_records), std::move(tried.report)};
   Leg& leg = placed.leg;
+  if (may_go_by_images) leg = Levelled(extracted, std::move(leg), options);
   if (!placed.second_leg.is_taken && LeanedShare(leg.matched.corrected, leg.problem) > kMuchLeanedShare) {
     leg = Adjusted(Rematched(std::move(leg), kMiddlePass, options), FirstAdjustment(), options);
   }
