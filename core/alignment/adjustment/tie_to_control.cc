@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "core/base/median.h"
 
@@ -15,6 +16,8 @@ constexpr double kSightingSigmaPx = 1.0;
 constexpr std::size_t kEnoughToVote = 4;
 constexpr double kFarOffM = 2.0;
 constexpr double kFarOffMads = 8.0;
+constexpr double kWrongMarkShare = 0.01;  // of a photo's width, off where the other marks put the point
+constexpr std::size_t kMinMarks = 2;
 
 // Lists name photos in another case, with or without their ending.
 std::string Key(const std::string& name) {
@@ -23,11 +26,43 @@ std::string Key(const std::string& name) {
   return key;
 }
 
+// The largest error of a mark, in widths of its photo; endless where the marks do not meet.
+double WorstMarkShare(const std::vector<View>& views, Track& track) {
+  if (!Triangulate(views, track)) return std::numeric_limits<double>::infinity();
+  double worst = 0.0;
+  for (const Observation& mark : track.observations) {
+    const View& view = views[mark.photo];
+    worst = std::max(worst, ReprojectionErrorPx(view, mark, track.point_in_enu) / view.intrinsics.width_px);
+  }
+  return worst;
+}
+
+// While the marks do not agree, one goes: that without which the others agree best. Their photos.
+std::vector<int> DropWrongMarks(const std::vector<View>& views, Track& track) {
+  std::vector<int> dropped;
+  while (track.observations.size() > kMinMarks && WorstMarkShare(views, track) > kWrongMarkShare) {
+    std::size_t wrong = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < track.observations.size(); ++k) {
+      Track others = track;
+      others.observations.erase(others.observations.begin() + static_cast<std::ptrdiff_t>(k));
+      const double worst = WorstMarkShare(views, others);
+      if (worst >= least) continue;
+      least = worst;
+      wrong = k;
+    }
+    if (!std::isfinite(least)) break;
+    dropped.push_back(track.observations[wrong].photo);
+    track.observations.erase(track.observations.begin() + static_cast<std::ptrdiff_t>(wrong));
+  }
+  return dropped;
+}
+
 }  // namespace
 
 MarkedPhotos::MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
                            const std::vector<char>& is_tied)
-    : views_(views), is_tied_(is_tied) {
+    : names_(names), views_(views), is_tied_(is_tied) {
   for (std::size_t i = 0; i < names.size(); ++i) number_of_.emplace(Key(names[i]), i);
 }
 
@@ -47,8 +82,13 @@ std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlRep
     told.reason = "is marked in fewer than two photos that are tied to others";
     return std::nullopt;
   }
+  for (const int photo : DropWrongMarks(views_, track)) {
+    told.reason +=
+        fmt::format("{}is marked in {} elsewhere than the other photos show it; that mark is left out",
+                    told.reason.empty() ? "" : "; ", names_[static_cast<std::size_t>(photo)]);
+  }
   if (!Triangulate(views_, track)) {
-    told.reason = "its marks do not meet in one point on the ground";
+    told.reason = "has marks that do not meet in one point on the ground";
     return std::nullopt;
   }
   return track;
@@ -122,6 +162,21 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
   for (BundleControl& tied : problem.control) tied.track.point_in_enu += shift;
 }
 
+bool BelieveContradictedControlLess(BundleProblem& problem) {
+  const std::vector<View> views = ViewsOf(problem);
+  std::vector<double> misses_m;
+  for (const BundleControl& tied : problem.control) {
+    Track seen = tied.track;
+    if (Triangulate(views, seen))
+      misses_m.push_back((seen.point_in_enu - tied.surveyed_in_enu).head<2>().norm());
+  }
+  if (misses_m.size() < kMinContradicted) return false;
+  const double miss_m = Median(std::move(misses_m));
+  if (miss_m < kNoSurveyM) return false;
+  for (BundleControl& tied : problem.control) tied.sigma_m = tied.sigma_m.cwiseMax(miss_m);
+  return true;
+}
+
 void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports) {
   const std::vector<View> views = ViewsOf(problem);
   for (const BundleControl& tied : problem.control) {
@@ -138,6 +193,20 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
     }
     told.residual_px = std::sqrt(square / static_cast<double>(tied.track.observations.size()));
   }
+}
+
+std::string ControlInWords(const ControlReport& point) {
+  if (!point.is_used)
+    return fmt::format("Ground control point {} is not used: it {}", point.name, point.reason);
+  const double miss_m = std::hypot(point.miss_east_m, point.miss_north_m);
+  if (miss_m > kNoSurveyM) {
+    return fmt::format(
+        "Ground control point {} lies {:.1f} m from where the photos and the other points put it: check its "
+        "coordinates and its marks{}{}",
+        point.name, miss_m, point.reason.empty() ? "" : "; it ", point.reason);
+  }
+  if (!point.reason.empty()) return fmt::format("Ground control point {} {}", point.name, point.reason);
+  return {};
 }
 
 }  // namespace skyquilt::alignment

@@ -20,12 +20,14 @@ class MarkedPhotos {
  public:
   // `is_tied`: held by others; marks in the rest tell nothing of the block.
   MarkedPhotos(const std::vector<std::string>& names, const std::vector<View>& views,
-               const std::vector<char>& is_tied);  // keeps references to the latter two
+               const std::vector<char>& is_tied);  // keeps references to all three
 
-  // The point's marks, and where they meet; nothing, and the reason in `told`, when they do not.
+  // The point's marks, and where they meet; nothing, and the reason in `told`, when they do not. A mark that
+  // the others contradict is left out, which `told` says as well.
   std::optional<Track> TrackOf(const ControlPoint& point, ControlReport& told) const;
 
  private:
+  const std::vector<std::string>& names_;
   const std::vector<View>& views_;
   const std::vector<char>& is_tied_;
   std::map<std::string, int> number_of_;
@@ -36,6 +38,17 @@ class MarkedPhotos {
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports);
 
+// Survey and photos that still are this far apart after the adjustment contradict each other.
+inline constexpr double kNoSurveyM = 0.25;
+inline constexpr std::size_t kMinContradicted = 3;  // points, for a verdict on all of them
+
+// Points that the photos cannot be bent to are worth no more than they miss by: more would bend the map and
+// make nothing true. For a problem adjusted with control; false, and nothing done, where the survey holds.
+bool BelieveContradictedControlLess(BundleProblem& problem);
+
 void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports);
+
+// What the user is to know of a point, as a sentence without its end; empty: nothing.
+std::string ControlInWords(const ControlReport& point);
 
 }  // namespace skyquilt::alignment

@@ -37,12 +37,11 @@ void ReportLenses(const poses::PosedFlight& posed, const BundleProblem& problem,
 
 // Surveyed points further from where the photos agree they are than any survey errs; empty: they fit.
 std::string ContradictedControl(const std::vector<ControlReport>& control) {
-  constexpr double kNoSurveyM = 0.25;
   std::vector<double> errors_m;
   for (const ControlReport& point : control) {
     if (point.is_used) errors_m.push_back(std::hypot(point.miss_east_m, point.miss_north_m));
   }
-  if (errors_m.size() < 3) return {};
+  if (errors_m.size() < kMinContradicted) return {};
   const double median_m = Median(errors_m);
   if (median_m < kNoSurveyM) return {};
   return fmt::format(
@@ -98,10 +97,7 @@ void Warn(const AlignReport& report, const LegEvidence& evidence, AlignedFlight&
   std::erase(first, "");
   flight.warnings.insert(flight.warnings.begin(), first.begin(), first.end());
   for (const ControlReport& point : report.control) {
-    if (!point.is_used) {
-      flight.warnings.push_back(
-          fmt::format("ground control point {} is not used: it {}", point.name, point.reason));
-    }
+    if (std::string words = ControlInWords(point); !words.empty()) flight.warnings.push_back(words + ".");
   }
   flight.warnings.insert(flight.warnings.end(), report.corrections.begin(), report.corrections.end());
 }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/adjustment/tie_to_control.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -27,7 +28,9 @@ Leg FinishLeg(Leg leg, const AlignOptions& options, Progress& progress) {
   leg.problem.plane = FitPlane(leg.problem);
   BundleOptions last;
   last.estimate_lens_sigma = leg.problem.photos.size() <= kMaxPhotosForLensSigma;
-  return Adjusted(std::move(leg), last, options);
+  leg = Adjusted(std::move(leg), last, options);
+  if (BelieveContradictedControlLess(leg.problem)) leg = Adjusted(std::move(leg), last, options);
+  return leg;
 }
 
 }  // namespace skyquilt::alignment

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/matching/verified_pair.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/control_points.h"
@@ -97,9 +98,8 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
     told.residual_px = std::abs(residual) / gsd_m;
   }
   for (const alignment::ControlReport& point : reports) {
-    if (point.is_used) continue;
-    moved.flight.warnings.push_back(
-        fmt::format("Ground control point {} is not used: it {}.", point.name, point.reason));
+    if (std::string words = alignment::ControlInWords(point); !words.empty())
+      moved.flight.warnings.push_back(words + ".");
   }
   const Complex middle =
       EastNorth(known.flight.photos[known.flight.photos.size() / 2].cam_from_enu.TargetOriginInSource());

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/alignment/adjustment/tie_to_control.h"
 #include "core/base/median.h"
 #include "core/base/try.h"
 #include "core/geo/bounds.h"
@@ -197,10 +198,8 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   MoveFlight(move, placed);
   placed.flight.frame = frame;
   for (const alignment::ControlReport& report : reports) {
-    if (!report.is_used) {
-      placed.flight.warnings.push_back(
-          fmt::format("Ground control point {} is not used: it {}.", report.name, report.reason));
-    }
+    if (std::string words = alignment::ControlInWords(report); !words.empty())
+      placed.flight.warnings.push_back(words + ".");
   }
   const double miss_m = Median(misses_m);
   for (AlignedPhoto& photo : placed.flight.photos) {

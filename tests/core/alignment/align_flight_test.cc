@@ -289,6 +289,68 @@ TEST(AlignFlight, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {
   EXPECT_LT(error.absolute_ce90_m, 2.0 * truth.GsdM());
 }
 
+TEST(AlignFlight, LeavesOutAMarkThatTheOthersContradict) {
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
+  AlignOptions options;
+  options.control = SurveyControl(truth);
+  ControlPoint& point = options.control[4];
+  ASSERT_GE(point.sightings.size(), 3u);
+  ControlSighting& wrong = point.sightings[1];
+  wrong.pixel_in_image.x() += wrong.pixel_in_image.x() < 400.0 ? 300.0 : -300.0;
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned =
+      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  EXPECT_TRUE(report.control[4].is_used);
+  EXPECT_NE(report.control[4].reason.find("in " + wrong.photo_name + " elsewhere"), std::string::npos)
+      << report.control[4].reason;
+  EXPECT_LT(std::hypot(report.control[4].miss_east_m, report.control[4].miss_north_m), 2.0 * truth.GsdM());
+  EXPECT_TRUE(report.control[0].reason.empty()) << report.control[0].reason;
+}
+
+TEST(AlignFlight, IsNotBentToASurveyThatContradictsThePhotos) {
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
+  AlignOptions options;
+  options.control = SurveyControl(truth);
+  const double errors_m[5][2] = {
+      {1.5, 0.0}, {0.0, 2.0}, {-1.8, 0.5}, {0.4, -1.9}, {1.1, 1.2}};  // a hand-held receiver's
+  ASSERT_EQ(options.control.size(), 5u);
+  for (std::size_t k = 0; k < 5; ++k) {
+    options.control[k].position.lat_deg += errors_m[k][0] / 111'000.0;
+    options.control[k].position.lon_deg += errors_m[k][1] / 76'000.0;
+  }
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned =
+      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  ASSERT_FALSE(aligned->warnings.empty());
+  EXPECT_NE(aligned->warnings.front().find("CONTRADICT"), std::string::npos) << aligned->warnings.front();
+  ground::ModelGroundReport ground_report;
+  const GroundError error = MeasureGroundError(truth, *aligned, ground::ModelGround(*aligned, ground_report));
+  EXPECT_LT(error.relative_ce90_m, 1.5 * truth.GsdM());
+}
+
+TEST(AlignFlight, NamesSurveyedPointsThatMissByFar) {
+  const simulate::SimulatedFlight truth = SmallTruth(12, 0.0);
+  AlignOptions options;
+  options.control = SurveyControl(truth);
+  options.control[1].position.lat_deg += 1.5 / 111'000.0;
+  AlignReport report;
+  SilentProgress progress;
+  const auto aligned =
+      AlignFlight(PosesOf(truth), simulate::SimulatedPhotoSource(truth), options, report, progress);
+  ASSERT_TRUE(aligned.ok());
+  const auto names = [&](const std::string& point) {
+    return std::count_if(aligned->warnings.begin(), aligned->warnings.end(), [&](const std::string& text) {
+      return text.find(point + " lies 1.5 m") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(names("point2"), 1);
+  EXPECT_EQ(names("point1"), 0);
+}
+
 TEST(AlignFlight, RefusesOptionsThatMakeNoSense) {
   AlignReport report;
   SilentProgress progress;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace skyquilt::pipeline {
 namespace {
 
@@ -9,6 +11,20 @@ flight::GcpList Read(std::string_view text) {
   const auto list = flight::ParseGcpList("gcp_list.txt", flight::BytesOf(text));
   EXPECT_TRUE(list.ok());
   return *list;
+}
+
+TEST(ControlPoints, HaveNoHeightsWhereAllAreZero) {
+  const std::string rows =
+      "EPSG:4326\n7.1 46.8 0 100 200 A.JPG a\n7.2 46.8 0.00 100 200 A.JPG b\n7.1 46.9 0.0 100 200 A.JPG c\n";
+  const flight::GcpList list = Read(rows);
+  ASSERT_EQ(list.warnings.size(), 1u);
+  EXPECT_NE(list.warnings[0].find("not surveyed"), std::string::npos);
+  for (const auto& point : ControlPointsOf({list})) EXPECT_FALSE(point.height_m) << point.name;
+  const auto one_high = ControlPointsOf({Read(rows + "7.2 46.9 0.4 100 200 A.JPG d\n")});
+  ASSERT_EQ(one_high.size(), 4u);
+  EXPECT_EQ(one_high[0].height_m, 0.0);
+  const auto few = ControlPointsOf({Read("EPSG:4326\n7.1 46.8 0 100 200 A.JPG a\n")});
+  EXPECT_EQ(few[0].height_m, 0.0);
 }
 
 TEST(ControlPoints, CountPixelsFromTheMiddleOfTheFirstAndGatherSightingsOfAPoint) {

@@ -14,6 +14,7 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kMaxSightings = 100'000;
+constexpr std::size_t kMinFlatPoints = 3;
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -22,6 +23,17 @@ bool IsSighting(const std::vector<std::string_view>& words) {
     if (!ParseNumber(words[i]) && !(i == 2 && LowerCase(words[i]) == "nan")) return false;
   }
   return true;
+}
+
+// A column has to stand there, and who surveyed no heights fills it with zeros. Points that truly all lie at
+// zero lose nothing by it: the map's heights have a zero of their own.
+void DropHeightsThatAreFillers(GcpList& list) {
+  if (list.points.size() < kMinFlatPoints) return;
+  for (const GcpPoint& point : list.points) {
+    if (!point.height_m || *point.height_m != 0.0) return;
+  }
+  for (GcpPoint& point : list.points) point.height_m.reset();
+  list.warnings.emplace_back("all heights are 0; they are taken as not surveyed");
 }
 
 }  // namespace
@@ -80,6 +92,7 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
         ErrorCode::kCorrupt,
         fmt::format("{} holds no ground control point; rows are \"x y z pixel_x pixel_y image\"", name), ""};
   }
+  DropHeightsThatAreFillers(list);
   return list;
 }
 
