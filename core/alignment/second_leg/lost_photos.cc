@@ -52,6 +52,9 @@ int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, int thre
     problem.photos[i] =
         MakeBundlePhoto(posed.photos[i], linked.corrected[i], problem.photos[i].lens, problem.photos[i].line);
     problem.photos[i].has_record = !is_unrecorded;
+    // Points are looked for about as deep as the photo was high: by what it shows, whatever was recorded.
+    problem.photos[i].height_above_ground_m =
+        std::max(0.5, one.cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m);
     input.features[i] = (*leg.features)[i];
     input.views[i].cam_from_enu = one.cam_from_enu;
     input.views[i].height_above_ground_m = problem.photos[i].height_above_ground_m;

@@ -34,7 +34,7 @@ constexpr double kMuchLeanedShare = 0.02;  // of a photo's width that a turn of 
 // when nothing has been adjusted and hardly anything would be worth it, and after everything was tried.
 constexpr double kMaxLostShareByLinks = 0.4;
 constexpr double kMaxLostShare = 0.1;
-constexpr int kMaxLostRounds = 3;
+constexpr int kMaxLostRounds = 5;
 
 constexpr double kOtherFocalSigmas = 3.0;
 constexpr double kSigmaFoundFocal = 0.01;
@@ -114,12 +114,19 @@ Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_l
   leg.problem.plane = FitPlane(leg.problem);
   if (RegisterInRounds(leg.posed, leg.relief, options.threads, leg.input, leg.matched, leg.problem) > 0)
     leg = Adjusted(std::move(leg), first, options);
+  bool took_in = false, is_rematched = false;
   for (int round = 0; round < kMaxLostRounds && takes_in_lost && HasLost(Evidence(extracted, leg)); ++round) {
     leg.input.views = ViewsOf(leg.problem);
     const std::vector<Track> seen = GroundTracks(leg, options);
     if (TakeInLost(AsWeighed(extracted, leg), seen, options.threads, leg.posed, leg.input, leg.matched,
                    leg.problem, leg.by_images) == 0) {
-      break;
+      // Photos just taken in have few points yet, and may be all that the next ones have in common with the
+      // rest.
+      if (!took_in || is_rematched) break;
+      leg = Rematched(std::move(leg), kMiddlePass, options);
+      is_rematched = true;
+    } else {
+      took_in = true;
     }
     leg = Adjusted(std::move(leg), first, options);
   }
