@@ -11,6 +11,7 @@ import sqlite3
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 from server_support import ServerTestCase, wait_until
 
@@ -224,11 +225,11 @@ class WrongClock(TrashCase):
         subprocess.run(["cc", "-shared", "-fPIC", "-o", self.shim, "-x", "c", "-", "-ldl"], input=WRONG_CLOCK, text=True, check=True)
 
     def serve_with_clock_ahead(self, days, *arguments):
-        os.environ.update(LD_PRELOAD=str(self.shim), CLOCK_AHEAD_S=str(days * 86400))
-        try:
+        clock = {"LD_PRELOAD": str(self.shim), "CLOCK_AHEAD_S": str(days * 86400)}
+        if "ASAN_OPTIONS" in os.environ:  # the sanitizer wants to be loaded first
+            clock["ASAN_OPTIONS"] = os.environ["ASAN_OPTIONS"] + ":verify_asan_link_order=0"
+        with unittest.mock.patch.dict(os.environ, clock):
             return self.serve(*arguments)
-        finally:
-            del os.environ["LD_PRELOAD"], os.environ["CLOCK_AHEAD_S"]
 
     def begin_upload(self, server, flight):
         word = lambda text: base64.b64encode(text.encode()).decode()
