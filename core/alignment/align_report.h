@@ -1,8 +1,9 @@
-// AlignReport: what alignment found, doubted and refused, for people and for report.json. A value; any
-// thread.
+// AlignReport: what alignment found, doubted and refused, for people and for report.json (its names there:
+// core/pipeline/report/report_fields.h). A value; any thread.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,9 @@ enum class PhotoFault {
   kOtherPlace,  // nothing in common with the photos around its recorded place
   kFarAway,     // left out: kilometres from the others
 };
+inline constexpr std::array kAllPhotoFaults = {
+    PhotoFault::kPositionWrong, PhotoFault::kYawWrong,   PhotoFault::kStoredTurned, PhotoFault::kCopy,
+    PhotoFault::kBlurred,       PhotoFault::kOtherPlace, PhotoFault::kFarAway};
 std::string_view FaultName(PhotoFault fault);
 
 struct AlignPhotoReport {
@@ -38,21 +42,28 @@ struct AlignPhotoReport {
   double error_radius_m = 0.0;
   bool is_by_images = false;  // its place started from what it shows, not from its record
   std::vector<PhotoFault> faults;
+
+  bool operator==(const AlignPhotoReport&) const = default;
 };
 
 // One place, as two photos show it.
 struct SharedPlace {
   Eigen::Vector2d pixel_in_first = Eigen::Vector2d::Zero();
   Eigen::Vector2d pixel_in_second = Eigen::Vector2d::Zero();
+
+  bool operator==(const SharedPlace&) const = default;
 };
 
 struct AlignPairReport {
   std::string first, second;
   int matches = 0;
   double rms_m = 0.0;
-  double rms_px = 0.0;            // of pairs in use
-  bool is_by_direct = false;      // tied by the pictures as a whole
-  std::vector<SharedPlace> some;  // of the matches in use, spread over all of them
+  double rms_px = 0.0;        // of pairs in use
+  bool is_by_direct = false;  // tied by the pictures as a whole
+  // Of the matches in use, spread over all of them; for who asked for the alignment, told nowhere.
+  std::vector<SharedPlace> some;
+
+  bool operator==(const AlignPairReport&) const = default;
 };
 
 struct AlignLensReport {
@@ -60,6 +71,8 @@ struct AlignLensReport {
   camera::Intrinsics recorded, adjusted;
   double sigma_focal_px = 0.0;
   bool focal_is_held = true;  // the images say no more of it than the record
+
+  bool operator==(const AlignLensReport&) const = default;
 };
 
 // Photos placed by what they show, without their recorded poses.
@@ -72,7 +85,9 @@ struct SecondLegReport {
   double residual_rms_px = 0.0;
   double total_s = 0.0;  // wall
   bool is_taken = false;
-  bool is_placed = false;  // on Earth, by positions or surveyed points
+  bool is_placed = false;  // on Earth, by positions or surveyed points; for who asked, told nowhere
+
+  bool operator==(const SecondLegReport&) const = default;
 };
 
 // A camera's gyro against what its photos show.
@@ -82,6 +97,8 @@ struct GyroReport {
   int fitting = 0, fitting_without = 0;  // matches that fit one motion of the ground, with and without it
   double lag_s = 0.0;                    // by which its records come after the rows that they belong to
   bool is_used = true;                   // false: the photos contradict it
+
+  bool operator==(const GyroReport&) const = default;
 };
 
 struct AlignReport {
@@ -111,8 +128,8 @@ struct AlignReport {
   std::vector<std::string> corrections;                       // in words, a photo or a line each
   SecondLegReport second_leg;
   std::vector<GyroReport> gyros;
-};
 
-std::string AlignReportJson(const AlignReport& report);
+  bool operator==(const AlignReport&) const = default;
+};
 
 }  // namespace skyquilt::alignment

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -266,31 +265,6 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
                 fmt::format("held-back points lie {:.2f} m off the grid and {:.2f} m off a plane",
                             report.grid_error_m, report.plane_error_m) +
                     without_model);
-}
-
-namespace {
-
-nlohmann::ordered_json OrNull(const std::optional<double>& value) {
-  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-}  // namespace
-
-std::string ModelGroundReportJson(const ModelGroundReport& report) {
-  const nlohmann::ordered_json json = {{"model", report.model},
-                                       {"reason", report.reason},
-                                       {"points_given", report.points_given},
-                                       {"points_used", report.points_used},
-                                       {"plane_error_m", report.plane_error_m},
-                                       {"grid_error_m", report.grid_error_m},
-                                       {"elevation_model_error_m", OrNull(report.dem_error_m)},
-                                       {"elevation_model_shift_m", OrNull(report.dem_shift_m)},
-                                       {"cell_m", report.cell_m},
-                                       {"lowest_m", report.lowest_m},
-                                       {"highest_m", report.highest_m},
-                                       {"mean_m", report.mean_m},
-                                       {"seconds", report.seconds}};
-  return json.dump(2);
 }
 
 }  // namespace skyquilt::ground

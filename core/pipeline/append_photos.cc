@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <utility>
@@ -18,8 +17,6 @@
 
 namespace skyquilt::pipeline {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 using alignment::AlignedFlight;
 using alignment::AlignedPhoto;
@@ -98,25 +95,18 @@ geo::Bounds2 SeenBy(const std::vector<AlignedPhoto>& photos, double ground_z_m) 
   return bounds;
 }
 
-// The finished flight's figures with those of the new photos.
-std::string MergedReport(const std::string& known_json, const alignment::AlignReport& report,
-                         const std::set<std::string>& added) {
-  if (known_json.empty()) return known_json;
-  Json merged = Json::parse(known_json);
-  const Json part = Json::parse(alignment::AlignReportJson(report));
-  for (const Json& photo : part.at("photo_reports")) {
-    if (!added.contains(photo.at("name").get<std::string>())) continue;
-    merged["photos"] = merged["photos"].get<int>() + 1;
-    if (photo.at("placement") == "aligned") merged["aligned"] = merged["aligned"].get<int>() + 1;
-    merged["photo_reports"].push_back(photo);
+// The figures of the new photos beside those of the finished flight.
+void AddFigures(const alignment::AlignReport& report, const std::set<std::string>& added,
+                alignment::AlignReport& known) {
+  for (const alignment::AlignPhotoReport& photo : report.photo_reports) {
+    if (!added.contains(photo.name)) continue;
+    ++known.photos;
+    if (photo.placement == alignment::Placement::kAligned) ++known.aligned;
+    known.photo_reports.push_back(photo);
   }
-  for (const Json& pair : part.at("pairs")) {
-    if (added.contains(pair.at("first").get<std::string>()) ||
-        added.contains(pair.at("second").get<std::string>())) {
-      merged["pairs"].push_back(pair);
-    }
+  for (const alignment::AlignPairReport& pair : report.pairs) {
+    if (added.contains(pair.first) || added.contains(pair.second)) known.pairs.push_back(pair);
   }
-  return merged.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -181,7 +171,7 @@ Result<std::optional<FlightFacts>> AppendPhotos(const FlightFacts& known, const 
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface beyond = ground::ModelGround(aligned, ground_report);
   grown.ground = ground::ExtendGround(known.ground, beyond, SeenBy(placed, known.ground.MeanHeight()));
-  grown.alignment_json = MergedReport(known.alignment_json, report, names);
+  if (grown.align_report) AddFigures(report, names, *grown.align_report);
   for (AlignedPhoto& photo : placed) grown.flight.photos.push_back(std::move(photo));
   for (const flight::LeftOutPhoto& photo : aligned.left_out) {
     if (names.contains(photo.name)) grown.flight.left_out.push_back(photo);

@@ -133,13 +133,13 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   });
 
   DescribePhotos(aligned, report);
-  report.seams_json = render::SeamShiftJson(seam_shift);
+  report.seam_shift = seam_shift;
   report.warnings = aligned.warnings;
   WarnOfCoarserPixels(plan, aligned, gsd_m, report);
-  report.alignment_json = facts.alignment_json;
-  report.ground_json = facts.ground_json;
+  report.align_report = facts.align_report;
+  report.ground_report = facts.ground_report;
   report.height_rule = facts.height_rule;
-  report.poses_json = facts.poses_json;
+  report.poses_report = facts.poses_report;
   report.is_placed = facts.is_placed;
   report.gsd_m = plan.gsd_m;
   const double lat_deg = aligned.frame.origin().lat_deg;

@@ -191,25 +191,23 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   }));
   LeaveOutNonsense(nullptr, aligned);
   if (aligned.photos.empty()) return NothingLeft(aligned);
-  ground::ModelGroundReport ground_report;
   FlightFacts facts;
   facts.ground = stages.Run("ground", [&] {
     std::optional<ground::ElevationModel> model;
     if (dem != nullptr && posed.dem_zero_m) model = ground::ElevationModel{dem, *posed.dem_zero_m};
-    return ground::ModelGround(aligned, ground_report, model);
+    return ground::ModelGround(aligned, facts.ground_report, model);
   });
   LeaveOutNonsense(&facts.ground, aligned);
   if (aligned.photos.empty()) return NothingLeft(aligned);
   facts.flight = std::move(aligned);
   facts.thumbnails = Ordered(facts.flight, checked.thumbnails);
-  if (options.method != AlignMethod::kImu) facts.alignment_json = alignment::AlignReportJson(report);
-  facts.ground_json = ground::ModelGroundReportJson(ground_report);
-  facts.poses_json = poses::PoseReportJson(posed.report);
+  facts.poses_report = posed.report;
   facts.height_rule = posed.report.height_rule;
   facts.is_by_images =
       std::any_of(report.photo_reports.begin(), report.photo_reports.end(),
                   [](const alignment::AlignPhotoReport& photo) { return photo.is_by_images; });
   facts.is_placed = posed.is_placed || report.second_leg.is_placed;
+  if (options.method != AlignMethod::kImu) facts.align_report = std::move(report);
   return facts;
 }
 
@@ -285,7 +283,7 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   std::vector<render::Thumbnail> thumbnails = known.thumbnails;
   thumbnails.insert(thumbnails.end(), checked.thumbnails.begin(), checked.thumbnails.end());
   (*grown)->thumbnails = Ordered((*grown)->flight, thumbnails);
-  (*grown)->poses_json = poses::PoseReportJson(posed.report);
+  (*grown)->poses_report = posed.report;
   return grown;
 }
 

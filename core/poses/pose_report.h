@@ -25,9 +25,8 @@ struct PoseReport {
   int iterations = 0;
   double median_error_radius_m = 0.0;
   double largest_error_radius_m = 0.0;
-};
 
-// A JSON object.
-std::string PoseReportJson(const PoseReport& report);
+  bool operator==(const PoseReport&) const = default;
+};
 
 }  // namespace skyquilt::poses

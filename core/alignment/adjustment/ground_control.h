@@ -32,6 +32,8 @@ struct ControlReport {
   std::string reason;  // why it is not used
   double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
   double residual_px = 0.0;
+
+  bool operator==(const ControlReport&) const = default;
 };
 
 }  // namespace skyquilt::alignment

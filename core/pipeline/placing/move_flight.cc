@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "core/alignment/adjustment/tie_to_control.h"
-#include "core/alignment/align_report.h"
 #include "core/alignment/view.h"
 #include "core/base/median.h"
 #include "core/geo/bounds.h"
 
 namespace skyquilt::pipeline {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 using alignment::AlignedPhoto;
 using alignment::Similarity3;
@@ -150,17 +146,11 @@ double ExtentM(const FlightFacts& known) {
   return bounds.IsEmpty() ? 0.0 : std::hypot(bounds.Width(), bounds.Height());
 }
 
-std::string WithControlReports(const std::string& alignment_json,
-                               const std::vector<alignment::ControlReport>& control,
-                               const Vector3d& moved_m) {
-  if (alignment_json.empty()) return alignment_json;
-  alignment::AlignReport of_control;
-  of_control.control = control;
-  of_control.position_bias_m = moved_m;
-  const Json part = Json::parse(alignment::AlignReportJson(of_control));
-  Json merged = Json::parse(alignment_json);
-  for (const char* field : {"ground_control", "position_bias_m"}) merged[field] = part.at(field);
-  return merged.dump(2, ' ', false, Json::error_handler_t::replace);
+void TellOfControl(const std::vector<alignment::ControlReport>& control, const Vector3d& moved_m,
+                   FlightFacts& facts) {
+  if (!facts.align_report) return;
+  facts.align_report->control = control;
+  facts.align_report->position_bias_m = moved_m;
 }
 
 }  // namespace skyquilt::pipeline

@@ -33,10 +33,9 @@ double MedianGsdM(const FlightFacts& known);
 // Between the outermost cameras, along the diagonal.
 double ExtentM(const FlightFacts& known);
 
-// What became of surveyed points, written into the alignment's figures, with how far the flight moved for
-// them.
-std::string WithControlReports(const std::string& alignment_json,
-                               const std::vector<alignment::ControlReport>& control,
-                               const Eigen::Vector3d& moved_m);
+// What became of surveyed points, and how far the flight moved for them, among the alignment's figures, where
+// the flight has any.
+void TellOfControl(const std::vector<alignment::ControlReport>& control, const Eigen::Vector3d& moved_m,
+                   FlightFacts& facts);
 
 }  // namespace skyquilt::pipeline

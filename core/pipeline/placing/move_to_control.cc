@@ -104,7 +104,7 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
   const Complex middle =
       EastNorth(known.flight.photos[known.flight.photos.size() / 2].cam_from_enu.TargetOriginInSource());
   const Complex shift = move * middle - middle;
-  moved.alignment_json = WithControlReports(known.alignment_json, reports, {shift.real(), shift.imag(), 0.0});
+  TellOfControl(reports, {shift.real(), shift.imag(), 0.0}, moved);
   const double max_moved_m = std::abs(shift) + std::abs(move.turn_and_scale - 1.0) * ExtentM(known);
   if (max_moved_m < kNoMoveGsds * gsd_m) return moved;
 

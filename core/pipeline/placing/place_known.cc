@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/alignment/adjustment/tie_to_control.h"
@@ -206,19 +205,12 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
     if (photo.placement == alignment::Placement::kAligned)
       photo.error_radius_m = std::max(kMinSigmaM, miss_m);
   }
-  placed.alignment_json = WithControlReports(known.alignment_json, reports, Vector3d::Zero());
+  TellOfControl(reports, Vector3d::Zero(), placed);
   placed.flight.warnings.push_back(fmt::format(
       "The finished map was placed by {} surveyed points, which it misses by {:.2f} m in the median; it was turned by "
       "{:.1f} degrees and became {:.4g} times as large. No photo was compared again.",
       misses_m.size(), miss_m, TurnDeg(move), move.scale));
   return placed;
-}
-
-std::string WithPlace(const std::string& poses_json) {
-  if (poses_json.empty()) return poses_json;
-  auto json = nlohmann::ordered_json::parse(poses_json);
-  json["is_placed"] = true;
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -239,7 +231,7 @@ Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& req
   SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin ? PlaceByOrigin(known, request)
                                                          : PlaceByControl(known, request.control));
   placed.is_placed = true;
-  placed.poses_json = WithPlace(known.poses_json);
+  placed.poses_report.is_placed = true;
   poses::EraseUnplacedWords(placed.flight.warnings);
   return placed;
 }

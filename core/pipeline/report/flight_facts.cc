@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/pipeline/report/locate.h"
+#include "core/pipeline/report/report_codec.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -39,6 +40,17 @@ Cbor OfText(const std::string& text) { return Binary(text.data(), text.size()); 
 std::string ToText(const Cbor& json) {
   const std::vector<std::uint8_t>& bytes = json.get_binary();
   return {bytes.begin(), bytes.end()};
+}
+
+// Reports are kept as text, as report.json has them; bytes of names that are not UTF-8 are replaced there
+// too.
+template <typename Report>
+std::string ReportText(const Report& report) {
+  return JsonOf<nlohmann::ordered_json>(report).dump(-1, ' ', false, Cbor::error_handler_t::replace);
+}
+template <typename Report>
+Report OfReportText(const Cbor& text) {
+  return ReportOf<Report>(nlohmann::ordered_json::parse(text.get_ref<const std::string&>()));
 }
 
 // Runs of equal labels, row by row: photo, then how many cells.
@@ -145,9 +157,10 @@ FlightFacts Parse(std::string_view bytes) {
   facts.height_rule = json.at("height_rule");
   facts.is_placed = json.at("is_placed");
   facts.is_by_images = json.at("is_by_images");
-  facts.alignment_json = json.at("alignment");
-  facts.ground_json = json.at("ground");
-  facts.poses_json = json.at("poses");
+  const Cbor& align_report = json.at("alignment");
+  if (align_report != "") facts.align_report = OfReportText<alignment::AlignReport>(align_report);
+  facts.ground_report = OfReportText<ground::ModelGroundReport>(json.at("ground"));
+  facts.poses_report = OfReportText<poses::PoseReport>(json.at("poses"));
   if (const Cbor& appearance = json.at("look"); !appearance.is_null())
     facts.appearance = ToAppearance(appearance, photos.size());
   return facts;
@@ -205,9 +218,9 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["height_rule"] = facts.height_rule;
   json["is_placed"] = facts.is_placed;
   json["is_by_images"] = facts.is_by_images;
-  json["alignment"] = facts.alignment_json;
-  json["ground"] = facts.ground_json;
-  json["poses"] = facts.poses_json;
+  json["alignment"] = facts.align_report ? ReportText(*facts.align_report) : "";
+  json["ground"] = ReportText(facts.ground_report);
+  json["poses"] = ReportText(facts.poses_report);
   json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Cbor(nullptr);
   const std::vector<std::uint8_t> bytes = Cbor::to_cbor(json);
   return {bytes.begin(), bytes.end()};

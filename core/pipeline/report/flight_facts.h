@@ -9,11 +9,14 @@
 #include <string_view>
 #include <vector>
 
+#include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
 #include "core/base/digest.h"
 #include "core/flight/lists/input_file.h"
 #include "core/ground/ground_surface.h"
+#include "core/ground/model_ground_report.h"
 #include "core/pipeline/mosaic_options.h"
+#include "core/poses/pose_report.h"
 #include "core/render/exposure/exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seams/seam_map.h"
@@ -43,8 +46,10 @@ struct FlightFacts {
   std::string height_rule;
   bool is_placed = true;
   bool is_by_images = false;  // some photos were placed by what they show, against or without their records
-  std::string alignment_json, ground_json, poses_json;
-  std::optional<MapAppearance> appearance;  // absent: the run was killed before
+  poses::PoseReport poses_report;
+  ground::ModelGroundReport ground_report;
+  std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
+  std::optional<MapAppearance> appearance;             // absent: the run was killed before
 };
 
 // Of the options that decide where photos lie.

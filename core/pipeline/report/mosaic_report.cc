@@ -9,6 +9,7 @@
 #include "core/base/error_code.h"
 #include "core/geo/lat_lon.h"
 #include "core/ground/footprint_on_ground.h"
+#include "core/pipeline/report/report_codec.h"
 #include "core/poses/conventions/attitude_convention.h"
 
 namespace skyquilt::pipeline {
@@ -20,8 +21,6 @@ double Rounded(double value, int digits) {
   const double scale = std::pow(10.0, digits);
   return std::round(value * scale) / scale;
 }
-
-Json ParsedOrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json::parse(text); }
 
 // Names come from file systems and need not be UTF-8.
 std::string Printed(const Json& json) {
@@ -81,10 +80,10 @@ std::string ReportJson(const MosaicReport& report) {
   json["timings"] = timings;
   json["peak_memory_bytes"] = report.peak_memory_bytes;
   json["warnings"] = report.warnings;
-  json["poses"] = ParsedOrNull(report.poses_json);
-  json["ground"] = ParsedOrNull(report.ground_json);
-  json["seams"] = ParsedOrNull(report.seams_json);
-  json["alignment"] = ParsedOrNull(report.alignment_json);
+  json["poses"] = JsonOf<Json>(report.poses_report);
+  json["ground"] = JsonOf<Json>(report.ground_report);
+  json["seams"] = JsonOf<Json>(report.seam_shift);
+  json["alignment"] = report.align_report ? JsonOf<Json>(*report.align_report) : Json(nullptr);
   return Printed(json);
 }
 

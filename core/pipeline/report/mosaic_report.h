@@ -7,10 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
 #include "core/flight/photos/photo.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/ground/ground_surface.h"
+#include "core/ground/model_ground_report.h"
+#include "core/poses/pose_report.h"
+#include "core/render/seams/seam_shift.h"
 
 namespace skyquilt::pipeline {
 
@@ -41,10 +45,10 @@ struct MosaicReport {
   std::vector<StageTiming> timings;
   std::int64_t peak_memory_bytes = 0;
   std::vector<std::string> warnings;
-  std::string alignment_json;  // a JSON object of the alignment's own figures; empty without alignment
-  std::string ground_json;     // a JSON object of the ground model
-  std::string seams_json;      // a JSON object of how far photos disagree where they meet
-  std::string poses_json;      // a JSON object of pose estimation's own figures; empty when none
+  poses::PoseReport poses_report;
+  ground::ModelGroundReport ground_report;
+  render::SeamShift seam_shift;
+  std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
 };
 
 std::string ReportJson(const MosaicReport& report);

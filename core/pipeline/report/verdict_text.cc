@@ -5,6 +5,7 @@
 #include "core/base/error_code.h"
 #include "core/base/printable.h"
 #include "core/pipeline/inspect_flight.h"
+#include "core/pipeline/report/report_codec.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -112,7 +113,7 @@ std::string VerdictJson(const FlightVerdict& v) {
                                     {"logs", logs},
                                     {"gcp_lists", v.gcp_lists},
                                     {"elevation_models", v.elevation_models},
-                                    {"poses", nlohmann::ordered_json::parse(poses::PoseReportJson(v.poses))},
+                                    {"poses", JsonOf<nlohmann::ordered_json>(v.poses)},
                                     {"first_capture", v.first_capture},
                                     {"last_capture", v.last_capture},
                                     {"height_rule", v.height_rule},

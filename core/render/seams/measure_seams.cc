@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -258,14 +257,6 @@ SeamShift SeamPatches::Measure(PhotoCache& cache, Progress& progress) {
     result.p90_m = Percentile(shifts_m, 0.9);
   }
   return result;
-}
-
-std::string SeamShiftJson(const SeamShift& shift) {
-  const double gsd_m = shift.gsd_m > 0.0 ? shift.gsd_m : 1.0;
-  const nlohmann::ordered_json json = {
-      {"patches", shift.patches}, {"reliable", shift.reliable},           {"median_m", shift.median_m},
-      {"p90_m", shift.p90_m},     {"median_gsd", shift.median_m / gsd_m}, {"p90_gsd", shift.p90_m / gsd_m}};
-  return json.dump(2);
 }
 
 }  // namespace skyquilt::render

@@ -6,13 +6,13 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
 #include "core/base/progress.h"
 #include "core/ground/ground_surface.h"
 #include "core/render/blocks/photo_cache.h"
+#include "core/render/seams/seam_shift.h"
 
 namespace skyquilt::render {
 
@@ -21,14 +21,6 @@ struct MeasureSeamsOptions {
   int max_pairs = 60;
   double output_pixel_m =
       0.0;  // of the map: photos are asked of the cache at the scale that it was rendered from
-};
-
-struct SeamShift {
-  int patches = 0;   // looked at
-  int reliable = 0;  // of those: alike once shifted
-  double gsd_m = 0.0;
-  double median_m = 0.0;
-  double p90_m = 0.0;
 };
 
 class SeamPatches {
@@ -53,7 +45,5 @@ class SeamPatches {
   std::vector<InBoth> patches_;
   std::vector<std::vector<std::size_t>> patches_of_;  // by photo
 };
-
-std::string SeamShiftJson(const SeamShift& shift);
 
 }  // namespace skyquilt::render

@@ -2,15 +2,28 @@
 #include <fmt/core.h>
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/alignment/align_flight.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/ground/model_ground.h"
+#include "core/pipeline/report/report_codec.h"
 #include "core/poses/estimate_poses.h"
 #include "core/render/seams/measure_seams.h"
 #include "tests/bench/alignment/cpu_seconds.h"
 #include "tests/bench/alignment/read_folder.h"
+
+namespace {
+
+template <typename Report>
+std::string TextOf(const Report& report) {
+  using Json = nlohmann::ordered_json;
+  return skyquilt::pipeline::JsonOf<Json>(report).dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace skyquilt;
@@ -31,14 +44,14 @@ int main(int argc, char** argv) {
       alignment::AlignFlight(*posed, flight::FilePhotoSource(), options, report, progress);
   const double cpu_s = CpuSeconds() - cpu_before;
   if (!aligned) return fmt::print(stderr, "{}\n", aligned.error().message), 1;
-  fmt::print("{}\n", alignment::AlignReportJson(report));
+  fmt::print("{}\n", TextOf(report));
   ground::ModelGroundReport ground_report;
   const ground::GroundSurface surface = ground::ModelGround(*aligned, ground_report);
-  fmt::print("{}\n", ground::ModelGroundReportJson(ground_report));
+  fmt::print("{}\n", TextOf(ground_report));
   const auto seams = [&](const alignment::AlignedFlight& flight, const ground::GroundSurface& on) {
     const flight::FilePhotoSource photos;
     render::PhotoCache cache(photos, std::int64_t{512} << 20);
-    return render::SeamShiftJson(render::SeamPatches(flight, on, {}).Measure(cache, progress));
+    return TextOf(render::SeamPatches(flight, on, {}).Measure(cache, progress));
   };
   fmt::print("seams {}\n", seams(*aligned, surface));
   fmt::print("seams by pose alone {}\n", seams(alignment::AlignByPoseOnly(*posed),

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "tests/core/pipeline/full_reports.h"
+
 namespace skyquilt::pipeline {
 namespace {
 
@@ -26,7 +30,9 @@ FlightFacts SomeFacts() {
   facts.flight.photos = {photo};
   facts.ground = ground::GroundSurface::Grid({-1.0, -2.0}, 0.3, 2, 2, {0.1F, 0.2F, 0.3F, 0.4F}, 0.25);
   facts.thumbnails = {{"DJI_1.JPG", 4, 3, {1, 2, 250}}};
-  facts.alignment_json = "{}";
+  facts.poses_report = FullPoseReport();
+  facts.ground_report = FullGroundReport();
+  facts.align_report = FullAlignReport();
   MapAppearance shown;
   shown.gsd_m = 0.031;
   shown.tones.resize(1);
@@ -57,6 +63,9 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(now.readout_motion, was.readout_motion);
   EXPECT_EQ(read->ground.Heights(), facts.ground.Heights());
   EXPECT_EQ(read->thumbnails.front().jpeg, facts.thumbnails.front().jpeg);
+  EXPECT_EQ(read->poses_report, facts.poses_report);
+  EXPECT_EQ(read->ground_report, facts.ground_report);
+  EXPECT_EQ(read->align_report, facts.align_report);
   ASSERT_TRUE(read->appearance);
   EXPECT_EQ(read->appearance->tones[0].gain, facts.appearance->tones[0].gain);
   EXPECT_EQ(read->appearance->grid.first_column, facts.appearance->grid.first_column);
@@ -71,6 +80,44 @@ TEST(FlightFacts, CutOffAnywhereAreRefusedAndNeverBelieved) {
   const std::string bytes = WriteFacts(SomeFacts());
   for (std::size_t length = 0; length < bytes.size(); length += 7) {
     EXPECT_FALSE(ParseFacts(bytes.substr(0, length)).ok()) << length;
+  }
+}
+
+TEST(FlightFacts, OfPosesAloneHaveNoFiguresOfAnAlignment) {
+  FlightFacts facts = SomeFacts();
+  facts.align_report.reset();
+  const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
+  ASSERT_TRUE(read.ok());
+  EXPECT_FALSE(read->align_report);
+}
+
+TEST(FlightFacts, WithNamesThatAreNoTextAreReadAgain) {
+  FlightFacts facts = SomeFacts();
+  facts.align_report->photo_reports[0].name = "n\xff.jpg";
+  const Result<FlightFacts> read = ParseFacts(WriteFacts(facts));
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read->align_report->photo_reports[0].name, "n\xEF\xBF\xBD.jpg");
+}
+
+// The facts with the text of one of their reports changed.
+std::string WithReport(const char* name, const std::string& text) {
+  nlohmann::json json = nlohmann::json::from_cbor(WriteFacts(SomeFacts()));
+  json[name] = text;
+  const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(json);
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(FlightFacts, WithADamagedReportAreRefused) {
+  for (const char* name : {"alignment", "ground", "poses"}) {
+    const std::string text = nlohmann::json::from_cbor(WriteFacts(SomeFacts())).at(name);
+    // Indented, as it was written once.
+    EXPECT_TRUE(ParseFacts(WithReport(name, nlohmann::ordered_json::parse(text).dump(2))).ok()) << name;
+    for (const std::string& damaged :
+         {std::string("{}"), std::string("[1]"), text.substr(0, text.size() - 1)}) {
+      const Result<FlightFacts> read = ParseFacts(WithReport(name, damaged));
+      ASSERT_FALSE(read.ok()) << name << ": " << damaged;
+      EXPECT_EQ(read.error().code, ErrorCode::kCorrupt);
+    }
   }
 }
 

@@ -22,7 +22,9 @@ struct Nowhere : Displaced {
     known.flight.frame = geo::LocalFrame({0.0, 0.0, 0.0});
     known.is_placed = false;
     known.is_by_images = true;
-    known.poses_json = R"({"method": "none", "is_placed": false})";
+    known.poses_report.method = "none";
+    known.poses_report.is_placed = false;
+    known.align_report.emplace().position_bias_m = {1.0, 2.0, 3.0};
     known.flight.warnings = {"3 photos are blurred.",
                              "No records: 20 photos placed. " + poses::NotGeoreferencedWords(100.0)};
   }
@@ -64,7 +66,11 @@ TEST(PlaceKnown, SurveyedPointsGivePlaceScaleAndNorth) {
     EXPECT_NEAR(placed->flight.photos[0].height_above_ground_m,
                 flight.known.flight.photos[0].height_above_ground_m / 0.37, 0.1);
     EXPECT_LE(placed->flight.photos[0].error_radius_m, 0.05);
-    EXPECT_THAT(placed->poses_json, HasSubstr("\"is_placed\": true"));
+    EXPECT_TRUE(placed->poses_report.is_placed);
+    EXPECT_EQ(placed->poses_report.method, "none");
+    EXPECT_EQ(placed->align_report->control.size(), points);
+    EXPECT_TRUE(placed->align_report->control[0].is_used);
+    EXPECT_EQ(placed->align_report->position_bias_m, Eigen::Vector3d::Zero());
     EXPECT_THAT(placed->flight.warnings, Each(Not(HasSubstr("NOT GEOREFERENCED"))));
     EXPECT_THAT(placed->flight.warnings, Contains("No records: 20 photos placed."));
     EXPECT_THAT(placed->flight.warnings, Contains("3 photos are blurred."));

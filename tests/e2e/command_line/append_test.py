@@ -58,6 +58,20 @@ class Append(unittest.TestCase):
                        capture_output=True)
         return json.loads((out / "report.json").read_text())
 
+    def check_figures(self, figures, before):
+        """The new photo's stand behind those of the finished flight, which stay."""
+        self.assertEqual((figures["photos"], figures["aligned"]), (20, before["aligned"] + 1))
+        self.assertEqual(figures["photo_reports"][:-1], before["photo_reports"])
+        self.assertEqual(figures["photo_reports"][-1]["name"], self.new)
+        pairs = len(before["pairs"])
+        self.assertEqual(figures["pairs"][:pairs], before["pairs"])
+        self.assertGreater(len(figures["pairs"]), pairs)
+        for pair in figures["pairs"][pairs:]:
+            self.assertIn(self.new, (pair["first"], pair["second"]))
+        merged = ("photos", "aligned", "photo_reports", "pairs")
+        self.assertEqual({key: value for key, value in figures.items() if key not in merged},
+                         {key: value for key, value in before.items() if key not in merged})
+
     def test_only_the_tiles_below_the_new_photo_change(self):
         out = self.scratch / "grown"
         shutil.copytree(self.finished, out)
@@ -66,6 +80,7 @@ class Append(unittest.TestCase):
         self.assertEqual(report["photos"]["total"], 20)
         self.assertEqual(report["photos"]["aligned"], 20)
         self.assertGreater(report["blocks"]["kept"], 0)
+        self.check_figures(report["alignment"], json.loads((self.finished / "report.json").read_text())["alignment"])
         # What was placed stays exactly where it was.
         cameras, old_cameras = cameras_of(out), cameras_of(self.finished)
         self.assertEqual({name: cameras[name] for name in old_cameras}, old_cameras)

@@ -1,0 +1,198 @@
+// VisitFields: what report.json and mosaic.state say of each stage's report, every figure with its name
+// there: one list a report, from which it is written and read again (report_codec.h). Not listed is what only
+// the run itself needs: AlignPairReport::some and SecondLegReport::is_placed. Seams are written only. Any
+// thread.
+//
+// What `visit` does: `visit(name, value)` takes a figure; `IfAny` a list that is left out while it is empty;
+// `OneOf` a flag that is told as one of two words; `Group` figures that have an object of their own; `Each` a
+// list of which the given figures are told.
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+
+#include "core/alignment/align_report.h"
+#include "core/camera/lens_fields.h"
+#include "core/ground/model_ground_report.h"
+#include "core/poses/pose_report.h"
+#include "core/render/seams/seam_shift.h"
+
+namespace skyquilt::pipeline {
+
+template <typename Value, typename Plain>
+concept IsA = std::same_as<std::remove_const_t<Value>, Plain>;
+
+template <IsA<poses::PoseReport> Report, typename Visit>
+void VisitFields(Report& report, Visit& visit) {
+  visit("method", report.method);
+  visit("is_placed", report.is_placed);
+  visit("logs", report.logs);
+  visit("series", report.series);
+  visit("time_match", report.time_match);
+  visit("time_offset_s", report.time_offset_s);
+  visit("time_sigma_s", report.time_sigma_s);
+  visit("camera_ahead_of_utc_s", report.camera_ahead_of_utc_s);
+  visit("convention", report.convention);
+  visit("height_rule", report.height_rule);
+  visit("photos_by_log", report.photos_by_log);
+  visit("photos_by_records", report.photos_by_records);
+  visit("knots", report.knots);
+  visit("iterations", report.iterations);
+  visit("median_error_radius_m", report.median_error_radius_m);
+  visit("largest_error_radius_m", report.largest_error_radius_m);
+}
+
+template <IsA<ground::ModelGroundReport> Report, typename Visit>
+void VisitFields(Report& report, Visit& visit) {
+  visit("model", report.model);
+  visit("reason", report.reason);
+  visit("points_given", report.points_given);
+  visit("points_used", report.points_used);
+  visit("plane_error_m", report.plane_error_m);
+  visit("grid_error_m", report.grid_error_m);
+  visit("elevation_model_error_m", report.dem_error_m);
+  visit("elevation_model_shift_m", report.dem_shift_m);
+  visit("cell_m", report.cell_m);
+  visit("lowest_m", report.lowest_m);
+  visit("highest_m", report.highest_m);
+  visit("mean_m", report.mean_m);
+  visit("seconds", report.seconds);
+}
+
+template <typename Visit>
+void VisitFields(const render::SeamShift& shift, Visit& visit) {
+  const double gsd_m = shift.gsd_m > 0.0 ? shift.gsd_m : 1.0;
+  visit("patches", shift.patches);
+  visit("reliable", shift.reliable);
+  visit("median_m", shift.median_m);
+  visit("p90_m", shift.p90_m);
+  visit("median_gsd", shift.median_m / gsd_m);
+  visit("p90_gsd", shift.p90_m / gsd_m);
+}
+
+template <IsA<camera::Intrinsics> Lens, typename Visit>
+void VisitFields(Lens& lens, Visit& visit) {
+  camera::VisitLensFields(lens, [&](const char* name, auto& value) { visit(name, value); });
+}
+
+template <IsA<alignment::GyroReport> Gyro, typename Visit>
+void VisitFields(Gyro& gyro, Visit& visit) {
+  visit("camera_key", gyro.camera_key);
+  visit("pairs", gyro.pairs);
+  visit("matches", gyro.matches);
+  visit("fitting", gyro.fitting);
+  visit("fitting_without", gyro.fitting_without);
+  visit("lag_s", gyro.lag_s);
+  visit("is_used", gyro.is_used);
+}
+
+template <IsA<alignment::AlignLensReport> Lens, typename Visit>
+void VisitFields(Lens& lens, Visit& visit) {
+  visit("camera_key", lens.camera_key);
+  visit("recorded", lens.recorded);
+  visit("adjusted", lens.adjusted);
+  visit("sigma_focal_px", lens.sigma_focal_px);
+  visit("focal_is_held", lens.focal_is_held);
+}
+
+template <typename Visit>
+void VisitPlacedBy(auto& is_by_images, Visit& visit) {
+  visit.OneOf("placed_by", is_by_images, "images", "records");
+}
+
+template <IsA<alignment::AlignPhotoReport> Photo, typename Visit>
+void VisitFields(Photo& photo, Visit& visit) {
+  visit("name", photo.name);
+  visit("placement", photo.placement);
+  visit("reason", photo.reason);
+  visit("features", photo.features);
+  visit("links", photo.links);
+  visit("observations", photo.observations);
+  visit("residual_rms_px", photo.residual_rms_px);
+  visit("moved_m", photo.moved_m);
+  visit("turned_deg", photo.turned_deg);
+  visit("error_radius_m", photo.error_radius_m);
+  VisitPlacedBy(photo.is_by_images, visit);
+  visit("faults", photo.faults);
+}
+
+// Of a pair whether it is in use or was rejected.
+template <IsA<alignment::AlignPairReport> Pair, typename Visit>
+void VisitComparison(Pair& pair, Visit& visit) {
+  visit("first", pair.first);
+  visit("second", pair.second);
+  visit("matches", pair.matches);
+  visit("rms_m", pair.rms_m);
+}
+
+template <IsA<alignment::AlignPairReport> Pair, typename Visit>
+void VisitFields(Pair& pair, Visit& visit) {
+  VisitComparison(pair, visit);
+  visit("rms_px", pair.rms_px);
+  visit("by_direct", pair.is_by_direct);
+}
+
+template <IsA<alignment::ControlReport> Point, typename Visit>
+void VisitFields(Point& point, Visit& visit) {
+  visit("name", point.name);
+  visit("sightings", point.sightings);
+  visit("is_used", point.is_used);
+  visit("reason", point.reason);
+  visit("miss_east_m", point.miss_east_m);
+  visit("miss_north_m", point.miss_north_m);
+  visit("miss_up_m", point.miss_up_m);
+  visit("residual_px", point.residual_px);
+}
+
+template <IsA<alignment::SecondLegReport> Leg, typename Visit>
+void VisitFields(Leg& leg, Visit& visit) {
+  visit("why", leg.why);
+  visit("outcome", leg.outcome);
+  visit("is_taken", leg.is_taken);
+  visit("registered", leg.registered);
+  visit("groups", leg.groups);
+  visit("pairs_compared", leg.pairs_compared);
+  visit("pairs_verified", leg.pairs_verified);
+  visit("pairs_refused", leg.pairs_refused);
+  visit("residual_rms_px", leg.residual_rms_px);
+  visit("total_wall_s", leg.total_s);
+}
+
+template <IsA<alignment::AlignReport> Report, typename Visit>
+void VisitFields(Report& report, Visit& visit) {
+  visit("photos", report.photos);
+  visit("aligned", report.aligned);
+  visit("pieces", report.components);
+  visit("pairs_tried", report.pairs_tried);
+  visit("pairs_linked", report.pairs_linked);
+  visit("pairs_rejected", report.pairs_rejected);
+  visit("pairs_by_direct", report.pairs_by_direct);
+  visit("tie_points", report.tie_points);
+  visit("observations", report.observations);
+  visit("observations_dropped", report.observations_dropped);
+  visit("residual_rms_px", report.residual_rms_px);
+  visit("position_residual_m", report.position_residual_m);
+  visit("attitude_residual_deg", report.attitude_residual_deg);
+  visit("solver", report.solver);
+  visit("iterations", report.iterations);
+  visit("corrections", report.corrections);
+  visit.IfAny("gyros", report.gyros);
+  visit.Group("timings_s", [&](auto& timings) {
+    timings("decode", report.decode_s);
+    timings("features", report.features_s);
+    timings("matching_wall", report.matching_s);
+    timings("adjustment_wall", report.adjustment_s);
+    timings("total_wall", report.total_s);
+  });
+  visit("cameras", report.lenses);
+  visit("photo_reports", report.photo_reports);
+  visit("pairs", report.pairs);
+  visit.Each("rejected_pairs", report.rejected_pairs,
+             [](auto& pair, auto& fields) { VisitComparison(pair, fields); });
+  visit("ground_control", report.control);
+  visit("position_bias_m", report.position_bias_m);
+  VisitPlacedBy(report.second_leg.is_taken, visit);
+  visit("second_leg", report.second_leg);
+}
+
+}  // namespace skyquilt::pipeline
