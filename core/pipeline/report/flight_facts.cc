@@ -14,7 +14,8 @@ namespace {
 
 using Cbor = nlohmann::json;
 
-// Raised whenever the meaning changes, or alignment so much that a flight should be aligned anew.
+// Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
+// flight should be aligned anew.
 constexpr int kVersion = 5;
 
 Cbor Binary(const void* data, std::size_t bytes) {

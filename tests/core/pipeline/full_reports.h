@@ -101,9 +101,10 @@ inline alignment::AlignReport FullAlignReport() {
   report.total_s = 5.25;
   report.lenses = {
       {"key", {800, 600, 700.1, 700.2, 399.5, 299.5, 0.1, -0.2, 0.3, 1e-4, -2e-4}, {}, 0.4, false}};
-  report.lenses[0].adjusted = report.lenses[0].recorded.Scaled(400, 300);
-  report.photo_reports = {FullPhotoReport(), FullPhotoReport()};
-  report.pairs = {FullPairReport()};
+  report.lenses[0].adjusted = report.lenses[0].recorded;
+  report.lenses[0].adjusted.focal_x_px = 698.5;
+  report.photo_reports = {FullPhotoReport()};
+  report.pairs = {FullPairReport(), FullPairReport()};
   report.rejected_pairs = {FullPairReport()};
   report.rejected_pairs[0].rms_px = 0.0;  // which is of pairs in use alone, as is the next
   report.rejected_pairs[0].is_by_direct = false;
