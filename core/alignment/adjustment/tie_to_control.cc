@@ -164,16 +164,16 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
 
 bool BelieveContradictedControlLess(BundleProblem& problem) {
   const std::vector<View> views = ViewsOf(problem);
-  std::vector<double> misses_m;
+  std::vector<double> residuals_m;
   for (const BundleControl& tied : problem.control) {
     Track seen = tied.track;
     if (Triangulate(views, seen))
-      misses_m.push_back((seen.point_in_enu - tied.surveyed_in_enu).head<2>().norm());
+      residuals_m.push_back((seen.point_in_enu - tied.surveyed_in_enu).head<2>().norm());
   }
-  if (misses_m.size() < kMinContradicted) return false;
-  const double miss_m = Median(std::move(misses_m));
-  if (miss_m < kNoSurveyM) return false;
-  for (BundleControl& tied : problem.control) tied.sigma_m = tied.sigma_m.cwiseMax(miss_m);
+  if (residuals_m.size() < kMinContradicted) return false;
+  const double residual_m = Median(std::move(residuals_m));
+  if (residual_m < kNoSurveyM) return false;
+  for (BundleControl& tied : problem.control) tied.sigma_m = tied.sigma_m.cwiseMax(residual_m);
   return true;
 }
 
@@ -198,12 +198,12 @@ void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& rep
 std::string ControlInWords(const ControlReport& point) {
   if (!point.is_used)
     return fmt::format("Ground control point {} is not used: it {}", point.name, point.reason);
-  const double miss_m = std::hypot(point.miss_east_m, point.miss_north_m);
-  if (miss_m > kNoSurveyM) {
+  const double residual_m = std::hypot(point.miss_east_m, point.miss_north_m);
+  if (residual_m > kNoSurveyM) {
     return fmt::format(
         "Ground control point {} lies {:.1f} m from where the photos and the other points put it: check its "
         "coordinates and its marks{}{}",
-        point.name, miss_m, point.reason.empty() ? "" : "; it ", point.reason);
+        point.name, residual_m, point.reason.empty() ? "" : "; it ", point.reason);
   }
   if (!point.reason.empty()) return fmt::format("Ground control point {} {}", point.name, point.reason);
   return {};

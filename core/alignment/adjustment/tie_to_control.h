@@ -42,8 +42,9 @@ void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoin
 inline constexpr double kNoSurveyM = 0.25;
 inline constexpr std::size_t kMinContradicted = 3;  // points, for a verdict on all of them
 
-// Points that the photos cannot be bent to are worth no more than they miss by: more would bend the map and
-// make nothing true. For a problem adjusted with control; false, and nothing done, where the survey holds.
+// Points that the photos cannot be bent to are worth no more than their residuals: more would bend the map
+// and make nothing true. For a problem adjusted with control; false, and nothing done, where the survey
+// holds.
 bool BelieveContradictedControlLess(BundleProblem& problem);
 
 void ReportControl(const BundleProblem& problem, std::vector<ControlReport>& reports);
