@@ -154,8 +154,8 @@ class Filter {
   Filter& operator=(const Filter&) = delete;
   bool is_made() const { return context_ != nullptr; }
 
-  template <std::size_t n>
-  void Add(std::uint32_t action, const char* const (&names)[n]) {
+  template <std::size_t kNames>
+  void Add(std::uint32_t action, const char* const (&names)[kNames]) {
     for (const char* name : names) Add(action, name);
   }
   // Not every machine has every call (open is openat on ARM); what it lacks nobody can make.

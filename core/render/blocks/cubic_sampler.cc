@@ -23,10 +23,10 @@ struct alignas(16) PhaseWeights {
 };
 
 double Keys(double distance) {
-  constexpr double a = -0.75;
+  constexpr double kBend = -0.75;
   const double t = std::abs(distance);
-  if (t < 1.0) return ((a + 2.0) * t - (a + 3.0)) * t * t + 1.0;
-  if (t < 2.0) return ((a * t - 5.0 * a) * t + 8.0 * a) * t - 4.0 * a;
+  if (t < 1.0) return ((kBend + 2.0) * t - (kBend + 3.0)) * t * t + 1.0;
+  if (t < 2.0) return ((kBend * t - 5.0 * kBend) * t + 8.0 * kBend) * t - 4.0 * kBend;
   return 0.0;
 }
 
