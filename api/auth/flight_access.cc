@@ -108,8 +108,11 @@ Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& 
   storage::FlightPage page;
   if (cursor) return page;
   Result<storage::Flight> flight = service.catalogue.GetFlight(request.only_flight);
-  if (flight) page.flights.push_back(*std::move(flight));
-  if (!flight && flight.error().code != ErrorCode::kNotFound) return flight.error();
+  if (flight) {
+    page.flights.push_back(*std::move(flight));
+  } else if (flight.error().code != ErrorCode::kNotFound) {
+    return flight.error();
+  }
   return page;
 }
 

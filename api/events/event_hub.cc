@@ -100,11 +100,11 @@ void EventHub::Run() {
     const std::int64_t tail = tail_;
     if (std::exchange(begins_anew_, false)) sent_progress_.clear();
     lock.unlock();
-    Result<Items> found = ReadNew(tail);
+    const Result<Items> found = ReadNew(tail);
     lock.lock();
     failure_ = found ? std::nullopt : std::optional<Error>(found.error());
     // Who joined meanwhile, as the first again, may have moved the tail on: what was read is then in the log.
-    if (found && tail == tail_) Append(*std::move(found));
+    if (found && tail == tail_) Append(*found);
     if (failure_) {
       for (const auto& [id, listener] : listeners_) {
         if (listener.wake) listener.wake();
@@ -140,7 +140,7 @@ Result<EventHub::Items> EventHub::ReadNew(std::int64_t tail) {
   return items;
 }
 
-void EventHub::Append(Items items) {
+void EventHub::Append(const Items& items) {
   for (const auto& item : items) {
     if (item->seq > 0) tail_ = item->seq;
     if (item->seq == 0) progress_[*item->job_id] = item;

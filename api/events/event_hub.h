@@ -81,7 +81,7 @@ class EventHub {
   };
   void Run();
   Result<Items> ReadNew(std::int64_t tail);
-  void Append(Items items);
+  void Append(const Items& items);
 
   const storage::EventLog& events_;
   const storage::JobQueue& queue_;

@@ -19,8 +19,7 @@ Result<FlightView> WithJobAndMap(Service& service, storage::Flight flight) {
   FlightView view;
   SKYQUILT_TRY_ASSIGN(std::optional<storage::Job> job, service.queue.LatestOf(flight.id));
   view.job = std::move(job);
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::Revision> revision, service.catalogue.ActiveRevision(flight.id));
-  view.revision = std::move(revision);
+  SKYQUILT_TRY_ASSIGN(view.revision, service.catalogue.ActiveRevision(flight.id));
   if (!view.revision) {
     SKYQUILT_TRY_ASSIGN(std::optional<storage::Preview> preview, service.previews.Find(flight.id));
     view.preview = std::move(preview);

@@ -129,6 +129,7 @@ Result<Pixels> RenderWindow(const storage::Tileset& tileset, const MapWindow& wi
   out.height = window.height_px;
   out.rgba.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height) * 4);
   std::vector<Place> columns;
+  columns.reserve(static_cast<std::size_t>(out.width));
   for (int i = 0; i < out.width; ++i) {
     columns.push_back(PlaceOf((window.x_in_merc(i) + geo::kMercHalfWidthM) / source_pixel_m - 0.5));
   }

@@ -84,7 +84,7 @@ Result<void> FormReceiver::PartBytes(std::span<const std::uint8_t> bytes) {
 
 Result<void> FormReceiver::EndPart() {
   if (!is_file_ || is_skipped_) return {};
-  const Result<void> ended = EndFile();
+  Result<void> ended = EndFile();
   upload_.reset();
   incoming_.reset();
   return ended;

@@ -89,7 +89,7 @@ class Chunk final : public BodySink {
       SKYQUILT_TRY(incoming_->Take(static_cast<std::int64_t>(bytes.size())));
     }
     if (digest_) digest_->Add(bytes);
-    const Result<void> written = append_->Write(bytes);
+    Result<void> written = append_->Write(bytes);
     CountSaved();
     return written;
   }
@@ -225,7 +225,7 @@ Result<void> DeclareLength(Service& service, const std::string& id, std::int64_t
     return service.spool.DeclareLength(id, length, service.db.ages().Now());
   SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, upload.flight_id));
   SKYQUILT_TRY(incoming.Take(length - upload.offset));
-  const Result<void> declared = service.spool.DeclareLength(id, length, service.db.ages().Now());
+  Result<void> declared = service.spool.DeclareLength(id, length, service.db.ages().Now());
   if (declared) incoming.Kept(length - upload.offset);
   return declared;
 }

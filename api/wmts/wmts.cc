@@ -156,7 +156,7 @@ Response AnswerTileAt(Service& service, const Request& request, std::string_view
 std::string_view MatrixName(std::string_view text) { return text.substr(text.rfind(':') + 1); }
 
 Response KvpTile(Service& service, const Request& request) {
-  const std::string id = request.Parameter("flight");
+  const std::string& id = request.Parameter("flight");
   for (const char* name : {"Layer", "Format", "TileMatrixSet", "TileMatrix", "TileRow", "TileCol"}) {
     if (!Parameter(request, name))
       return Exception(400, "MissingParameterValue", name, "This parameter is missing.");

@@ -19,7 +19,7 @@ std::optional<Eigen::Vector3d> GroundFromPixel(const Intrinsics& intrinsics, con
 
 std::optional<Eigen::Vector2d> PixelFromEnu(const Intrinsics& intrinsics, const geo::Rigid3& cam_from_enu,
                                             const Eigen::Vector3d& point_in_enu) {
-  const std::optional<Eigen::Vector2d> pixel = intrinsics.Project(cam_from_enu * point_in_enu);
+  std::optional<Eigen::Vector2d> pixel = intrinsics.Project(cam_from_enu * point_in_enu);
   if (!pixel || !intrinsics.IsInImage(*pixel)) return std::nullopt;
   return pixel;
 }

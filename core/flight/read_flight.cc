@@ -168,6 +168,7 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
   Flight flight;
   ReadLogs(sorted, flight, progress);
   std::vector<std::filesystem::path> paths;
+  paths.reserve(candidates.size());
   for (const InputFile& file : candidates) paths.push_back(file.path);
   auto read = ReadAll(candidates, options.threads, progress);
   if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Reading the photos was cancelled.", ""};

@@ -47,9 +47,10 @@ std::optional<MembraneGrid> SampleDem(const ElevationModel& model, const geo::Lo
   grid.heights_m.assign(nodes, 0.0F);
   std::vector<char> known(nodes, 0);
   for (std::size_t i = 0; i < nodes; ++i) {
+    const std::size_t row = i / grid.columns, column = i % grid.columns;
     const Eigen::Vector2d at =
-        grid.south_west_in_enu + grid.cell_m * Eigen::Vector2d(static_cast<double>(i % grid.columns),
-                                                               static_cast<double>(i / grid.columns));
+        grid.south_west_in_enu +
+        grid.cell_m * Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row));
     const geo::Wgs84 place = frame.Wgs84FromEnu({at.x(), at.y(), 0.0});
     const auto height_m = model.source->GroundHeightM({place.lat_deg, place.lon_deg});
     if (!height_m) continue;

@@ -134,7 +134,8 @@ MembraneGrid FitMembrane(const std::vector<Eigen::Vector3d>& points_in_enu, doub
   grid.heights_m = std::move(levels.front().height);
   for (std::size_t i = 0; i < nodes; ++i) {
     const auto columns = static_cast<std::size_t>(grid.columns);
-    const Eigen::Vector2d node(static_cast<double>(i % columns), static_cast<double>(i / columns));
+    const std::size_t row = i / columns, column = i % columns;
+    const Eigen::Vector2d node(static_cast<double>(column), static_cast<double>(row));
     grid.heights_m[i] += static_cast<float>(broad_shape.HeightAt(grid.south_west_in_enu + cell_m * node));
   }
   return grid;

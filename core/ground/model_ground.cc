@@ -118,6 +118,7 @@ double Overhang(const geo::Bounds2& seen, const std::vector<Eigen::Vector3d>& po
 // How far up an elevation model in enu must go to meet the points.
 double ShiftTo(const std::vector<Eigen::Vector3d>& points, const GroundSurface& model) {
   std::vector<double> ups;
+  ups.reserve(points.size());
   for (const Eigen::Vector3d& point : points) ups.push_back(point.z() - model.HeightAt(point.head<2>()));
   return Median(std::move(ups));
 }
@@ -127,6 +128,7 @@ GroundSurface BendTo(const std::vector<Eigen::Vector3d>& points, const GroundSur
                      double cell_m, double stiffness) {
   std::vector<Eigen::Vector3d> above = points;
   std::vector<double> heights;
+  heights.reserve(above.size());
   for (Eigen::Vector3d& point : above) {
     heights.push_back(point.z());
     point.z() -= model.HeightAt(point.head<2>());
@@ -136,7 +138,8 @@ GroundSurface BendTo(const std::vector<Eigen::Vector3d>& points, const GroundSur
   std::vector<float> bent = model.Heights();
   for (std::size_t i = 0; i < bent.size(); ++i) {
     const std::size_t columns = static_cast<std::size_t>(model.Columns());
-    const Eigen::Vector2d node(static_cast<double>(i % columns), static_cast<double>(i / columns));
+    const std::size_t row = i / columns, column = i % columns;
+    const Eigen::Vector2d node(static_cast<double>(column), static_cast<double>(row));
     bent[i] += static_cast<float>(bend.HeightAt(model.SouthWest() + model.CellSize() * node));
   }
   return GroundSurface::Grid(model.SouthWest(), model.CellSize(), model.Columns(), model.Rows(),
@@ -145,6 +148,7 @@ GroundSurface BendTo(const std::vector<Eigen::Vector3d>& points, const GroundSur
 
 double MedianError(const std::vector<Eigen::Vector3d>& points, const GroundSurface& surface) {
   std::vector<double> off;
+  off.reserve(points.size());
   for (const Eigen::Vector3d& point : points) {
     off.push_back(std::abs(point.z() - surface.HeightAt(point.head<2>())));
   }
@@ -212,6 +216,7 @@ GroundSurface ModelGround(const alignment::AlignedFlight& flight, ModelGroundRep
                               points.size()));
   }
   std::vector<double> heights;
+  heights.reserve(points.size());
   for (const Eigen::Vector3d& point : points) heights.push_back(point.z());
   const double mean_z_m = Median(heights);
   const double margin_m =

@@ -107,6 +107,7 @@ PlacedByRecords PlaceRest(const std::vector<Photo>& rest, const FlightHeights& h
   if (report.height_rule.empty()) report.height_rule = heights.rule_in_words;
   if (!has_frame) {
     std::vector<geo::LatLon> positions;
+    positions.reserve(rest.size());
     for (const Photo& photo : rest) positions.push_back(photo.position->position);
     const geo::LatLon middle = *MedianPosition(positions);
     posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, heights.takeoff_ellipsoid_m});

@@ -1,6 +1,7 @@
 #include "core/pyramid/build_overviews.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <utility>
 
@@ -18,9 +19,9 @@ RgbaImage Trimmed(const RgbaImage& image, int& x, int& y) {
   for (int row = 0; row < image.height_px; ++row) {
     const std::uint8_t* alpha = image.Pixel(0, row) + 3;
     int first = 0, last = image.width_px;
-    while (first < last && alpha[4 * first] == 0) ++first;
+    while (first < last && alpha[std::ptrdiff_t{4} * first] == 0) ++first;
     if (first == last) continue;
-    while (alpha[4 * (last - 1)] == 0) --last;
+    while (alpha[std::ptrdiff_t{4} * (last - 1)] == 0) --last;
     left = std::min(left, first), right = std::max(right, last);
     top = std::min(top, row), bottom = row + 1;
   }

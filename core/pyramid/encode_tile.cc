@@ -3,6 +3,7 @@
 #include <turbojpeg.h>
 
 #include <array>
+#include <cstddef>
 #include <cstring>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
@@ -31,7 +32,7 @@ Coverage CoverageOf(const Square& tile) {
     const std::uint8_t* pixels = tile.Row(row);
     for (int x = 0; x < tile.size_px; ++x) {
       std::uint32_t pixel = 0;
-      std::memcpy(&pixel, pixels + 4 * x, 4);
+      std::memcpy(&pixel, pixels + std::ptrdiff_t{4} * x, 4);
       any |= pixel;
       all &= pixel;
     }

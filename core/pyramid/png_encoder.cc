@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstring>
 #include <string_view>
 
@@ -33,7 +34,8 @@ MatchLength LengthOf(int length) {
   const int over = length - 3;
   if (over < 8) return {static_cast<std::uint16_t>(kFirstLength + over), 0, 0};
   const int extra_bits = std::bit_width(static_cast<unsigned>(over)) - 3;
-  return {static_cast<std::uint16_t>(kFirstLength + 4 * (extra_bits + 1) + (over >> extra_bits) - 4),
+  return {static_cast<std::uint16_t>(kFirstLength + 4 * static_cast<std::size_t>(extra_bits + 1) +
+                                     (over >> extra_bits) - 4),
           static_cast<std::uint8_t>(extra_bits), static_cast<std::uint16_t>(over & ((1 << extra_bits) - 1))};
 }
 
@@ -74,7 +76,8 @@ void Walk(const std::vector<std::uint8_t>& filtered, int width_px, int height_px
     for (int x = 0; x < width_px;) {
       std::uint32_t pixel = 0;
       int zeros = 0;
-      while (x + zeros < width_px && (std::memcpy(&pixel, in + 4 * zeros, 4), pixel == 0)) ++zeros;
+      while (x + zeros < width_px && (std::memcpy(&pixel, in + std::ptrdiff_t{4} * zeros, 4), pixel == 0))
+        ++zeros;
       if (zeros > 0) {
         literal(0);
         for (int rest = 4 * zeros - 1; rest > 0;) {
@@ -87,7 +90,7 @@ void Walk(const std::vector<std::uint8_t>& filtered, int width_px, int height_px
         as_is(in);
         zeros = 1;
       }
-      in += 4 * zeros;
+      in += std::ptrdiff_t{4} * zeros;
       x += zeros;
     }
   }

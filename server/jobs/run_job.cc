@@ -173,7 +173,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
   if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
   SKYQUILT_TRY(Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY));
   revision.revision = *number;
-  const Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
+  Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
   if (!published || !*published) return published;
   placed.Keep();
   RemoveRetired(context, lease.flight_id, before);

@@ -46,7 +46,7 @@ Result<void> Tokens::Add(const Token& token) {
   if (token.max_bytes) insert.Bind(7, *token.max_bytes);
   if (token.requests_per_minute) insert.Bind(8, *token.requests_per_minute);
   if (!token.flight_id.empty()) insert.Bind(9, token.flight_id);
-  const Result<void> inserted = insert.Run();
+  Result<void> inserted = insert.Run();
   has_changed_ = true;
   if (!inserted && inserted.error().code == ErrorCode::kConflict) {
     return Error{ErrorCode::kConflict, fmt::format("There is a token named \"{}\" already.", token.name), ""};

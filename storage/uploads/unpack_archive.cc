@@ -130,7 +130,7 @@ class Unpacking {
       if (got == ARCHIVE_EOF) return {};
       if (got < ARCHIVE_WARN) return Refuse("it is damaged", Words(archive));
       total_ += static_cast<std::int64_t>(size);
-      if (const Result<void> fits = CheckTotal(); !fits) return fits;
+      SKYQUILT_TRY(CheckTotal());
     }
   }
 
@@ -157,7 +157,7 @@ class Unpacking {
       if (upload.bytes() + got > limits_.file_bytes) {
         return Refuse(fmt::format("a file in it is larger than {} MiB", limits_.file_bytes >> 20));
       }
-      if (const Result<void> fits = CheckTotal(); !fits) return fits;
+      SKYQUILT_TRY(CheckTotal());
       SKYQUILT_TRY(upload.Write({block.data(), static_cast<std::size_t>(got)}));
     }
   }

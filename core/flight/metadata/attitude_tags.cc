@@ -112,11 +112,10 @@ std::optional<RecordedAttitude> AttitudeFromTags(const XmpTags& xmp,
   if (!sensefly.any()) sensefly = FromXmp(xmp, "sensefly:Yaw", "sensefly:Pitch", "sensefly:Roll");
   if (IsUsable(sensefly, "sensefly", notes)) return Attitude(AttitudeKind::kAirframe, sensefly, "sensefly");
 
-  if (const auto heading = HeadingOnly(xmp.Number("drone-dji:FlightYawDegree"), "drone-dji flight", notes)) {
+  if (auto heading = HeadingOnly(xmp.Number("drone-dji:FlightYawDegree"), "drone-dji flight", notes)) {
     return heading;
   }
-  if (const auto heading =
-          HeadingOnly(xmp.Number("drone-parrot:DroneYawDegree"), "drone-parrot flight", notes)) {
+  if (auto heading = HeadingOnly(xmp.Number("drone-parrot:DroneYawDegree"), "drone-parrot flight", notes)) {
     return heading;
   }
   if (maker_note) return HeadingOnly(maker_note->yaw_deg, "DJI maker note flight", notes);

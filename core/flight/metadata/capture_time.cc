@@ -25,7 +25,7 @@ CaptureTime ChooseCaptureTime(const ExifRecord& exif, const XmpTags& xmp, std::v
     // Zones are quarters of an hour; what is left over is the error of one of the clocks.
     constexpr std::int64_t kQuarter = 900 * kMicrosPerSecond;
     constexpr std::int64_t kAgreed = 5 * kMicrosPerSecond;
-    constexpr std::int64_t kWidestZone = 15 * 3600 * kMicrosPerSecond;
+    constexpr std::int64_t kWidestZone = std::int64_t{15} * 3600 * kMicrosPerSecond;
     const std::int64_t ahead = (*exif.taken_at - *exif.gps_time).count();
     const auto quarters = static_cast<std::int64_t>(std::llround(static_cast<double>(ahead) / kQuarter));
     const std::int64_t left_over = ahead - quarters * kQuarter;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -83,7 +84,8 @@ std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<s
     const auto us = LittleEndian<std::uint64_t>(record);
     Eigen::Vector3d in_body;
     for (int axis = 0; axis < 3; ++axis)
-      in_body[axis] = std::bit_cast<float>(LittleEndian<std::uint32_t>(record + 8 + 4 * axis));
+      in_body[axis] =
+          std::bit_cast<float>(LittleEndian<std::uint32_t>(record + 8 + std::ptrdiff_t{4} * axis));
     // Compared so that no NaN passes.
     if (!(in_body.cwiseAbs().maxCoeff() <= kFastestRadps) || !in_body.allFinite())
       return refuse("tell of impossible rates");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <set>
 #include <utility>
@@ -113,7 +114,7 @@ std::optional<NameTime> EpochTimeAt(std::string_view stem, std::size_t at) {
   if (count == 10) {
     reader = NameReader(stem, at + count);
     const auto decimals = ReadDecimals(reader);
-    micros += static_cast<std::int64_t>(decimals.value_or(0.0) * 1e6 + 0.5);
+    micros += std::llround(decimals.value_or(0.0) * 1e6);
   }
   return NameTime{UtcTime(std::chrono::microseconds(micros)), false};
 }

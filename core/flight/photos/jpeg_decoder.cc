@@ -154,7 +154,7 @@ std::int64_t JpegWorkBytes(std::span<const std::uint8_t> bytes, int width_px, in
   const ScanFacts facts = ReadScanFacts(decoder.jpeg, decoder.callbacks, bytes);
   const std::int64_t pixels = std::int64_t{width_px} * height_px;
   const std::int64_t rows = std::int64_t{100} * width_px;
-  return rows + (facts.has_several_scans ? 2 * facts.components * pixels : 0) +
+  return rows + (facts.has_several_scans ? 2 * pixels * facts.components : 0) +
          (facts.components == 4 ? 4 * pixels : 0);
 }
 

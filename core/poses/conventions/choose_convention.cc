@@ -116,6 +116,7 @@ std::string Difference(std::string_view what, const std::vector<double>& differe
   }
   const double mean = std::atan2(east, north);
   std::vector<double> apart;
+  apart.reserve(differences_rad.size());
   for (const double d : differences_rad) apart.push_back(std::abs(geo::WrapRad(d - mean)));
   return fmt::format("; heading minus {} {:+.0f} deg, half of {} photos within {:.0f} deg of that", what,
                      geo::RadToDeg(mean), differences_rad.size(), geo::RadToDeg(Median(std::move(apart))));
@@ -135,6 +136,7 @@ ConventionChoice ChooseConvention(std::vector<Photo>& photos,
   const std::vector<std::optional<Place>> places = PlacesOf(photos);
   const std::vector<Reading> readings = ReadingsOf(kind);
   std::vector<double> scores;
+  scores.reserve(readings.size());
   for (const Reading& reading : readings) scores.push_back(Score(photos, places, reading));
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
   // A panorama of few photos may well look at the horizon.

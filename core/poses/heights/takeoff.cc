@@ -176,6 +176,7 @@ class TakeoffSearch {
     if (grounds.size() < 20) return;
     const double ground_m = *MedianIfAny(grounds);
     std::vector<double> apart;
+    apart.reserve(grounds.size());
     for (const double g : grounds) apart.push_back(std::abs(g - ground_m));
     // A sensor at its limit repeats it: the ground then seems to climb with the aircraft.
     if (*MedianIfAny(std::move(apart)) > 2.0) return;

@@ -83,20 +83,21 @@ void ChainProblem::VisitMotion(const ChainGuess& guess, Sink& sink) const {
   for (int i = 0; i + 1 < timeline_.size(); ++i) {
     const KnotState& a = guess.knots[Index(i)];
     const KnotState& b = guess.knots[Index(i) + 1];
-    const double T = timeline_.Duration(i);
+    const double duration_s = timeline_.Duration(i);
     if (HasImu(i)) {
       sink.template Add<9>("imu", i, i + 1,
                            ImuFactor(a, b, Imu(i).delta, imu_whiten_[Index(i)], o.gravity_mps2), false);
     } else {
       sink.template Add<9>("motion prior", i, i + 1,
-                           MotionPriorFactor(a, b, T, o.acceleration_density, o.rotation_walk), false);
+                           MotionPriorFactor(a, b, duration_s, o.acceleration_density, o.rotation_walk),
+                           false);
     }
     BiasWalk walk;
-    walk.gyro = o.imu.gyro_bias_walk * std::sqrt(T);
-    walk.accel = o.imu.accel_bias_walk * std::sqrt(T);
-    walk.baro = o.baro_bias_walk * std::sqrt(T);
-    walk.gnss_keep = std::exp(-T / o.gnss_bias_time_s);
-    walk.attitude_keep = std::exp(-T / o.attitude_bias_time_s);
+    walk.gyro = o.imu.gyro_bias_walk * std::sqrt(duration_s);
+    walk.accel = o.imu.accel_bias_walk * std::sqrt(duration_s);
+    walk.baro = o.baro_bias_walk * std::sqrt(duration_s);
+    walk.gnss_keep = std::exp(-duration_s / o.gnss_bias_time_s);
+    walk.attitude_keep = std::exp(-duration_s / o.attitude_bias_time_s);
     walk.gnss = o.gnss_bias_sigma_m * std::sqrt(1.0 - walk.gnss_keep * walk.gnss_keep);
     walk.attitude = o.attitude_bias_sigma_rad * std::sqrt(1.0 - walk.attitude_keep * walk.attitude_keep);
     // A tilt error stays with the airframe (a biased accelerometer) or with the ground (a late velocity):

@@ -212,7 +212,7 @@ class Guesser {
     for (int k = from; k + 1 < problem_.timeline().size(); ++k) {
       const KnotState& a = guess_.knots[Index(k)];
       KnotState& b = guess_.knots[Index(k) + 1];
-      const double T = problem_.timeline().Duration(k);
+      const double duration_s = problem_.timeline().Duration(k);
       const KnotState old = b;
       if (problem_.IsStill(k) && problem_.IsStill(k + 1)) {
         b = a;
@@ -221,11 +221,11 @@ class Guesser {
         b = problem_.Imu(k).delta.Predict(a, input_.options.gravity_mps2);
       } else {
         b = a;
-        b.position_in_enu_m += T * a.velocity_in_enu_mps;
+        b.position_in_enu_m += duration_s * a.velocity_in_enu_mps;
       }
       if (!reckon_rotation_) b.enu_from_body = old.enu_from_body;
       if (const std::optional<double> z = HeightAt(times_[Index(k) + 1])) {
-        b.velocity_in_enu_mps.z() = (*z - a.position_in_enu_m.z()) / T;
+        b.velocity_in_enu_mps.z() = (*z - a.position_in_enu_m.z()) / duration_s;
         b.position_in_enu_m.z() = *z;
       }
     }

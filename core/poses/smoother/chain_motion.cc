@@ -52,32 +52,33 @@ StateBetween StateByImu(const KnotState& first, const KnotState& second, double 
   return s;
 }
 
-StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second, double w, double T,
+StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second, double w, double duration_s,
                                 double density, double walk) {
   StateBetween s;
   s.weight = w;
   // Variances of the bridges between the knots: Brownian for the rotation, integrated Brownian for the
   // position.
   const double u = w * (1.0 - w);
-  s.rotation_variance = walk * walk * T * u;
-  s.velocity_variance = density * T * u * (1.0 - 3.0 * u);
-  s.position_variance = density * T * T * T * u * u * u / 3.0;
+  s.rotation_variance = walk * walk * duration_s * u;
+  s.velocity_variance = density * duration_s * u * (1.0 - 3.0 * u);
+  s.position_variance = density * duration_s * duration_s * duration_s * u * u * u / 3.0;
   MixBiases(first, second, w, s.state);
   const Vector3d turn = LogSo3(first.enu_from_body.conjugate() * second.enu_from_body);
   const Matrix3d part = ExpSo3(w * turn);
   s.state.enu_from_body = (first.enu_from_body * geo::RotationFromVector(w * turn)).normalized();
-  s.rate_radps = turn / T;
+  s.rate_radps = turn / duration_s;
   const Matrix3d by_turn = w * RightJacobian(w * turn);
   s.by_first.block<3, 3>(0, kAtRotation) = part.transpose() - by_turn * LeftJacobianInverse(turn);
   s.by_second.block<3, 3>(0, kAtRotation) = by_turn * RightJacobianInverse(turn);
 
   // The cubic through both positions and velocities: value, slope and bend by (p0, v0, p1, v1).
   const double w2 = w * w, w3 = w2 * w;
-  const Eigen::Vector4d value(2 * w3 - 3 * w2 + 1, T * (w3 - 2 * w2 + w), -2 * w3 + 3 * w2, T * (w3 - w2));
-  const Eigen::Vector4d slope((6 * w2 - 6 * w) / T, 3 * w2 - 4 * w + 1, (-6 * w2 + 6 * w) / T,
-                              3 * w2 - 2 * w);
-  const Eigen::Vector4d bend((12 * w - 6) / (T * T), (6 * w - 4) / T, (-12 * w + 6) / (T * T),
-                             (6 * w - 2) / T);
+  const Eigen::Vector4d value(2 * w3 - 3 * w2 + 1, duration_s * (w3 - 2 * w2 + w), -2 * w3 + 3 * w2,
+                              duration_s * (w3 - w2));
+  const Eigen::Vector4d slope((6 * w2 - 6 * w) / duration_s, 3 * w2 - 4 * w + 1,
+                              (-6 * w2 + 6 * w) / duration_s, 3 * w2 - 2 * w);
+  const Eigen::Vector4d bend((12 * w - 6) / (duration_s * duration_s), (6 * w - 4) / duration_s,
+                             (-12 * w + 6) / (duration_s * duration_s), (6 * w - 2) / duration_s);
   Eigen::Matrix<double, 3, 4> ends;
   ends << first.position_in_enu_m, first.velocity_in_enu_mps, second.position_in_enu_m,
       second.velocity_in_enu_mps;
@@ -100,11 +101,12 @@ StateBetween StateByMotionPrior(const KnotState& first, const KnotState& second,
 Linear<9> ImuFactor(const KnotState& first, const KnotState& second, const ImuDelta& d,
                     const Matrix9d& whiten, double gravity_mps2) {
   const Vector3d gravity(0.0, 0.0, -gravity_mps2);
-  const double T = d.duration_s;
+  const double duration_s = d.duration_s;
   const Matrix3d back = first.enu_from_body.toRotationMatrix().transpose();
-  const Vector3d dv = back * (second.velocity_in_enu_mps - first.velocity_in_enu_mps - T * gravity);
-  const Vector3d dp = back * (second.position_in_enu_m - first.position_in_enu_m -
-                              T * first.velocity_in_enu_mps - 0.5 * T * T * gravity);
+  const Vector3d dv = back * (second.velocity_in_enu_mps - first.velocity_in_enu_mps - duration_s * gravity);
+  const Vector3d dp =
+      back * (second.position_in_enu_m - first.position_in_enu_m - duration_s * first.velocity_in_enu_mps -
+              0.5 * duration_s * duration_s * gravity);
   const Vector3d bias_step = d.rotation_by_gyro_bias * (first.gyro_bias_radps - d.gyro_bias);
   const Eigen::Quaterniond measured(d.CorrectedRotation(first.gyro_bias_radps));
   const Eigen::Quaterniond between = first.enu_from_body.conjugate() * second.enu_from_body;
@@ -122,7 +124,7 @@ Linear<9> ImuFactor(const KnotState& first, const KnotState& second, const ImuDe
   a.block<3, 3>(3, kAtGyroBias) = -d.velocity_by_gyro_bias;
   a.block<3, 3>(3, kAtAccelBias) = -d.velocity_by_accel_bias;
   a.block<3, 3>(6, kAtRotation) = Skew(dp);
-  a.block<3, 3>(6, kAtVelocity) = -T * back;
+  a.block<3, 3>(6, kAtVelocity) = -duration_s * back;
   a.block<3, 3>(6, kAtPosition) = -back;
   a.block<3, 3>(6, kAtGyroBias) = -d.position_by_gyro_bias;
   a.block<3, 3>(6, kAtAccelBias) = -d.position_by_accel_bias;
@@ -136,20 +138,20 @@ Linear<9> ImuFactor(const KnotState& first, const KnotState& second, const ImuDe
   return out;
 }
 
-Linear<9> MotionPriorFactor(const KnotState& first, const KnotState& second, double T, double density,
-                            double walk) {
+Linear<9> MotionPriorFactor(const KnotState& first, const KnotState& second, double duration_s,
+                            double density, double walk) {
   Linear<9> out;
   const Vector3d turn = LogSo3(first.enu_from_body.conjugate() * second.enu_from_body);
-  const double turn_weight = 1.0 / (walk * std::sqrt(T));
+  const double turn_weight = 1.0 / (walk * std::sqrt(duration_s));
   out.residual.head<3>() = turn_weight * turn;
   out.by_first.block<3, 3>(0, kAtRotation) = -turn_weight * LeftJacobianInverse(turn);
   out.by_second.block<3, 3>(0, kAtRotation) = turn_weight * RightJacobianInverse(turn);
   // White acceleration: the covariance of (velocity, position) has the Cholesky factor used backwards here.
-  const double v = 1.0 / std::sqrt(density * T);
-  const double p = std::sqrt(12.0 / (density * T * T * T));
+  const double v = 1.0 / std::sqrt(density * duration_s);
+  const double p = std::sqrt(12.0 / (density * duration_s * duration_s * duration_s));
   const Vector3d rv = second.velocity_in_enu_mps - first.velocity_in_enu_mps;
   const Vector3d rp = second.position_in_enu_m - first.position_in_enu_m -
-                      0.5 * T * (first.velocity_in_enu_mps + second.velocity_in_enu_mps);
+                      0.5 * duration_s * (first.velocity_in_enu_mps + second.velocity_in_enu_mps);
   out.residual.segment<3>(3) = v * rv;
   out.residual.tail<3>() = p * rp;
   for (int k = 0; k < 3; ++k) {
@@ -157,8 +159,8 @@ Linear<9> MotionPriorFactor(const KnotState& first, const KnotState& second, dou
     out.by_second(3 + k, kAtVelocity + k) = v;
     out.by_first(6 + k, kAtPosition + k) = -p;
     out.by_second(6 + k, kAtPosition + k) = p;
-    out.by_first(6 + k, kAtVelocity + k) = -0.5 * T * p;
-    out.by_second(6 + k, kAtVelocity + k) = -0.5 * T * p;
+    out.by_first(6 + k, kAtVelocity + k) = -0.5 * duration_s * p;
+    out.by_second(6 + k, kAtVelocity + k) = -0.5 * duration_s * p;
   }
   return out;
 }

@@ -152,6 +152,7 @@ void FillPoses(const ChainProblem& problem, const ChainGuess& guess, const Block
                SmootherOutput& output) {
   const int photos = static_cast<int>(problem.input().photo_times_s.size());
   std::vector<PhotoPose> made;
+  made.reserve(Index(photos));
   for (int i = 0; i < photos; ++i) made.push_back(PoseOfPhoto(problem, guess, i));
   for (int i = 0; i < photos; ++i) {
     PhotoPose& here = made[Index(i)];

@@ -165,6 +165,7 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
   };
 
   std::vector<std::unique_ptr<LayerPyramid>> pyramids;
+  pyramids.reserve(layers.size());
   for (const LayerSink& layer : layers) {
     pyramids.push_back(std::make_unique<LayerPyramid>(layer.sink, ZoomsOfLayers(plan)));
   }

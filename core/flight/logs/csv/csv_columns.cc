@@ -127,6 +127,7 @@ bool AllCanonical(const std::vector<std::string_view>& header) {
 
 std::vector<CsvColumn> MapCanonicalColumns(const std::vector<std::string_view>& header) {
   std::vector<CsvColumn> columns;
+  columns.reserve(header.size());
   for (const std::string_view name : header) {
     CsvColumn column;
     column.header = name;
