@@ -288,8 +288,8 @@ class Session : public std::enable_shared_from_this<Session> {
       std::string text;
       const auto look = [&] {
         Result<std::string> next = live->Next();
-        if (next) text = *std::move(next);
-        if (!next) connection_->GiveUp();
+        if (!next) return connection_->GiveUp();
+        text = *std::move(next);
       };
       const bool was_behind = live->WaitsForDisk();
       if (was_behind) {

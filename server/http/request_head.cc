@@ -106,7 +106,7 @@ std::optional<Refusal> CheckFields(RequestHead& head) {
                      !std::all_of(head.host.begin(), head.host.end(), IsHostCharacter))) {
     return BadRequest("Host is not a host.");
   }
-  if (const auto refusal = CheckTarget(head)) return refusal;
+  if (auto refusal = CheckTarget(head)) return refusal;
   return CheckFraming(head);
 }
 

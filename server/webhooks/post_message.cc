@@ -18,7 +18,7 @@
 namespace skyquilt::server {
 namespace {
 
-constexpr long kPatience_ms = 10'000;
+constexpr long kPatienceMs = 10'000;
 
 struct FreeUrl {
   void operator()(CURLU* url) const { curl_url_cleanup(url); }
@@ -113,7 +113,7 @@ std::string HostOf(const std::string& address) {
       curl_url_get(url.get(), CURLUPART_HOST, &host, 0) != CURLUE_OK) {
     return "";
   }
-  const std::string copy = host;
+  std::string copy = host;
   curl_free(host);
   return copy;
 }
@@ -150,7 +150,7 @@ Result<void> PostMessage(const OutgoingMessage& message) {
   Set(transfer, CURLOPT_OPENSOCKETFUNCTION, &OpenIfAllowed);
   Set(transfer, CURLOPT_OPENSOCKETDATA, &gate);
   Set(transfer, CURLOPT_WRITEFUNCTION, &TakeNoBody);
-  Set(transfer, CURLOPT_TIMEOUT_MS, kPatience_ms);
+  Set(transfer, CURLOPT_TIMEOUT_MS, kPatienceMs);
   Set(transfer, CURLOPT_NOSIGNAL, 1L);
   Set(transfer, CURLOPT_ERRORBUFFER, said.data());
   // As OpenSSL's own programs have it.

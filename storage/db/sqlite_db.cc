@@ -125,4 +125,17 @@ Result<void> Transaction::Commit() {
   return {};
 }
 
+Result<UnsyncedCommits> UnsyncedCommits::Begin(SqliteDb& db) {
+  SKYQUILT_TRY(db.Exec("PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0;"));
+  return UnsyncedCommits(db);
+}
+
+UnsyncedCommits::UnsyncedCommits(UnsyncedCommits&& other) noexcept : db_(std::exchange(other.db_, nullptr)) {}
+
+UnsyncedCommits::~UnsyncedCommits() {
+  if (db_ == nullptr) return;
+  const Result<void> synced = db_->Exec("PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=1000;");
+  SKYQUILT_CHECK(synced.ok(), "commits can wait for the disk again");
+}
+
 }  // namespace skyquilt::storage

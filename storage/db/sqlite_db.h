@@ -64,4 +64,21 @@ class Transaction {
   SqliteDb* db_;
 };
 
+// While it lives, commits of this connection do not wait for the disk, and leave checkpoints to later ones. A
+// power cut may undo them, last ones first; the end of a process does not, and the file stays whole (WAL).
+// The next commit that waits takes them along. Made and ended outside of transactions.
+class UnsyncedCommits {
+ public:
+  static Result<UnsyncedCommits> Begin(SqliteDb& db);
+  ~UnsyncedCommits();
+  UnsyncedCommits(UnsyncedCommits&& other) noexcept;
+  UnsyncedCommits& operator=(UnsyncedCommits&&) = delete;
+  UnsyncedCommits(const UnsyncedCommits&) = delete;
+  UnsyncedCommits& operator=(const UnsyncedCommits&) = delete;
+
+ private:
+  explicit UnsyncedCommits(SqliteDb& db) : db_(&db) {}
+  SqliteDb* db_;
+};
+
 }  // namespace skyquilt::storage

@@ -123,7 +123,7 @@ class TileWalk {
   }
   // False: no more.
   Result<bool> Next() {
-    const Result<bool> more = rows_.Step();
+    Result<bool> more = rows_.Step();
     if (!more || !*more) return more;
     const std::int64_t zoom = rows_.ColumnInt64(0);
     const auto side = std::int64_t{1} << std::clamp<std::int64_t>(zoom, 0, geo::kMaxZoom);

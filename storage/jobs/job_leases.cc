@@ -35,6 +35,8 @@ Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) 
     SKYQUILT_TRY(look.Bind(1, ToUs(now)).Step());
     if (look.ColumnInt64(0) == 0) return std::optional<Lease>();
   }
+  // A claim that a power cut undoes leaves the job waiting, as it should be: its worker is gone as well.
+  SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(*db));
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   SKYQUILT_TRY(SettleLostLeases(*db, now));
   std::optional<Lease> lease;

@@ -108,5 +108,35 @@ TEST(SqliteDb, ReportsAConstraintAsAConflict) {
   EXPECT_TRUE(insert->Bind(1, 2).Run());
 }
 
+std::int64_t PragmaOf(SqliteDb& db, const std::string& name) {
+  auto query = db.Prepare("PRAGMA " + name);
+  return query && query->Step() ? query->ColumnInt64(0) : -1;
+}
+
+TEST(SqliteDb, WaitsForTheDiskAgainAfterUnsyncedCommits) {
+  ScratchDir dir;
+  auto db = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(db->Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; CREATE TABLE t(a)"));
+  {
+    const auto unsynced = UnsyncedCommits::Begin(*db);
+    ASSERT_TRUE(unsynced);
+    EXPECT_EQ(PragmaOf(*db, "synchronous"), 1);  // NORMAL
+    EXPECT_EQ(PragmaOf(*db, "wal_autocheckpoint"), 0);
+    auto rolled_back = Transaction::Begin(*db);
+    ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(1)"));
+  }
+  EXPECT_EQ(PragmaOf(*db, "synchronous"), 2);  // FULL
+  EXPECT_EQ(PragmaOf(*db, "wal_autocheckpoint"), 1000);
+  auto other = SqliteDb::Open(dir.path() / "a.db", OpenMode::kReadWrite);
+  {
+    const auto unsynced = UnsyncedCommits::Begin(*db);
+    ASSERT_TRUE(unsynced);
+    ASSERT_TRUE(db->Exec("INSERT INTO t VALUES(2)"));
+  }
+  auto seen = other->Prepare("SELECT sum(a) FROM t");
+  ASSERT_TRUE(*seen->Step());
+  EXPECT_EQ(seen->ColumnInt64(0), 2);
+}
+
 }  // namespace
 }  // namespace skyquilt::storage

@@ -19,8 +19,9 @@ constexpr double kTrace = 0.1;
 constexpr double kMaxScaleRatio = 1.25;
 
 Eigen::Vector2d MiddleOf(const View& view, int cell) {
-  return {(cell % kDetailCells + 0.5) / kDetailCells * view.intrinsics.width_px - 0.5,
-          (cell / kDetailCells + 0.5) / kDetailCells * view.intrinsics.height_px - 0.5};
+  const int column = cell % kDetailCells, row = cell / kDetailCells;
+  return {(column + 0.5) / kDetailCells * view.intrinsics.width_px - 0.5,
+          (row + 0.5) / kDetailCells * view.intrinsics.height_px - 0.5};
 }
 
 int CellAt(const View& view, const Eigen::Vector2d& pixel) {

@@ -38,8 +38,8 @@ Patch ProjectThumbnail(const MatchingInput& input, int photo, const Eigen::Vecto
   int inside = 0;
   for (int row = 0; row < kPatch; ++row) {
     for (int column = 0; column < kPatch; ++column) {
-      const Eigen::Vector3d point =
-          place + Eigen::Vector3d((column - kPatch / 2) * cell_m, (kPatch / 2 - row) * cell_m, 0.0);
+      const int cells_east = column - kPatch / 2, cells_north = kPatch / 2 - row;
+      const Eigen::Vector3d point = place + Eigen::Vector3d(cells_east * cell_m, cells_north * cell_m, 0.0);
       const Eigen::Vector3d in_cam = view.cam_from_enu * point;
       float x = -10.0F, y = -10.0F;
       if (in_cam.z() > 1e-3) {

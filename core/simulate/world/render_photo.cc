@@ -34,7 +34,8 @@ std::vector<SubSample> MakeSubSamples(const RenderPhotoOptions& options, int sid
   while (std::gcd(step, count) != 1) ++step;
   for (int i = 0; i < count; ++i) {
     const int moment = i * step % count;
-    samples.push_back({((i % side) + 0.5) / side - 0.5, ((i / side) + 0.5) / side - 0.5,
+    const int column = i % side, row = i / side;
+    samples.push_back({(column + 0.5) / side - 0.5, (row + 0.5) / side - 0.5,
                        ((moment + 0.5) / count - 0.5) * options.motion_in_enu_m});
   }
   return samples;

@@ -136,9 +136,10 @@ Result<void> WriteWorldGeoTiff(const World& world, const geo::LocalFrame& frame,
         if (progress.IsCancelled()) return image::DecodedImage{};
         geo::RasterFrame tile = raster;
         const double side_m = raster.pixel_size_in_merc_m * kWorldTilePx;
+        const std::size_t column = i % static_cast<std::size_t>(columns);
+        const std::size_t row = i / static_cast<std::size_t>(columns);
         tile.north_west_in_merc +=
-            Eigen::Vector2d(side_m * static_cast<double>(i % static_cast<std::size_t>(columns)),
-                            -side_m * static_cast<double>(i / static_cast<std::size_t>(columns)));
+            Eigen::Vector2d(side_m * static_cast<double>(column), -side_m * static_cast<double>(row));
         tile.width_px = tile.height_px = kWorldTilePx;
         return RenderWorld(world, frame, tile);
       },

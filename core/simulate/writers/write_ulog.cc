@@ -50,7 +50,7 @@ class UlogWriter {
       body.PutText(format, std::string_view(format).size());
       Message('F', body);
     }
-    for (std::uint16_t id = 0; id < std::size(kFormats); ++id) {
+    for (std::uint16_t id = 0; id < static_cast<std::uint16_t>(std::size(kFormats)); ++id) {
       ByteWriter body;
       const std::string name = TopicName(kFormats[id]);
       body.Put<std::uint8_t>(0).Put(id).PutText(name, name.size());

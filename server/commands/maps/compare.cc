@@ -37,7 +37,7 @@ fs::path TruthBeside(const std::vector<fs::path>& inputs) {
     const fs::path folder = fs::absolute(input).lexically_normal();
     const fs::path parent = folder.has_filename() ? folder.parent_path() : folder.parent_path().parent_path();
     for (const fs::path& place : {folder, parent}) {
-      const fs::path truth = place / "truth" / "poses.json";
+      fs::path truth = place / "truth" / "poses.json";
       if (fs::exists(truth)) return truth;
     }
   }
