@@ -18,6 +18,7 @@ import subprocess
 import threading
 import time
 import unittest
+import urllib.parse
 import zipfile
 
 from server_support import BINARY, ServerTestCase, is_running, wait_until
@@ -297,7 +298,7 @@ class RandomKills(ServerTestCase):
         for flight in page["flights"]:
             where = f"/api/v1/flights/{flight['id']}"
             _, listed = self.server.json("GET", where + "/files")
-            files = sorted(digest(self.server.request("GET", f"{where}/files/{file['name']}")[2])
+            files = sorted(digest(self.server.request("GET", f"{where}/files/{urllib.parse.quote(file['name'])}")[2])
                            for file in listed["files"])
             status, _, map_bytes = self.server.request("GET", where + "/download.mbtiles")
             seen[flight["id"]] = (files, digest(map_bytes) if status == 200 else None)
