@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <system_error>
 #include <vector>
 
 namespace skyquilt {
@@ -41,6 +42,10 @@ Digest Hasher::Finish() const {
 
 Result<Digest> DigestOfFile(const std::filesystem::path& path) {
   constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+  // A device gives bytes without end, a pipe none until somebody writes.
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown))
+    return Error{ErrorCode::kIo, path.string() + " is not a regular file.", ""};
   std::ifstream file(path, std::ios::binary);
   std::vector<char> chunk(kChunkBytes);
   Hasher hasher;
