@@ -9,6 +9,7 @@
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::api {
 namespace {
@@ -33,7 +34,7 @@ class ZoomPicture {
     const std::int64_t x = FloorDiv(column);
     const std::int64_t y = FloorDiv(row);
     if (x != last_x_ || y != last_y_ || last_ == nullptr) {
-      SKYQUILT_TRY_ASSIGN(const Pixels* const tile, TileAt(x, y));
+      SKYQUILT_TRY_ASSIGN(const image::RgbaImage* const tile, TileAt(x, y));
       last_x_ = x;
       last_y_ = y;
       last_ = tile;
@@ -49,7 +50,7 @@ class ZoomPicture {
     return pixel >= 0 ? pixel / side_px_ : -((-pixel + side_px_ - 1) / side_px_);
   }
 
-  Result<const Pixels*> TileAt(std::int64_t x, std::int64_t y) {
+  Result<const image::RgbaImage*> TileAt(std::int64_t x, std::int64_t y) {
     const auto [found, is_new] = tiles_.try_emplace({y, x});
     if (!is_new) return &found->second;
     const Result<geo::TileId> id = geo::TileId::Make(zoom_, x, y);
@@ -57,8 +58,8 @@ class ZoomPicture {
     SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> stored, reader_.Find(*id));
     if (!stored) return &found->second;
     SKYQUILT_TRY_ASSIGN(const std::string bytes, reader_.Load(*std::move(stored)));
-    SKYQUILT_TRY_ASSIGN(Pixels pixels, DecodeTile(bytes));
-    if (pixels.width != side_px_ || pixels.height != side_px_) {
+    SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels, image::DecodePicture(bytes));
+    if (pixels.width_px != side_px_ || pixels.height_px != side_px_) {
       return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
     }
     found->second = std::move(pixels);
@@ -68,10 +69,11 @@ class ZoomPicture {
   storage::MbtilesReader& reader_;
   int zoom_;
   int side_px_;
-  std::map<std::pair<std::int64_t, std::int64_t>, Pixels> tiles_;  // by row, then column; empty: no tile
+  std::map<std::pair<std::int64_t, std::int64_t>, image::RgbaImage>
+      tiles_;  // by row, then column; empty: no tile
   std::int64_t last_x_ = 0;
   std::int64_t last_y_ = 0;
-  const Pixels* last_ = nullptr;
+  const image::RgbaImage* last_ = nullptr;
 };
 
 // The coarsest zoom that is not coarser than the window, or the finest there is.
@@ -120,21 +122,18 @@ Result<void> Blend(ZoomPicture& picture, const Place& x, const Place& y, std::ui
 
 }  // namespace
 
-Result<Pixels> RenderWindow(const storage::Tileset& tileset, const MapWindow& window) {
+Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window) {
   const int zoom = ZoomFor(tileset, window.pixel_m);
   ZoomPicture picture(tileset, zoom);
   const double source_pixel_m = geo::PixelSizeInMercM(zoom, picture.side_px());
-  Pixels out;
-  out.width = window.width_px;
-  out.height = window.height_px;
-  out.rgba.resize(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height) * 4);
+  image::RgbaImage out = image::RgbaImage::Transparent(window.width_px, window.height_px);
   std::vector<Place> columns;
-  columns.reserve(static_cast<std::size_t>(out.width));
-  for (int i = 0; i < out.width; ++i) {
+  columns.reserve(static_cast<std::size_t>(out.width_px));
+  for (int i = 0; i < out.width_px; ++i) {
     columns.push_back(PlaceOf((window.x_in_merc(i) + geo::kMercHalfWidthM) / source_pixel_m - 0.5));
   }
   std::uint8_t* pixel = out.rgba.data();
-  for (int row = 0; row < out.height; ++row) {
+  for (int row = 0; row < out.height_px; ++row) {
     const Place y = PlaceOf((geo::kMercHalfWidthM - window.y_in_merc(row)) / source_pixel_m - 0.5);
     picture.ForgetAbove(y.first);
     for (const Place& x : columns) {

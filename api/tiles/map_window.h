@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "api/tiles/transcode_tile.h"
+#include "core/image/rgba_image.h"
 #include "storage/tilesets/tileset_cache.h"
 
 namespace skyquilt::api {
@@ -19,6 +19,6 @@ struct MapWindow {
   double pixel_m = 1.0;  // in merc; chooses the zoom
 };
 
-Result<Pixels> RenderWindow(const storage::Tileset& tileset, const MapWindow& window);
+Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window);
 
 }  // namespace skyquilt::api

@@ -17,10 +17,10 @@ std::optional<std::int64_t> ParseTileNumber(std::string_view text) {
   return number;
 }
 
-std::optional<pyramid::TileFormat> ParseExtension(std::string_view extension) {
-  if (extension == "jpg" || extension == "jpeg") return pyramid::TileFormat::kJpeg;
-  if (extension == "png") return pyramid::TileFormat::kPng;
-  if (extension == "webp") return pyramid::TileFormat::kWebp;
+std::optional<image::PictureFormat> ParseExtension(std::string_view extension) {
+  if (extension == "jpg" || extension == "jpeg") return image::PictureFormat::kJpeg;
+  if (extension == "png") return image::PictureFormat::kPng;
+  if (extension == "webp") return image::PictureFormat::kWebp;
   return std::nullopt;
 }
 

@@ -8,14 +8,14 @@
 
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
-#include "core/pyramid/tile_sink.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::api {
 
 struct TilePath {
   geo::TileId tile;
-  std::optional<pyramid::TileFormat> format;  // absent: as stored
-  bool is_double = false;                     // "@2x"
+  std::optional<image::PictureFormat> format;  // absent: as stored
+  bool is_double = false;                      // "@2x"
 };
 
 Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::string_view y_and_extension);

@@ -19,6 +19,7 @@
 #include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::api {
 namespace {
@@ -85,7 +86,7 @@ Result<Response> Blank(const Request& request, const TileRequest& wanted, int si
     response.status = 304;
     return response;
   }
-  const std::string* png = BlankTile(std::min(side_px, kMaxSidePx), request.work);
+  const std::string* png = BlankTile(std::min(side_px, image::kMaxPictureSidePx), request.work);
   if (png == nullptr) return DeferTo(Work::kCompute);
   response.headers.Add("Content-Type", "image/png");
   response.body = *png;
@@ -94,14 +95,14 @@ Result<Response> Blank(const Request& request, const TileRequest& wanted, int si
 
 // Made of the four tiles below it, or enlarged where there are none.
 Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::TileId& tile,
-                                   pyramid::TileFormat format) {
+                                   image::PictureFormat format) {
   const geo::Bounds2 bounds = tile.BoundsInMerc();
   MapWindow window;
   window.width_px = window.height_px = 2 * TileSizePx(tileset);
   window.pixel_m = (bounds.max.x() - bounds.min.x()) / window.width_px;
   window.x_in_merc = [&](int column) { return bounds.min.x() + (column + 0.5) * window.pixel_m; };
   window.y_in_merc = [&](int row) { return bounds.max.y() - (row + 0.5) * window.pixel_m; };
-  SKYQUILT_TRY_ASSIGN(Pixels pixels, RenderWindow(tileset, window));
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels, RenderWindow(tileset, window));
   return EncodeTile(std::move(pixels), format);
 }
 
@@ -115,11 +116,11 @@ Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Re
 
 Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
                             const TileRequest& wanted) {
-  if (2 * TileSizePx(tileset) > kMaxSidePx) {
+  if (2 * TileSizePx(tileset) > image::kMaxPictureSidePx) {
     return Error{ErrorCode::kNotFound,
                  "The tiles of this map are so large that there are none of twice the size.", ""};
   }
-  const pyramid::TileFormat format = wanted.format.value_or(pyramid::TileFormat::kPng);
+  const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
   SKYQUILT_TRY_ASSIGN(
       const auto made,
       Made(service, request, {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 2},
@@ -133,30 +134,38 @@ Result<Response> DoubleTile(Service& service, const Request& request, const stor
     response.status = 304;
     return response;
   }
-  response.headers.Add("Content-Type", ContentTypeOf(format));
+  response.headers.Add("Content-Type", image::ContentTypeOf(format));
   response.body = made->bytes;
   return response;
 }
 
 // The format in Accept, where the address has none: an exact image type, or else as stored.
-std::optional<pyramid::TileFormat> FormatByAccept(const Request& request) {
+std::optional<image::PictureFormat> FormatByAccept(const Request& request) {
   const std::string_view accept = request.headers.Find("Accept");
   for (const auto format :
-       {pyramid::TileFormat::kPng, pyramid::TileFormat::kJpeg, pyramid::TileFormat::kWebp}) {
-    if (EqualsIgnoringCase(accept, ContentTypeOf(format))) return format;
+       {image::PictureFormat::kPng, image::PictureFormat::kJpeg, image::PictureFormat::kWebp}) {
+    if (EqualsIgnoringCase(accept, image::ContentTypeOf(format))) return format;
   }
   return std::nullopt;
 }
 
-// A tile as it is stored, or in the format asked for. `reader` gives the bytes that `found` does not have;
-// without a tileset (a preview, which grows) what is made is not kept.
+// What a tile request is answered from: the map, a layer beside it, or the preview of a map to come.
+struct ShownTiles {
+  storage::TileSource& source;
+  const char* name;
+  int side_px;
+  std::optional<std::pair<int, int>> zooms;  // absent: any; what it does not have is blank
+  const storage::Tileset* tileset;  // absent: a preview, which grows, so that nothing made of it is kept
+  const char* cache_control;
+};
+
+// A tile as it is stored, or in the format asked for.
 Result<Response> Stored(Service& service, const Request& request, const TileRequest& wanted,
-                        storage::FoundTile found, storage::MbtilesReader* reader,
-                        const storage::Tileset* tileset, const char* cache_control) {
+                        storage::FoundTile found, const ShownTiles& shown) {
   Response response;
-  response.headers.Add("Cache-Control", cache_control);
+  response.headers.Add("Cache-Control", shown.cache_control);
   // The format asked for is part of the tag: the same content has other bytes in another format.
-  std::string etag = StrongEtag(found.content_id, wanted.format ? ExtensionOf(*wanted.format) : "");
+  std::string etag = StrongEtag(found.content_id, wanted.format ? image::ExtensionOf(*wanted.format) : "");
   const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
   response.headers.Add("ETag", std::move(etag));
   if (is_known) {
@@ -164,27 +173,45 @@ Result<Response> Stored(Service& service, const Request& request, const TileRequ
     return response;
   }
   SKYQUILT_TRY_ASSIGN(std::string bytes,
-                      found.bytes ? *std::move(found.bytes) : reader->Load(std::move(found)));
-  const std::optional<pyramid::TileFormat> stored = TileFormatOf(bytes);
+                      found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
+  const std::optional<image::PictureFormat> stored = image::PictureFormatOf(bytes);
   if (wanted.format && stored && *wanted.format != *stored) {
-    response.headers.Add("Content-Type", ContentTypeOf(*wanted.format));
-    if (tileset == nullptr) {
+    response.headers.Add("Content-Type", image::ContentTypeOf(*wanted.format));
+    if (shown.tileset == nullptr) {
       if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
       SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *wanted.format));
       response.body = std::move(converted);
       return response;
     }
+    const storage::MadeTileKey key{shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile,
+                                   *wanted.format, 1};
     SKYQUILT_TRY_ASSIGN(const auto made,
-                        Made(service, request,
-                             {tileset->flight_id, tileset->revision.revision, wanted.tile, *wanted.format, 1},
-                             [&] { return TranscodeTile(bytes, *wanted.format); }));
+                        Made(service, request, key, [&] { return TranscodeTile(bytes, *wanted.format); }));
     if (made == nullptr) return DeferTo(Work::kCompute);
     response.body = made->bytes;
     return response;
   }
-  response.headers.Add("Content-Type", stored ? ContentTypeOf(*stored) : "application/octet-stream");
+  response.headers.Add("Content-Type", stored ? image::ContentTypeOf(*stored) : "application/octet-stream");
   response.body = std::move(bytes);
   return response;
+}
+
+Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Request& request,
+                            const TileRequest& wanted) {
+  if (shown.zooms && (wanted.tile.z() < shown.zooms->first || wanted.tile.z() > shown.zooms->second)) {
+    return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name), ""};
+  }
+  // There is nothing finer to show for a preview.
+  const bool is_double = wanted.is_double && shown.tileset != nullptr;
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, shown.source.Find(wanted.tile));
+  if (!found) {
+    if (shown.tileset != nullptr && !Touches(wanted.tile, shown.tileset->revision)) {
+      return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
+    }
+    return Blank(request, wanted, shown.side_px * (is_double ? 2 : 1), shown.cache_control);
+  }
+  if (is_double) return DoubleTile(service, request, *shown.tileset, wanted);
+  return Stored(service, request, wanted, *std::move(found), shown);
 }
 
 // Codes, not pictures: as they are stored, in no other size or format.
@@ -192,24 +219,18 @@ Result<Response> LayerTile(Service& service, const Request& request, const stora
                            const TileRequest& wanted) {
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader,
                       FindLayer(tileset, *wanted.layer));
-  if (wanted.is_double || wanted.format.value_or(pyramid::TileFormat::kPng) != pyramid::TileFormat::kPng) {
+  if (wanted.is_double || wanted.format.value_or(image::PictureFormat::kPng) != image::PictureFormat::kPng) {
     return Error{ErrorCode::kInvalidArgument,
                  "Layers are there as .png of one size: their colours are codes.", ""};
   }
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader->Find(wanted.tile));
-  const char* cache_control = CacheControl(request, tileset);
-  if (!found) {
-    if (!Touches(wanted.tile, tileset.revision)) {
-      return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
-    }
-    return Blank(request, wanted, render::kLayerTilePx, cache_control);
-  }
   TileRequest as_stored = wanted;
   as_stored.format.reset();
-  return Stored(service, request, as_stored, *std::move(found), reader.get(), &tileset, cache_control);
+  return AnswerFrom(
+      {*reader, "layer", render::kLayerTilePx, std::nullopt, &tileset, CacheControl(request, tileset)},
+      service, request, as_stored);
 }
 
-// A tile of a map that is not made yet. Always 256 pixels: there is nothing finer to show for it.
+// A tile of a map that is not made yet.
 Result<Response> PreviewTile(Service& service, const Request& request, const TileRequest& wanted) {
   SKYQUILT_TRY(CheckId(wanted.flight_id, "flight"));
   const Result<std::shared_ptr<const storage::OpenPreview>> open =
@@ -221,12 +242,9 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
     return open.error();
   }
   const storage::Preview& preview = (*open)->preview;
-  if (wanted.tile.z() < preview.min_zoom || wanted.tile.z() > preview.max_zoom) {
-    return Error{ErrorCode::kNotFound, "The preview has no tiles of this zoom.", ""};
-  }
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, (*open)->tiles->Find(wanted.tile));
-  if (!found) return Blank(request, wanted, kPreviewTileSizePx, kGrowing);
-  return Stored(service, request, wanted, *std::move(found), nullptr, nullptr, kGrowing);
+  return AnswerFrom({*(*open)->tiles, "preview", kPreviewTileSizePx,
+                     std::pair(preview.min_zoom, preview.max_zoom), nullptr, kGrowing},
+                    service, request, wanted);
 }
 
 Result<Response> Tile(Service& service, const Request& request) {
@@ -264,20 +282,10 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
                       service.tilesets.Get(wanted.flight_id));
   const storage::Revision& revision = tileset->revision;
   if (wanted.layer) return LayerTile(service, request, *tileset, wanted);
-  if (wanted.tile.z() < revision.min_zoom || wanted.tile.z() > revision.max_zoom) {
-    return Error{ErrorCode::kNotFound, "The map has no tiles of this zoom.", ""};
-  }
-  storage::MbtilesReader& reader = *tileset->reader;
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, reader.Find(wanted.tile));
-  if (!found) {
-    if (!Touches(wanted.tile, revision))
-      return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
-    return Blank(request, wanted, TileSizePx(*tileset) * (wanted.is_double ? 2 : 1),
-                 CacheControl(request, *tileset));
-  }
-  if (wanted.is_double) return DoubleTile(service, request, *tileset, wanted);
-  return Stored(service, request, wanted, *std::move(found), &reader, tileset.get(),
-                CacheControl(request, *tileset));
+  return AnswerFrom(
+      {*tileset->reader, "map", TileSizePx(*tileset), std::pair(revision.min_zoom, revision.max_zoom),
+       tileset.get(), CacheControl(request, *tileset)},
+      service, request, wanted);
 }
 
 int TileSizePx(const storage::Tileset& tileset) {

@@ -8,7 +8,7 @@
 #include "api/http/router.h"
 #include "api/service.h"
 #include "core/geo/tile_id.h"
-#include "core/pyramid/tile_sink.h"
+#include "core/image/picture_format.h"
 #include "core/render/map_layer.h"
 
 namespace skyquilt::api {
@@ -23,9 +23,9 @@ struct TileRequest {
   std::string flight_id;
   std::optional<render::MapLayer> layer;  // beside the map; absent: the map itself
   geo::TileId tile;
-  std::optional<pyramid::TileFormat> format;  // absent: as stored
-  bool is_double = false;                     // twice the side, for dense screens
-  EmptyTile empty = EmptyTile::kBlank;        // where the map has nothing, unless ?empty= says
+  std::optional<image::PictureFormat> format;  // absent: as stored
+  bool is_double = false;                      // twice the side, for dense screens
+  EmptyTile empty = EmptyTile::kBlank;         // where the map has nothing, unless ?empty= says
 };
 Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted);
 // With the header that lets pages of other sites show it, and problems as documents.

@@ -144,7 +144,7 @@ Result<std::string> Draw(const MapView& map, const WmsMap& wanted) {
     window.x_in_merc = [=](int column) { return wanted.west + (column + 0.5) * width; };
     window.y_in_merc = [=](int row) { return wanted.north - (row + 0.5) * height; };
   }
-  SKYQUILT_TRY_ASSIGN(Pixels pixels, RenderWindow(*map.tileset, window));
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage pixels, RenderWindow(*map.tileset, window));
   if (!wanted.is_transparent) {
     for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
       const int alpha = pixels.rgba[i + 3];
@@ -166,7 +166,7 @@ Response GetMap(Service& service, const Request& request) {
   Result<std::string> drawn = Draw(*map, *wanted);
   if (!drawn) return Exception(request, StatusOf(drawn.error().code), "", drawn.error().message);
   Response response;
-  response.headers.Add("Content-Type", ContentTypeOf(wanted->format));
+  response.headers.Add("Content-Type", image::ContentTypeOf(wanted->format));
   response.headers.Add("Cache-Control", "no-cache");
   response.body = *std::move(drawn);
   return response;
@@ -223,9 +223,9 @@ Result<WmsMap> ParseGetMap(const Request& request) {
   map.height_px = height;
   const std::string format = Parameter(request, "FORMAT").value_or("");
   if (format == "image/jpeg") {
-    map.format = pyramid::TileFormat::kJpeg;
+    map.format = image::PictureFormat::kJpeg;
   } else if (format == "image/webp") {
-    map.format = pyramid::TileFormat::kWebp;
+    map.format = image::PictureFormat::kWebp;
   } else if (!format.starts_with("image/png")) {
     return Bad("InvalidFormat", "Formats are image/png, image/jpeg and image/webp.");
   }

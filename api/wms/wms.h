@@ -4,7 +4,7 @@
 
 #include "api/http/router.h"
 #include "api/service.h"
-#include "core/pyramid/tile_sink.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::api {
 
@@ -17,7 +17,7 @@ struct WmsMap {
   int width_px = 0;
   int height_px = 0;
   bool is_transparent = false;
-  pyramid::TileFormat format = pyramid::TileFormat::kPng;
+  image::PictureFormat format = image::PictureFormat::kPng;
 };
 Result<WmsMap> ParseGetMap(const Request& request);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr int kTrimmedTilePx = 1024;
 
 // The rectangle that holds all covered pixels; where it begins goes to x and y.
-RgbaImage Trimmed(const RgbaImage& image, int& x, int& y) {
+image::RgbaImage Trimmed(const image::RgbaImage& image, int& x, int& y) {
   int left = image.width_px, right = 0, top = image.height_px, bottom = 0;
   for (int row = 0; row < image.height_px; ++row) {
     const std::uint8_t* alpha = image.Pixel(0, row) + 3;
@@ -25,7 +25,8 @@ RgbaImage Trimmed(const RgbaImage& image, int& x, int& y) {
     left = std::min(left, first), right = std::max(right, last);
     top = std::min(top, row), bottom = row + 1;
   }
-  RgbaImage trimmed = RgbaImage::Transparent(std::max(0, right - left), std::max(0, bottom - top));
+  image::RgbaImage trimmed =
+      image::RgbaImage::Transparent(std::max(0, right - left), std::max(0, bottom - top));
   if (trimmed.width_px == 0) return trimmed;
   x += left, y += top;
   for (int row = 0; row < trimmed.height_px; ++row) {
@@ -45,12 +46,12 @@ OverviewBuilder::OverviewBuilder(int first_zoom, int min_zoom, int tile_size_px,
       reduce_(std::move(reduce)),
       open_(static_cast<std::size_t>(first_zoom) + 1) {}
 
-void OverviewBuilder::AddHalf(const geo::TileId& tile, const RgbaImage& half) {
+void OverviewBuilder::AddHalf(const geo::TileId& tile, const image::RgbaImage& half) {
   SKYQUILT_CHECK(tile.z() == first_zoom_, "overviews start from one zoom");
   if (first_zoom_ > min_zoom_) AddTo(first_zoom_ - 1, tile, half);
 }
 
-void OverviewBuilder::AddTo(int parent_zoom, const geo::TileId& child, const RgbaImage& child_half) {
+void OverviewBuilder::AddTo(int parent_zoom, const geo::TileId& child, const image::RgbaImage& child_half) {
   OpenParent& parent = open_[static_cast<std::size_t>(parent_zoom)];
   if (parent.is_open && parent.tile != child.Parent()) Close(parent_zoom);
   if (!parent.is_open) {
@@ -65,7 +66,7 @@ void OverviewBuilder::AddTo(int parent_zoom, const geo::TileId& child, const Rgb
 
 void OverviewBuilder::Close(int zoom) {
   OpenParent closed = std::exchange(open_[static_cast<std::size_t>(zoom)], {});
-  RgbaImage image = RgbaImage::Transparent(tile_size_px_, tile_size_px_);
+  image::RgbaImage image = image::RgbaImage::Transparent(tile_size_px_, tile_size_px_);
   for (const Quarter& quarter : closed.quarters) Paste(quarter.image, quarter.x, quarter.y, image);
   closed.quarters.clear();
   emit_(closed.tile, image);

@@ -1,17 +1,12 @@
 #include "core/pyramid/encode_tile.h"
 
-#include <turbojpeg.h>
-
 #include <array>
 #include <cstddef>
 #include <cstring>
-#include <memory>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <stdexcept>
 
 #include "core/base/check.h"
-#include "core/pyramid/png_encoder.h"
+#include "core/image/picture_codec.h"
+#include "core/image/png_encoder.h"
 
 namespace skyquilt::pyramid {
 namespace {
@@ -20,7 +15,7 @@ enum class Coverage { kNone, kPartial, kFull };
 
 // A square of an image.
 struct Square {
-  const RgbaImage& image;
+  const image::RgbaImage& image;
   int x, y, size_px;
 
   const std::uint8_t* Row(int row) const { return image.Pixel(x, y + row); }
@@ -45,34 +40,17 @@ Coverage CoverageOf(const Square& tile) {
   return alpha_of(all) == 255 ? Coverage::kFull : alpha_of(any) != 0 ? Coverage::kPartial : Coverage::kNone;
 }
 
-std::vector<std::uint8_t> EncodeJpeg(const Square& tile, int quality) {
-  const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
-  unsigned char* bytes = nullptr;
-  unsigned long size = 0;
-  const int failed =
-      tjCompress2(encoder.get(), tile.Row(0), tile.size_px, 4 * tile.image.width_px, tile.size_px, TJPF_RGBA,
-                  &bytes, &size, TJSAMP_420, quality, TJFLAG_ACCURATEDCT);
-  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(bytes, tjFree);
-  if (failed != 0) throw std::runtime_error(std::string("JPEG encoder: ") + tjGetErrorStr2(encoder.get()));
-  return {bytes, bytes + size};
-}
-
-// OpenCV's encoder wants straight alpha, blue first.
 std::vector<std::uint8_t> EncodeWebp(const Square& tile, int quality) {
-  cv::Mat straight(tile.size_px, tile.size_px, CV_8UC4);
+  image::RgbaImage straight{tile.size_px, tile.size_px, {}};
+  straight.rgba.resize(4 * static_cast<std::size_t>(tile.size_px) * static_cast<std::size_t>(tile.size_px));
   for (int y = 0; y < tile.size_px; ++y)
-    StraightenAlpha(tile.Row(y), tile.size_px, straight.ptr<std::uint8_t>(y));
-  cv::cvtColor(straight, straight, cv::COLOR_RGBA2BGRA);
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".webp", straight, bytes, {cv::IMWRITE_WEBP_QUALITY, quality})) {
-    throw std::runtime_error("no encoder for WebP");
-  }
-  return bytes;
+    image::StraightenAlpha(tile.Row(y), tile.size_px, straight.Pixel(0, y));
+  return image::EncodeWebp(image::RowsOf(straight), static_cast<float>(quality));
 }
 
 }  // namespace
 
-std::optional<EncodedTile> EncodeTile(const RgbaImage& image, int x, int y, int size_px,
+std::optional<EncodedTile> EncodeTile(const image::RgbaImage& image, int x, int y, int size_px,
                                       const EncodeOptions& options) {
   SKYQUILT_CHECK(
       size_px > 0 && x >= 0 && y >= 0 && x + size_px <= image.width_px && y + size_px <= image.height_px,
@@ -80,12 +58,15 @@ std::optional<EncodedTile> EncodeTile(const RgbaImage& image, int x, int y, int 
   const Square tile{image, x, y, size_px};
   const Coverage coverage = CoverageOf(tile);
   if (coverage == Coverage::kNone) return std::nullopt;
-  if (options.use_webp) return EncodedTile{TileFormat::kWebp, EncodeWebp(tile, options.quality)};
-  if (coverage == Coverage::kFull) return EncodedTile{TileFormat::kJpeg, EncodeJpeg(tile, options.quality)};
-  return EncodedTile{TileFormat::kPng, EncodePng(image, x, y, size_px)};
+  if (options.use_webp) return EncodedTile{image::PictureFormat::kWebp, EncodeWebp(tile, options.quality)};
+  if (coverage == Coverage::kFull) {
+    const image::PixelRows rows{tile.Row(0), size_px, size_px, 4, 4 * image.width_px};
+    return EncodedTile{image::PictureFormat::kJpeg, image::EncodeJpeg(rows, options.quality)};
+  }
+  return EncodedTile{image::PictureFormat::kPng, image::EncodePng(image, x, y, size_px)};
 }
 
-std::optional<EncodedTile> EncodeTile(const RgbaImage& tile, const EncodeOptions& options) {
+std::optional<EncodedTile> EncodeTile(const image::RgbaImage& tile, const EncodeOptions& options) {
   SKYQUILT_CHECK(tile.width_px == tile.height_px, "tiles are squares");
   return EncodeTile(tile, 0, 0, tile.width_px, options);
 }

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/pyramid/tile_image.h"
-#include "core/pyramid/tile_sink.h"
+#include "core/image/picture_format.h"
+#include "core/image/rgba_image.h"
 
 namespace skyquilt::pyramid {
 
@@ -18,13 +18,13 @@ struct EncodeOptions {
 };
 
 struct EncodedTile {
-  TileFormat format = TileFormat::kJpeg;
+  image::PictureFormat format = image::PictureFormat::kJpeg;
   std::vector<std::uint8_t> bytes;
 };
 
 // The square of `image` that starts at (x, y); nothing if no pixel of it is covered.
-std::optional<EncodedTile> EncodeTile(const RgbaImage& image, int x, int y, int size_px,
+std::optional<EncodedTile> EncodeTile(const image::RgbaImage& image, int x, int y, int size_px,
                                       const EncodeOptions& options);
-std::optional<EncodedTile> EncodeTile(const RgbaImage& tile, const EncodeOptions& options);
+std::optional<EncodedTile> EncodeTile(const image::RgbaImage& tile, const EncodeOptions& options);
 
 }  // namespace skyquilt::pyramid

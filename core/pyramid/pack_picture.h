@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/pyramid/tile_image.h"
+#include "core/image/rgba_image.h"
 
 namespace skyquilt::pyramid {
 
-std::vector<std::uint8_t> PackPicture(const RgbaImage& picture);
+std::vector<std::uint8_t> PackPicture(const image::RgbaImage& picture);
 // Errors: kCorrupt (not what PackPicture made of a picture of this size).
-Result<RgbaImage> UnpackPicture(std::span<const std::uint8_t> packed, int side_px);
+Result<image::RgbaImage> UnpackPicture(std::span<const std::uint8_t> packed, int side_px);
 
 }  // namespace skyquilt::pyramid

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "core/pyramid/tile_image.h"
+#include "core/image/rgba_image.h"
 
 namespace skyquilt::pyramid {
 
 struct SheetPicture {
   std::string caption;
-  RgbaImage image;
+  image::RgbaImage image;
 };
 
 // Row by row, `columns` a row; every cell is as large as the largest picture.
-RgbaImage PictureSheet(const std::vector<SheetPicture>& pictures, int columns);
+image::RgbaImage PictureSheet(const std::vector<SheetPicture>& pictures, int columns);
 
 }  // namespace skyquilt::pyramid

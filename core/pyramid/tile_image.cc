@@ -7,19 +7,9 @@
 
 namespace skyquilt::pyramid {
 
-void StraightenAlpha(const std::uint8_t* premultiplied, int count, std::uint8_t* straight) {
-  for (int i = 0; i < count; ++i, premultiplied += 4, straight += 4) {
-    const int alpha = premultiplied[3];
-    std::memcpy(straight, premultiplied, 4);
-    if (alpha == 255 || alpha == 0) continue;
-    for (int c = 0; c < 3; ++c)
-      straight[c] = static_cast<std::uint8_t>(std::min(255, (premultiplied[c] * 255 + alpha / 2) / alpha));
-  }
-}
-
-RgbaImage Halve(const RgbaImage& image) {
+image::RgbaImage Halve(const image::RgbaImage& image) {
   SKYQUILT_CHECK(image.width_px % 2 == 0 && image.height_px % 2 == 0, "only even images are halved");
-  RgbaImage half = RgbaImage::Transparent(image.width_px / 2, image.height_px / 2);
+  image::RgbaImage half = image::RgbaImage::Transparent(image.width_px / 2, image.height_px / 2);
   for (int y = 0; y < half.height_px; ++y) {
     const std::uint8_t* upper = image.Pixel(0, 2 * y);
     const std::uint8_t* lower = image.Pixel(0, 2 * y + 1);
@@ -33,9 +23,9 @@ RgbaImage Halve(const RgbaImage& image) {
   return half;
 }
 
-RgbaImage EveryOther(const RgbaImage& image) {
+image::RgbaImage EveryOther(const image::RgbaImage& image) {
   SKYQUILT_CHECK(image.width_px % 2 == 0 && image.height_px % 2 == 0, "only even images are halved");
-  RgbaImage half = RgbaImage::Transparent(image.width_px / 2, image.height_px / 2);
+  image::RgbaImage half = image::RgbaImage::Transparent(image.width_px / 2, image.height_px / 2);
   for (int y = 0; y < half.height_px; ++y) {
     for (int x = 0; x < half.width_px; ++x) {
       const std::uint8_t* upper = image.Pixel(2 * x, 2 * y);
@@ -50,7 +40,7 @@ RgbaImage EveryOther(const RgbaImage& image) {
   return half;
 }
 
-void Paste(const RgbaImage& quarter, int x, int y, RgbaImage& image) {
+void Paste(const image::RgbaImage& quarter, int x, int y, image::RgbaImage& image) {
   SKYQUILT_CHECK(x + quarter.width_px <= image.width_px && y + quarter.height_px <= image.height_px,
                  "paste outside the image");
   for (int row = 0; row < quarter.height_px; ++row) {

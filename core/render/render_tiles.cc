@@ -28,14 +28,14 @@ struct FinishedBlock {
   bool is_kept = false;          // an earlier run made it: nothing below but the digest
   std::vector<FinishedTile>
       tiles;  // base zoom first, then the block's own overviews but the topmost's parents
-  std::optional<pyramid::RgbaImage> half;  // the block as half a tile; nothing if no pixel is covered
-  std::vector<std::uint8_t> packed_half;   // the same, only where somebody remembers
+  std::optional<image::RgbaImage> half;   // the block as half a tile; nothing if no pixel is covered
+  std::vector<std::uint8_t> packed_half;  // the same, only where somebody remembers
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
   geo::Bounds2 covered_in_merc;
 };
 
-void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, const MosaicPlan& plan,
+void MeasureCoverage(const image::RgbaImage& image, const RenderBlock& block, const MosaicPlan& plan,
                      FinishedBlock& finished) {
   const int size_px = plan.BlockSizePx();
   int x0 = size_px, y0 = size_px, x1 = -1, y1 = -1;
@@ -69,12 +69,12 @@ void MeasureCoverage(const pyramid::RgbaImage& image, const RenderBlock& block, 
 FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options,
                           const RenderBlock& block, const BlockGeometry& geometry) {
   FinishedBlock finished;
-  Result<pyramid::RgbaImage> rendered = RenderBlockPixels(context, block, geometry);
+  Result<image::RgbaImage> rendered = RenderBlockPixels(context, block, geometry);
   if (!rendered) {
     finished.error = rendered.error();
     return finished;
   }
-  pyramid::RgbaImage image = *std::move(rendered);
+  image::RgbaImage image = *std::move(rendered);
   MeasureCoverage(image, block, context.plan, finished);
   if (finished.covered_pixels == 0) return finished;
   const int tile_px = context.plan.tile_size_px;
@@ -146,7 +146,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
   const int block_zoom = context.plan.base_zoom - context.plan.block_levels;
   pyramid::OverviewBuilder overviews(block_zoom, std::min(context.plan.min_zoom, block_zoom),
                                      context.plan.tile_size_px,
-                                     [&](const geo::TileId& tile, const pyramid::RgbaImage& image) {
+                                     [&](const geo::TileId& tile, const image::RgbaImage& image) {
                                        if (auto encoded = pyramid::EncodeTile(image, options.encode))
                                          put(tile, *encoded);
                                      });

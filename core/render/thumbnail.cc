@@ -1,14 +1,21 @@
 #include "core/render/thumbnail.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
+#include <optional>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/image/jpeg_decoder.h"
+#include "core/image/picture_codec.h"
 
 namespace skyquilt::render {
+namespace {
+
+constexpr int kJpegQuality = 92;
+
+}  // namespace
 
 int ThumbnailDenominator(const flight::Photo& photo) {
   const int long_side = std::max(photo.intrinsics.width_px, photo.intrinsics.height_px);
@@ -27,20 +34,15 @@ Thumbnail MakeThumbnail(const flight::Photo& photo, const image::DecodedImage& d
   cv::Mat small;
   cv::resize(full, small, {std::max(1, cvRound(full.cols * scale)), std::max(1, cvRound(full.rows * scale))},
              0, 0, cv::INTER_AREA);
-  Thumbnail thumbnail{photo.name, small.cols, small.rows, {}};
-  cv::cvtColor(small, small, cv::COLOR_RGB2BGR);
-  if (!cv::imencode(".jpg", small, thumbnail.jpeg, {cv::IMWRITE_JPEG_QUALITY, 92})) {
-    throw std::runtime_error("no encoder for thumbnails");
-  }
-  return thumbnail;
+  const image::PixelRows rows{small.data, small.cols, small.rows, 3, static_cast<int>(small.step)};
+  return {photo.name, small.cols, small.rows, image::EncodeJpeg(rows, kJpegQuality)};
 }
 
-DecodedThumbnail Decode(const Thumbnail& thumbnail) {
-  cv::Mat image = cv::imdecode(thumbnail.jpeg, cv::IMREAD_COLOR);
-  SKYQUILT_CHECK(image.cols == thumbnail.width_px && image.rows == thumbnail.height_px,
-                 "a thumbnail changed in memory");
-  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
-  return {image.cols, image.rows, {image.data, image.data + image.total() * 3}};
+image::DecodedImage Decode(const Thumbnail& thumbnail) {
+  Result<image::DecodedPart> whole =
+      image::DecodeJpeg(thumbnail.jpeg, thumbnail.width_px, thumbnail.height_px, 1, std::nullopt, {});
+  SKYQUILT_CHECK(whole.ok(), "a thumbnail changed in memory");
+  return std::move(whole->image);
 }
 
 }  // namespace skyquilt::render

@@ -22,12 +22,6 @@ struct Thumbnail {
   std::vector<std::uint8_t> jpeg;
 };
 
-struct DecodedThumbnail {
-  int width_px = 0;
-  int height_px = 0;
-  std::vector<std::uint8_t> rgb;
-};
-
 // What a photo is shrunk by when it is decoded for its thumbnail.
 int ThumbnailDenominator(const flight::Photo& photo);
 // Of a photo decoded so, or larger.
@@ -35,6 +29,6 @@ Thumbnail MakeThumbnail(const flight::Photo& photo, const image::DecodedImage& d
 // Decodes it too. Errors: those of decoding.
 Result<Thumbnail> MakeThumbnail(const flight::PhotoSource& source, const flight::Photo& photo);
 
-DecodedThumbnail Decode(const Thumbnail& thumbnail);
+image::DecodedImage Decode(const Thumbnail& thumbnail);
 
 }  // namespace skyquilt::render

@@ -23,7 +23,7 @@ struct View {
   double pixel_m = 1.0;  // in merc
 };
 
-Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const View& view) {
+Result<image::RgbaImage> Draw(const storage::Tileset& tileset, const View& view) {
   api::MapWindow window;
   window.width_px = window.height_px = kPanelPx;
   window.pixel_m = view.pixel_m;
@@ -33,8 +33,7 @@ Result<pyramid::RgbaImage> Draw(const storage::Tileset& tileset, const View& vie
   window.y_in_merc = [&](int row) {
     return view.middle_in_merc.y() - (row + 0.5 - 0.5 * kPanelPx) * view.pixel_m;
   };
-  SKYQUILT_TRY_ASSIGN(api::Pixels pixels, api::RenderWindow(tileset, window));
-  pyramid::RgbaImage image{pixels.width, pixels.height, {pixels.rgba.begin(), pixels.rgba.end()}};
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage image, api::RenderWindow(tileset, window));
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     for (std::size_t c = 0; c < 3; ++c) {
       image.rgba[i + c] = static_cast<std::uint8_t>(image.rgba[i + c] * image.rgba[i + 3] / 255);
@@ -71,7 +70,7 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
   std::vector<pyramid::SheetPicture> pictures;
   for (const View& view : {whole, detail}) {
     for (std::size_t k = 0; k < drawn.size(); ++k) {
-      SKYQUILT_TRY_ASSIGN(pyramid::RgbaImage image, Draw(tilesets[k], view));
+      SKYQUILT_TRY_ASSIGN(image::RgbaImage image, Draw(tilesets[k], view));
       const MethodOutcome& outcome = *drawn[k];
       std::string caption =
           fmt::format("{}: {} of {} photos", outcome.method, outcome.placed, outcome.photos);
@@ -82,9 +81,8 @@ Result<std::string> ComparisonPng(const std::vector<MethodOutcome>& outcomes) {
       pictures.push_back({std::move(caption), std::move(image)});
     }
   }
-  const pyramid::RgbaImage sheet = pyramid::PictureSheet(pictures, static_cast<int>(drawn.size()));
-  return api::EncodeTile({sheet.width_px, sheet.height_px, {sheet.rgba.begin(), sheet.rgba.end()}},
-                         pyramid::TileFormat::kPng);
+  return api::EncodeTile(pyramid::PictureSheet(pictures, static_cast<int>(drawn.size())),
+                         image::PictureFormat::kPng);
 }
 
 }  // namespace skyquilt::server

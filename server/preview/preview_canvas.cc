@@ -3,21 +3,22 @@
 #include <set>
 #include <utility>
 
-#include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
+#include "core/image/picture_codec.h"
 #include "core/pyramid/encode_tile.h"
+#include "core/pyramid/tile_image.h"
 
 namespace skyquilt::server {
 namespace {
 
-using pyramid::RgbaImage;
+using image::RgbaImage;
 
 constexpr int kJpegQuality = 75;
 constexpr int kSidePx = PreviewCanvas::kTileSizePx;
 
 Result<RgbaImage> Decode(std::string_view bytes) {
-  SKYQUILT_TRY_ASSIGN(api::Pixels pixels, api::DecodeTile(bytes));
-  if (pixels.width != kSidePx || pixels.height != kSidePx) {
+  SKYQUILT_TRY_ASSIGN(RgbaImage pixels, image::DecodePicture(bytes));
+  if (pixels.width_px != kSidePx || pixels.height_px != kSidePx) {
     return Error{ErrorCode::kCorrupt, "A tile of the preview has another size than the rest.", ""};
   }
   for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
@@ -26,7 +27,7 @@ Result<RgbaImage> Decode(std::string_view bytes) {
       pixels.rgba[c] = static_cast<std::uint8_t>((pixels.rgba[c] * alpha + 127) / 255);
     }
   }
-  return RgbaImage{kSidePx, kSidePx, {pixels.rgba.begin(), pixels.rgba.end()}};
+  return pixels;
 }
 
 void LayOver(const RgbaImage& above, RgbaImage& below) {

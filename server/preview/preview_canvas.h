@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
-#include "core/pyramid/tile_image.h"
+#include "core/image/rgba_image.h"
 #include "storage/tilesets/preview_tiles.h"
 
 namespace skyquilt::server {
@@ -26,13 +26,13 @@ class PreviewCanvas {
   Result<storage::PreviewTiles::Tiles> Finish();
 
  private:
-  Result<pyramid::RgbaImage> Load(const geo::TileId& tile);
+  Result<image::RgbaImage> Load(const geo::TileId& tile);
   Result<void> DrawParents(int zoom);
 
   storage::PreviewTiles& stored_;
   const int min_zoom_;
   const int max_zoom_;
-  std::map<geo::TileId, pyramid::RgbaImage> changed_;
+  std::map<geo::TileId, image::RgbaImage> changed_;
 };
 
 }  // namespace skyquilt::server

@@ -26,7 +26,7 @@ constexpr int kOverviewLevels = 9;
 
 class Collected final : public pyramid::TileSink {
  public:
-  Result<void> Put(const geo::TileId& tile, pyramid::TileFormat,
+  Result<void> Put(const geo::TileId& tile, image::PictureFormat,
                    std::span<const std::uint8_t> bytes) override {
     tiles.emplace_back(tile, std::string(bytes.begin(), bytes.end()));
     return {};

@@ -70,7 +70,7 @@ class Export {
       ready.image = *std::move(bytes);
       ready.mask = full_mask_;
     } else {
-      Result<TileCanvas> canvas = DecodeTile(*bytes, tile_size_px_);
+      Result<image::RgbaImage> canvas = DecodeTile(*bytes, tile_size_px_);
       if (!canvas) return Failed(canvas.error());
       ready = Encoded(*std::move(canvas));
     }
@@ -79,7 +79,7 @@ class Export {
 
   // A cell put together from the up to four tiles that it lies over.
   ReadyTile Composed(const GridLevel& level, std::int64_t cell) const {
-    TileCanvas composed = TileCanvas::Transparent(tile_size_px_);
+    image::RgbaImage composed = image::RgbaImage::Transparent(tile_size_px_, tile_size_px_);
     for (int south = 0; south <= (level.shift_y_px > 0 ? 1 : 0); ++south) {
       for (int east = 0; east <= (level.shift_x_px > 0 ? 1 : 0); ++east) {
         const std::optional<geo::TileId> tile = level.TileOf(cell, east, south);
@@ -87,14 +87,14 @@ class Export {
         Result<std::string> bytes = Load(*tile);
         if (!bytes) return Failed(bytes.error());
         if (bytes->empty()) continue;
-        Result<TileCanvas> canvas = DecodeTile(*bytes, tile_size_px_);
+        Result<image::RgbaImage> canvas = DecodeTile(*bytes, tile_size_px_);
         if (!canvas) return Failed(canvas.error());
         // The tile's corner in the cell.
         const int left = east * tile_size_px_ - level.shift_x_px,
                   top = south * tile_size_px_ - level.shift_y_px;
         const int from_x = std::max(0, left), to_x = std::min(tile_size_px_, left + tile_size_px_);
         for (int y = std::max(0, top); y < std::min(tile_size_px_, top + tile_size_px_); ++y) {
-          std::memcpy(composed.At(from_x, y), canvas->At(from_x - left, y - top),
+          std::memcpy(composed.Pixel(from_x, y), canvas->Pixel(from_x - left, y - top),
                       4 * static_cast<std::size_t>(to_x - from_x));
         }
       }
@@ -102,7 +102,7 @@ class Export {
     return Encoded(std::move(composed));
   }
 
-  ReadyTile Encoded(TileCanvas canvas) const {
+  ReadyTile Encoded(image::RgbaImage canvas) const {
     ReadyTile ready;
     FringeTile fringe = SplitAlpha(std::move(canvas), options_.jpeg_quality);
     if (fringe.is_empty) return ready;

@@ -9,23 +9,12 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/image/rgba_image.h"
 
 namespace skyquilt::storage {
 
-// A square of pixels, four bytes each: red, green, blue, alpha.
-struct TileCanvas {
-  int side_px = 0;
-  std::vector<std::uint8_t> rgba;
-
-  static TileCanvas Transparent(int side_px);
-  std::uint8_t* At(int x, int y) { return rgba.data() + 4 * (static_cast<std::size_t>(y) * side_px + x); }
-  const std::uint8_t* At(int x, int y) const {
-    return rgba.data() + 4 * (static_cast<std::size_t>(y) * side_px + x);
-  }
-};
-
-// A stored JPEG or PNG tile of tile_size_px a side.
-Result<TileCanvas> DecodeTile(std::string_view bytes, int tile_size_px);
+// A stored tile of tile_size_px a side.
+Result<image::RgbaImage> DecodeTile(std::string_view bytes, int tile_size_px);
 
 struct FringeTile {
   std::string jpeg;                     // 4:2:0
@@ -34,6 +23,6 @@ struct FringeTile {
 };
 
 // Pixels of at least half alpha count as covered.
-FringeTile SplitAlpha(TileCanvas canvas, int jpeg_quality);
+FringeTile SplitAlpha(image::RgbaImage tile, int jpeg_quality);
 
 }  // namespace skyquilt::storage

@@ -17,7 +17,7 @@
 
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
-#include "core/pyramid/tile_sink.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::storage {
 
@@ -25,7 +25,7 @@ struct MadeTileKey {
   std::string flight_id;
   std::int64_t revision = 0;
   geo::TileId tile;
-  pyramid::TileFormat format = pyramid::TileFormat::kPng;
+  image::PictureFormat format = image::PictureFormat::kPng;
   int scale = 1;
 
   std::string Text() const;

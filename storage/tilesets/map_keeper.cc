@@ -29,10 +29,10 @@ CREATE TABLE facts (name TEXT NOT NULL PRIMARY KEY, bytes BLOB NOT NULL);
 )sql";
 constexpr int kBlocksACommit = 8;
 
-pyramid::TileFormat FormatOf(std::span<const std::uint8_t> bytes) {
-  if (!bytes.empty() && bytes[0] == 0x89) return pyramid::TileFormat::kPng;
-  if (!bytes.empty() && bytes[0] == 'R') return pyramid::TileFormat::kWebp;
-  return pyramid::TileFormat::kJpeg;
+image::PictureFormat FormatOf(std::span<const std::uint8_t> bytes) {
+  if (!bytes.empty() && bytes[0] == 0x89) return image::PictureFormat::kPng;
+  if (!bytes.empty() && bytes[0] == 'R') return image::PictureFormat::kWebp;
+  return image::PictureFormat::kJpeg;
 }
 
 }  // namespace
@@ -137,7 +137,7 @@ Result<std::string> MapKeeper::StatedFacts(const fs::path& folder) {
   return std::string(bytes.begin(), bytes.end());
 }
 
-Result<void> MapKeeper::Put(const geo::TileId& tile, pyramid::TileFormat format,
+Result<void> MapKeeper::Put(const geo::TileId& tile, image::PictureFormat format,
                             std::span<const std::uint8_t> bytes) {
   ++state_->tiles;
   return state_->writer->Put(tile, format, bytes);

@@ -35,7 +35,7 @@ class MapKeeper final : public pyramid::MapMemory, public pyramid::TileSink {
   // Errors: kNotFound (no state that can be read).
   static Result<std::string> StatedFacts(const std::filesystem::path& folder);
 
-  Result<void> Put(const geo::TileId& tile, pyramid::TileFormat format,
+  Result<void> Put(const geo::TileId& tile, image::PictureFormat format,
                    std::span<const std::uint8_t> bytes) override;
   std::optional<Digest> DigestOf(const geo::TileId& block) const override;
   Result<pyramid::KeptBlock> Reuse(const geo::TileId& block) override;

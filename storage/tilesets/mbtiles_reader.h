@@ -5,34 +5,25 @@
 // kNotFound, kCorrupt, kIo. https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/geo/tile_id.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 
-struct FoundTile {
-  std::uint64_t content_id = 0;      // equal ids mean equal bytes; stable for a file, so fit for an ETag
-  std::optional<std::string> bytes;  // there already when finding it meant reading it
-};
-
-class MbtilesReader {
+class MbtilesReader final : public TileSource {
  public:
   static Result<std::shared_ptr<MbtilesReader>> Open(const std::filesystem::path& path);
-  ~MbtilesReader();
+  ~MbtilesReader() override;
 
-  // Absent: the file has no such tile.
-  Result<std::optional<FoundTile>> Find(const geo::TileId& tile);
-  // The bytes of a tile that Find answered.
-  Result<std::string> Load(FoundTile tile);
+  Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override;
+  Result<std::string> Load(FoundTile tile) override;
 
   const std::map<std::string, std::string>& metadata() const { return metadata_; }
 

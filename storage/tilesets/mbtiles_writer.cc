@@ -38,7 +38,7 @@ struct MbtilesWriter::State {
   Statement find_bytes;
   Statement add_bytes;
   Statement add_tile;
-  std::map<pyramid::TileFormat, std::int64_t> formats;
+  std::map<image::PictureFormat, std::int64_t> formats;
   std::int64_t tiles = 0;
   bool is_published = false;
 };
@@ -81,7 +81,7 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
   return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
 }
 
-Result<void> MbtilesWriter::Put(const geo::TileId& tile, pyramid::TileFormat format,
+Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat format,
                                 std::span<const std::uint8_t> bytes) {
   // 63 bits, so that the id is a positive SQLite rowid; a collision of different bytes moves on to the next
   // id.
@@ -115,9 +115,9 @@ Result<void> MbtilesWriter::Commit() { return state_->db.Exec("COMMIT; BEGIN;");
 Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
   // Readers take the format as the kind of most tiles; the fringe is PNG whatever it says. A map all of
   // fringe is PNG.
-  const char* format = state_->formats.contains(pyramid::TileFormat::kWebp)   ? "webp"
-                       : state_->formats.contains(pyramid::TileFormat::kJpeg) ? "jpg"
-                                                                              : "png";
+  const char* format = state_->formats.contains(image::PictureFormat::kWebp)   ? "webp"
+                       : state_->formats.contains(image::PictureFormat::kJpeg) ? "jpg"
+                                                                               : "png";
   const auto& b = metadata.bounds;
   const std::vector<std::pair<std::string, std::string>> rows = {
       {"name", metadata.name},

@@ -33,7 +33,7 @@ class MbtilesWriter final : public pyramid::TileSink {
   static Result<std::unique_ptr<MbtilesWriter>> Create(const std::filesystem::path& path);
   ~MbtilesWriter() override;  // removes the temporary file unless Publish succeeded
 
-  Result<void> Put(const geo::TileId& tile, pyramid::TileFormat format,
+  Result<void> Put(const geo::TileId& tile, image::PictureFormat format,
                    std::span<const std::uint8_t> bytes) override;
   // Tiles put so far survive the process.
   Result<void> Commit();

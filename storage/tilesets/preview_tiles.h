@@ -17,11 +17,11 @@
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
 #include "storage/db/sqlite_db.h"
-#include "storage/tilesets/mbtiles_reader.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 
-class PreviewTiles {
+class PreviewTiles final : public TileSource {
  public:
   using Tiles = std::map<geo::TileId, std::string>;
 
@@ -30,8 +30,9 @@ class PreviewTiles {
   // Never makes one.
   static Result<std::shared_ptr<PreviewTiles>> OpenToRead(const std::filesystem::path& folder);
 
-  // With its bytes. Absent: nothing there.
-  Result<std::optional<FoundTile>> Find(const geo::TileId& tile);
+  // With its bytes.
+  Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override;
+  Result<std::string> Load(FoundTile tile) override;
   // All or none; a tile that is there already is replaced.
   Result<void> Put(const Tiles& tiles);
 

@@ -4,20 +4,20 @@
 
 #include "api/tiles/tile_path.h"
 #include "api/tiles/transcode_tile.h"
+#include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
 namespace skyquilt::api {
 namespace {
 
 using nlohmann::json;
-using pyramid::TileFormat;
 
 class TilesTest : public testing::Test {
  protected:
   TilesTest()
       : flight_(sample_.NewFlight()),
         png_(TransparentPng(256)),
-        jpeg_(*TranscodeTile(png_, TileFormat::kJpeg)) {
+        jpeg_(*TranscodeTile(png_, image::PictureFormat::kJpeg)) {
     sample_.Publish(flight_, {{2, 1, 2, jpeg_}, {3, 2, 5, png_}});
   }
   std::string Path(const std::string& rest) const { return "/tiles/" + flight_ + "/" + rest; }
@@ -58,11 +58,11 @@ TEST_F(TilesTest, AreConvertedToTheFormatAskedFor) {
     for (const char* tile : {"2/1/1.", "3/2/2."}) {
       const Response response = sample_.Get(Path(std::string(tile) + extension));
       ASSERT_EQ(response.status, 200);
-      const auto format = TileFormatOf(response.body);
+      const auto format = image::PictureFormatOf(response.body);
       ASSERT_TRUE(format);
-      EXPECT_STREQ(ExtensionOf(*format), extension);
-      EXPECT_EQ(response.headers.Find("Content-Type"), ContentTypeOf(*format));
-      EXPECT_EQ(TileSidePx(response.body), 256);
+      EXPECT_STREQ(image::ExtensionOf(*format), extension);
+      EXPECT_EQ(response.headers.Find("Content-Type"), image::ContentTypeOf(*format));
+      EXPECT_EQ(image::DecodePicture(response.body)->width_px, 256);
     }
   }
 }
@@ -71,7 +71,7 @@ TEST_F(TilesTest, AreTransparentWhereTheMapHasNothing) {
   const Response blank = sample_.Get(Path("2/2/2.jpg"));
   EXPECT_EQ(blank.status, 200);
   EXPECT_EQ(blank.headers.Find("Content-Type"), "image/png");
-  EXPECT_EQ(TileSidePx(blank.body), 256);
+  EXPECT_EQ(image::DecodePicture(blank.body)->width_px, 256);
   EXPECT_EQ(sample_.Get(Path("2/2/2?empty=204")).status, 204);
   EXPECT_EQ(sample_.Get(Path("2/2/2?empty=404")).status, 404);
   EXPECT_EQ(sample_.Get(Path("2/2/2?empty=1")).status, 400);
@@ -131,24 +131,24 @@ TEST(ParseTilePath, TakesPlainNumbers) {
   const auto path = ParseTilePath("30", "1073741823", "0.jpeg");
   ASSERT_TRUE(path);
   EXPECT_EQ(path->tile, *geo::TileId::Make(30, 1073741823, 0));
-  EXPECT_EQ(path->format, TileFormat::kJpeg);
+  EXPECT_EQ(path->format, image::PictureFormat::kJpeg);
   EXPECT_FALSE(ParseTilePath("0", "0", "0")->format);
 }
 
 TEST(TranscodeTile, LaysTransparencyOnWhiteForJpeg) {
-  const std::string jpeg = *TranscodeTile(TransparentPng(64), TileFormat::kJpeg);
+  const std::string jpeg = *TranscodeTile(TransparentPng(64), image::PictureFormat::kJpeg);
   // Back to PNG: one colour of full white compresses to almost nothing, and differs from the transparent one.
-  const std::string png = *TranscodeTile(jpeg, TileFormat::kPng);
+  const std::string png = *TranscodeTile(jpeg, image::PictureFormat::kPng);
   EXPECT_LT(png.size(), 1000u);
   EXPECT_NE(png, TransparentPng(64));
 }
 
 TEST(TranscodeTile, RefusesDamagedTiles) {
-  const std::string good = *TranscodeTile(TransparentPng(64), TileFormat::kWebp);
-  EXPECT_FALSE(TranscodeTile("not an image", TileFormat::kPng));
-  EXPECT_FALSE(TranscodeTile("", TileFormat::kPng));
-  EXPECT_FALSE(TranscodeTile(good.substr(0, 20), TileFormat::kPng));
-  EXPECT_FALSE(TranscodeTile(TransparentPng(64).substr(0, 50), TileFormat::kJpeg));
+  const std::string good = *TranscodeTile(TransparentPng(64), image::PictureFormat::kWebp);
+  EXPECT_FALSE(TranscodeTile("not an image", image::PictureFormat::kPng));
+  EXPECT_FALSE(TranscodeTile("", image::PictureFormat::kPng));
+  EXPECT_FALSE(TranscodeTile(good.substr(0, 20), image::PictureFormat::kPng));
+  EXPECT_FALSE(TranscodeTile(TransparentPng(64).substr(0, 50), image::PictureFormat::kJpeg));
 }
 
 }  // namespace

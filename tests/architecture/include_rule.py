@@ -16,8 +16,6 @@ CORE_VALUES = {
     "core/base/", "core/geo/", "core/camera/intrinsics.h", "core/flight/photos/photo.h", "core/flight/flight.h",
     "core/flight/read_flight.h", "core/flight/lists/input_file.h", "core/image/", "core/flight/photos/photo_source.h", "core/pyramid/tile_sink.h", "core/pyramid/map_memory.h", "core/pipeline/mosaic_options.h",
     "core/pipeline/report/mosaic_report.h", "core/pipeline/report/locate.h", "core/alignment/aligned_flight.h", "core/render/map_layer.h",
-    # Encoding of pictures, which knows nothing of maps.
-    "core/pyramid/png_encoder.h", "core/pyramid/tile_image.h",
 }
 LIBRARIES = {
     r"boost/": {"server"},

@@ -11,7 +11,7 @@ namespace skyquilt::storage {
 namespace {
 
 MadeTileKey Key(std::int64_t x, std::int64_t revision = 1) {
-  return {"flight", revision, *geo::TileId::Make(10, x, 7), pyramid::TileFormat::kPng, 2};
+  return {"flight", revision, *geo::TileId::Make(10, x, 7), image::PictureFormat::kPng, 2};
 }
 
 Result<std::string> Letters(std::size_t count) { return std::string(count, 'x'); }
@@ -31,7 +31,7 @@ TEST(MadeTiles, AreMadeOnce) {
   other.scale = 1;
   EXPECT_EQ(tiles.Find(other), nullptr);
   other = Key(1);
-  other.format = pyramid::TileFormat::kWebp;
+  other.format = image::PictureFormat::kWebp;
   EXPECT_EQ(tiles.Find(other), nullptr);
 }
 

@@ -18,9 +18,9 @@ void Require(const Result<void>& done) {
 
 }  // namespace
 
-pyramid::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row) {
+image::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row) {
   const int side = tileset.tile_size_px;
-  auto image = pyramid::RgbaImage::Transparent(side, side);
+  auto image = image::RgbaImage::Transparent(side, side);
   const double middle_x = 0.5 * tileset.columns * side, middle_y = 0.5 * tileset.rows * side;
   const double radius = 0.48 * std::min(tileset.columns, tileset.rows) * side;
   for (int y = 0; y < side; ++y) {
@@ -44,7 +44,7 @@ void WritePaintedTileset(const std::filesystem::path& path, const PaintedTileset
   pyramid::EncodeOptions options;
   options.use_webp = tileset.webp_quality > 0;
   if (options.use_webp) options.quality = tileset.webp_quality;
-  const auto put = [&](const geo::TileId& tile, const pyramid::RgbaImage& image) {
+  const auto put = [&](const geo::TileId& tile, const image::RgbaImage& image) {
     if (const auto encoded = pyramid::EncodeTile(image, options))
       Require(writer.Put(tile, encoded->format, encoded->bytes));
   };

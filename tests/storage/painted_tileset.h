@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "core/pyramid/tile_image.h"
+#include "core/image/rgba_image.h"
 
 namespace skyquilt::test {
 
@@ -16,7 +16,7 @@ struct PaintedTileset {
 };
 
 // Colours vary smoothly over the map; a disk of it is covered, the rest is transparent and has no tiles.
-pyramid::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row);
+image::RgbaImage PaintedTile(const PaintedTileset& tileset, int column, int row);
 void WritePaintedTileset(const std::filesystem::path& path, const PaintedTileset& tileset);
 
 }  // namespace skyquilt::test

@@ -29,7 +29,7 @@ MapError MeasureMapError(const MemorySink& map, const simulate::World& world, co
   MapError error;
   double sum = 0.0;
   for (const auto& [tile, stored] : map.tiles) {
-    if (tile.z() != finest || stored.format != pyramid::TileFormat::kJpeg) continue;
+    if (tile.z() != finest || stored.format != image::PictureFormat::kJpeg) continue;
     const cv::Mat bgr = cv::imdecode(stored.bytes, cv::IMREAD_COLOR);
     const image::DecodedImage truth =
         simulate::RenderWorld(world, frame, geo::RasterFrame::OfTile(tile, bgr.cols));

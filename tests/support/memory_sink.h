@@ -9,14 +9,14 @@
 namespace skyquilt::test {
 
 struct StoredTile {
-  pyramid::TileFormat format;
+  image::PictureFormat format;
   std::vector<std::uint8_t> bytes;
   bool operator==(const StoredTile&) const = default;
 };
 
 class MemorySink final : public pyramid::TileSink {
  public:
-  Result<void> Put(const geo::TileId& tile, pyramid::TileFormat format,
+  Result<void> Put(const geo::TileId& tile, image::PictureFormat format,
                    std::span<const std::uint8_t> bytes) override {
     tiles[tile] = {format, {bytes.begin(), bytes.end()}};
     order.push_back(tile);

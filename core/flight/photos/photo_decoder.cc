@@ -13,10 +13,10 @@
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "core/flight/photos/byte_source.h"
-#include "core/flight/photos/decode_errors.h"
-#include "core/flight/photos/jpeg_decoder.h"
-#include "core/flight/photos/png_decoder.h"
 #include "core/flight/photos/read_photo.h"
+#include "core/image/decode_errors.h"
+#include "core/image/jpeg_decoder.h"
+#include "core/image/png_decoder.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -33,10 +33,10 @@ Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int 
     bgr = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
-    return PictureDamaged(error.what());
+    return image::PictureDamaged(error.what());
   }
-  if (bgr.empty()) return PictureDamaged("no picture came out");
-  if (bgr.cols != width_px || bgr.rows != height_px) return PictureChanged();
+  if (bgr.empty()) return image::PictureDamaged("no picture came out");
+  if (bgr.cols != width_px || bgr.rows != height_px) return image::PictureChanged();
   if (denominator > 1) {
     const int width = CeilDiv(width_px, denominator);
     const int height = CeilDiv(height_px, denominator);
@@ -62,8 +62,8 @@ bool IsJpeg(const std::vector<std::uint8_t>& bytes) {
 // What a format that cannot be read by parts takes while it is decoded, beside the file's bytes.
 std::int64_t WorkBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px) {
   const std::int64_t pixels = std::int64_t{width_px} * height_px;
-  if (IsJpeg(bytes)) return JpegWorkBytes(bytes, width_px, height_px);
-  if (IsPng(bytes)) return PngWorkBytes(bytes, width_px, height_px);
+  if (IsJpeg(bytes)) return image::JpegWorkBytes(bytes, width_px, height_px);
+  if (image::IsPng(bytes)) return image::PngWorkBytes(bytes, width_px, height_px);
   return 9 * pixels;  // OpenCV's picture, its samples of 16 bits, and ours
 }
 
@@ -99,8 +99,10 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
   const std::int64_t needed_bytes =
       static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
   if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
-  if (IsJpeg(bytes)) return DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
-  if (IsPng(bytes)) return DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
+  if (IsJpeg(bytes))
+    return image::DecodeJpeg(bytes, width_px, height_px, denominator, box, std::move(memory));
+  if (image::IsPng(bytes))
+    return image::DecodePng(bytes, width_px, height_px, denominator, box, std::move(memory));
   SKYQUILT_TRY_ASSIGN(DecodedImage image, DecodeByOpenCv(bytes, width_px, height_px, denominator));
   return DecodedPart{std::move(image)};
 }

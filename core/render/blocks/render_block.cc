@@ -163,7 +163,7 @@ class Mixture {
     return sums_.data() + first;
   }
 
-  void WriteTo(pyramid::RgbaImage& image) const {
+  void WriteTo(image::RgbaImage& image) const {
     for (std::size_t square = 0; square < first_.size(); ++square) {
       if (first_[square] == kNone) continue;
       const Four* sum = sums_.data() + first_[square];
@@ -185,7 +185,7 @@ class Mixture {
 };
 
 void Paint(const PhotoShare& share, const PhotoOnBlock& photo, const CubicSampler& sampler, int side,
-           pyramid::RgbaImage& image, Mixture& mixture) {
+           image::RgbaImage& image, Mixture& mixture) {
   std::array<SampledPixel, kNodeStepPx> sampled;
   for (const SquareShare& at : share.squares) {
     const PhotoOnBlock::Square square = photo.At(at.x, at.y, side);
@@ -233,17 +233,17 @@ BlockGeometry GeometryOf(const RenderContext& context, const RenderBlock& block)
   return MakeBlockGeometry(block.tile, context.plan.BlockSizePx(), context.flight.frame, context.ground);
 }
 
-Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block) {
+Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block) {
   return RenderBlockPixels(context, block, GeometryOf(context, block));
 }
 
-Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
-                                             BlockGeometry ground_below) {
+Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
+                                           BlockGeometry ground_below) {
   const int size_px = context.plan.BlockSizePx();
   const auto [cells, geometry, photos, views, shares] =
       WeighBlock(context.flight, context.seams, context.plan, block, std::move(ground_below));
 
-  pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(size_px, size_px);
+  image::RgbaImage image = image::RgbaImage::Transparent(size_px, size_px);
   Mixture mixture(size_px, shares.square_px);
   const double pixel_m = OutputPixelM(context.plan, context.flight);
   for (const PhotoShare& share : shares.photos) {

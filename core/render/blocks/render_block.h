@@ -5,7 +5,7 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/base/result.h"
 #include "core/ground/ground_surface.h"
-#include "core/pyramid/tile_image.h"
+#include "core/image/rgba_image.h"
 #include "core/render/blocks/block_geometry.h"
 #include "core/render/blocks/photo_cache.h"
 #include "core/render/exposure/exposure.h"
@@ -24,11 +24,11 @@ struct RenderContext {
 };
 
 // The block's pixels, plan.BlockSizePx() a side; transparent where no photo sees the ground.
-Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block);
+Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block);
 // The same, where the ground below the block is known already.
 BlockGeometry GeometryOf(const RenderContext& context, const RenderBlock& block);
-Result<pyramid::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
-                                             BlockGeometry ground_below);
+Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block,
+                                           BlockGeometry ground_below);
 
 // Ground size of a pixel at the base zoom.
 double OutputPixelM(const MosaicPlan& plan, const alignment::AlignedFlight& flight);

@@ -11,8 +11,8 @@
 
 #include "core/base/bilinear_grid.h"
 #include "core/base/parallel_for.h"
+#include "core/image/png_encoder.h"
 #include "core/pyramid/build_overviews.h"
-#include "core/pyramid/png_encoder.h"
 #include "core/render/blocks/weigh_block.h"
 
 namespace skyquilt::render {
@@ -74,8 +74,8 @@ std::vector<double> HeightsOf(const BlockGeometry& geometry, const geo::LocalFra
 }
 
 template <typename ColourOf>
-pyramid::RgbaImage Draw(const std::vector<std::int32_t>& owners, const ColourOf& colour_of) {
-  pyramid::RgbaImage image = pyramid::RgbaImage::Transparent(kLayerTilePx, kLayerTilePx);
+image::RgbaImage Draw(const std::vector<std::int32_t>& owners, const ColourOf& colour_of) {
+  image::RgbaImage image = image::RgbaImage::Transparent(kLayerTilePx, kLayerTilePx);
   for (std::size_t i = 0; i < kPixels; ++i) {
     if (owners[i] == kNoPhoto) continue;
     const Rgb colour = colour_of(i, static_cast<std::size_t>(owners[i]));
@@ -87,7 +87,7 @@ pyramid::RgbaImage Draw(const std::vector<std::int32_t>& owners, const ColourOf&
 
 // A block in every layer.
 struct DrawnBlock {
-  std::vector<pyramid::RgbaImage> images;  // by layer; none where nothing is covered
+  std::vector<image::RgbaImage> images;  // by layer; none where nothing is covered
   HeightRange heights = kNoHeights;
 };
 
@@ -98,10 +98,10 @@ class LayerPyramid {
       : sink_(sink),
         overviews_(
             zooms.max_zoom, zooms.min_zoom, kLayerTilePx,
-            [this](const geo::TileId& tile, const pyramid::RgbaImage& image) { Put(tile, image); },
+            [this](const geo::TileId& tile, const image::RgbaImage& image) { Put(tile, image); },
             pyramid::EveryOther) {}
 
-  void Add(const geo::TileId& tile, const pyramid::RgbaImage& image) {
+  void Add(const geo::TileId& tile, const image::RgbaImage& image) {
     Put(tile, image);
     overviews_.AddHalf(tile, pyramid::EveryOther(image));
   }
@@ -109,10 +109,10 @@ class LayerPyramid {
   const std::optional<Error>& failure() const { return failure_; }
 
  private:
-  void Put(const geo::TileId& tile, const pyramid::RgbaImage& image) {
+  void Put(const geo::TileId& tile, const image::RgbaImage& image) {
     if (failure_) return;
-    const std::vector<std::uint8_t> png = pyramid::EncodePng(image, 0, 0, kLayerTilePx);
-    if (auto put = sink_.Put(tile, pyramid::TileFormat::kPng, png); !put) failure_ = put.error();
+    const std::vector<std::uint8_t> png = image::EncodePng(image, 0, 0, kLayerTilePx);
+    if (auto put = sink_.Put(tile, image::PictureFormat::kPng, png); !put) failure_ = put.error();
   }
 
   pyramid::TileSink& sink_;

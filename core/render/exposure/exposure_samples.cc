@@ -21,8 +21,8 @@ constexpr float kBrightest = 246.0f;
 constexpr double kHalfPatchShare = 1.0 / 128.0;
 
 // Mean colour of a small patch around a full-size pixel; nothing near the border or where it is clipped.
-std::optional<std::array<float, 3>> Colour(const DecodedThumbnail& thumbnail, const camera::Intrinsics& lens,
-                                           const Eigen::Vector2d& pixel) {
+std::optional<std::array<float, 3>> Colour(const image::DecodedImage& thumbnail,
+                                           const camera::Intrinsics& lens, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>((pixel.x() + 0.5) * thumbnail.width_px / lens.width_px);
   const int y = static_cast<int>((pixel.y() + 0.5) * thumbnail.height_px / lens.height_px);
   const int half = std::max(1, static_cast<int>(thumbnail.width_px * kHalfPatchShare));
@@ -65,7 +65,7 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
     if (bounds.IsEmpty()) continue;
     const double reach_m = std::max(bounds.Width(), bounds.Height());
     if (reach_m > 60.0 * step_m) continue;  // a look towards the horizon says nothing of exposure
-    const DecodedThumbnail thumbnail = Decode(thumbnails[i]);
+    const image::DecodedImage thumbnail = Decode(thumbnails[i]);
     const double half_diagonal_px = 0.5 * std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px);
     for (auto row = static_cast<std::int64_t>(std::floor(bounds.min.y() / step_m));
          row * step_m <= bounds.max.y(); ++row) {

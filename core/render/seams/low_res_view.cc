@@ -44,7 +44,7 @@ std::vector<Eigen::Vector2d> GroundOfCells(const LowResView& view, const SeamGri
 
 // Averages over about a cell, so that a sample stands for its whole cell.
 cv::Mat3b SmoothedThumbnail(const Thumbnail& thumbnail, double cell_in_thumbnail_px) {
-  const DecodedThumbnail decoded = Decode(thumbnail);
+  const image::DecodedImage decoded = Decode(thumbnail);
   const cv::Mat3b sharp(decoded.height_px, decoded.width_px,
                         reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(decoded.rgb.data())));
   // Beyond the picture's size nothing changes any more, but the kernel would grow without bounds.

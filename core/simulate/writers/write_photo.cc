@@ -1,13 +1,10 @@
 #include "core/simulate/writers/write_photo.h"
 
-#include <turbojpeg.h>
-
 #include <fstream>
-#include <memory>
-#include <stdexcept>
 #include <string>
 
 #include "core/base/check.h"
+#include "core/image/picture_codec.h"
 #include "core/simulate/writers/photo_tags.h"
 
 namespace skyquilt::simulate {
@@ -24,26 +21,18 @@ void AppendSegment(std::uint8_t marker, const std::vector<std::uint8_t>& payload
 
 }  // namespace
 
-std::vector<std::uint8_t> EncodePhoto(const image::DecodedImage& image, const RecordedPose& recorded,
+std::vector<std::uint8_t> EncodePhoto(const image::DecodedImage& photo, const RecordedPose& recorded,
                                       int jpeg_quality) {
-  const std::unique_ptr<void, int (*)(tjhandle)> encoder(tjInitCompress(), tjDestroy);
-  if (!encoder) throw std::runtime_error("the JPEG encoder could not start");
-  unsigned char* jpeg = nullptr;
-  unsigned long size = 0;
-  const int failed =
-      tjCompress2(encoder.get(), image.rgb.data(), image.width_px, image.width_px * 3, image.height_px,
-                  TJPF_RGB, &jpeg, &size, TJSAMP_422, jpeg_quality, TJFLAG_ACCURATEDCT);
-  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(jpeg, tjFree);
-  if (failed != 0)
-    throw std::runtime_error(std::string("the JPEG encoder failed: ") + tjGetErrorStr2(encoder.get()));
-  SKYQUILT_CHECK(size > 4 && jpeg[0] == 0xFF && jpeg[1] == 0xD8, "the encoder's output is not a JPEG");
-  std::vector<std::uint8_t> out(jpeg, jpeg + 2);
+  const image::PixelRows rows{photo.rgb.data(), photo.width_px, photo.height_px, 3, 3 * photo.width_px};
+  const std::vector<std::uint8_t> jpeg = image::EncodeJpeg(rows, jpeg_quality, image::ChromaSampling::k422);
+  SKYQUILT_CHECK(jpeg.size() > 6 && jpeg[0] == 0xFF && jpeg[1] == 0xD8, "the encoder's output is not a JPEG");
+  std::vector<std::uint8_t> out(jpeg.begin(), jpeg.begin() + 2);
   AppendSegment(0xE1, ExifPayload(recorded), out);
   AppendSegment(0xE1, XmpPayload(recorded), out);
   // EXIF wants its segment first: the encoder's JFIF header (APP0) is left out.
   std::size_t rest = 2;
   if (jpeg[2] == 0xFF && jpeg[3] == 0xE0) rest += 2u + (static_cast<std::size_t>(jpeg[4]) << 8 | jpeg[5]);
-  out.insert(out.end(), jpeg + rest, jpeg + size);
+  out.insert(out.end(), jpeg.begin() + static_cast<std::ptrdiff_t>(rest), jpeg.end());
   return out;
 }
 

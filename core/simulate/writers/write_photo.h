@@ -13,7 +13,7 @@
 namespace skyquilt::simulate {
 
 // The same image and record give the same bytes.
-std::vector<std::uint8_t> EncodePhoto(const image::DecodedImage& image, const RecordedPose& recorded,
+std::vector<std::uint8_t> EncodePhoto(const image::DecodedImage& photo, const RecordedPose& recorded,
                                       int jpeg_quality = 92);
 Result<void> WriteBytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 

@@ -31,7 +31,7 @@ std::vector<Picture> Compare(const test::SimulatedMap& map, const render::SeamMa
                              const test::MemorySink& tiles) {
   std::vector<Picture> pictures;
   for (const auto& [tile, stored] : tiles.tiles) {
-    if (tile.z() != map.plan.base_zoom || stored.format != pyramid::TileFormat::kJpeg) continue;
+    if (tile.z() != map.plan.base_zoom || stored.format != image::PictureFormat::kJpeg) continue;
     Picture picture;
     cv::Mat decoded = cv::imdecode(stored.bytes, cv::IMREAD_COLOR);
     cv::cvtColor(decoded, decoded, cv::COLOR_BGR2RGB);

@@ -7,8 +7,8 @@
 namespace skyquilt::pyramid {
 namespace {
 
-RgbaImage Noise(int side_px) {
-  RgbaImage image = RgbaImage::Transparent(side_px, side_px);
+image::RgbaImage Noise(int side_px) {
+  image::RgbaImage image = image::RgbaImage::Transparent(side_px, side_px);
   std::mt19937 random(5);
   for (auto& byte : image.rgba) byte = static_cast<std::uint8_t>(random());
   return image;
@@ -16,7 +16,7 @@ RgbaImage Noise(int side_px) {
 
 TEST(PackPicture, PremultipliedAlphaComesBackAsItWas) {
   for (const int side_px : {1, 7, 128}) {
-    const RgbaImage image = Noise(side_px);
+    const image::RgbaImage image = Noise(side_px);
     const auto unpacked = UnpackPicture(PackPicture(image), side_px);
     ASSERT_TRUE(unpacked);
     EXPECT_EQ(unpacked->rgba, image.rgba);

@@ -43,7 +43,7 @@ std::optional<Rgb> ColourAt(const test::MemorySink& layer, int zoom, const Eigen
   const geo::TileId tile = geo::TileId::AtMerc(zoom, in_merc);
   const auto found = layer.tiles.find(tile);
   if (found == layer.tiles.end()) return std::nullopt;
-  EXPECT_EQ(found->second.format, pyramid::TileFormat::kPng);
+  EXPECT_EQ(found->second.format, image::PictureFormat::kPng);
   const cv::Mat image = cv::imdecode(found->second.bytes, cv::IMREAD_UNCHANGED);
   EXPECT_EQ(image.size(), cv::Size(kLayerTilePx, kLayerTilePx));
   const geo::Bounds2 bounds = tile.BoundsInMerc();
@@ -107,7 +107,7 @@ TEST(RenderLayers, AreTheSameWithOneThreadAndWithTwo) {
 TEST(RenderLayers, StopWhereTheSinkRefuses) {
   class FullDisk final : public pyramid::TileSink {
    public:
-    Result<void> Put(const geo::TileId&, pyramid::TileFormat, std::span<const std::uint8_t>) override {
+    Result<void> Put(const geo::TileId&, image::PictureFormat, std::span<const std::uint8_t>) override {
       return Error{ErrorCode::kOutOfSpace, "no space left", ""};
     }
   } full;

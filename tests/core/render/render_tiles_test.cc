@@ -92,7 +92,7 @@ TEST(RenderTiles, OverviewsHaveNoFringe) {
   double darkest = 255.0;
   int fringe_pixels = 0;
   for (const auto& [tile, stored] : tiles.tiles) {
-    if (tile.z() == map.plan.base_zoom || stored.format != pyramid::TileFormat::kPng) continue;
+    if (tile.z() == map.plan.base_zoom || stored.format != image::PictureFormat::kPng) continue;
     const cv::Mat image = cv::imdecode(stored.bytes, cv::IMREAD_UNCHANGED);
     for (int y = 1; y + 1 < image.rows; ++y) {
       for (int x = 1; x + 1 < image.cols; ++x) {

@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/flight/photos/image_header.h"
-#include "core/flight/photos/jpeg_decoder.h"
+#include "core/image/jpeg_decoder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace skyquilt;
@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   box.right = box.left + 1 + bytes[3] * (width_px - box.left - 1) / 255;
   box.bottom = box.top + 1 + bytes[4] * (height_px - box.top - 1) / 255;
   const auto part =
-      flight::DecodeJpeg({jpeg, size - kAsked}, header->width_px, header->height_px, denominator, box, {});
+      image::DecodeJpeg({jpeg, size - kAsked}, header->width_px, header->height_px, denominator, box, {});
   if (!part) {
     SKYQUILT_CHECK(!part.error().message.empty(), "a refusal without a reason");
     return 0;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/check.h"
-#include "core/flight/photos/png_decoder.h"
+#include "core/image/png_decoder.h"
 
 namespace {
 
@@ -33,16 +33,16 @@ void MendChecksums(std::vector<std::uint8_t>& png) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace skyquilt;
-  if (size < 26 || !flight::IsPng({data, size})) return 0;
+  if (size < 26 || !image::IsPng({data, size})) return 0;
   std::vector<std::uint8_t> bytes(data, data + size);
   MendChecksums(bytes);
   const int width_px = static_cast<int>(NumberAt(bytes, 16)),
             height_px = static_cast<int>(NumberAt(bytes, 20));
   if (width_px < 1 || height_px < 1 || width_px > 2000 || height_px > 2000) return 0;
-  const auto whole = flight::DecodePng(bytes, width_px, height_px, 1, std::nullopt);
-  (void)flight::DecodePng(bytes, width_px, height_px, 4, std::nullopt);
+  const auto whole = image::DecodePng(bytes, width_px, height_px, 1, std::nullopt);
+  (void)image::DecodePng(bytes, width_px, height_px, 4, std::nullopt);
   const image::PixelBox box{width_px / 3, height_px / 3, width_px / 2 + 1, height_px / 2 + 1};
-  const auto part = flight::DecodePng(bytes, width_px, height_px, 1, box);
+  const auto part = image::DecodePng(bytes, width_px, height_px, 1, box);
   if (!whole || !part) return 0;
   SKYQUILT_CHECK(part->left_px == box.left && part->top_px == box.top, "another rectangle");
   for (int y = 0; y < part->image.height_px; ++y) {

@@ -171,7 +171,7 @@ TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
   const auto cog = WriteAndOpen(tileset);
   ASSERT_NE(cog->dataset, nullptr);
   ASSERT_EQ(cog->dataset->GetRasterCount(), 4);
-  const pyramid::RgbaImage truth = PaintedTile(tileset, 0, 1);
+  const image::RgbaImage truth = PaintedTile(tileset, 0, 1);
   const auto alpha = ReadBand(cog->dataset->GetRasterBand(4), {0, 256, 256, 512});
   for (int i = 0; i < 256 * 256; ++i) {
     ASSERT_EQ(alpha[static_cast<std::size_t>(i)], truth.rgba[static_cast<std::size_t>(i) * 4 + 3]);
@@ -203,7 +203,7 @@ TEST(WriteCog, StaysInOnePieceAcrossTheDateLine) {
   const std::filesystem::path mbtiles = folder.path() / "map.mbtiles";
   auto writer = *MbtilesWriter::Create(mbtiles);
   for (int column = 0; column < 4; ++column) {
-    auto image = pyramid::RgbaImage::Transparent(256, 256);
+    auto image = image::RgbaImage::Transparent(256, 256);
     for (std::size_t i = 0; i < image.rgba.size(); ++i)
       image.rgba[i] = i % 4 == 3 ? 255 : static_cast<std::uint8_t>(60 * column);
     const auto encoded = pyramid::EncodeTile(image, {});

@@ -129,7 +129,7 @@ TEST(WritePmtiles, StoresEqualTilesOnceAndEqualNeighboursAsARun) {
   const std::vector<std::uint8_t> sea{0xff, 0xd8, 0xff, 1, 2, 3};
   for (int x = 0; x < 8; ++x) {
     for (int y = 0; y < 8; ++y)
-      ASSERT_TRUE(writer->Put(*geo::TileId::Make(3, x, y), pyramid::TileFormat::kJpeg, sea));
+      ASSERT_TRUE(writer->Put(*geo::TileId::Make(3, x, y), image::PictureFormat::kJpeg, sea));
   }
   TilesetMetadata metadata;
   metadata.min_zoom = metadata.max_zoom = 3;

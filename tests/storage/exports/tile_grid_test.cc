@@ -16,7 +16,7 @@ std::vector<GridLevel> GridOfColumns(std::int64_t first, std::int64_t count, int
   for (int level = 0; level <= zoom; ++level) {
     for (std::int64_t x = first >> level; x <= (first + count - 1) >> level; ++x) {
       EXPECT_TRUE(
-          writer->Put(*geo::TileId::Make(zoom - level, x, 5 >> level), pyramid::TileFormat::kJpeg, bytes));
+          writer->Put(*geo::TileId::Make(zoom - level, x, 5 >> level), image::PictureFormat::kJpeg, bytes));
     }
   }
   EXPECT_TRUE(writer->Publish({}));

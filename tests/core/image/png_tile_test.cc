@@ -1,4 +1,4 @@
-#include "storage/exports/png_tile.h"
+#include "core/image/png_tile.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-namespace skyquilt::storage {
+namespace skyquilt::image {
 namespace {
 
 // Red, green, blue, alpha of a picture with smooth and rough parts.
@@ -40,7 +40,7 @@ TEST(DecodePngTile, ReadsWhatOtherEncodersWrite) {
           ASSERT_TRUE(rgba);
           for (int i = 0; i < side_px * side_px; ++i) {
             const auto& bgra = picture.at<cv::Vec4b>(i / side_px, i % side_px);
-            const std::uint8_t* pixel = rgba->data() + 4 * i;
+            const std::uint8_t* pixel = rgba->rgba.data() + 4 * i;
             ASSERT_TRUE(pixel[0] == bgra[2] && pixel[1] == bgra[1] && pixel[2] == bgra[0] &&
                         pixel[3] == bgra[3]);
           }
@@ -66,4 +66,4 @@ TEST(DecodePngTile, RefusesDamagedAndOtherPictures) {
 }
 
 }  // namespace
-}  // namespace skyquilt::storage
+}  // namespace skyquilt::image

@@ -1,4 +1,4 @@
-#include "core/flight/photos/jpeg_decoder.h"
+#include "core/image/jpeg_decoder.h"
 
 #include <csetjmp>
 #include <cstddef>
@@ -13,13 +13,10 @@
 #include <new>
 #include <utility>
 
-#include "core/flight/photos/decode_errors.h"
+#include "core/image/decode_errors.h"
 
-namespace skyquilt::flight {
+namespace skyquilt::image {
 namespace {
-
-using image::DecodedPart;
-using image::PixelBox;
 
 // Colours beside a cut are smoothed as at the picture's edge: so many pixels around are decoded with it.
 constexpr int kAroundPx = 16;
@@ -179,4 +176,4 @@ Result<DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px
   return part;
 }
 
-}  // namespace skyquilt::flight
+}  // namespace skyquilt::image

@@ -1,4 +1,4 @@
-#include "core/pyramid/huffman_code.h"
+#include "core/image/huffman_code.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "core/base/check.h"
 
-namespace skyquilt::pyramid {
+namespace skyquilt::image {
 namespace {
 
 constexpr int kLongest = 15;
@@ -71,4 +71,4 @@ HuffmanCode HuffmanCode::Of(std::vector<std::uint32_t> counts) {
   return code;
 }
 
-}  // namespace skyquilt::pyramid
+}  // namespace skyquilt::image

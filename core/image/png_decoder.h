@@ -10,7 +10,7 @@
 #include "core/base/result.h"
 #include "core/image/decoded_image.h"
 
-namespace skyquilt::flight {
+namespace skyquilt::image {
 
 bool IsPng(std::span<const std::uint8_t> bytes);
 
@@ -19,8 +19,7 @@ std::int64_t PngWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int
 
 // At 1/denominator, each pixel the mean of denominator x denominator, of which the last row and column repeat
 // the picture's border; of `box` (in pixels at that scale) or, without one, of everything. Errors: kCorrupt.
-Result<image::DecodedPart> DecodePng(std::span<const std::uint8_t> bytes, int width_px, int height_px,
-                                     int denominator, const std::optional<image::PixelBox>& box,
-                                     PixelBytes memory = {});
+Result<DecodedPart> DecodePng(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                              int denominator, const std::optional<PixelBox>& box, PixelBytes memory = {});
 
-}  // namespace skyquilt::flight
+}  // namespace skyquilt::image

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/pyramid/tile_image.h"
+#include "core/image/rgba_image.h"
 
-namespace skyquilt::pyramid {
+namespace skyquilt::image {
 
 enum class PngAlpha { kStraight, kAsItIs };
 
@@ -19,4 +19,4 @@ std::vector<std::uint8_t> EncodePng(const RgbaImage& image, int x, int y, int si
 // The whole image, of any shape.
 std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image, PngAlpha alpha = PngAlpha::kStraight);
 
-}  // namespace skyquilt::pyramid
+}  // namespace skyquilt::image

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace skyquilt::pyramid {
+namespace skyquilt::image {
 
 struct HuffmanCode {
   // By symbol; length 0: never occurs. Bits are in the order of writing, the first lowest.
@@ -19,4 +19,4 @@ struct HuffmanCode {
   static HuffmanCode Of(std::vector<std::uint32_t> counts);
 };
 
-}  // namespace skyquilt::pyramid
+}  // namespace skyquilt::image

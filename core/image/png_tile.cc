@@ -1,4 +1,4 @@
-#include "storage/exports/png_tile.h"
+#include "core/image/png_tile.h"
 
 #include <libdeflate.h>
 
@@ -12,10 +12,10 @@
 #include <emmintrin.h>
 #endif
 
-namespace skyquilt::storage {
+namespace skyquilt::image {
 namespace {
 
-constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+constexpr std::string_view kPngMagic = "\x89PNG\r\n\x1a\n";
 constexpr std::size_t kPixel = 4;
 
 std::uint32_t BigEndian(const char* bytes) {
@@ -25,9 +25,9 @@ std::uint32_t BigEndian(const char* bytes) {
 }
 
 // The compressed rows of a picture of this size; nothing if it is not one.
-std::optional<std::string> RowsOf(std::string_view png, int side_px) {
-  if (!png.starts_with(kSignature)) return std::nullopt;
-  png.remove_prefix(kSignature.size());
+std::optional<std::string> CompressedRowsOf(std::string_view png, int side_px) {
+  if (!png.starts_with(kPngMagic)) return std::nullopt;
+  png.remove_prefix(kPngMagic.size());
   std::string rows;
   bool is_tile = false;
   while (png.size() >= 12) {
@@ -112,9 +112,9 @@ bool Unfilter(int filter, const std::uint8_t* above, std::size_t count, std::uin
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> DecodePngTile(std::string_view bytes, int side_px) {
-  const Error damaged{ErrorCode::kCorrupt, "a stored tile is damaged; stitch the flight again", ""};
-  const std::optional<std::string> packed = RowsOf(bytes, side_px);
+Result<RgbaImage> DecodePngTile(std::string_view bytes, int side_px) {
+  const Error damaged{ErrorCode::kCorrupt, "A stored tile is damaged. Stitch the flight again.", ""};
+  const std::optional<std::string> packed = CompressedRowsOf(bytes, side_px);
   if (!packed) return damaged;
   const auto side = static_cast<std::size_t>(side_px);
   const std::size_t row_bytes = kPixel * side;
@@ -126,16 +126,17 @@ Result<std::vector<std::uint8_t>> DecodePngTile(std::string_view bytes, int side
                                  filtered.size(), nullptr) != LIBDEFLATE_SUCCESS) {
     return damaged;
   }
-  std::vector<std::uint8_t> rgba(row_bytes * side);
+  RgbaImage image{side_px, side_px, {}};
+  image.rgba.resize(row_bytes * side);
   std::vector<std::uint8_t> above(kPixel + row_bytes, 0), row(kPixel + row_bytes, 0);
   for (std::size_t y = 0; y < side; ++y) {
     const std::uint8_t* in = filtered.data() + y * (row_bytes + 1);
     std::memcpy(row.data() + kPixel, in + 1, row_bytes);
     if (!Unfilter(in[0], above.data() + kPixel, row_bytes, row.data() + kPixel)) return damaged;
-    std::memcpy(rgba.data() + y * row_bytes, row.data() + kPixel, row_bytes);
+    std::memcpy(image.rgba.data() + y * row_bytes, row.data() + kPixel, row_bytes);
     std::swap(above, row);
   }
-  return rgba;
+  return image;
 }
 
-}  // namespace skyquilt::storage
+}  // namespace skyquilt::image

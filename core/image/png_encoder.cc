@@ -1,4 +1,4 @@
-#include "core/pyramid/png_encoder.h"
+#include "core/image/png_encoder.h"
 
 #include <libdeflate.h>
 
@@ -10,9 +10,9 @@
 #include <string_view>
 
 #include "core/base/check.h"
-#include "core/pyramid/huffman_code.h"
+#include "core/image/huffman_code.h"
 
-namespace skyquilt::pyramid {
+namespace skyquilt::image {
 namespace {
 
 constexpr std::uint8_t kAverageFilter = 3;
@@ -232,4 +232,4 @@ std::vector<std::uint8_t> EncodeWholePng(const RgbaImage& image, PngAlpha alpha)
   return EncodePart(image, 0, 0, image.width_px, image.height_px, alpha);
 }
 
-}  // namespace skyquilt::pyramid
+}  // namespace skyquilt::image

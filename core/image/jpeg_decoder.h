@@ -12,16 +12,15 @@
 #include "core/base/result.h"
 #include "core/image/decoded_image.h"
 
-namespace skyquilt::flight {
+namespace skyquilt::image {
 
 // `box`: of the decoded picture, nothing for all of it. What comes back holds at least that, in `memory` if
 // that is large enough.
-Result<image::DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px, int height_px,
-                                      int denominator, const std::optional<image::PixelBox>& box,
-                                      PixelBytes memory);
+Result<DecodedPart> DecodeJpeg(std::span<const std::uint8_t> bytes, int width_px, int height_px,
+                               int denominator, const std::optional<PixelBox>& box, PixelBytes memory);
 
 // What DecodeJpeg takes beside the picture that it returns: of a progressive one, or any whose colours come
 // one after the other, the coefficients of the whole picture.
 std::int64_t JpegWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px);
 
-}  // namespace skyquilt::flight
+}  // namespace skyquilt::image

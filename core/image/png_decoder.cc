@@ -1,4 +1,4 @@
-#include "core/flight/photos/png_decoder.h"
+#include "core/image/png_decoder.h"
 
 #include <png.h>
 
@@ -12,13 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/flight/photos/decode_errors.h"
+#include "core/image/decode_errors.h"
 
-namespace skyquilt::flight {
+namespace skyquilt::image {
 namespace {
-
-using image::DecodedPart;
-using image::PixelBox;
 
 constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 constexpr std::size_t kInterlaceAt = 28;  // in the header chunk, which comes first
@@ -175,4 +172,4 @@ Result<DecodedPart> DecodePng(std::span<const std::uint8_t> bytes, int width_px,
   return part;
 }
 
-}  // namespace skyquilt::flight
+}  // namespace skyquilt::image

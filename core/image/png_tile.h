@@ -4,13 +4,13 @@
 
 #include <cstdint>
 #include <string_view>
-#include <vector>
 
 #include "core/base/result.h"
+#include "core/image/rgba_image.h"
 
-namespace skyquilt::storage {
+namespace skyquilt::image {
 
-// side_px x side_px pixels of red, green, blue and straight alpha.
-Result<std::vector<std::uint8_t>> DecodePngTile(std::string_view bytes, int side_px);
+// side_px x side_px pixels; alpha as it was encoded.
+Result<RgbaImage> DecodePngTile(std::string_view bytes, int side_px);
 
-}  // namespace skyquilt::storage
+}  // namespace skyquilt::image

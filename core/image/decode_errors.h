@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 
-namespace skyquilt::flight {
+namespace skyquilt::image {
 
 // kChanged: the picture is not the size that was asked for.
 enum class DecodeOutcome { kDecoded, kDamaged, kChanged };
@@ -22,4 +22,4 @@ inline Error PictureChanged() {
           "The picture is not the size its header said; the file has changed. Add it again.", ""};
 }
 
-}  // namespace skyquilt::flight
+}  // namespace skyquilt::image

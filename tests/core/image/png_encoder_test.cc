@@ -1,4 +1,4 @@
-#include "core/pyramid/png_encoder.h"
+#include "core/image/png_encoder.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
-#include "core/pyramid/encode_tile.h"
-#include "core/pyramid/huffman_code.h"
+#include "core/image/huffman_code.h"
 
-namespace skyquilt::pyramid {
+namespace skyquilt::image {
 namespace {
 
 enum class Paint { kNothing, kNoise, kSmooth, kPatches };
@@ -101,15 +100,5 @@ TEST(HuffmanCode, KeepsToFifteenBits) {
   EXPECT_DOUBLE_EQ(room, 1.0);
 }
 
-TEST(EncodeTile, IsJpegOnlyWhereEveryPixelIsCovered) {
-  EXPECT_FALSE(EncodeTile(Painted(64, Paint::kNothing, 1), {}));
-  EXPECT_EQ(EncodeTile(Painted(64, Paint::kSmooth, 1), {})->format, TileFormat::kJpeg);
-  EXPECT_EQ(EncodeTile(Painted(64, Paint::kPatches, 1), {})->format, TileFormat::kPng);
-  RgbaImage hole = Painted(64, Paint::kSmooth, 1);
-  std::fill_n(hole.Pixel(63, 63), 4, std::uint8_t{0});
-  EXPECT_EQ(EncodeTile(hole, {})->format, TileFormat::kPng);
-  EXPECT_EQ(EncodeTile(hole, 0, 0, 32, {})->format, TileFormat::kJpeg);
-}
-
 }  // namespace
-}  // namespace skyquilt::pyramid
+}  // namespace skyquilt::image

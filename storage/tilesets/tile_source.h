@@ -1,0 +1,28 @@
+// TileSource: where the tiles of one tileset are read from, be it a finished map, a layer beside it or a
+// preview that grows. Any number of threads. Errors: those of the tileset.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "core/geo/tile_id.h"
+
+namespace skyquilt::storage {
+
+struct FoundTile {
+  std::uint64_t content_id = 0;      // equal ids mean equal bytes; stable for a file, so fit for an ETag
+  std::optional<std::string> bytes;  // there already when finding it meant reading it
+};
+
+class TileSource {
+ public:
+  virtual ~TileSource() = default;
+  // Absent: it has no such tile.
+  virtual Result<std::optional<FoundTile>> Find(const geo::TileId& tile) = 0;
+  // The bytes of a tile that Find answered.
+  virtual Result<std::string> Load(FoundTile tile) = 0;
+};
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,97 @@
+#include "core/image/picture_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+namespace skyquilt::image {
+namespace {
+
+std::string_view Text(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// Smooth colours; alpha grows from nothing at the left to full at the right.
+RgbaImage Painted(int width_px, int height_px) {
+  RgbaImage image = RgbaImage::Transparent(width_px, height_px);
+  for (int y = 0; y < height_px; ++y) {
+    for (int x = 0; x < width_px; ++x) {
+      std::uint8_t* pixel = image.Pixel(x, y);
+      pixel[0] = static_cast<std::uint8_t>(2 * x);
+      pixel[1] = static_cast<std::uint8_t>(3 * y);
+      pixel[2] = static_cast<std::uint8_t>(x + y);
+      pixel[3] = static_cast<std::uint8_t>(255 * x / (width_px - 1));
+    }
+  }
+  return image;
+}
+
+TEST(PictureCodec, GivesPngBackToTheByte) {
+  for (const auto& [width_px, height_px] : {std::pair{64, 64}, std::pair{50, 30}}) {
+    const RgbaImage image = Painted(width_px, height_px);
+    for (const auto& bytes : {EncodePicture(image, PictureFormat::kPng), EncodePlainPng(image)}) {
+      EXPECT_EQ(PictureFormatOf(Text(bytes)), PictureFormat::kPng);
+      const auto decoded = DecodePicture(Text(bytes));
+      ASSERT_TRUE(decoded);
+      EXPECT_EQ(decoded->width_px, width_px);
+      EXPECT_EQ(decoded->height_px, height_px);
+      EXPECT_EQ(decoded->rgba, image.rgba);
+    }
+  }
+}
+
+TEST(PictureCodec, KeepsTheAlphaOfWebpAndLaysJpegOnWhite) {
+  const RgbaImage image = Painted(64, 48);
+  const auto webp = DecodePicture(Text(EncodePicture(image, PictureFormat::kWebp)));
+  const auto jpeg = DecodePicture(Text(EncodePicture(image, PictureFormat::kJpeg)));
+  ASSERT_TRUE(webp);
+  ASSERT_TRUE(jpeg);
+  for (const int x : {20, 40, 63}) {
+    EXPECT_EQ(webp->Pixel(x, 24)[3], image.Pixel(x, 24)[3]);
+    EXPECT_EQ(jpeg->Pixel(x, 24)[3], 255);
+    for (int c = 0; c < 3; ++c) {
+      const int color = image.Pixel(x, 24)[c], alpha = image.Pixel(x, 24)[3];
+      EXPECT_NEAR(webp->Pixel(x, 24)[c], color, 14);
+      EXPECT_NEAR(jpeg->Pixel(x, 24)[c], (color * alpha + 255 * (255 - alpha)) / 255, 10);
+    }
+  }
+}
+
+TEST(PictureCodec, EncodesRowsWithinALargerPicture) {
+  const RgbaImage image = Painted(64, 64);
+  const PixelRows part{image.Pixel(16, 32), 32, 16, 4, 4 * 64};
+  const auto decoded = DecodePicture(Text(EncodeJpeg(part, 95)));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->width_px, 32);
+  EXPECT_EQ(decoded->height_px, 16);
+  EXPECT_NEAR(decoded->Pixel(8, 8)[0], image.Pixel(24, 40)[0], 6);
+  EXPECT_NEAR(decoded->Pixel(8, 8)[1], image.Pixel(24, 40)[1], 6);
+}
+
+TEST(PictureCodec, ReadsWhatOthersWrite) {
+  cv::Mat grey(20, 30, CV_16UC1, cv::Scalar(200 << 8));
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", grey, bytes);
+  const auto decoded = DecodePicture(Text(bytes));
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->width_px, 30);
+  EXPECT_EQ(decoded->Pixel(3, 3)[3], 255);
+  EXPECT_EQ(decoded->Pixel(3, 3)[0], decoded->Pixel(3, 3)[2]);
+}
+
+TEST(PictureCodec, RefusesWhatIsDamagedOrTooLarge) {
+  EXPECT_EQ(DecodePicture("").error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(DecodePicture("GIF89a").error().code, ErrorCode::kCorrupt);
+  for (const auto format : {PictureFormat::kJpeg, PictureFormat::kPng, PictureFormat::kWebp}) {
+    const std::vector<std::uint8_t> bytes = EncodePicture(Painted(64, 64), format);
+    EXPECT_FALSE(DecodePicture(Text(bytes).substr(0, 20)));
+    EXPECT_FALSE(DecodePicture(Text(bytes).substr(0, bytes.size() / 2)));
+    const std::vector<std::uint8_t> wide =
+        EncodePicture(RgbaImage::Transparent(kMaxPictureSidePx + 1, 1), format);
+    EXPECT_EQ(DecodePicture(Text(wide)).error().code, ErrorCode::kTooLarge);
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::image
