@@ -13,9 +13,14 @@ for path in "$@"; do inputs+=("$(realpath -e -- "$path")"); done
 cd "$(dirname "$(realpath "$0")")"
 
 source cmake/install_packages.sh
-need_packages build
+need_packages build run scripts
+# npm is 350 small packages: they come while the compiler runs.
+need_packages web &
+installing_npm=$!
 cmake --preset release -DSKYQUILT_TESTS=OFF >/dev/null
-cmake --build --preset release --target skyquilt skyquilt_web
+cmake --build --preset release --target skyquilt
+wait "$installing_npm"
+cmake --build --preset release --target skyquilt_web
 program=build/release/bin/skyquilt
 
 data=${SKYQUILT_DATA_DIR:-$PWD/data}

@@ -6,7 +6,7 @@ set -euo pipefail
 case "${1:-}" in -h | --help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;; esac
 cd "$(dirname "$(realpath "$0")")"
 source cmake/install_packages.sh
-need_packages test
+need_packages build run scripts web test
 jobs=$(nproc)
 
 echo "== release"

@@ -1,10 +1,12 @@
 # Sourced by run.sh and test.sh: installs with apt what is missing, on Debian 12 or a kindred system.
-# `need_packages build` for building and running, `need_packages test` for the tests as well.
+# `need_packages build run` installs these sections of packages.txt; web only where there is no npm yet.
 
 need_packages() {
-  local sections=(build run scripts) wanted missing=() package
-  if [ "$1" = test ]; then sections+=(test); fi
-  if ! command -v npm >/dev/null 2>&1; then sections+=(web); fi
+  local section sections=() wanted missing=() package
+  for section in "$@"; do
+    if [ "$section" != web ] || ! command -v npm >/dev/null 2>&1; then sections+=("$section"); fi
+  done
+  if [ ${#sections[@]} -eq 0 ]; then return 0; fi
   wanted=$(cmake/list_packages.sh "${sections[@]}")
   for package in $wanted; do
     if [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then missing+=("$package"); fi
@@ -13,7 +15,7 @@ need_packages() {
   echo "Installing: ${missing[*]}"
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
-  "${as_root[@]}" apt-get update -qq
+  if [ -z "${lists_are_new:-}" ]; then "${as_root[@]}" apt-get update -qq; lists_are_new=yes; fi
   DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 

@@ -1,5 +1,5 @@
 # Fills web/vendor from npm when package-lock.json or scripts/vendor.js changed. Called at build time:
-#   cmake -DWEB=<folder> -DNPM=<npm> -DDEV=ON|OFF -P vendor.cmake
+#   cmake -DWEB=<folder> -DDEV=ON|OFF -P vendor.cmake
 # Several build folders may share this source tree, so one lock guards it. Without network, a page library that
 # is already there is kept: the build must not fail in the field.
 file(LOCK "${WEB}/.vendor.lock" GUARD PROCESS TIMEOUT 900)
@@ -18,6 +18,7 @@ if(wanted STREQUAL present AND (NOT DEV OR EXISTS "${WEB}/node_modules/playwrigh
 endif()
 
 if(NOT current)
+  find_program(NPM npm)  # here, because run.sh installs it while the compiler runs
   if(NOT NPM)
     message(WARNING "npm was not found: the map library cannot be put into web/vendor (apt install npm).")
     set(result 1)
