@@ -75,7 +75,8 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
   report.matching_s = leg.matching_s;
   report.adjustment_s = leg.adjustment_s;
   report.corrections = DescribeCorrections(leg.matched.corrected, names, extracted.lines);
-  if (!leg.levelled.empty()) report.corrections.insert(report.corrections.begin(), leg.levelled);
+  report.corrections.insert(report.corrections.begin(), leg.corrected_records.begin(),
+                            leg.corrected_records.end());
   report.pairs = PairsInUse(leg.problem, names);
   report.control = std::move(leg.control);
   ReportControl(leg.problem, report.control);

@@ -24,8 +24,9 @@ struct Leg {
   bool is_adjusted = false;
   std::vector<char> by_images;         // by photo: placed by what it shows
   std::vector<ControlReport> control;  // by surveyed point, once tied to them
-  std::string levelled;                // in words: heights that were not believed; empty: they were
-  int iterations = 0;                  // of all adjustments
+  // In words: heights of all that were not believed, positions of all that were late.
+  std::vector<std::string> corrected_records;
+  int iterations = 0;  // of all adjustments
   int pairs_by_direct = 0;
   double matching_s = 0.0, adjustment_s = 0.0;  // wall
 };

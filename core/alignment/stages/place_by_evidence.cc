@@ -3,15 +3,19 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/alignment/adjustment/bundle_setup.h"
 #include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/registration/direct_registration.h"
 #include "core/alignment/registration/level_flight.h"
+#include "core/alignment/registration/position_lag.h"
 #include "core/alignment/registration/registration_rounds.h"
 #include "core/alignment/second_leg/lost_photos.h"
 #include "core/alignment/second_leg/second_leg.h"
@@ -194,12 +198,77 @@ Leg Levelled(const ExtractedFlight& extracted, Leg leg, const AlignOptions& opti
   Level(*levelling, extracted.records, leg.by_images, leg.problem);
   leg.input.views = ViewsOf(leg.problem);
   leg = Adjusted(std::move(leg), SettledAdjustment(), options);
-  leg.levelled = fmt::format(
+  leg.corrected_records.push_back(fmt::format(
       "The recorded heights would have the flight lie tilted by {:.0f} degrees against the recorded camera angles, as after "
       "a second take-off from another height or by a barometer that drifted: they differ by up to {:.0f} m from how the "
       "photos lie to each other, and were believed only from each photo to the next.",
-      levelling->tilt_rad * 180.0 / std::numbers::pi, levelling->height_range_m);
+      levelling->tilt_rad * 180.0 / std::numbers::pi, levelling->height_range_m));
   return leg;
+}
+
+// Seconds since the first photo; without times of all, or with times that do not rise, photos since the
+// first.
+struct CaptureTimes {
+  std::vector<double> times_s;
+  bool are_seconds = true;
+};
+
+CaptureTimes TimesOf(const poses::PosedFlight& posed) {
+  CaptureTimes times;
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    const std::optional<flight::UtcTime>& at = photo.photo.captured_at;
+    const std::optional<flight::UtcTime>& first = posed.photos.front().photo.captured_at;
+    if (at && first) times.times_s.push_back(std::chrono::duration<double>(*at - *first).count());
+  }
+  const auto does_not_rise =
+      std::adjacent_find(times.times_s.begin(), times.times_s.end(), std::greater_equal<>());
+  times.are_seconds = times.times_s.size() == posed.photos.size() && does_not_rise == times.times_s.end();
+  if (times.are_seconds) return times;
+  times.times_s.clear();
+  for (std::size_t i = 0; i < posed.photos.size(); ++i) times.times_s.push_back(static_cast<double>(i));
+  return times;
+}
+
+// Adjusted anew where the positions of all photos are those of other moments. Once more then: what positions
+// held too fast before follows. Positions that were given up come back.
+PlacedFlight WithoutPositionLag(const ExtractedFlight& extracted, PlacedFlight placed,
+                                const AlignOptions& options) {
+  constexpr int kRounds = 2;
+  Leg& leg = placed.leg;
+  const CaptureTimes times = TimesOf(leg.posed);
+  std::vector<PhotoRecord> records = extracted.records;
+  double lag_s = 0.0, off_m = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::optional<PositionLag> lag = FindPositionLag(leg.problem, records, times.times_s);
+    if (!lag) break;
+    lag_s += lag->lag_s;
+    off_m = std::max(off_m, lag->median_off_m);
+    for (std::size_t i = 0; i < leg.problem.photos.size(); ++i) {
+      if (!records[i].center_in_enu) continue;
+      *records[i].center_in_enu += lag->correction_in_enu[i];
+      BundlePhoto& photo = leg.problem.photos[i];
+      Eigen::Vector3d recorded = photo.prior_cam_from_enu.TargetOriginInSource();
+      recorded.head<2>() = records[i].center_in_enu->head<2>();
+      photo.prior_cam_from_enu =
+          geo::Rigid3::FromRotationAndTargetOrigin(photo.prior_cam_from_enu.rotation, recorded);
+      photo.sigma_position_m.head<2>() = records[i].sigma_m.head<2>();
+      photo.has_record = true;
+    }
+    leg = Adjusted(std::move(leg), SettledAdjustment(), options);
+  }
+  if (lag_s == 0.0) return placed;
+  const std::string words = fmt::format(
+      "those of {:.1f} {} {} the photos, {:.1f} m off in the median; each was moved along its flight line by "
+      "that",
+      std::abs(lag_s), times.are_seconds ? "seconds" : "photos", lag_s > 0.0 ? "before" : "after", off_m);
+  if (placed.second_leg.is_taken) {
+    placed.second_leg.outcome =
+        fmt::format("{} of {} photos placed by what they show; the recorded positions are {}",
+                    placed.second_leg.registered, records.size(), words);
+  } else {
+    leg.corrected_records.push_back("The recorded positions are " + words + ".");
+  }
+  return placed;
 }
 
 }  // namespace
@@ -223,8 +292,11 @@ Result<PlacedFlight> PlaceByEvidence(const ExtractedFlight& extracted, Leg by_re
   PlacedFlight placed = tried.second
                             ? BetterOf(extracted, std::move(by_records), std::move(tried), compares, options)
                             : PlacedFlight{std::move(by_records), std::move(tried.report)};
+  if (may_go_by_images) {
+    placed.leg = Levelled(extracted, std::move(placed.leg), options);
+    placed = WithoutPositionLag(extracted, std::move(placed), options);
+  }
   Leg& leg = placed.leg;
-  if (may_go_by_images) leg = Levelled(extracted, std::move(leg), options);
   if (!placed.second_leg.is_taken && LeanedShare(leg.matched.corrected, leg.problem) > kMuchLeanedShare) {
     leg = Adjusted(Rematched(std::move(leg), kMiddlePass, options), FirstAdjustment(), options);
   }
