@@ -1,5 +1,7 @@
 #include "api/downloads/original_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,6 +13,7 @@
 #include "api/downloads/send_file.h"
 #include "api/flights/flights.h"
 #include "api/http/responses.h"
+#include "api/shown_map.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -34,6 +37,21 @@ const char* ImageTypeOf(std::string name) {
   return nullptr;
 }
 
+// A frame of a film: a photo of the map that nobody uploaded. It lies with the map.
+Result<Response> SendFrame(Service& service, const Request& request, const std::string& flight_id,
+                           const std::string& name) {
+  const Error unknown{ErrorCode::kNotFound, "This flight has no file of this name.", name};
+  const bool is_plain = !name.starts_with('.') && name.find_first_of("/\\") == std::string::npos;
+  if (!is_plain || !name.ends_with(".jpg")) return unknown;
+  const Result<ShownMap> shown = FindShownMap(service, flight_id);
+  if (!shown) return unknown;
+  Result<Response> sent = SendFile(request, shown->folder / "frames" / name, "image/jpeg",
+                                   fmt::format("\"{}-{}\"", shown->revision, name));
+  if (!sent && sent.error().code == ErrorCode::kNotFound) return unknown;
+  if (sent) sent->headers.Add("Cache-Control", "no-cache");
+  return sent;
+}
+
 Result<Response> Send(Service& service, const Request& request) {
   const std::string& flight_id = request.Parameter("flight");
   const std::string& name = request.Parameter("name");
@@ -42,7 +60,7 @@ Result<Response> Send(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
   const auto file = std::find_if(files.begin(), files.end(),
                                  [&](const storage::StoredFile& stored) { return stored.name == name; });
-  if (file == files.end()) return Error{ErrorCode::kNotFound, "This flight has no file of this name.", name};
+  if (file == files.end()) return SendFrame(service, request, flight_id, name);
   const char* image_type = ImageTypeOf(name);
   // Stored names are never used again: the bytes behind one never change.
   Result<Response> sent = SendFile(request, service.store.PathOf(flight_id, file->stored_name),

@@ -15,6 +15,7 @@ struct Flight {
   std::vector<FlightLog> logs;                // readable logs and lists of positions, by name
   std::vector<GcpList> gcp_lists;             // by name
   std::vector<std::string> elevation_models;  // names of the files; the first holds
+  std::vector<std::string> films;             // names; their frames are photos only where they are taken
   std::vector<LeftOutPhoto> left_out;         // by name
   std::vector<std::string> warnings;          // about the flight as a whole
 };

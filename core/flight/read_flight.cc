@@ -186,6 +186,12 @@ Result<Flight> ReadFlight(const std::vector<InputFile>& files, const ReadFlightO
       flight.photos.push_back(std::move(*photo));
     }
   }
+  for (const InputFile& film : sorted.films) {
+    flight.films.push_back(film.name);
+    flight.warnings.push_back(
+        film.name +
+        " is a film. Frames of it become photos when the map is made; they are not looked at here.");
+  }
   const int timed_by_name = TakeTimesFromNames(flight.photos);
   std::sort(flight.photos.begin(), flight.photos.end(), ComesBefore);
   std::sort(flight.left_out.begin(), flight.left_out.end(),

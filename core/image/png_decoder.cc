@@ -17,7 +17,6 @@
 namespace skyquilt::image {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 constexpr std::size_t kInterlaceAt = 28;  // in the header chunk, which comes first
 
 struct Input {
@@ -129,7 +128,8 @@ struct DestroyPng {
 }  // namespace
 
 bool IsPng(std::span<const std::uint8_t> bytes) {
-  return bytes.size() >= kSignature.size() && std::equal(kSignature.begin(), kSignature.end(), bytes.begin());
+  return bytes.size() >= kPngSignature.size() &&
+         std::equal(kPngSignature.begin(), kPngSignature.end(), bytes.begin());
 }
 
 std::int64_t PngWorkBytes(std::span<const std::uint8_t> bytes, int width_px, int height_px) {

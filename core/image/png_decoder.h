@@ -3,6 +3,7 @@
 // become RGB, 16 bits 8, alpha is dropped. Any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,6 +12,8 @@
 #include "core/image/decoded_image.h"
 
 namespace skyquilt::image {
+
+inline constexpr std::array<std::uint8_t, 8> kPngSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 
 bool IsPng(std::span<const std::uint8_t> bytes);
 

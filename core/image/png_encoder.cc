@@ -11,6 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/image/huffman_code.h"
+#include "core/image/png_decoder.h"
 
 namespace skyquilt::image {
 namespace {
@@ -182,12 +183,11 @@ std::vector<std::uint8_t> EncodePart(const RgbaImage& image, int x, int y, int w
   for (std::size_t symbol = 0; symbol < kSymbols; ++symbol)
     bits += std::uint64_t{counts[symbol]} *
             (code.words[symbol].length + (symbol > kEndOfBlock ? kMaxMatchBits : 0));
-  constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr std::size_t kAroundChunk = 12, kHeader = 13, kZlibHeader = 2, kSum = 4;
   std::vector<std::uint8_t> png(
-      kSignature.size() + 3 * kAroundChunk + kHeader + kZlibHeader + bits / 8 + 8 + kSum, 0);
-  std::copy(kSignature.begin(), kSignature.end(), png.begin());
-  std::uint8_t* chunk = png.data() + kSignature.size();
+      kPngSignature.size() + 3 * kAroundChunk + kHeader + kZlibHeader + bits / 8 + 8 + kSum, 0);
+  std::copy(kPngSignature.begin(), kPngSignature.end(), png.begin());
+  std::uint8_t* chunk = png.data() + kPngSignature.size();
   PutBigEndian(static_cast<std::uint32_t>(width_px), chunk + 8);
   PutBigEndian(static_cast<std::uint32_t>(height_px), chunk + 12);
   chunk[16] = 8;  // bits a channel

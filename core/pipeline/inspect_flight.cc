@@ -140,7 +140,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   if (!posed) {
     verdict.left_out = flight->left_out;
     verdict.warnings = flight->warnings;
-    verdict.warnings.push_back(posed.error().message);
+    // A flight of films alone has its photos when the map is made.
+    if (flight->films.empty() || !flight->photos.empty()) verdict.warnings.push_back(posed.error().message);
     return verdict;
   }
   verdict.photos_by_images = static_cast<int>(posed->unplaced.size());

@@ -11,6 +11,7 @@
 #include "core/base/digest.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/render/map_layer.h"
+#include "server/jobs/film_frames.h"
 #include "storage/tilesets/map_keeper.h"
 
 namespace skyquilt::server {
@@ -35,18 +36,26 @@ std::optional<std::string> FirstProductIn(const fs::path& folder) {
   return std::nullopt;
 }
 
-// Photos that the map shows and nobody gave this time.
-std::vector<std::string> MissingPhotos(const pipeline::FlightFacts& facts,
+// Photos, and films, that the map shows and nobody gave this time.
+std::vector<std::string> MissingPhotos(const fs::path& out_dir, const pipeline::FlightFacts& facts,
                                        const std::vector<flight::InputFile>& files) {
   std::map<std::string, Digest> digest_of;
-  for (const pipeline::NamedDigest& input : facts.inputs) digest_of[input.file.name] = input.digest;
+  std::set<std::string> frames;
+  for (const pipeline::NamedDigest& input : facts.inputs) {
+    digest_of[input.file.name] = input.digest;
+    if (IsFrameOf(out_dir, input.file)) frames.insert(input.file.name);
+  }
   std::set<Digest> given;
   for (const flight::InputFile& file : files) {
     // One that cannot be read is no photo of the map; the run itself says what is wrong with it.
     if (const Result<Digest> digest = DigestOfFile(file.path)) given.insert(*digest);
   }
   std::vector<std::string> missing;
+  for (const FilmSource& film : SourcesOfFrames(out_dir)) {
+    if (!given.contains(film.digest)) missing.push_back(film.file.name);
+  }
   for (const alignment::AlignedPhoto& shown : facts.flight.photos) {
+    if (frames.contains(shown.photo.name)) continue;
     const auto known = digest_of.find(shown.photo.name);
     if (known == digest_of.end() || !given.contains(known->second)) missing.push_back(shown.photo.name);
   }
@@ -75,7 +84,7 @@ Result<void> CheckOutFolder(const fs::path& out_dir, const std::vector<flight::I
   const Result<pipeline::FlightFacts> facts = pipeline::ParseFacts(*bytes);
   if (!facts)
     return Refusal(out_dir, "has a map whose mosaic.state cannot be read, so its photos are not known.");
-  const std::vector<std::string> missing = MissingPhotos(*facts, files);
+  const std::vector<std::string> missing = MissingPhotos(out_dir, *facts, files);
   if (missing.empty()) return {};
   return Refusal(out_dir,
                  fmt::format("has the finished map of other photos: {} of its {} photos are not among "

@@ -15,6 +15,7 @@
 
 #include "api/json/job_options.h"
 #include "core/base/try.h"
+#include "server/jobs/film_frames.h"
 #include "server/jobs/job_progress.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
@@ -49,7 +50,8 @@ Result<void> Sync(const fs::path& path, int flags) {
 Result<void> SyncTree(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    SKYQUILT_TRY(Sync(entry.path(), 0));
+    std::error_code unknown;  // Sync says what is wrong with it
+    SKYQUILT_TRY(entry.is_directory(unknown) ? SyncTree(entry.path()) : Sync(entry.path(), 0));
   }
   if (error) return OsError("list " + folder.string(), error.value());
   return Sync(folder, O_DIRECTORY);
@@ -132,13 +134,16 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
   return StitchApart(std::move(task), LimitsOfJob(count, bytes, *options, context.limits), progress);
 }
 
-// What a confined process left: plain files with no second name, nothing that leads elsewhere.
-Result<void> CheckProducts(const fs::path& folder) {
+// What a confined process left: plain files with no second name, nothing that leads elsewhere, and one folder
+// of such files, the frames of its films.
+Result<void> CheckProducts(const fs::path& folder, bool may_hold_frames = true) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     std::error_code unknown;
-    if (entry.symlink_status(unknown).type() != fs::file_type::regular ||
-        entry.hard_link_count(unknown) != 1) {
+    const fs::file_type type = entry.symlink_status(unknown).type();
+    if (may_hold_frames && type == fs::file_type::directory && entry.path().filename() == kFramesFolder) {
+      SKYQUILT_TRY(CheckProducts(entry.path(), false));
+    } else if (type != fs::file_type::regular || entry.hard_link_count(unknown) != 1) {
       return Error{ErrorCode::kInternal, "The process that made the map left what is no map.",
                    entry.path().string()};
     }

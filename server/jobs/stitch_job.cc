@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
@@ -12,6 +13,7 @@
 #include "core/pipeline/report/locate.h"
 #include "core/pipeline/report/odm_exports.h"
 #include "core/render/blocks/render_layers.h"
+#include "server/jobs/film_frames.h"
 #include "server/jobs/open_elevation_model.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/kmz_writer.h"
@@ -128,7 +130,11 @@ Result<std::vector<flight::InputFile>> FilesOfMap(const std::filesystem::path& o
   SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::MapKeeper::FactsOf(out_dir));
   SKYQUILT_TRY_ASSIGN(const pipeline::FlightFacts facts, pipeline::ParseFacts(bytes));
   std::vector<flight::InputFile> files;
-  for (const pipeline::NamedDigest& input : facts.inputs) files.push_back(input.file);
+  // Frames are taken from their films again.
+  for (FilmSource& source : SourcesOfFrames(out_dir)) files.push_back(std::move(source.file));
+  for (const pipeline::NamedDigest& input : facts.inputs) {
+    if (!IsFrameOf(out_dir, input.file)) files.push_back(input.file);
+  }
   return files;
 }
 
@@ -140,10 +146,13 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   if (options.is_fresh) ForgetEarlierRuns(out_dir);
   SKYQUILT_TRY_ASSIGN(auto keeper, storage::MapKeeper::Create(out_dir, options.previous_dir));
   const flight::FilePhotoSource photos(pipeline::MostDecodeBytes(options.mosaic));
-  SKYQUILT_TRY_ASSIGN(const auto elevations, OpenElevationModel(options.mosaic.dem_path, files));
+  SKYQUILT_TRY_ASSIGN(const video::FlightFiles given,
+                      TakeFilmFrames(files, out_dir, ThreadCount(options.mosaic.threads), progress));
+  SKYQUILT_TRY_ASSIGN(const auto elevations, OpenElevationModel(options.mosaic.dem_path, given.files));
   SKYQUILT_TRY_ASSIGN(pipeline::BuiltMosaic built,
-                      pipeline::BuildMosaic(files, options.mosaic, photos, *keeper, progress,
+                      pipeline::BuildMosaic(given.files, options.mosaic, photos, *keeper, progress,
                                             elevations.source.get(), keeper.get()));
+  built.report.warnings.insert(built.report.warnings.end(), given.warnings.begin(), given.warnings.end());
   built.report.warnings.insert(built.report.warnings.end(), elevations.warnings.begin(),
                                elevations.warnings.end());
   SKYQUILT_TRY(keeper->Publish(MetadataOf(built.report)));

@@ -10,6 +10,7 @@ CORE_ORDER = ["base", "image", "geo", "camera", "flight", "poses", "alignment", 
 MAY_USE = {name: set(CORE_ORDER[: i + 1]) for i, name in enumerate(CORE_ORDER)}
 MAY_USE["render"] |= {"pyramid"}
 MAY_USE["pyramid"] = {"base", "image", "geo", "pyramid"}
+MAY_USE["video"] = {"base", "image", "geo", "camera", "flight", "video"}
 MAY_USE["simulate"] = {"base", "image", "geo", "camera", "flight", "poses", "simulate"}
 # What storage and api may know of the core: values and ports, never a stage's algorithm.
 CORE_VALUES = {
@@ -22,7 +23,8 @@ LIBRARIES = {
     r"curl/": {"server/webhooks"},
     r"sqlite3\.h": {"storage"},
     r"(gdal|cpl_|ogr)": {"storage"},
-    r"opencv2/": {"core/alignment", "core/render", "core/pyramid", "core/simulate", "core/flight/photos/photo_decoder.cc"},
+    r"opencv2/": {"core/alignment", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc"},
+    r"lib(av|sws)": {"core/video"},
     r"ceres/": {"core/poses", "core/alignment"},
 }
 HEAVY_IN_HEADERS = re.compile(r"^(boost/|curl/|opencv2/|ceres/|nlohmann/|CLI/|gdal|sqlite3\.h)")

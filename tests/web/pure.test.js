@@ -149,15 +149,16 @@ test('photos and logs are chosen, the rest is named with its reason', async () =
     file('log.csv', [1], 'card/log.csv'),
     file('broken.jpg', [1, 2, 3], 'card/broken.jpg'),
     file('empty.jpg', [], 'card/empty.jpg'),
-    file('film.MP4', [1], 'card/film.MP4'),
+    file('film.AVI', [1], 'card/film.AVI'),
+    file('flight.MP4', [1], 'card/flight.MP4'),
     file('letter.docx', [1], 'card/letter.docx'),
     file('old.rar', [1], 'card/old.rar'),
     file('rest.tar.gz', [1], 'card/rest.tar.gz'),
     file('one.gz', [1], 'card/one.gz'),
     file('.DS_Store', [1], 'card/.DS_Store'),
   ]);
-  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'log.csv', 'rest.tar.gz']);
-  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.MP4', 'card/letter.docx', 'card/old.rar', 'card/one.gz']);
+  assert.deepEqual(chosen.map(({ name }) => name), ['b.JPG', 'flight.MP4', 'log.csv', 'rest.tar.gz']);
+  assert.deepEqual(ignored.map(({ name }) => name), ['card/broken.jpg', 'card/empty.jpg', 'card/film.AVI', 'card/letter.docx', 'card/old.rar', 'card/one.gz']);
   assert.equal(new Set(ignored.map(({ reason }) => reason)).size, 5);
   assert.equal(folder, 'card');
 });

@@ -9,6 +9,7 @@
 
 #include "core/base/try.h"
 #include "core/flight/lists/elevation_model_file.h"
+#include "core/flight/lists/film_file.h"
 #include "core/flight/logs/csv/unknown_table.h"
 #include "core/flight/logs/read_log.h"
 #include "core/flight/photos/byte_source.h"
@@ -16,8 +17,8 @@
 namespace skyquilt::flight {
 namespace {
 
-// Pictures and films outnumber logs by far and need no further look.
-bool IsPictureOrFilm(const std::vector<std::uint8_t>& head) {
+// Pictures outnumber logs by far and need no further look.
+bool IsPicture(const std::vector<std::uint8_t>& head) {
   constexpr std::array<std::string_view, 5> kMagic = {"\xFF\xD8\xFF", std::string_view("II*\0", 4),
                                                       std::string_view("MM\0*", 4), "\x89PNG", "RIFF"};
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
@@ -43,7 +44,7 @@ bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endi
                      [&](std::string_view ending) { return lower.ends_with(ending); });
 }
 
-enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kNothing };
+enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kFilm, kNothing };
 
 Result<Kind> KindOf(const InputFile& file) {
   const bool is_log_by_name = EndsWithOneOf(file.name, kLogEndings);
@@ -58,7 +59,8 @@ Result<Kind> KindOf(const InputFile& file) {
   }
   if (head.empty()) return unknown;
   if (IsElevationModel(**source)) return Kind::kElevationModel;
-  if (IsPictureOrFilm(head)) return Kind::kPhoto;
+  if (LooksLikeFilm({reinterpret_cast<const char*>(head.data()), head.size()})) return Kind::kFilm;
+  if (IsPicture(head)) return Kind::kPhoto;
   head = (*source)->ReadUpTo(0, kRecogniseBytes);
   SKYQUILT_TRY_ASSIGN(const auto format, RecogniseLog(head, file.name));
   if (!format && is_log_by_name) {
@@ -104,6 +106,8 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
       sorted.logs.push_back(file);
     } else if (*kind == Kind::kGcpList) {
       sorted.gcp_lists.push_back(file);
+    } else if (*kind == Kind::kFilm) {
+      sorted.films.push_back(file);
     } else if (*kind == Kind::kElevationModel) {
       sorted.elevation_models.push_back(file);
     } else {

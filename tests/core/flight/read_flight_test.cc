@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "core/flight/lists/film_file.h"
 #include "tests/core/flight/synthetic_photo.h"
 
 namespace skyquilt::flight {
@@ -89,12 +90,12 @@ TEST(ReadFlight, LeavesOutBadFilesWithTheirReasonsAndKeepsTheRest) {
   EXPECT_EQ(Names(flight), (std::vector<std::string>{"good.jpg", "no_gps.jpg"}));
   EXPECT_TRUE(flight.photos[0].position);
   EXPECT_FALSE(flight.photos[1].position);
-  ASSERT_EQ(flight.left_out.size(), 4u);
+  ASSERT_EQ(flight.left_out.size(), 3u);
   EXPECT_EQ(flight.left_out[0].name, "cut.jpg");
   EXPECT_EQ(flight.left_out[0].code, ErrorCode::kCorrupt);
   EXPECT_THAT(flight.left_out[1].reason, HasSubstr("empty"));
-  EXPECT_THAT(flight.left_out[2].reason, HasSubstr("video"));
-  EXPECT_THAT(flight.left_out[3].reason, HasSubstr("text file"));
+  EXPECT_THAT(flight.left_out[2].reason, HasSubstr("text file"));
+  EXPECT_THAT(flight.warnings, ::testing::Contains(HasSubstr("film.mp4 is a film")));
   EXPECT_THAT(flight.warnings, ::testing::Contains(HasSubstr("1 of 2 photos carry no usable position")));
 }
 
@@ -266,6 +267,23 @@ TEST(ReadFlight, NamesTheTableThatCannotBeRead) {
   const Flight flight = Read(folder);
   EXPECT_TRUE(flight.logs.empty());
   EXPECT_THAT(flight.warnings, Contains(HasSubstr("gnss.csv is not used")));
+}
+
+TEST(LooksLikeFilm, TellsFilmsFromPicturesInTheSameContainer) {
+  EXPECT_TRUE(
+      LooksLikeFilm(std::string_view("\0\0\0\x18"
+                                     "ftypmp42",
+                                     12)));
+  EXPECT_TRUE(
+      LooksLikeFilm(std::string_view("\0\0\0\x14"
+                                     "ftypqt  ",
+                                     12)));
+  EXPECT_FALSE(
+      LooksLikeFilm(std::string_view("\0\0\0\x18"
+                                     "ftypheic",
+                                     12)));
+  EXPECT_FALSE(LooksLikeFilm("\xff\xd8\xff"));
+  EXPECT_FALSE(LooksLikeFilm(""));
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ export const strings = {
     resume_hint: 'Choose the same folder again to resume. Files already on the server are skipped.',
     reasons: {
       empty: 'The file is empty.',
-      video: 'Videos are not supported. Take still photos during the flight.',
+      film: 'Only MP4 and MOV films are read. Add the film itself, as the camera wrote it.',
       archive: 'Only zip and tar archives are supported. Unpack this one and drop the folder.',
       kind: 'Not a photo or a flight log.',
       not_photo: 'The file is named like a photo, but its content is not one.',

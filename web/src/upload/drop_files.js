@@ -9,7 +9,9 @@ import { strings } from '../shared/strings.js';
 
 const kPhotos = new Set(['jpg', 'jpeg', 'tif', 'tiff', 'png', 'dng']);
 const kLogs = new Set(['csv', 'txt', 'log', 'bin', 'ulg', 'tlog', 'srt', 'mrk', 'pos', 'json', 'gpx', 'nmea']);
-const kVideos = new Set(['mp4', 'mov', 'avi', 'mkv', 'lrf', 'lrv', 'ts']);
+const kFilms = new Set(['mp4', 'mov']);
+// What cameras write beside a film for their own screens, and films in other containers.
+const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 // The server unpacks these into the files in them.
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
@@ -104,9 +106,9 @@ export async function selectFiles(found) {
     if (name.startsWith('.') || /^(thumbs\.db|desktop\.ini)$/i.test(name)) continue;
     const kind = extension(name);
     let reason = '';
-    if (kVideos.has(kind)) reason = reasons.video;
+    if (kOtherFilms.has(kind)) reason = reasons.film;
     else if (kOtherArchives.has(kind) && !isArchive(name)) reason = reasons.archive;
-    else if (!kPhotos.has(kind) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
+    else if (!kPhotos.has(kind) && !kFilms.has(kind) && !kLogs.has(kind) && !isArchive(name)) reason = reasons.kind;
     else if (file.size === 0) reason = reasons.empty;
     else if (kPhotos.has(kind) && !looksLikePhoto(new Uint8Array(await file.slice(0, 8).arrayBuffer()))) {
       reason = reasons.not_photo;

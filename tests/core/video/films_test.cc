@@ -1,0 +1,98 @@
+#include "core/video/films.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "tests/core/video/moving_film.h"
+
+namespace skyquilt::video {
+namespace {
+
+// As DJI cameras write: one subtitle a second.
+std::string Subtitles(int seconds) {
+  std::string text;
+  for (int s = 0; s < seconds; ++s) {
+    text += fmt::format(
+        "{}\n00:00:{:02},000 --> 00:00:{:02},000\n[iso : 100] [shutter : 1/500.0] [latitude: {:.6f}] [longitude: 8.500000] "
+        "[rel_alt: 50.000 abs_alt: 412.300]\n\n",
+        s + 1, s, s + 1, 47.0 + 1e-5 * s);
+  }
+  return text;
+}
+
+class FilmsTest : public testing::Test {
+ protected:
+  flight::InputFile File(const std::string& name) const { return {name, folder_.path() / name}; }
+  Result<FlightFiles> Replace(const std::vector<flight::InputFile>& files) {
+    SilentProgress progress;
+    std::filesystem::create_directories(folder_.path() / "frames");
+    return WithFramesOfFilms(files, FilmsAmong(files), folder_.path() / "frames", {}, progress);
+  }
+  FilmFolder folder_;
+};
+
+TEST_F(FilmsTest, BecomePhotosWithATableOfTheirPlaces) {
+  if (!WriteFilm(folder_.path() / "DJI_0001.MP4", 90, [](int k) { return 6 * k; }))
+    GTEST_SKIP() << "no MPEG-4 encoder";
+  folder_.Write("dji_0001.srt", Subtitles(4));
+  folder_.Write("photo.jpg", "\xff\xd8\xff");
+  const auto given = Replace({File("DJI_0001.MP4"), File("dji_0001.srt"), File("photo.jpg")});
+  ASSERT_TRUE(given) << given.error().message;
+  EXPECT_TRUE(given->warnings.empty()) << given->warnings.front();
+  std::vector<std::string> names;
+  for (const flight::InputFile& file : given->files) names.push_back(file.name);
+  EXPECT_EQ(names.front(), "photo.jpg");
+  EXPECT_EQ(names.back(), "DJI_0001_frames.csv");
+  EXPECT_EQ(names[1], "DJI_0001_000000.jpg");
+  EXPECT_EQ(std::count(names.begin(), names.end(), "dji_0001.srt"), 0);
+  ASSERT_EQ(given->sources.size(), 2U);
+  EXPECT_EQ(given->sources[1].name, "dji_0001.srt");
+  std::ifstream table(given->files.back().path);
+  const std::string text{std::istreambuf_iterator<char>(table), {}};
+  EXPECT_NE(text.find("\"DJI_0001_000000.jpg\",47.0000"), std::string::npos) << text;
+  EXPECT_NE(text.find(",50.000,"), std::string::npos) << text;
+}
+
+TEST_F(FilmsTest, OfOneNameKeepTheirFramesApart) {
+  for (const char* card : {"one", "two"}) {
+    std::filesystem::create_directory(folder_.path() / card);
+    if (!WriteFilm(folder_.path() / card / "DJI_0001.MP4", 60, [](int k) { return 6 * k; }))
+      GTEST_SKIP() << "no MPEG-4 encoder";
+  }
+  const auto given = Replace({{"one/DJI_0001.MP4", folder_.path() / "one/DJI_0001.MP4"},
+                              {"two/DJI_0001.MP4", folder_.path() / "two/DJI_0001.MP4"}});
+  ASSERT_TRUE(given) << given.error().message;
+  std::set<std::string> names;
+  for (const flight::InputFile& file : given->files) names.insert(file.name);
+  EXPECT_EQ(names.size(), given->files.size());
+  EXPECT_TRUE(names.contains("DJI_0001_000000.jpg"));
+  EXPECT_TRUE(names.contains("DJI_0001_2_000000.jpg"));
+  EXPECT_EQ(given->sources.size(), 2U);
+}
+
+TEST_F(FilmsTest, AreToldFromOtherFiles) {
+  folder_.Write("photo.jpg", "\xff\xd8\xff");
+  folder_.Write("log.srt", Subtitles(4));
+  EXPECT_TRUE(FilmsAmong({File("photo.jpg"), File("log.srt"), File("missing.jpg")}).empty());
+}
+
+TEST_F(FilmsTest, NamesAFilmThatCannotBeReadAndGoesOn) {
+  folder_.Write("broken.mp4", std::string("\0\0\0\x18"
+                                          "ftypmp42",
+                                          12) +
+                                  std::string(400, 'x'));
+  folder_.Write("photo.jpg", "\xff\xd8\xff");
+  const auto given = Replace({File("broken.mp4"), File("photo.jpg")});
+  ASSERT_TRUE(given);
+  ASSERT_EQ(given->warnings.size(), 1U);
+  EXPECT_NE(given->warnings[0].find("broken.mp4"), std::string::npos);
+  ASSERT_EQ(given->files.size(), 1U);
+  EXPECT_EQ(given->files[0].name, "photo.jpg");
+}
+
+}  // namespace
+}  // namespace skyquilt::video

@@ -1,0 +1,29 @@
+// A film of a camera that moves over painted ground, and a folder to keep it in.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace skyquilt::video {
+
+constexpr int kFilmWidthPx = 640, kFilmHeightPx = 480, kFilmFramesPerS = 30;
+
+class FilmFolder {
+ public:
+  FilmFolder();
+  ~FilmFolder();
+  FilmFolder(const FilmFolder&) = delete;
+  FilmFolder& operator=(const FilmFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path Write(const std::string& name, const std::string& bytes) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+// MPEG-4 part 2 in an MP4; frame k shows the ground from `left_px(k)` on. False: this machine has no encoder
+// for it.
+bool WriteFilm(const std::filesystem::path& path, int frames, const std::function<int(int)>& left_px);
+
+}  // namespace skyquilt::video

@@ -1,0 +1,95 @@
+#include "core/video/take_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <charconv>
+
+#include "tests/core/video/moving_film.h"
+
+namespace skyquilt::video {
+namespace {
+
+// The frame's number in "film_000021.jpg".
+int NumberOf(const flight::InputFile& photo) {
+  int number = -1;
+  const std::string text = photo.name.substr(photo.name.find('_') + 1, 6);
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+struct Taken {
+  FilmFolder folder;
+  Result<TakenFrames> frames = Error{ErrorCode::kNotFound, "", ""};
+  bool is_filmed = false;
+
+  Taken(int count, const std::function<int(int)>& left_px, TakeFramesOptions options = {}) {
+    const std::filesystem::path film = folder.path() / "film.mp4";
+    is_filmed = WriteFilm(film, count, left_px);
+    SilentProgress progress;
+    if (is_filmed) frames = TakeFrames({"film.mp4", film}, std::nullopt, folder.path(), options, progress);
+  }
+};
+
+TEST(TakeFrames, TakesThemAsFarApartAsTheyMayOverlap) {
+  const Taken taken(150, [](int k) { return 6 * k; });
+  if (!taken.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  ASSERT_TRUE(taken.frames) << taken.frames.error().message;
+  const auto& photos = taken.frames->photos;
+  ASSERT_GE(photos.size(), 7U);
+  EXPECT_LE(photos.size(), 14U);
+  EXPECT_EQ(NumberOf(photos.front()), 0);
+  for (std::size_t i = 1; i < photos.size(); ++i) {
+    const int moved_px = 6 * (NumberOf(photos[i]) - NumberOf(photos[i - 1]));
+    if (i + 1 < photos.size()) EXPECT_GE(moved_px, 0.12 * kFilmWidthPx);
+    EXPECT_LE(moved_px, 0.26 * kFilmWidthPx);
+    EXPECT_NEAR(taken.frames->times_s[i], NumberOf(photos[i]) / 30.0, 1e-3);
+  }
+  for (const auto& photo : photos) EXPECT_GT(std::filesystem::file_size(photo.path), 1000U);
+  EXPECT_FALSE(taken.frames->table);
+}
+
+TEST(TakeFrames, TakesOneOfACameraThatStands) {
+  const Taken taken(90, [](int) { return 0; });
+  if (!taken.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  ASSERT_TRUE(taken.frames);
+  EXPECT_EQ(taken.frames->photos.size(), 1U);
+}
+
+TEST(TakeFrames, TakesBothSidesOfACut) {
+  const Taken taken(60, [](int k) { return k < 30 ? 0 : 5000; });
+  if (!taken.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  ASSERT_TRUE(taken.frames);
+  ASSERT_EQ(taken.frames->photos.size(), 2U);
+  EXPECT_LT(NumberOf(taken.frames->photos[0]), 30);
+  EXPECT_GE(NumberOf(taken.frames->photos[1]), 30);
+}
+
+TEST(TakeFrames, SaysWhereItStoppedWhenThereAreTooMany) {
+  TakeFramesOptions options;
+  options.max_frames = 3;
+  const Taken taken(
+      150, [](int k) { return 6 * k; }, options);
+  if (!taken.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  ASSERT_TRUE(taken.frames);
+  EXPECT_EQ(taken.frames->photos.size(), 3U);
+  ASSERT_EQ(taken.frames->warnings.size(), 1U);
+  EXPECT_NE(taken.frames->warnings[0].find("film.mp4"), std::string::npos);
+}
+
+TEST(TakeFrames, IsTheSameWithAnyNumberOfThreads) {
+  TakeFramesOptions four;
+  four.threads = 4;
+  const Taken one(60, [](int k) { return 9 * k; }), many(
+                                                        60, [](int k) { return 9 * k; }, four);
+  if (!one.is_filmed) GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  ASSERT_TRUE(one.frames && many.frames);
+  ASSERT_EQ(one.frames->photos.size(), many.frames->photos.size());
+  for (std::size_t i = 0; i < one.frames->photos.size(); ++i) {
+    EXPECT_EQ(one.frames->photos[i].name, many.frames->photos[i].name);
+    EXPECT_EQ(std::filesystem::file_size(one.frames->photos[i].path),
+              std::filesystem::file_size(many.frames->photos[i].path));
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::video

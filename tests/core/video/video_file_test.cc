@@ -1,0 +1,100 @@
+#include "core/video/video_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "tests/core/video/moving_film.h"
+
+namespace skyquilt::video {
+namespace {
+
+class VideoFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = folder_.path() / "film.mp4";
+    if (!WriteFilm(path_, 60, [](int k) { return 4 * k; }))
+      GTEST_SKIP() << "no MPEG-4 encoder on this machine";
+  }
+  std::string Bytes() const {
+    std::ifstream file(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  FilmFolder folder_;
+  std::filesystem::path path_;
+};
+
+TEST_F(VideoFileTest, GivesEveryFrameWithItsTime) {
+  auto film = VideoFile::Open(path_, 2);
+  ASSERT_TRUE(film) << film.error().message;
+  EXPECT_EQ(film->facts().width_px, kFilmWidthPx);
+  EXPECT_EQ(film->facts().height_px, kFilmHeightPx);
+  EXPECT_NEAR(film->facts().duration_s, 2.0, 0.1);
+  for (int k = 0; k < 60; ++k) {
+    const auto next = film->Next();
+    ASSERT_TRUE(next && *next) << k;
+    EXPECT_EQ(film->number(), k);
+    EXPECT_NEAR(film->time_s(), k / 30.0, 1e-3);
+  }
+  EXPECT_FALSE(*film->Next());
+}
+
+TEST_F(VideoFileTest, KeepsAFrameWhileOthersPass) {
+  auto film = VideoFile::Open(path_, 1);
+  ASSERT_TRUE(*film->Next());
+  film->Keep();
+  const GrayFrame first = *film->Gray(kFilmWidthPx);
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(*film->Next());
+  const GrayFrame later = *film->Gray(320);
+  EXPECT_EQ(later.width_px, 320);
+  EXPECT_EQ(later.height_px, 240);
+  const auto kept = film->Kept();
+  ASSERT_TRUE(kept);
+  ASSERT_EQ(kept->width_px, kFilmWidthPx);
+  double off = 0.0;
+  for (int y = 0; y < kFilmHeightPx; y += 7) {
+    for (int x = 0; x < kFilmWidthPx; x += 7) {
+      const std::uint8_t* rgb = kept->Row(y) + 3 * x;
+      off += std::abs(0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2] -
+                      first.gray[static_cast<std::size_t>(y * kFilmWidthPx + x)]);
+    }
+  }
+  EXPECT_LT(off / ((kFilmHeightPx / 7) * (kFilmWidthPx / 7)), 20.0);
+}
+
+TEST_F(VideoFileTest, RefusesWhatIsNoFilm) {
+  for (const auto& [name, bytes] : {std::pair{"empty.mp4", std::string()},
+                                    {"words.mp4", std::string(5000, 'x')},
+                                    {"head.mp4", Bytes().substr(0, 40)}}) {
+    const auto film = VideoFile::Open(folder_.Write(name, bytes), 1);
+    ASSERT_FALSE(film) << name;
+    EXPECT_EQ(film.error().code, ErrorCode::kUnsupportedFormat);
+    EXPECT_NE(film.error().message.find(name), std::string::npos) << film.error().message;
+  }
+  EXPECT_FALSE(VideoFile::Open(folder_.path() / "none.mp4", 1));
+}
+
+TEST_F(VideoFileTest, EndsWhereAFilmIsDamaged) {
+  std::string bytes = Bytes();
+  const std::size_t middle = bytes.size() / 3;
+  for (std::size_t i = middle; i < middle + 2000 && i < bytes.size(); ++i)
+    bytes[i] = static_cast<char>(i * 37);
+  auto film = VideoFile::Open(folder_.Write("damaged.mp4", bytes), 2);
+  if (!film) return;  // its index was hit
+  int frames = 0;
+  for (;; ++frames) {
+    const auto next = film->Next();
+    if (!next || !*next) break;
+    ASSERT_LT(frames, 1000);
+  }
+}
+
+TEST_F(VideoFileTest, HasNoSubtitlesUnlessTheCameraWroteThem) {
+  const auto text = VideoFile::Subtitles(path_);
+  ASSERT_TRUE(text);
+  EXPECT_EQ(*text, "");
+}
+
+}  // namespace
+}  // namespace skyquilt::video

@@ -1,0 +1,125 @@
+"""A film and its subtitles through the real server, and through `stitch`: frames are taken, placed by the subtitles
+and told apart from photos; a film that cannot be read is named and the photos beside it become the map."""
+import json
+import math
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+from server_support import BINARY, Server
+
+FRAMES_PER_S = 5
+
+
+def subtitle(number, photo):
+    begin, end = number / FRAMES_PER_S, (number + 1) / FRAMES_PER_S
+    clock = [f"00:00:{s:06.3f}".replace(".", ",") for s in (begin, end)]
+    return (f"{number + 1}\n{clock[0]} --> {clock[1]}\n"
+            f'<font size="28">FrameCnt: {number + 1}, DiffTime: {1000 // FRAMES_PER_S}ms\n'
+            f"2024-06-01 10:00:{begin:06.3f}\n"
+            f"[iso: 100] [shutter: 1/1000.0] [fnum: 2.8] [latitude: {photo['lat_deg']:.7f}] "
+            f"[longitude: {photo['lon_deg']:.7f}] [rel_alt: 60.000 abs_alt: 460.000] </font>\n\n")
+
+
+class Films(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="skyquilt-film-")
+        root = pathlib.Path(cls.folder.name)
+        flight = root / "flight"
+        subprocess.run([BINARY, "simulate", "-o", flight, "--photos", "60", "--size", "640x480", "--overlap", "0.93",
+                        "--no-world", "--seed", "5"], check=True, capture_output=True)
+        cls.truth = json.loads((flight / "truth/poses.json").read_text())["photos"]
+        cls.film, cls.subtitles = root / "DJI_0007.MP4", root / "DJI_0007.SRT"
+        maker = pathlib.Path(BINARY).with_name("film_of_photos")
+        subprocess.run([maker, flight / "photos", cls.film, str(FRAMES_PER_S)], check=True)
+        cls.subtitles.write_text("".join(subtitle(n, photo) for n, photo in enumerate(cls.truth)))
+        cls.root = root
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def look_at(self, report):
+        photos = report["photos"]
+        # Photos share 93 %, frames are wanted where they share 80 %: about every third.
+        self.assertTrue(15 <= photos["total"] <= 35, photos)
+        self.assertEqual(photos["aligned"], photos["total"], photos)
+        self.assertEqual(report["alignment"]["pieces"], 1)
+        self.assertTrue(report["is_placed"])
+
+    def test_a_film_and_its_subtitles_become_a_map_at_the_server(self):
+        with tempfile.TemporaryDirectory() as data:
+            server = Server(data)
+            try:
+                files = [(p.name, p.read_bytes()) for p in (self.film, self.subtitles)]
+                status, made = server.upload(files, name="A film")
+                self.assertEqual(status, 202, made)
+                flight = f"/api/v1/flights/{made['flight']['id']}"
+                status, verdict = server.json("GET", flight + "/verdict")
+                self.assertEqual(status, 200, verdict)
+                self.assertTrue(any("DJI_0007.MP4 is a film" in text for text in verdict["warnings"]), verdict)
+                self.assertFalse(any("nothing to place" in text for text in verdict["warnings"]), verdict)
+                job = server.wait_for_job(made["job"]["id"])
+                self.assertEqual(job["state"], "successful", job)
+                status, report = server.json("GET", flight + "/report")
+                self.assertEqual(status, 200)
+                self.look_at(report)
+                frame = report["alignment"]["photo_reports"][0]["name"]
+                status, headers, bytes_of_frame = server.request("GET", f"{flight}/files/{frame}")
+                self.assertEqual((status, headers["Content-Type"]), (200, "image/jpeg"))
+                self.assertEqual(bytes_of_frame[:2], b"\xff\xd8")
+                for name in ("frames.json", ".hidden.jpg", "none.jpg"):
+                    self.assertEqual(server.request("GET", f"{flight}/files/{name}")[0], 404, name)
+            finally:
+                server.stop()
+
+    def test_stitch_takes_the_film(self):
+        out = self.root / "map"
+        done = subprocess.run([BINARY, "stitch", self.film, self.subtitles, "-o", out], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        report = json.loads((out / "report.json").read_text())
+        self.look_at(report)
+        truth_lat = sum(p["lat_deg"] for p in self.truth) / len(self.truth)
+        features = json.loads((out / "photos.geojson").read_text())["features"]
+        lat = sum(f["properties"]["camera_lat"] for f in features) / len(features)
+        self.assertLess(abs(math.radians(lat - truth_lat)) * 6371000, 15)
+        # The same film again is the same map; another of its name does not replace it.
+        again = subprocess.run([BINARY, "stitch", self.film, self.subtitles, "-o", out], capture_output=True, text=True)
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        other = self.root / "other"
+        other.mkdir()
+        (other / self.film.name).write_bytes(self.film.read_bytes() + b"\0\0\0\x08free")
+        refused = subprocess.run([BINARY, "stitch", other, "-o", out], capture_output=True, text=True)
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("DJI_0007.MP4", refused.stderr)
+        # Photos join a map of a film.
+        photo = self.root / "flight/photos" / self.truth[-1]["name"]
+        joined = subprocess.run([BINARY, "stitch", photo, "-o", out, "--append"], capture_output=True, text=True)
+        self.assertEqual(joined.returncode, 0, joined.stdout + joined.stderr)
+        self.assertEqual(json.loads((out / "report.json").read_text())["photos"]["total"], report["photos"]["total"] + 1)
+
+    def test_frames_replace_no_folder_of_the_users(self):
+        out = self.root / "own"
+        (out / "frames").mkdir(parents=True)
+        (out / "frames" / "mine.jpg").write_bytes(b"mine")
+        done = subprocess.run([BINARY, "stitch", self.film, "-o", out], capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("holds other files", done.stderr)
+        self.assertEqual([p.name for p in (out / "frames").iterdir()], ["mine.jpg"])
+
+    def test_a_film_that_cannot_be_read_is_named_and_the_other_one_becomes_the_map(self):
+        broken = self.root / "broken.MP4"
+        broken.write_bytes(self.film.read_bytes()[:3000])
+        out = self.root / "map_of_two"
+        done = subprocess.run([BINARY, "stitch", broken, self.film, self.subtitles, "-o", out],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        report = json.loads((out / "report.json").read_text())
+        self.look_at(report)
+        self.assertTrue(any("broken.MP4" in text for text in report["warnings"]), report["warnings"])
+
+
+if __name__ == "__main__":
+    unittest.main()
