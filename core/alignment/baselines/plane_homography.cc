@@ -9,7 +9,6 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kMaxTrials = 1000;
 constexpr double kConfidence = 0.999;
 constexpr int kRefinements = 3;
 constexpr double kMinDepth = 1e-3;  // of the middle's: nearer to the horizon nothing is believed
@@ -80,7 +79,8 @@ std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlanePair>& pairs
   return to_from;
 }
 
-std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, double tolerance) {
+std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, double tolerance,
+                                          int max_trials) {
   const auto count = static_cast<int>(pairs.size());
   if (count < 8) return std::nullopt;
   std::vector<cv::Point2d> from, to;
@@ -89,7 +89,7 @@ std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, d
     to.emplace_back(pair.to.x(), pair.to.y());
   }
   const cv::Mat found =
-      cv::findHomography(from, to, cv::USAC_MAGSAC, tolerance, cv::noArray(), kMaxTrials, kConfidence);
+      cv::findHomography(from, to, cv::USAC_MAGSAC, tolerance, cv::noArray(), max_trials, kConfidence);
   if (found.empty()) return std::nullopt;
   RobustFit best;
   for (int r = 0; r < 3; ++r) {

@@ -28,6 +28,7 @@ std::optional<Eigen::Matrix3d> FitHomography(const std::vector<PlanePair>& pairs
 
 // `tolerance`: in units of `to`. Believed by the rule of Brown and Lowe (Automatic Panoramic Image Stitching,
 // 2007): more inliers than 5.9 and 0.22 of the pairs.
-std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, double tolerance);
+std::optional<RobustFit> RobustHomography(const std::vector<PlanePair>& pairs, double tolerance,
+                                          int max_trials = 1000);
 
 }  // namespace skyquilt::alignment

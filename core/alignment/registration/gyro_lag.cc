@@ -25,6 +25,12 @@ constexpr int kMinFitting = 40;
 constexpr double kBetterShare = 1.08;  // by so much more must fit, or the lag is not believed
 constexpr double kWorseShare = 0.97;   // with so many fewer fitting, the record is not
 constexpr double kNearBestShare = 0.97;
+// How thoroughly a pair is looked at. Most lags fit hardly anything, which takes the longest to find out.
+struct Effort {
+  std::size_t max_matches = 0;
+  int max_trials = 0;
+};
+constexpr Effort kCoarse{100, 100}, kFine{400, 1000};
 
 struct ComparedPair {
   std::size_t first = 0, second = 0;
@@ -91,27 +97,31 @@ camera::RowMotion TurnsWithLag(const poses::PosedPhoto& posed, std::optional<dou
           TurnsOfRows(turning, *photo.readout_s, photo.exposure_time_s.value_or(0.0))};
 }
 
-int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::optional<double> lag_s) {
+int Fitting(const poses::PosedFlight& posed, const ComparedPair& pair, std::optional<double> lag_s,
+            const Effort& effort) {
   const flight::Photo& first = posed.photos[pair.first].photo;
   const flight::Photo& second = posed.photos[pair.second].photo;
   const camera::RowMotion of_first = TurnsWithLag(posed.photos[pair.first], lag_s);
   const camera::RowMotion of_second = TurnsWithLag(posed.photos[pair.second], lag_s);
   std::vector<PlanePair> places;
-  for (const auto& [from, to] : pair.places) {
+  const std::size_t step = (pair.places.size() + effort.max_matches - 1) / effort.max_matches;
+  for (std::size_t k = 0; k < pair.places.size(); k += step) {
+    const auto& [from, to] = pair.places[k];
     places.push_back(
         {InMiddle(first.intrinsics, of_first, from), InMiddle(second.intrinsics, of_second, to)});
   }
   const double tolerance = kToleranceShare * first.intrinsics.width_px / first.intrinsics.MeanFocalPx();
-  const std::optional<RobustFit> fit = RobustHomography(places, tolerance);
+  const std::optional<RobustFit> fit = RobustHomography(places, tolerance, effort.max_trials);
   return fit ? static_cast<int>(fit->inliers.size()) : 0;
 }
 
 // Summed over all pairs.
 std::vector<int> FittingAt(const poses::PosedFlight& posed, const std::vector<ComparedPair>& pairs,
-                           const std::vector<std::optional<double>>& lags_s, int threads) {
+                           const std::vector<std::optional<double>>& lags_s, const Effort& effort,
+                           int threads) {
   std::vector<int> of_each(pairs.size() * lags_s.size());
   ParallelFor(of_each.size(), threads, [&](std::size_t k) {
-    of_each[k] = Fitting(posed, pairs[k / lags_s.size()], lags_s[k % lags_s.size()]);
+    of_each[k] = Fitting(posed, pairs[k / lags_s.size()], lags_s[k % lags_s.size()], effort);
   });
   std::vector<int> sums(lags_s.size(), 0);
   for (std::size_t k = 0; k < of_each.size(); ++k) sums[k % lags_s.size()] += of_each[k];
@@ -128,14 +138,14 @@ std::vector<std::optional<double>> LagsAround(double middle_s, double reach_s, d
 void FindLag(const poses::PosedFlight& posed, const std::vector<ComparedPair>& pairs, int threads,
              GyroReport& report) {
   std::vector<std::optional<double>> lags_s = LagsAround(0.0, kMaxLagS, kCoarseStepS);
-  lags_s.emplace_back();
-  std::vector<int> fitting = FittingAt(posed, pairs, lags_s, threads);
-  report.fitting_without = fitting.back();
-  fitting.pop_back();
+  std::vector<int> fitting = FittingAt(posed, pairs, lags_s, kCoarse, threads);
   const auto best = std::max_element(fitting.begin(), fitting.end());
   const double coarse_s = **(lags_s.begin() + (best - fitting.begin()));
   lags_s = LagsAround(coarse_s, kCoarseStepS, kFineStepS);
-  fitting = FittingAt(posed, pairs, lags_s, threads);
+  lags_s.emplace_back();
+  fitting = FittingAt(posed, pairs, lags_s, kFine, threads);
+  report.fitting_without = fitting.back();
+  fitting.pop_back();
   // The middle of the peak: single counts waver.
   report.fitting = *std::max_element(fitting.begin(), fitting.end());
   if (report.fitting == 0) return;
