@@ -32,6 +32,10 @@ void Headers::Set(std::string_view name, std::string value) {
   list_.emplace_back(std::string(name), std::move(value));
 }
 
+void Headers::Remove(std::string_view name) {
+  std::erase_if(list_, [&](const auto& header) { return EqualsIgnoringCase(header.first, name); });
+}
+
 std::string_view Headers::Find(std::string_view name) const {
   for (const auto& [known, value] : list_) {
     if (EqualsIgnoringCase(known, name)) return value;

@@ -41,6 +41,7 @@ class Headers {
  public:
   void Add(std::string name, std::string value) { list_.emplace_back(std::move(name), std::move(value)); }
   void Set(std::string_view name, std::string value);
+  void Remove(std::string_view name);
   // Empty when absent.
   std::string_view Find(std::string_view name) const;
   bool Has(std::string_view name) const;

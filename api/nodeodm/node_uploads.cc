@@ -5,11 +5,11 @@
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
-#include "api/http/multipart.h"
 #include "api/http/responses.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/form_receiver.h"
+#include "api/uploads/multipart.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

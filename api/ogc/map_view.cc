@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "api/http/links.h"
 #include "api/http/responses.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -11,36 +10,19 @@
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
-namespace {
-
-// A token goes on in links only when it is one of ours: nothing from outside gets into our documents
-// unchecked.
-std::string TokenOf(const Request& request) {
-  const std::string_view token = request.Query("token").value_or("");
-  const bool is_plain = std::all_of(token.begin(), token.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-  });
-  return token.empty() || !is_plain ? std::string() : "token=" + std::string(token);
-}
-
-}  // namespace
-
 int MapView::tile_size_px() const { return TileSizePx(*tileset); }
 
 std::string MapView::matrix_set() const {
   return tile_size_px() == 256 ? "WebMercatorQuad" : fmt::format("WebMercatorQuad{}", tile_size_px());
 }
 
-std::string MapView::Link(std::string_view path) const {
-  if (token.empty()) return fmt::format("{}{}", base_url, path);
-  return fmt::format("{}{}{}{}", base_url, path, path.find('?') == std::string_view::npos ? '?' : '&', token);
-}
+std::string MapView::Link(std::string_view path) const { return WithToken(base_url, path, token); }
 
 Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
-  return MapView{flight_id, flight.name, tileset, request.base_url, TokenOf(request)};
+  return MapView{flight_id, flight.name, tileset, request.base_url, TokenInQuery(request)};
 }
 
 std::vector<TileMatrix> MatricesOf(const MapView& map) {

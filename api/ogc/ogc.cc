@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
+#include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
@@ -39,11 +40,7 @@ Value Link(const std::string& href, const std::string& rel, const char* type, co
 MapView Anywhere(const Request& request) {
   MapView view;
   view.base_url = request.base_url;
-  const auto token = request.Query("token");
-  if (token && token->find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
-                   std::string_view::npos) {
-    view.token = "token=" + std::string(*token);
-  }
+  view.token = TokenInQuery(request);
   return view;
 }
 

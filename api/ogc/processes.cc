@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/http/links.h"
 #include "api/http/once.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
@@ -43,7 +44,7 @@ Response Exception(int status, const char* type, const std::string& title, const
 
 Value Link(const Request& request, const std::string& path, const std::string& rel, const char* type,
            const char* title) {
-  return {{"href", request.base_url + path}, {"rel", rel}, {"type", type}, {"title", title}};
+  return {{"href", LinkTo(request, path)}, {"rel", rel}, {"type", type}, {"title", title}};
 }
 
 Value Summary(const Request& request) {
@@ -199,14 +200,14 @@ Response Results(Service& service, const Request& request) {
   if (job->state != storage::JobState::kSuccessful) {
     return Exception(404, "result-not-ready", "Result not ready", "This job has no results (yet).", request);
   }
-  const std::string flight = request.base_url + "/api/v1/flights/" + job->flight_id;
-  return Document(
-      200,
-      {{"map",
-        {{"href", request.base_url + "/tiles/" + job->flight_id + ".json"}, {"type", "application/json"}}},
-       {"cog", {{"href", flight + "/download.tif"}, {"type", "image/tiff"}}},
-       {"mbtiles", {{"href", flight + "/download.mbtiles"}, {"type", "application/vnd.sqlite3"}}},
-       {"report", {{"href", flight + "/report"}, {"type", "application/json"}}}});
+  const std::string flight = "/api/v1/flights/" + job->flight_id;
+  const auto file = [&](const std::string& path, const char* type) {
+    return Value{{"href", LinkTo(request, path)}, {"type", type}};
+  };
+  return Document(200, {{"map", file("/tiles/" + job->flight_id + ".json", "application/json")},
+                        {"cog", file(flight + "/download.tif", "image/tiff")},
+                        {"mbtiles", file(flight + "/download.mbtiles", "application/vnd.sqlite3")},
+                        {"report", file(flight + "/report", "application/json")}});
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ Value Item(const MapView& map, const std::filesystem::path& folder) {
   Value links = Value::array();
   links.push_back(Link(map.Link("/stac/" + map.id), "self", "application/geo+json"));
   links.push_back(Link(map.Link("/ogc/collections/" + map.id), "related", "application/json"));
-  Value xyz = Link(map.Link(fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}.png", map.id)), "xyz", "image/png");
+  Value xyz = Link(map.Link(fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}", map.id)), "xyz", "image/jpeg");
   links.push_back(xyz);
   links.push_back(Link(map.Link(fmt::format("/tiles/{}.json", map.id)), "tilejson", "application/json"));
   Value wmts = Link(map.Link("/wmts/" + map.id + "/1.0.0/WMTSCapabilities.xml"), "wmts", "application/xml");

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/http/etag.h"
+#include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
@@ -35,8 +36,9 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   document["name"] = flight.name;
   document["version"] = shown.version;
   document["scheme"] = "xyz";
-  document["tiles"] = {fmt::format("{}/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", request.base_url, flight.id,
-                                   shown.layer.empty() ? "" : shown.layer + "/", shown.revision)};
+  document["tiles"] = {
+      LinkTo(request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", flight.id,
+                                  shown.layer.empty() ? "" : shown.layer + "/", shown.revision))};
   document["bounds"] = shown.bounds.ToArray();
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
@@ -61,8 +63,8 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
     const char* name = render::NameOf(layer);
     document["layers"].push_back(
         {{"id", name},
-         {"tilejson", fmt::format("{}/tiles/{}/{}.json", request.base_url, flight.id, name)},
-         {"legends", fmt::format("{}/api/v1/flights/{}/layers.json", request.base_url, flight.id)}});
+         {"tilejson", LinkTo(request, fmt::format("/tiles/{}/{}.json", flight.id, name))},
+         {"legends", LinkTo(request, fmt::format("/api/v1/flights/{}/layers.json", flight.id))}});
   }
   return document;
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "api/http/digest.h"
-#include "api/http/multipart.h"
+#include "api/uploads/multipart.h"
 
 namespace skyquilt::api {
 

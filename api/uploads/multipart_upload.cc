@@ -3,7 +3,6 @@
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
-#include "api/http/multipart.h"
 #include "api/http/once.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
@@ -12,6 +11,7 @@
 #include "api/uploads/files.h"
 #include "api/uploads/form_digest.h"
 #include "api/uploads/form_receiver.h"
+#include "api/uploads/multipart.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

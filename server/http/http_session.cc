@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "api/auth/access.h"
+#include "api/http/compress.h"
 #include "api/http/problem.h"
 #include "core/base/check.h"
 #include "server/http/connection.h"
@@ -111,7 +112,12 @@ class Session : public std::enable_shared_from_this<Session> {
           if (auto refused = Refused(request, route)) return *std::move(refused);
           is_checked = true;
         }
-        return route.handler(request);
+        api::Response answer = route.handler(request);
+        if (request.work != api::Work::kQuick) {
+          if (auto packed = api::CompressAnswer(request, answer); !packed)
+            return api::Problem(packed.error(), request);
+        }
+        return answer;
       });
     };
     api::Response response;

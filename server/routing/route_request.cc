@@ -91,6 +91,8 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   routed.request.base_url = BaseUrl(head, settings);
   routed.request.request_id = request_id;
   routed.request.headers = std::move(head.headers);
+  // A range is of a GET's body alone (RFC 9110, 14.2).
+  if (head.method == "HEAD") routed.request.headers.Remove("Range");
   return routed;
 }
 

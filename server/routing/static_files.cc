@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "api/downloads/send_file.h"
+#include "api/http/compress.h"
 #include "api/http/problem.h"
 #include "api/http/target.h"
 #include "core/base/try.h"
@@ -74,15 +75,6 @@ std::optional<std::string> EtagOf(const std::filesystem::path& path) {
   return fmt::format("\"{:x}-{:x}-{:x}\"", status.st_mtim.tv_sec, status.st_mtim.tv_nsec, status.st_size);
 }
 
-// The gzip beside a file that the build made, where the client takes it.
-bool TakesGzip(const api::Request& request) {
-  const std::string_view accepted = request.headers.Find("Accept-Encoding");
-  const std::size_t at = accepted.find("gzip");
-  if (at == std::string_view::npos) return false;
-  const std::string_view weight = accepted.substr(at, accepted.find(',', at) - at);
-  return weight.find("q=0") == std::string_view::npos || weight.find("q=0.") != std::string_view::npos;
-}
-
 Result<api::Response> Find(const std::filesystem::path& folder, const api::Request& request,
                            const std::string& basemap_origin) {
   const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
@@ -97,7 +89,8 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   if (!etag) return missing;
   const std::filesystem::path gzip_path = path.string() + ".gz";
   const std::optional<std::string> gzip_etag = EtagOf(gzip_path);
-  const bool as_gzip = gzip_etag && TakesGzip(request);
+  // Where the build made one and the client takes it.
+  const bool as_gzip = gzip_etag && api::TakesGzip(request);
   if (as_gzip) {
     path = gzip_path;
     etag = gzip_etag;

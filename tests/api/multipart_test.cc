@@ -1,10 +1,10 @@
-#include "api/http/multipart.h"
+#include "api/uploads/multipart.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "api/http/part_header.h"
+#include "api/uploads/part_header.h"
 
 namespace skyquilt::api {
 namespace {

@@ -1,4 +1,5 @@
 """A flight in by HTTP, a map out: the way a browser, curl and a GIS go, and the same with bad files among the good."""
+import gzip
 import json
 import socket
 import unittest
@@ -62,6 +63,14 @@ class Flow(ServerTestCase):
         status, headers, part = server.request("GET", base + "/download.mbtiles", headers={"Range": "bytes=100-299"})
         self.assertEqual((status, part), (206, whole[100:300]))
         self.assertEqual(headers["Content-Range"], f"bytes 100-299/{len(whole)}")
+        status, headers, nothing = server.request("HEAD", base + "/download.mbtiles", headers={"Range": "bytes=100-299"})
+        self.assertEqual((status, int(headers["Content-Length"]), nothing), (200, len(whole), b""))
+        plain = server.request("GET", base + "/photos.geojson")
+        packed = server.request("GET", base + "/photos.geojson", headers={"Accept-Encoding": "gzip"})
+        self.assertEqual((packed[0], packed[1]["Content-Encoding"], gzip.decompress(packed[2])), (200, "gzip", plain[2]))
+        self.assertLess(len(packed[2]), len(plain[2]) / 2)
+        again = {"Accept-Encoding": "gzip", "If-None-Match": packed[1]["ETag"]}
+        self.assertEqual(server.request("GET", base + "/photos.geojson", headers=again)[0], 304)
         status, headers, _ = server.request("GET", base + "/download.tif", headers={"Range": "bytes=99999999999-"})
         self.assertEqual(status, 416)
         self.assertTrue(headers["Content-Range"].startswith("bytes */"))

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "api/http/multipart.h"
+#include "api/uploads/multipart.h"
 #include "core/base/check.h"
 
 namespace {

@@ -20,9 +20,7 @@ const kEdge_m = 20037508.342789244;
  * @param {TileJson} tilejson
  */
 export function gdalXml(template, tilejson) {
-  // PNG for every tile, so that all have the same four bands.
-  const png = /\{y\}\.\w+/.test(template) ? template : template.replace('{y}', '{y}.png');
-  const address = png.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
+  const address = template.replace('{z}', '${z}').replace('{x}', '${x}').replace('{y}', '${y}');
   const side = tilejson.tileSize ?? 256;
   const [low, high] = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
   const [west, south, east, north] = tilejson.bounds ?? [-180, -85.05, 180, 85.05];

@@ -1,10 +1,10 @@
-#include "api/http/multipart.h"
+#include "api/uploads/multipart.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "api/http/part_header.h"
+#include "api/uploads/part_header.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "api/http/multipart.h"
+#include "api/uploads/multipart.h"
 
 namespace skyquilt::api {
 

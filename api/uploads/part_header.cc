@@ -1,4 +1,4 @@
-#include "api/http/part_header.h"
+#include "api/uploads/part_header.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,92 @@
+#include "api/http/compress.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/try.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr std::uint64_t kMinBytes = 1024;
+constexpr std::uint64_t kMaxBytes = std::uint64_t{8} << 20;
+constexpr int kLevel = 4;
+constexpr std::array<std::string_view, 9> kTypes = {
+    "application/json",    "application/geo+json", "application/problem+json", "application/xml", "text/",
+    "application/vnd.ogc", "application/x-qgis",   "application/schema+json",  "image/svg+xml"};
+
+bool IsText(std::string_view type) {
+  return type.find("+json") != std::string_view::npos || type.find("+xml") != std::string_view::npos ||
+         std::any_of(kTypes.begin(), kTypes.end(),
+                     [&](std::string_view known) { return type.starts_with(known); });
+}
+
+std::string Gzipped(const std::string& text) {
+  z_stream stream{};
+  constexpr int kGzipWindow = 15 + 16, kUsualMemory = 8;
+  SKYQUILT_CHECK(
+      deflateInit2(&stream, kLevel, Z_DEFLATED, kGzipWindow, kUsualMemory, Z_DEFAULT_STRATEGY) == Z_OK,
+      "zlib takes no stream");
+  std::string packed(deflateBound(&stream, static_cast<uLong>(text.size())), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  const int ended = deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  SKYQUILT_CHECK(ended == Z_STREAM_END, "deflateBound was too small");
+  return packed;
+}
+
+Result<std::string> Whole(BodySource& source) {
+  std::string text(source.length(), '\0');
+  std::size_t filled = 0;
+  while (filled < text.size()) {
+    SKYQUILT_TRY_ASSIGN(
+        const std::size_t read,
+        source.Read({reinterpret_cast<std::uint8_t*>(text.data()) + filled, text.size() - filled}));
+    if (read == 0) break;
+    filled += read;
+  }
+  text.resize(filled);
+  return text;
+}
+
+}  // namespace
+
+bool TakesGzip(const Request& request) {
+  const std::string_view accepted = request.headers.Find("Accept-Encoding");
+  const std::size_t at = accepted.find("gzip");
+  if (at == std::string_view::npos) return false;
+  const std::string_view weight = accepted.substr(at, accepted.find(',', at) - at);
+  return weight.find("q=0") == std::string_view::npos || weight.find("q=0.") != std::string_view::npos;
+}
+
+Result<void> CompressAnswer(const Request& request, Response& response) {
+  if (response.wants || response.live != nullptr || response.status != 200 ||
+      response.headers.Has("Content-Encoding") || !IsText(response.headers.Find("Content-Type"))) {
+    return {};
+  }
+  const std::uint64_t size = response.source != nullptr ? response.source->length() : response.body.size();
+  if (size < kMinBytes || size > kMaxBytes) return {};
+  response.headers.Add("Vary", "Accept-Encoding");
+  if (!TakesGzip(request) || request.headers.Has("Range")) return {};
+  if (response.source != nullptr) {
+    SKYQUILT_TRY_ASSIGN(response.body, Whole(*response.source));
+    response.source.reset();
+  }
+  response.body = Gzipped(response.body);
+  response.headers.Add("Content-Encoding", "gzip");
+  if (const std::string_view etag = response.headers.Find("ETag"); etag.starts_with('"'))
+    response.headers.Set("ETag", "W/" + std::string(etag));
+  return {};
+}
+
+}  // namespace skyquilt::api
