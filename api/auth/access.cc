@@ -99,13 +99,17 @@ const storage::Token* Recognise(const storage::TokenSet& set, std::string_view t
   return found != nullptr && found->HasEnded(storage::Now()) ? nullptr : found;
 }
 
-Response Unauthorized(const Request& request, std::string_view pattern, bool has_live_token) {
+Response Unauthorized(const Request& request, std::string_view pattern, bool has_live_token,
+                      bool has_shown_one) {
   if (IsNode(pattern)) {
     return NodeAnswer(
         R"({"error":"Invalid authentication token: give one that this node's operator made."})");
   }
   const char* how =
-      has_live_token
+      has_live_token && has_shown_one
+          ? "The token that came with this request is not good here: it is mistyped, was revoked or has ended. The "
+            "server's operator makes another with \"skyquilt token add\"."
+      : has_live_token
           ? "This server asks for a token. Its operator makes one with \"skyquilt token add\"."
           : "This server asks for a token, and all that it had were revoked or have ended. Its operator makes one "
             "with \"skyquilt token add\", or starts it again with --open to let everybody in.";
@@ -146,7 +150,8 @@ std::optional<Response> CheckAccess(Service& service, Request& request, std::str
   }
   const ShownToken shown = ShownBy(request);
   const storage::Token* token = shown.text.empty() ? nullptr : Recognise(**tokens, shown.text);
-  if (token == nullptr) return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()));
+  if (token == nullptr)
+    return Unauthorized(request, pattern, (*tokens)->HasLiveOne(storage::Now()), !shown.text.empty());
   // What stands in an address gets into histories and logs of others: it opens nothing but reading.
   const bool only_reads = (shown.is_in_query && !IsNode(pattern)) || !token->flight_id.empty();
   const Scope granted = only_reads ? Scope::kRead : token->scope;

@@ -131,8 +131,11 @@ void AddFlightRoutes(Router& router, Service& service) {
       Method::kPatch, "/api/v1/flights/{flight}",
       [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
         if (!IsJson(request)) {
-          return Problem({ErrorCode::kUnsupportedFormat, "Send the change as application/json.", ""},
-                         request);
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the change as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
+               ""},
+              request);
         }
         return CollectBody(
             [&service, request](const std::string& body) { return Patch(service, request, body); });

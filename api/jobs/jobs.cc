@@ -72,17 +72,20 @@ Response Retry(Service& service, const Request& request) {
 }  // namespace
 
 void AddJobRoutes(Router& router, Service& service) {
-  router.AddUpload(Method::kPost, "/api/v1/flights/{flight}/jobs",
-                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     if (!IsJson(request)) {
-                       return Problem(
-                           {ErrorCode::kUnsupportedFormat, "Send the options as application/json.", ""},
-                           request);
-                     }
-                     return CollectBody([&service, request](const std::string& body) {
-                       return Once(service, request, body, [&] { return Queue(service, request, body); });
-                     });
-                   });
+  router.AddUpload(
+      Method::kPost, "/api/v1/flights/{flight}/jobs",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsJson(request)) {
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the options as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
+               ""},
+              request);
+        }
+        return CollectBody([&service, request](const std::string& body) {
+          return Once(service, request, body, [&] { return Queue(service, request, body); });
+        });
+      });
   router.AddUpload(Method::kPost, "/api/v1/jobs/{job}/retry",
                    [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
                      return CollectBody([&service, request](const std::string& body) {

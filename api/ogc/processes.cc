@@ -215,17 +215,20 @@ Response Results(Service& service, const Request& request) {
 void AddProcessRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/ogc/processes", ListProcesses);
   router.Add(Method::kGet, "/ogc/processes/{process}", DescribeProcess);
-  router.AddUpload(Method::kPost, "/ogc/processes/stitch/execution",
-                   [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
-                     if (!IsJson(request)) {
-                       return Problem(
-                           {ErrorCode::kUnsupportedFormat, "Send the inputs as application/json.", ""},
-                           request);
-                     }
-                     return CollectBody([&service, request](const std::string& body) {
-                       return Once(service, request, body, [&] { return Execute(service, request, body); });
-                     });
-                   });
+  router.AddUpload(
+      Method::kPost, "/ogc/processes/stitch/execution",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsJson(request)) {
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the inputs as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
+               ""},
+              request);
+        }
+        return CollectBody([&service, request](const std::string& body) {
+          return Once(service, request, body, [&] { return Execute(service, request, body); });
+        });
+      });
   router.Add(Method::kGet, "/ogc/jobs", [&](const Request& r) { return Jobs(service, r); });
   router.Add(Method::kGet, "/ogc/jobs/{job}", [&](const Request& r) { return Status(service, r); });
   router.Add(Method::kDelete, "/ogc/jobs/{job}", [&](const Request& r) { return Dismiss(service, r); });

@@ -150,7 +150,11 @@ void AddShareRoutes(Router& router, Service& service) {
       Method::kPost, "/api/v1/flights/{flight}/shares",
       [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
         if (!IsJson(request)) {
-          return Problem({ErrorCode::kUnsupportedFormat, "Send the wish as application/json.", ""}, request);
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d '{}' ...",
+               ""},
+              request);
         }
         return CollectBody(
             [&service, request](const std::string& body) { return AddShare(service, request, body); });

@@ -36,10 +36,12 @@ Result<void> FormReceiver::BeginPart(const PartHeader& header) {
                         rules_.text_fields.end();
   if (!is_known && rules_.ignores_other_fields) return {};
   if (!is_known) {
-    return Error{ErrorCode::kUnprocessable,
-                 fmt::format("The form field \"{}\" is not known; known are {} and files.", header.field,
-                             fmt::join(rules_.text_fields, ", ")),
-                 ""};
+    return Error{
+        ErrorCode::kUnprocessable,
+        fmt::format("The form field \"{0}\" is not known; known are {1} and files. To send a file, put an "
+                    "@ before its name: curl -F \"{0}=@PHOTO.JPG\" ...",
+                    header.field, fmt::join(rules_.text_fields, ", ")),
+        ""};
   }
   const auto [text, is_new] = texts_.try_emplace(header.field);
   if (!is_new) {

@@ -21,8 +21,11 @@ Error Refuse(ErrorCode code, std::string_view why) {
 Result<std::string> MultipartBoundary(std::string_view content_type) {
   SKYQUILT_TRY_ASSIGN(const HeaderValue parsed, ParseHeaderValue(content_type));
   if (parsed.value != "multipart/form-data") {
-    return Error{ErrorCode::kUnsupportedFormat, "Send files as multipart/form-data, or one at a time by PUT.",
-                 ""};
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        "Send files as multipart/form-data (curl -F \"photo=@PHOTO.JPG\") or one at a time by PUT (curl -T "
+        "PHOTO.JPG .../files/), and JSON with its header (-H 'Content-Type: application/json').",
+        ""};
   }
   for (const auto& [name, boundary] : parsed.parameters) {
     if (name != "boundary") continue;

@@ -78,7 +78,13 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   if (match.route == nullptr) {
     if (match.allow.empty())
       return answer(problem(ErrorCode::kNotFound, "There is nothing at this address."));
-    api::Response response = problem(ErrorCode::kMethodNotAllowed, "This address does not take this method.");
+    // curl -T names the file itself behind a slash.
+    const bool lacks_slash = *method == api::Method::kPut && path.ends_with("/files");
+    api::Response response =
+        problem(ErrorCode::kMethodNotAllowed,
+                lacks_slash ? "End the address with a slash, behind which curl puts the file's name: curl -T "
+                              "PHOTO.JPG .../files/"
+                            : "This address does not take this method.");
     response.headers.Add("Allow", match.allow);
     return answer(std::move(response));
   }

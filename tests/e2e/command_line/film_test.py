@@ -4,10 +4,12 @@ import json
 import math
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
-from server_support import BINARY, Server
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY, Server  # noqa: E402
 
 FRAMES_PER_S = 5
 
