@@ -9,6 +9,7 @@
 #include "server/commands/maps/reckon.h"
 #include "server/commands/maps/simulate.h"
 #include "server/commands/maps/stitch.h"
+#include "server/commands/maps/upload.h"
 #include "server/commands/serve.h"
 #include "server/commands/token.h"
 #include "server/commands/unpack.h"
@@ -20,6 +21,7 @@ namespace skyquilt::server {
 void AddCommands(CLI::App& app) {
   AddStitchCommand(app);
   AddServeCommand(app);
+  AddUploadCommand(app);
   AddLocateCommand(app);
   AddPlaceCommand(app);
   AddInspectCommand(app);

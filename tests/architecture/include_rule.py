@@ -20,7 +20,7 @@ CORE_VALUES = {
 }
 LIBRARIES = {
     r"boost/": {"server"},
-    r"curl/": {"server/webhooks"},
+    r"curl/": {"server/webhooks", "server/client"},
     r"sqlite3\.h": {"storage"},
     r"(gdal|cpl_|ogr)": {"storage"},
     r"opencv2/": {"core/alignment", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc"},

@@ -1,0 +1,245 @@
+#include "server/client/server_client.h"
+
+#include <curl/curl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "api/http/http_message.h"
+#include "core/base/check.h"
+#include "core/base/try.h"
+
+namespace skyquilt::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::json;
+
+constexpr std::chrono::seconds kFirstPatience{5};
+constexpr long kConnectPatienceMs = 10'000;
+constexpr long kSlowestBytesPerS = 1, kSlowForS = 60;  // a connection that stands still for so long is dead
+constexpr std::size_t kMaxAnswerBytes = std::size_t{64} << 20;
+
+struct FreeList {
+  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
+};
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+struct Upload {
+  std::unique_ptr<std::FILE, CloseFile> file;
+  std::uint64_t left = 0, sent = 0;
+  const std::function<void(std::uint64_t)>* on_sent = nullptr;
+};
+
+std::size_t ReadFile(char* into, std::size_t size, std::size_t count, void* of) {
+  auto& upload = *static_cast<Upload*>(of);
+  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(size * count, upload.left));
+  const std::size_t read = std::fread(into, 1, wanted, upload.file.get());
+  if (read < wanted) return CURL_READFUNC_ABORT;
+  upload.left -= read;
+  upload.sent += read;
+  if (*upload.on_sent) (*upload.on_sent)(upload.sent);
+  return read;
+}
+
+std::size_t TakeBody(char* bytes, std::size_t size, std::size_t count, void* of) {
+  auto& body = *static_cast<std::string*>(of);
+  if (body.size() + size * count > kMaxAnswerBytes) return 0;
+  body.append(bytes, size * count);
+  return size * count;
+}
+
+std::size_t TakeHeader(char* bytes, std::size_t size, std::size_t count, void* of) {
+  const std::string_view line(bytes, size * count);
+  const std::size_t colon = line.find(':');
+  if (colon != std::string_view::npos) {
+    std::string_view value = line.substr(colon + 1);
+    while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
+    while (!value.empty() && (value.back() == '\r' || value.back() == '\n')) value.remove_suffix(1);
+    static_cast<ClientAnswer*>(of)->headers.emplace_back(line.substr(0, colon), value);
+  }
+  return size * count;
+}
+
+int Continues(void* of, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+  return static_cast<Progress*>(of)->IsCancelled() ? 1 : 0;
+}
+
+template <typename Value>
+void Option(CURL* transfer, CURLoption option, Value value) {
+  SKYQUILT_CHECK(curl_easy_setopt(transfer, option, value) == CURLE_OK, "this libcurl lacks an option");
+}
+
+// In the server's own words.
+Error Refusal(const ClientAnswer& answer) {
+  constexpr bool kThrows = false;
+  const json problem = json::parse(answer.body, nullptr, kThrows);
+  const bool is_problem = problem.is_object() && problem.contains("detail") && problem["detail"].is_string();
+  const std::string said = is_problem ? problem["detail"].get<std::string>()
+                                      : fmt::format("The server answered {}.", answer.status);
+  switch (answer.status) {
+    case 401:
+      return {ErrorCode::kUnauthorized, said + " Give it with --token or in SKYQUILT_TOKEN.", ""};
+    case 403:
+      return {ErrorCode::kForbidden, said, ""};
+    case 404:
+      return {ErrorCode::kNotFound, said, ""};
+    case 409:
+      return {ErrorCode::kConflict, said, ""};
+    case 408:
+    case 423:
+    case 429:
+    case 500:
+    case 502:
+    case 503:
+    case 504:
+      return {ErrorCode::kUnavailable, said, ""};
+    default:
+      return {ErrorCode::kUnprocessable, said, ""};
+  }
+}
+
+}  // namespace
+
+std::string ClientAnswer::Header(const std::string& name) const {
+  for (const auto& [known, value] : headers) {
+    if (api::EqualsIgnoringCase(known, name)) return value;
+  }
+  return "";
+}
+
+struct ServerClient::State {
+  ClientSettings settings;
+  Progress& progress;
+  std::function<void(const std::string&)> waits;
+  CURL* transfer = nullptr;
+  std::optional<Clock::time_point> failing_since = std::nullopt;
+  std::chrono::milliseconds pause{500};
+  bool has_answered = false;
+};
+
+ServerClient::ServerClient(ClientSettings settings, Progress& progress,
+                           std::function<void(const std::string&)> waits)
+    : state_(new State{std::move(settings), progress, std::move(waits)}) {
+  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
+  SKYQUILT_CHECK(started == CURLE_OK, "libcurl does not start");
+  state_->transfer = curl_easy_init();
+  SKYQUILT_CHECK(state_->transfer != nullptr, "out of memory");
+}
+
+ServerClient::~ServerClient() { curl_easy_cleanup(state_->transfer); }
+
+Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
+  CURL* transfer = state_->transfer;
+  curl_easy_reset(transfer);  // the connection stays
+  const bool is_whole = request.path.starts_with("http://") || request.path.starts_with("https://");
+  // Nothing is sent anywhere but to the server that was named.
+  if (is_whole && !request.path.starts_with(state_->settings.url + "/"))
+    return Error{ErrorCode::kUnprocessable, "The server sent us elsewhere: " + request.path + ".", ""};
+  const std::string address = is_whole ? request.path : state_->settings.url + request.path;
+  std::unique_ptr<curl_slist, FreeList> headers(curl_slist_append(nullptr, "Expect:"));
+  const auto add = [&](const std::string& line) {
+    curl_slist* longer = curl_slist_append(headers.get(), line.c_str());
+    SKYQUILT_CHECK(longer != nullptr, "out of memory");
+    (void)headers.release();
+    headers.reset(longer);
+  };
+  for (const auto& [name, value] : request.headers) add(fmt::format("{}: {}", name, value));
+  if (!state_->settings.token.empty()) add("Authorization: Bearer " + state_->settings.token);
+  ClientAnswer answer;
+  Upload upload;
+  std::array<char, CURL_ERROR_SIZE> said{};
+  Option(transfer, CURLOPT_URL, address.c_str());
+  Option(transfer, CURLOPT_PROTOCOLS_STR, "http,https");
+  Option(transfer, CURLOPT_CUSTOMREQUEST, request.method);
+  Option(transfer, CURLOPT_NOSIGNAL, 1L);
+  Option(transfer, CURLOPT_CONNECTTIMEOUT_MS, kConnectPatienceMs);
+  Option(transfer, CURLOPT_LOW_SPEED_LIMIT, kSlowestBytesPerS);
+  Option(transfer, CURLOPT_LOW_SPEED_TIME, kSlowForS);
+  Option(transfer, CURLOPT_ERRORBUFFER, said.data());
+  Option(transfer, CURLOPT_WRITEFUNCTION, &TakeBody);
+  Option(transfer, CURLOPT_WRITEDATA, &answer.body);
+  Option(transfer, CURLOPT_HEADERFUNCTION, &TakeHeader);
+  Option(transfer, CURLOPT_HEADERDATA, &answer);
+  Option(transfer, CURLOPT_NOPROGRESS, 0L);
+  Option(transfer, CURLOPT_XFERINFOFUNCTION, &Continues);
+  Option(transfer, CURLOPT_XFERINFODATA, &state_->progress);
+  if (const char* trusted = std::getenv("SSL_CERT_FILE")) Option(transfer, CURLOPT_CAINFO, trusted);
+  if (!request.file.empty()) {
+    upload.file.reset(std::fopen(request.file.c_str(), "rb"));
+    if (upload.file == nullptr || fseeko(upload.file.get(), static_cast<off_t>(request.from), SEEK_SET) != 0)
+      return Error{ErrorCode::kIo, request.file.string() + " cannot be read.", ""};
+    upload.left = request.length;
+    upload.on_sent = &request.on_sent;
+    Option(transfer, CURLOPT_UPLOAD, 1L);
+    Option(transfer, CURLOPT_READFUNCTION, &ReadFile);
+    Option(transfer, CURLOPT_READDATA, &upload);
+    Option(transfer, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.length));
+  } else if (std::string_view(request.method) == "HEAD") {
+    Option(transfer, CURLOPT_NOBODY, 1L);
+  } else if (std::string_view(request.method) != "GET") {
+    Option(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
+    Option(transfer, CURLOPT_POSTFIELDS, request.body.c_str());
+  }
+  Option(transfer, CURLOPT_HTTPHEADER, headers.get());
+  const CURLcode sent = curl_easy_perform(transfer);
+  curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &answer.status);
+  if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
+  if (sent == CURLE_ABORTED_BY_CALLBACK)
+    return Error{ErrorCode::kIo, request.file.string() + " changed while it was sent.", ""};
+  if (sent == CURLE_URL_MALFORMAT || sent == CURLE_UNSUPPORTED_PROTOCOL)
+    return Error{ErrorCode::kInvalidArgument,
+                 address + " is no address of a server; one looks like http://127.0.0.1:8080.", ""};
+  // A refusal may come before all was sent.
+  if (answer.status >= 400) return Refusal(answer);
+  if (sent != CURLE_OK) {
+    const std::string why = said[0] != '\0' ? said.data() : curl_easy_strerror(sent);
+    return Error{ErrorCode::kUnavailable, state_->settings.url + " does not answer (" + why + ").", ""};
+  }
+  return answer;
+}
+
+Result<void> ServerClient::WaitAfter(const Error& failure) {
+  constexpr std::chrono::milliseconds kLongestPause{15'000}, kStep{100};
+  const Clock::time_point now = Clock::now();
+  if (!state_->failing_since) state_->failing_since = now;
+  // One that never answered is more likely not there than away.
+  const auto patience =
+      state_->has_answered ? state_->settings.patience : std::min(state_->settings.patience, kFirstPatience);
+  if (now - *state_->failing_since > patience) return failure;
+  state_->waits(failure.message + " Trying again.");
+  for (std::chrono::milliseconds slept{0}; slept < state_->pause; slept += kStep) {
+    if (state_->progress.IsCancelled()) return Error{ErrorCode::kCancelled, "Cancelled.", ""};
+    std::this_thread::sleep_for(kStep);
+  }
+  state_->pause = std::min(2 * state_->pause, kLongestPause);
+  return {};
+}
+
+void ServerClient::Succeeded() {
+  state_->has_answered = true;
+  state_->failing_since.reset();
+  state_->pause = std::chrono::milliseconds(500);
+}
+
+Result<ClientAnswer> ServerClient::Send(const ClientRequest& request) {
+  for (;;) {
+    Result<ClientAnswer> answer = SendOnce(request);
+    if (answer) {
+      Succeeded();
+      return answer;
+    }
+    if (answer.error().code != ErrorCode::kUnavailable) return answer;
+    SKYQUILT_TRY(WaitAfter(answer.error()));
+  }
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,238 @@
+#include "server/client/upload_flight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "api/http/digest.h"
+#include "core/base/try.h"
+
+namespace skyquilt::server {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+// One request's share of a file: a proxy between may keep it whole.
+constexpr std::uint64_t kPartBytes = std::uint64_t{32} << 20;
+
+struct Outgoing {
+  flight::InputFile file;
+  std::uint64_t bytes = 0;
+};
+
+// What goes on in the one line that a person sees.
+class Tally {
+ public:
+  Tally(std::size_t files, std::uint64_t bytes, Progress& progress)
+      : files_(files), bytes_(bytes), progress_(progress) {}
+
+  void Sent(std::uint64_t of_this_file) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    const std::uint64_t sent = done_bytes_ + of_this_file;
+    most_sent_ = std::max(most_sent_, sent);
+    progress_.Report(bytes_ == 0 ? 1.0 : static_cast<double>(most_sent_) / static_cast<double>(bytes_),
+                     fmt::format("{} of {} files, {:.0f} of {:.0f} MB, {:.1f} MB/s", done_files_, files_,
+                                 1e-6 * static_cast<double>(sent), 1e-6 * static_cast<double>(bytes_),
+                                 1e-6 * static_cast<double>(sent) / std::max(seconds, 0.1)));
+  }
+  void Waits(const std::string& why) {
+    progress_.Report(bytes_ == 0 ? 0.0 : static_cast<double>(most_sent_) / static_cast<double>(bytes_), why);
+  }
+  void Done(std::uint64_t bytes) {
+    ++done_files_;
+    done_bytes_ += bytes;
+    Sent(0);
+  }
+
+ private:
+  const std::size_t files_;
+  const std::uint64_t bytes_;
+  Progress& progress_;
+  std::size_t done_files_ = 0;
+  std::uint64_t done_bytes_ = 0, most_sent_ = 0;
+  const Clock::time_point began_ = Clock::now();
+};
+
+Result<json> Parsed(const ClientAnswer& answer) {
+  constexpr bool kThrows = false;
+  json value = json::parse(answer.body, nullptr, kThrows);
+  if (value.is_object()) return value;
+  return Error{ErrorCode::kUnprocessable, "The server's answer is no JSON; is it a Skyquilt?", ""};
+}
+
+Result<std::string> TextAt(const json& value, const char* key) {
+  if (value.contains(key) && value[key].is_string()) return value[key].get<std::string>();
+  return Error{ErrorCode::kUnprocessable,
+               fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key), ""};
+}
+
+Result<json> PostJson(ServerClient& client, const std::string& path, const json& value) {
+  ClientRequest request;
+  request.method = "POST";
+  request.path = path;
+  request.headers = {{"Content-Type", "application/json"}};
+  request.body = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(request));
+  return Parsed(answer);
+}
+
+using NamesAndSizes = std::set<std::pair<std::string, std::uint64_t>>;
+
+Result<NamesAndSizes> FilesThere(ServerClient& client, const std::string& flight_id) {
+  ClientRequest request;
+  request.path = "/api/v1/flights/" + flight_id + "/files";
+  SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(request));
+  SKYQUILT_TRY_ASSIGN(const json value, Parsed(answer));
+  NamesAndSizes there;
+  for (const json& file : value.value("files", json::array())) {
+    SKYQUILT_TRY_ASSIGN(std::string name, TextAt(file, "name"));
+    there.emplace(std::move(name), file.value("bytes", std::uint64_t{0}));
+  }
+  return there;
+}
+
+Result<std::uint64_t> OffsetSaid(const ClientAnswer& answer) {
+  const std::string text = answer.Header("Upload-Offset");
+  std::uint64_t offset = 0;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), offset);
+  if (failed == std::errc() && !text.empty()) return offset;
+  return Error{ErrorCode::kUnprocessable, "The server does not say how much of the file it has.", ""};
+}
+
+Result<void> SendFile(ServerClient& client, const std::string& flight_id, const Outgoing& outgoing,
+                      Tally& tally) {
+  ClientRequest begin;
+  begin.method = "POST";
+  begin.path = "/api/v1/uploads";
+  begin.headers = {{"Tus-Resumable", "1.0.0"},
+                   {"Upload-Length", std::to_string(outgoing.bytes)},
+                   {"Upload-Metadata", fmt::format("flight {},filename {}", api::EncodeBase64(flight_id),
+                                                   api::EncodeBase64(outgoing.file.name))}};
+  SKYQUILT_TRY_ASSIGN(const ClientAnswer begun, client.Send(begin));
+  const std::string location = begun.Header("Location");
+  if (location.empty()) return Error{ErrorCode::kUnprocessable, "The server takes no uploads by tus.", ""};
+  std::uint64_t offset = 0;
+  while (offset < outgoing.bytes) {
+    ClientRequest part;
+    part.method = "PATCH";
+    part.path = location;
+    part.headers = {{"Tus-Resumable", "1.0.0"},
+                    {"Content-Type", "application/offset+octet-stream"},
+                    {"Upload-Offset", std::to_string(offset)}};
+    part.file = outgoing.file.path;
+    part.from = offset;
+    part.length = std::min(kPartBytes, outgoing.bytes - offset);
+    part.on_sent = [&](std::uint64_t sent) { tally.Sent(offset + sent); };
+    const Result<ClientAnswer> taken = client.SendOnce(part);
+    if (taken) {
+      client.Succeeded();
+      SKYQUILT_TRY_ASSIGN(offset, OffsetSaid(*taken));
+      continue;
+    }
+    // The server knows how much of it has arrived.
+    const bool may_go_on =
+        taken.error().code == ErrorCode::kUnavailable || taken.error().code == ErrorCode::kConflict;
+    if (!may_go_on) return taken.error();
+    SKYQUILT_TRY(client.WaitAfter(taken.error()));
+    ClientRequest ask;
+    ask.method = "HEAD";
+    ask.path = location;
+    ask.headers = {{"Tus-Resumable", "1.0.0"}};
+    const Result<ClientAnswer> known = client.SendOnce(ask);
+    if (known) {
+      SKYQUILT_TRY_ASSIGN(offset, OffsetSaid(*known));
+    } else if (known.error().code != ErrorCode::kUnavailable) {
+      // A finished upload is gone: the last part arrived, and its answer was lost.
+      SKYQUILT_TRY_ASSIGN(const NamesAndSizes there, FilesThere(client, flight_id));
+      if (there.contains({outgoing.file.name, outgoing.bytes})) return {};
+      return known.error();
+    }
+  }
+  return {};
+}
+
+Result<void> WaitForJob(ServerClient& client, const std::string& job_id, Progress& progress) {
+  std::string stage_before;
+  ClientRequest ask;
+  ask.path = "/api/v1/jobs/" + job_id;
+  for (;;) {
+    SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(ask));
+    SKYQUILT_TRY_ASSIGN(const json job, Parsed(answer));
+    SKYQUILT_TRY_ASSIGN(const std::string state, TextAt(job, "state"));
+    if (state == "successful") return {};
+    if (state == "failed" || state == "dismissed") {
+      const json error = job.value("error", json());
+      const std::string why = error.is_object() ? error.value("message", std::string()) : std::string();
+      return Error{ErrorCode::kUnprocessable,
+                   state == "failed" ? "The map could not be made: " + why : "The job was cancelled.", ""};
+    }
+    const std::string stage = job.value("stage", std::string());
+    if (!stage.empty() && stage != stage_before) progress.BeginStage(stage);
+    stage_before = stage;
+    progress.Report(job.value("progress", 0.0), job.value("message", std::string()));
+    for (int i = 0; i < 5; ++i) {
+      if (progress.IsCancelled())
+        return Error{ErrorCode::kCancelled, "No longer waited for; the server goes on with the map.", ""};
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+}
+
+}  // namespace
+
+Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files, const UploadOptions& options,
+                                    const std::function<void(const std::string& id)>& on_flight,
+                                    Progress& progress) {
+  std::vector<Outgoing> outgoing;
+  for (const flight::InputFile& file : files) {
+    std::error_code failed;
+    const std::uint64_t bytes = fs::file_size(file.path, failed);
+    if (failed) return Error{ErrorCode::kIo, file.path.string() + ": " + failed.message() + ".", ""};
+    if (bytes > 0) outgoing.push_back({file, bytes});  // an empty file says nothing
+  }
+  if (outgoing.empty()) return Error{ErrorCode::kUnprocessable, "There are no files to send.", ""};
+  Tally* counting = nullptr;
+  ServerClient client(options.server, progress, [&](const std::string& why) {
+    if (counting != nullptr) counting->Waits(why);
+    if (counting == nullptr) progress.Report(0.0, why);
+  });
+  UploadedFlight uploaded;
+  uploaded.flight_id = options.flight_id;
+  progress.BeginStage("upload");
+  if (uploaded.flight_id.empty()) {
+    SKYQUILT_TRY_ASSIGN(const json made, PostJson(client, "/api/v1/flights", {{"name", options.name}}));
+    SKYQUILT_TRY_ASSIGN(uploaded.flight_id, TextAt(made, "id"));
+  }
+  on_flight(uploaded.flight_id);
+  SKYQUILT_TRY_ASSIGN(const NamesAndSizes there, FilesThere(client, uploaded.flight_id));
+  const std::size_t all = outgoing.size();
+  std::erase_if(outgoing, [&](const Outgoing& one) { return there.contains({one.file.name, one.bytes}); });
+  uploaded.skipped = static_cast<int>(all - outgoing.size());
+  std::uint64_t bytes = 0;
+  for (const Outgoing& one : outgoing) bytes += one.bytes;
+  Tally tally(outgoing.size(), bytes, progress);
+  counting = &tally;
+  for (const Outgoing& one : outgoing) {
+    SKYQUILT_TRY(SendFile(client, uploaded.flight_id, one, tally));
+    tally.Done(one.bytes);
+    ++uploaded.sent;
+  }
+  counting = nullptr;
+  if (!options.makes_map) return uploaded;
+  SKYQUILT_TRY_ASSIGN(const json job,
+                      PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs", json::object()));
+  SKYQUILT_TRY_ASSIGN(uploaded.job_id, TextAt(job, "id"));
+  if (options.waits) SKYQUILT_TRY(WaitForJob(client, uploaded.job_id, progress));
+  return uploaded;
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,36 @@
+// UploadFlight: files to a flight on a running server, by tus 1.0, so that a connection that breaks goes on
+// where it was, and the map made of them, waited for. What is there already under the same name and size is
+// not sent again: the same call again goes on. Blocking. Errors: those of ServerClient; kUnprocessable (no
+// files; the job failed, with its reason).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/flight/lists/input_file.h"
+#include "server/client/server_client.h"
+
+namespace skyquilt::server {
+
+struct UploadOptions {
+  ClientSettings server;
+  std::string name;       // of a new flight
+  std::string flight_id;  // of one that is there; empty: a new one
+  bool makes_map = true;
+  bool waits = true;
+};
+
+struct UploadedFlight {
+  std::string flight_id;
+  std::string job_id;  // empty: none was begun
+  int sent = 0, skipped = 0;
+};
+
+// `on_flight` is told the flight's id as soon as there is one: with it a broken upload is continued.
+Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files, const UploadOptions& options,
+                                    const std::function<void(const std::string& id)>& on_flight,
+                                    Progress& progress);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,94 @@
+#include "server/commands/maps/upload.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/flight/read_flight.h"
+#include "server/client/upload_flight.h"
+#include "server/commands/fail.h"
+#include "server/commands/terminal_progress.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr const char* kCommandName = "skyquilt upload";
+
+struct UploadArguments {
+  std::vector<std::filesystem::path> inputs;
+  UploadOptions options;
+  int patience_s = 600;
+  bool no_map = false, no_wait = false;
+};
+
+std::string NameOf(const std::filesystem::path& input) {
+  std::filesystem::path path = std::filesystem::absolute(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  return std::filesystem::is_directory(path) ? path.filename().string() : path.stem().string();
+}
+
+void Run(UploadArguments& arguments) {
+  UploadOptions& options = arguments.options;
+  const auto files = flight::ListInputFiles(arguments.inputs);
+  if (!files) Fail(kCommandName, files.error());
+  if (options.name.empty()) options.name = NameOf(arguments.inputs.front());
+  options.server.patience = std::chrono::seconds(arguments.patience_s);
+  options.makes_map = !arguments.no_map;
+  while (options.server.url.ends_with('/')) options.server.url.pop_back();
+  if (!options.server.url.starts_with("http://") && !options.server.url.starts_with("https://")) {
+    Fail(kCommandName,
+         {ErrorCode::kInvalidArgument,
+          options.server.url + " is no address of a server; one looks like http://127.0.0.1:8080.", ""});
+  }
+  options.waits = !arguments.no_wait;
+  std::string flight_id;
+  const Result<UploadedFlight> uploaded = [&] {
+    TerminalProgress progress;
+    return UploadFlight(
+        *files, options, [&](const std::string& id) { flight_id = id; }, progress);
+  }();
+  if (!uploaded) {
+    if (!flight_id.empty())
+      fmt::print(stderr, "To go on where this ended: the same command with --flight {}\n", flight_id);
+    Fail(kCommandName, uploaded.error());
+  }
+  fmt::print("{} files sent", uploaded->sent);
+  if (uploaded->skipped > 0) fmt::print(", {} were there", uploaded->skipped);
+  fmt::print("\n{}/#/flights/{}\n", options.server.url, uploaded->flight_id);
+}
+
+}  // namespace
+
+void AddUploadCommand(CLI::App& app) {
+  const auto arguments = std::make_shared<UploadArguments>();
+  CLI::App* command = app.add_subcommand("upload", "Send a flight to a running server and wait for its map");
+  command->add_option("IN", arguments->inputs, "Photos, logs, films; files or folders")
+      ->required()
+      ->check(CLI::ExistingPath);
+  arguments->options.server.url = "http://127.0.0.1:8080";
+  command->add_option("--server", arguments->options.server.url, "Address of the server")
+      ->capture_default_str();
+  command->add_option("--token", arguments->options.server.token, "Token, where the server asks for one")
+      ->envname("SKYQUILT_TOKEN");
+  command->add_option("--name", arguments->options.name, "Name of the flight (default: that of the folder)");
+  command->add_option("--flight", arguments->options.flight_id,
+                      "Id of a flight that is there: what it lacks is sent");
+  command
+      ->add_option("--patience", arguments->patience_s,
+                   "Seconds that a server which does not answer is asked again")
+      ->check(CLI::Range(0, 86'400))
+      ->capture_default_str();
+  command->add_flag("--no-map", arguments->no_map, "Send the files and make no map yet");
+  command->add_flag("--no-wait", arguments->no_wait, "End when the files are sent and the map is queued");
+  command->footer(
+      "\nExample:\n"
+      "  skyquilt upload /media/card/DCIM --server http://maps.example:8080 --name \"Field 7\"");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,105 @@
+"""`skyquilt upload` against the real server: a folder with spaces becomes a map, a server that is killed on the way is
+waited for, what is there already is not sent again, and refusals are in words."""
+import pathlib
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY, ServerTestCase, wait_until  # noqa: E402
+
+
+class BreakingProxy:
+    """Passes connections on to a server, and breaks one of them, once, after so many bytes towards it."""
+
+    def __init__(self, to_port, breaks_after):
+        self.to_port, self.breaks_after = to_port, breaks_after
+        self.passed, self.has_broken = 0, False
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self.accept, daemon=True).start()
+
+    def accept(self):
+        while True:
+            client, _ = self.listener.accept()
+            server = socket.create_connection(("127.0.0.1", self.to_port))
+            threading.Thread(target=self.relay, args=(client, server, True), daemon=True).start()
+            threading.Thread(target=self.relay, args=(server, client, False), daemon=True).start()
+
+    def relay(self, source, sink, counts):
+        try:
+            while data := source.recv(1 << 16):
+                sink.sendall(data)
+                self.passed += len(data) if counts else 0
+                if counts and not self.has_broken and self.passed > self.breaks_after:
+                    self.has_broken = True
+                    break
+        except OSError:
+            pass  # the other side has closed
+        for end in (source, sink):
+            try:
+                end.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+
+
+class Upload(ServerTestCase):
+    def setUp(self):
+        super().setUp()
+        self.card = pathlib.Path(tempfile.mkdtemp(prefix="a card with spaces ", dir=self.scratch))
+        for name, content in self.photos:
+            (self.card / f"a {name}").write_bytes(content)
+
+    def upload(self, server, *arguments, env=None):
+        return subprocess.run([BINARY, "upload", self.card, "--server", f"http://127.0.0.1:{server.port}/", *arguments],
+                              capture_output=True, text=True, env=env)
+
+    def test_a_folder_becomes_a_map_and_grows(self):
+        server = self.serve()
+        done = self.upload(server, "--name", "Field 7")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("6 files sent", done.stdout)
+        flight = server.json("GET", "/api/v1/flights")[1]["flights"][0]
+        self.assertEqual((flight["name"], flight["state"], flight["photos"]["total"]), ("Field 7", "ready", 6))
+        self.assertIn(f"http://127.0.0.1:{server.port}/#/flights/{flight['id']}", done.stdout)
+        (self.card / "log.txt").write_text("nothing of interest")
+        again = self.upload(server, "--flight", flight["id"], "--no-map")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertIn("1 files sent, 6 were there", again.stdout)
+
+    def test_goes_on_where_the_connection_broke(self):
+        (self.card / "long.bin").write_bytes(bytes(range(256)) * (160 << 10))  # 40 MB
+        server = self.serve()
+        proxy = BreakingProxy(server.port, breaks_after=20 << 20)
+        done = self.upload(proxy, "--no-map")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(proxy.has_broken)
+        self.assertLess(proxy.passed, 55 << 20)  # not sent from its beginning again
+        flight = server.json("GET", "/api/v1/flights")[1]["flights"][0]
+        files = server.json("GET", f"/api/v1/flights/{flight['id']}/files")[1]["files"]
+        self.assertEqual(sorted(file["name"] for file in files), sorted(path.name for path in self.card.iterdir()))
+        whole = server.request("GET", f"/api/v1/flights/{flight['id']}/files/long.bin")[2]
+        self.assertEqual(whole, (self.card / "long.bin").read_bytes())
+
+    def test_refusals_are_in_words(self):
+        server = self.serve()
+        made = subprocess.run([BINARY, "token", "add", "pilot", "--scope", "upload", "--data", server.data], check=True,
+                              capture_output=True, text=True)
+        wait_until(lambda: server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")
+        refused = self.upload(server)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("SKYQUILT_TOKEN", refused.stderr)
+        taken = self.upload(server, "--no-map", env={"SKYQUILT_TOKEN": made.stdout.split()[0]})
+        self.assertEqual(taken.returncode, 0, taken.stderr)
+        for address, words in (("nonsense", "is no address"), ("http://127.0.0.1:9", "does not answer")):
+            done = subprocess.run([BINARY, "upload", self.card, "--server", address, "--patience", "1"],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(words, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
