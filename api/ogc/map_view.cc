@@ -106,4 +106,12 @@ std::optional<std::string> Parameter(const Request& request, std::string_view na
   return std::nullopt;
 }
 
+bool AsksForCapabilities(std::string_view operation) {
+  constexpr std::string_view kOthers[] = {"GetMap",       "map",           "GetFeatureInfo",
+                                          "feature_info", "DescribeLayer", "GetLegendGraphic",
+                                          "GetStyles",    "PutStyles",     "GetTile"};
+  return std::none_of(std::begin(kOthers), std::end(kOthers),
+                      [&](std::string_view other) { return EqualsIgnoringCase(operation, other); });
+}
+
 }  // namespace skyquilt::api

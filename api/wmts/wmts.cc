@@ -185,18 +185,14 @@ Response KvpTile(Service& service, const Request& request) {
 }
 
 Response Kvp(Service& service, const Request& request) {
-  const std::optional<std::string> operation = Parameter(request, "Request");
-  const std::string service_name = Parameter(request, "Service").value_or("WMTS");
-  if (!EqualsIgnoringCase(service_name, "WMTS")) {
-    return Exception(400, "InvalidParameterValue", "Service", "This is a WMTS.");
+  const std::string operation = Parameter(request, "Request").value_or("");
+  if (AsksForCapabilities(operation)) return AnswerCapabilities(service, request);
+  if (!EqualsIgnoringCase(operation, "GetTile")) {
+    return Exception(501, "OperationNotSupported", operation, "Operations are GetCapabilities and GetTile.");
   }
-  if (!operation)
-    return Exception(400, "MissingParameterValue", "Request", "Say Request=GetCapabilities or GetTile.");
-  if (EqualsIgnoringCase(*operation, "GetCapabilities")) return AnswerCapabilities(service, request);
   const std::string version = Parameter(request, "Version").value_or("1.0.0");
   if (version != "1.0.0") return Exception(400, "InvalidParameterValue", "Version", "The version is 1.0.0.");
-  if (EqualsIgnoringCase(*operation, "GetTile")) return KvpTile(service, request);
-  return Exception(501, "OperationNotSupported", *operation, "Operations are GetCapabilities and GetTile.");
+  return KvpTile(service, request);
 }
 
 Response RestTile(Service& service, const Request& request) {

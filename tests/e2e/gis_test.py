@@ -139,6 +139,23 @@ class Gis(ServerTestCase):
         without.write_bytes(b"\n".join(line for line in xml.splitlines() if b"<ResourceURL" not in line))
         self.check_against_mbtiles(self.gdal.Open(f"WMTS:{without},layer=map"))
 
+    def test_addresses_without_parameters_are_capabilities(self):
+        wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
+        for path, root in ((wmts, b"<Capabilities"), (wms, b"<WMS_Capabilities")):
+            for query in ("", "?", "?request=", "?REQUEST=nonsense", "?SERVICE=WMS&REQUEST=GetCapabilities",
+                          "?service=WMTS&request=getcapabilities"):
+                status, _, body = self.server.request("GET", path + query)
+                self.assertEqual((status, root in body), (200, True), path + query)
+        self.check_against_mbtiles(self.gdal.Open(f"WMTS:{self.address(wmts)}"))
+        self.check_against_mbtiles(self.gdal.Open(self.address(wmts)))
+        for source in (f"WMS:{self.address(wms)}", self.address(wms)):
+            layers = self.gdal.Open(source).GetSubDatasets()
+            self.assertIn("LAYERS=map", layers[0][0], source)
+            west, _, _, north = self.tilejson["bounds"]
+            left, _, _, top, _, _ = self.gdal.Open(layers[0][0]).GetGeoTransform()
+            want = west / 180 * WORLD_M, math.asinh(math.tan(math.radians(north))) / math.pi * WORLD_M
+            self.assertLess(abs(left - want[0]) + abs(top - want[1]), 0.01, source)
+
     def test_gdals_wms_driver_reads_both_versions(self):
         for version, crs in (("1.1.1", "SRS"), ("1.3.0", "CRS")):
             west, south, east, north, size_x, size_y = self.whole_window()
@@ -275,13 +292,14 @@ class Gis(ServerTestCase):
 
     def test_every_refusal_of_the_standards_is_said_their_way(self):
         wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
-        for path, status, word in ((wmts, 400, b"MissingParameterValue"), (wmts + "?service=wms", 400, b"InvalidParameterValue"),
+        for path, status, word in ((wmts + "?request=GetMap", 501, b"OperationNotSupported"),
+                                   (wmts + "?request=GetTile&version=2", 400, b"InvalidParameterValue"),
                                    (wmts + "?request=GetFeatureInfo", 501, b"OperationNotSupported"),
                                    (wmts + "?request=GetTile&layer=map", 400, b"MissingParameterValue"),
                                    (wmts + "/map/default/WebMercatorQuad/1/9/9.png", 400, b"TileOutOfRange"),
                                    (wmts + "/other/default/WebMercatorQuad/1/0/0.png", 404, b"NotFound"),
                                    ("/wmts/nobody?request=GetCapabilities", 404, b"NotFound"),
-                                   (wms, 400, b"OperationNotSupported"), (wms + "?request=GetMap", 400, b"LayerNotDefined"),
+                                   (wms + "?request=GetTile", 400, b"OperationNotSupported"), (wms + "?request=GetMap", 400, b"LayerNotDefined"),
                                    (wms + "?request=GetMap&layers=map&crs=EPSG:4326&bbox=1,2,3,4&width=100000&height=100000&format=image/png",
                                     400, b"WIDTH"),
                                    (wms + "?request=GetMap&layers=map&crs=EPSG:1&bbox=1,2,3,4&width=1&height=1", 400, b"InvalidCRS"),
