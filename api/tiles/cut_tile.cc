@@ -21,6 +21,13 @@ std::optional<int> CutDepth(int side_px, int stored_side_px) {
   return side_px == stored_side_px ? std::optional(depth) : std::nullopt;
 }
 
+std::optional<int> ParseTileSide(std::string_view text) {
+  for (int side_px = kUsualTilePx; side_px <= image::kMaxPictureSidePx; side_px *= 2) {
+    if (text == std::to_string(side_px)) return side_px;
+  }
+  return std::nullopt;
+}
+
 TileCut CutOf(const geo::TileId& tile, int depth, int stored_side_px) {
   TileCut cut;
   const Result<geo::TileId> stored =

@@ -19,6 +19,9 @@ inline constexpr int kUsualTilePx = 256;
 // those. Absent: they cannot be cut from them.
 std::optional<int> CutDepth(int side_px, int stored_side_px);
 
+// "512" and its kin: the sides that tiles may have. Absent: any other text.
+std::optional<int> ParseTileSide(std::string_view text);
+
 struct TileCut {
   geo::TileId stored;  // the tile that it is a part of
   int left_px = 0;

@@ -326,6 +326,7 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
   if (!wanted.side_px || *wanted.side_px == shown.side_px) return AnswerFrom(shown, service, request, wanted);
   // One of twice the side is a larger part of a stored tile, or a whole one.
   const std::optional<int> depth = CutDepth(*wanted.side_px * (wanted.is_double ? 2 : 1), shown.side_px);
+  if (!depth && *wanted.side_px == kUsualTilePx) return AnswerFrom(shown, service, request, wanted);
   if (!depth) {
     return Error{ErrorCode::kNotFound,
                  fmt::format("The tiles of this map have {} pixels, and those of {} cannot be cut from them.",

@@ -179,6 +179,20 @@ class Gis(ServerTestCase):
                               zoom=self.tilejson["maxzoom"], size=self.tilejson.get("tileSize", 256))
         xml = xml.replace("<YOrigin>top</YOrigin>", "<YOrigin>bottom</YOrigin>")
         self.check_against_mbtiles(self.gdal.Open(xml))
+        # By the address alone: every zoom from 0 on, of the world.
+        self.check_against_mbtiles(self.gdal.Open(self.address(f"/tms/1.0.0/{self.flight_id}")))
+        tile_map = xml_parser.fromstring(self.server.request("GET", f"/tms/1.0.0/{self.flight_id}")[2])
+        sets = tile_map.findall("TileSets/TileSet")
+        self.assertEqual([int(one.get("order")) for one in sets], list(range(self.tilejson["maxzoom"] + 1)))
+        maps = self.gdal.Open(self.address("/tms/1.0.0")).GetSubDatasets()
+        self.assertEqual(maps[0][0], self.address(f"/tms/1.0.0/{self.flight_id}"))
+        for tile in ("0/0/0", "5/0/0", f"{self.tilejson['maxzoom']}/0/0"):
+            self.assertEqual(self.server.request("GET", f"/tms/1.0.0/{self.flight_id}/{tile}.png")[0], 200, tile)
+
+    def test_a_token_is_in_every_address_of_the_tile_map(self):
+        tile_map = xml_parser.fromstring(self.server.request("GET", f"/tms/1.0.0/{self.flight_id}?token=abc")[2])
+        self.assertEqual(tile_map.find("TileFormat").get("extension"), "png?token=abc")
+        self.assertIn(b"?token=abc", self.server.request("GET", "/tms/1.0.0?token=abc")[2])
 
     def test_gdals_ogcapi_driver_reads_the_collection(self):
         collection = f"/ogc/collections/{self.flight_id}"
