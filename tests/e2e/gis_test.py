@@ -194,6 +194,17 @@ class Gis(ServerTestCase):
         self.assertEqual(tile_map.find("TileFormat").get("extension"), "png?token=abc")
         self.assertIn(b"?token=abc", self.server.request("GET", "/tms/1.0.0?token=abc")[2])
 
+    def test_gdal_opens_the_arcgis_map_service(self):
+        _, services = self.server.json("GET", "/arcgis/rest/services?f=json")
+        self.assertEqual(services["services"], [{"name": self.flight_id, "type": "MapServer"}])
+        path = f"/arcgis/rest/services/{self.flight_id}/MapServer"
+        self.check_against_mbtiles(self.gdal.Open(self.address(path + "?f=json")))
+        status, layer = self.server.json("GET", path + "/0?f=pjson")
+        _, described = self.server.json("GET", path)
+        self.assertEqual((status, layer["id"], layer["extent"]), (200, described["layers"][0]["id"], described["fullExtent"]))
+        self.assertEqual(layer["extent"]["spatialReference"], {"wkid": 102100, "latestWkid": 3857})
+        self.assertEqual(self.server.request("GET", path + "?f=kmz")[0], 400)
+
     def test_gdals_ogcapi_driver_reads_the_collection(self):
         collection = f"/ogc/collections/{self.flight_id}"
         if int(self.gdal.VersionInfo()) >= older_ogcapi.DRIVER_MENDED_IN:
