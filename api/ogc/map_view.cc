@@ -28,8 +28,6 @@ std::string TokenOf(const Request& request) {
 
 int MapView::tile_size_px() const { return TileSizePx(*tileset); }
 
-std::string MapView::matrix_set() const { return MatrixSetName(tile_size_px()); }
-
 std::vector<int> MapView::tile_sizes_px() const {
   const int stored_px = tile_size_px();
   if (stored_px == kUsualTilePx || !CutDepth(kUsualTilePx, stored_px)) return {stored_px};

@@ -24,7 +24,6 @@ struct MapView {
 
   const storage::Revision& revision() const { return tileset->revision; }
   int tile_size_px() const;
-  std::string matrix_set() const;  // of the stored tiles
   // Of the tiles to be had: 256 first, which every program knows, then that of the stored ones.
   std::vector<int> tile_sizes_px() const;
   // Of the tiles of a matrix set. kNotFound, with those that there are.

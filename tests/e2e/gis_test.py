@@ -58,7 +58,10 @@ def has_gdal():
     return subprocess.run([sys.executable, "-c", "from osgeo import gdal"], capture_output=True).returncode == 0
 
 
-class Gis(ServerTestCase):
+class GdalTestCase(ServerTestCase):
+    """One map, made anew, that GDAL reads."""
+    photo_count, options = 6, {}
+
     @classmethod
     def setUpClass(cls):
         if not has_gdal():
@@ -69,19 +72,28 @@ class Gis(ServerTestCase):
         super().setUpClass()
         gdal.SetConfigOption("GDAL_DEFAULT_WMS_CACHE_PATH", cls.scratch)
         cls.server = Server(tempfile.mkdtemp(dir=cls.scratch))
-        _, made = cls.server.upload(cls.photos)
+        _, made = cls.server.upload(cls.photos[:cls.photo_count], options=json.dumps(cls.options))
         job = cls.server.wait_for_job(made["job"]["id"])
         assert job["state"] == "successful", job
         cls.flight_id = made["flight"]["id"]
         _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
-        for kind in ("mbtiles", "tif"):
-            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
-            cls.path(kind).write_bytes(content)
 
     @classmethod
     def tearDownClass(cls):
         cls.server.stop()
         super().tearDownClass()
+
+    def address(self, path):
+        return f"http://127.0.0.1:{self.server.port}{path}"
+
+
+class Gis(GdalTestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for kind in ("mbtiles", "tif"):
+            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
+            cls.path(kind).write_bytes(content)
 
     @classmethod
     def path(cls, kind):
@@ -126,9 +138,6 @@ class Gis(ServerTestCase):
         self.assertAlmostEqual(dataset.GetGeoTransform()[1], pixel_m, delta=pixel_m * 1e-6)
         got = self.pixels(dataset, west, north, pixel_m, side)
         self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
-
-    def address(self, path):
-        return f"http://127.0.0.1:{self.server.port}{path}"
 
     def test_gdals_wmts_driver_reads_both_bindings(self):
         capabilities = self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml")
@@ -374,6 +383,91 @@ class Gis(ServerTestCase):
         for number, source in enumerate(sources):
             got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
             self.assertEqual(int(abs(got.astype(int) - want).max()), 0, source)
+
+
+class LargeTiles(GdalTestCase):
+    """A map of 512-pixel tiles through programs that take 256 for granted: the same pixels at the same places."""
+    photo_count, options = 2, {"gsd_m": 0.014}
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        assert (cls.tilejson["tileSize"], cls.tilejson["maxzoom"]) == (512, 22), cls.tilejson
+        west, south, east, north = cls.tilejson["bounds"]
+        tile_m = 2 * WORLD_M / 2**22
+        cls.column = int(((west + east) / 360 * WORLD_M + WORLD_M) / tile_m)
+        lat = math.radians((south + north) / 2)
+        cls.row = int((WORLD_M - math.asinh(math.tan(lat)) / math.pi * WORLD_M) / tile_m)
+
+    def picture(self, path):
+        status, _, content = self.server.request("GET", path)
+        self.assertEqual(status, 200, path)
+        file = pathlib.Path(self.data, "tile")
+        file.write_bytes(content)
+        return self.gdal.Open(str(file)).ReadAsArray()[:3].astype(int)
+
+    def stored(self):
+        return self.picture(f"/tiles/{self.flight_id}/22/{self.column}/{self.row}.png")
+
+    def check_alike(self, got, want, what, edge=1):
+        """JPEG's coarser colours look across a tile's edge, which a piece of it cannot: there alone it may differ."""
+        self.assertEqual(got.shape, want.shape, what)
+        inner = abs(got - want)[:, edge:-edge, edge:-edge]
+        self.assertEqual((int(inner.max()), float(want.std()) > 1.0), (0, True), what)
+
+    def test_every_endpoint_has_the_quarters(self):
+        whole, column, row = self.stored(), 2 * self.column, 2 * self.row
+        for right in (0, 1):
+            for below in (0, 1):
+                x, y = column + right, row + below
+                want = whole[:, 256 * below:256 * below + 256, 256 * right:256 * right + 256]
+                for path in (f"/tiles/{self.flight_id}/256/23/{x}/{y}", f"/tms/1.0.0/{self.flight_id}/23/{x}/{2**23 - 1 - y}.png",
+                             f"/wmts/{self.flight_id}/map/default/WebMercatorQuad/23/{y}/{x}.png",
+                             f"/arcgis/rest/services/{self.flight_id}/MapServer/tile/23/{y}/{x}",
+                             f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad/23/{y}/{x}"):
+                    self.check_alike(self.picture(path), want, path)
+
+    def test_the_stored_size_stays_to_be_had(self):
+        whole, x, y = self.stored(), self.column, self.row
+        for path in (f"/tms/1.0.0/{self.flight_id}/512/22/{x}/{2**22 - 1 - y}.png",
+                     f"/wmts/{self.flight_id}/map/default/WebMercatorQuad512/22/{y}/{x}.png",
+                     f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad512/22/{y}/{x}",
+                     f"/tiles/{self.flight_id}/256/22/{x}/{y}@2x.png"):
+            self.check_alike(self.picture(path), whole, path)
+
+    def read(self, source, side):
+        """The stored tile's square as a dataset has it, of `side` pixels."""
+        dataset = self.gdal.Open(source)
+        left, pixel_m, _, top, _, _ = dataset.GetGeoTransform()
+        tile_m = 2 * WORLD_M / 2**22
+        self.assertAlmostEqual(pixel_m * side / tile_m, 1.0, places=6, msg=source)
+        x = round((self.column * tile_m - WORLD_M - left) / pixel_m)
+        y = round((top - (WORLD_M - self.row * tile_m)) / pixel_m)
+        return dataset.ReadAsArray(x, y, side, side)[:3].astype(int)
+
+    def test_gdal_finds_the_pixels_at_their_places(self):
+        whole, wmts = self.stored(), f"WMTS:{self.address(f'/wmts/{self.flight_id}')}"
+        for source in (wmts, wmts + ",layer=map,tilematrixset=WebMercatorQuad512"):
+            got = self.read(source, 512)
+            self.assertLess(abs(got - whole).mean(), 0.05, source)
+        # A world of 23 zooms has more pixels than GDAL counts: it leaves the last one out.
+        for source in (self.address(f"/tms/1.0.0/{self.flight_id}"),
+                       self.address(f"/arcgis/rest/services/{self.flight_id}/MapServer?f=json")):
+            got = self.read(source, 256)
+            want = whole.reshape(3, 256, 2, 256, 2).mean(axis=(2, 4))
+            self.assertLess(abs(got - want).mean(), 4.0, source)
+
+    def test_documents_name_256_first(self):
+        xml = self.server.request("GET", f"/wmts/{self.flight_id}")[2].decode()
+        first, second = (xml.index(f"<TileMatrixSet>{name}</TileMatrixSet>") for name in ("WebMercatorQuad", "WebMercatorQuad512"))
+        self.assertLess(first, second)
+        _, tilesets = self.server.json("GET", f"/ogc/collections/{self.flight_id}/map/tiles")
+        self.assertEqual([one["links"][0]["href"].rsplit("/", 1)[1] for one in tilesets["tilesets"]],
+                         ["WebMercatorQuad", "WebMercatorQuad512"])
+        _, quad = self.server.json("GET", f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad")
+        self.assertEqual(quad["tileMatrixSetLimits"][-1]["tileMatrix"], "23")
+        maps = self.server.request("GET", "/tms/1.0.0")[2].decode()
+        self.assertLess(maps.index(f'{self.flight_id}"'), maps.index(f'{self.flight_id}/512"'))
 
 
 if __name__ == "__main__":
