@@ -2,9 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/auth/flight_access.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -15,61 +17,116 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-Response MapServer(Service& service, const Request& request) {
-  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
-  const auto [low, high] = geo::MercFromLatLonBounds(map->revision().bounds);
-  const Value reference = {{"wkid", 102100}, {"latestWkid", 3857}};
-  const Value extent = {{"xmin", low.x()},
-                        {"ymin", low.y()},
-                        {"xmax", high.x()},
-                        {"ymax", high.y()},
-                        {"spatialReference", reference}};
-  // Scales are of ArcGIS' 96 pixels an inch.
-  constexpr double kPixelsPerMetre = 96.0 / 0.0254;
-  Value levels = Value::array();
-  for (const TileMatrix& matrix : MatricesOf(*map)) {
-    levels.push_back({{"level", matrix.zoom},
-                      {"resolution", matrix.pixel_m},
-                      {"scale", matrix.pixel_m * kPixelsPerMetre}});
+constexpr double kArcgisVersion = 10.91;
+constexpr int kMaxServices = 200;
+// Scales are of ArcGIS' 96 pixels an inch.
+constexpr double kPixelsPerMetre = 96.0 / 0.0254;
+
+// "f" says how a document is wanted; JSON is all there is, and what nobody asked for otherwise.
+Response AnswerArcgis(const Request& request, const Value& document) {
+  const std::string format = Parameter(request, "f").value_or("json");
+  const bool is_pretty = EqualsIgnoringCase(format, "pjson");
+  if (!is_pretty && !format.empty() && !EqualsIgnoringCase(format, "json")) {
+    return Problem({ErrorCode::kInvalidArgument, "This is there as JSON: ask for f=json or f=pjson.", ""},
+                   request);
   }
+  Response response =
+      Text(200, document.dump(is_pretty ? 1 : -1, ' ', false, Value::error_handler_t::replace),
+           "application/json");
+  response.headers.Add("Cache-Control", "no-cache");
+  return response;
+}
+
+Response ArcgisServices(Service& service, const Request& request) {
+  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMaxServices, std::nullopt);
+  if (!page) return Problem(page.error(), request);
+  Value services = Value::array();
+  for (const storage::Flight& flight : page->flights) {
+    if (flight.active_revision) services.push_back({{"name", flight.id}, {"type", "MapServer"}});
+  }
+  return AnswerArcgis(
+      request, {{"currentVersion", kArcgisVersion}, {"folders", Value::array()}, {"services", services}});
+}
+
+Value Reference() { return {{"wkid", 102100}, {"latestWkid", 3857}}; }
+
+Value ExtentOf(const MapView& map) {
+  const auto [low, high] = geo::MercFromLatLonBounds(map.revision().bounds);
+  return {{"xmin", low.x()},
+          {"ymin", low.y()},
+          {"xmax", high.x()},
+          {"ymax", high.y()},
+          {"spatialReference", Reference()}};
+}
+
+// Tiles of 256 pixels, whatever the stored ones: a service has one size, and programs take that for granted.
+int SizeOf(const MapView& map) { return map.tile_sizes_px().front(); }
+
+// From the whole world on, as programs count levels (GDAL takes the size of the world from level 0).
+Value Levels(const MapView& map) {
+  Value levels = Value::array();
+  for (int zoom = 0; zoom <= MatricesOf(map, SizeOf(map)).back().zoom; ++zoom) {
+    const double pixel_m = geo::PixelSizeInMercM(zoom, SizeOf(map));
+    levels.push_back({{"level", zoom}, {"resolution", pixel_m}, {"scale", pixel_m * kPixelsPerMetre}});
+  }
+  return levels;
+}
+
+Value LayerSummary(const MapView& map) {
+  return {{"id", 0},
+          {"name", map.name},
+          {"parentLayerId", -1},
+          {"defaultVisibility", true},
+          {"subLayerIds", nullptr},
+          {"minScale", 0},
+          {"maxScale", 0},
+          {"type", "Raster Layer"}};
+}
+
+Value MapServer(const MapView& map) {
   Value answer;
-  answer["currentVersion"] = 10.91;
-  answer["serviceDescription"] = map->name;
-  answer["mapName"] = map->name;
+  answer["currentVersion"] = kArcgisVersion;
+  answer["serviceDescription"] = map.name;
+  answer["mapName"] = map.name;
   answer["description"] = "";
   answer["copyrightText"] = "";
   answer["supportsDynamicLayers"] = false;
-  answer["layers"] = Value::array({{{"id", 0},
-                                    {"name", map->name},
-                                    {"parentLayerId", -1},
-                                    {"defaultVisibility", true},
-                                    {"subLayerIds", nullptr},
-                                    {"minScale", 0},
-                                    {"maxScale", 0}}});
+  answer["layers"] = Value::array({LayerSummary(map)});
   answer["tables"] = Value::array();
-  answer["spatialReference"] = reference;
+  answer["spatialReference"] = Reference();
   answer["singleFusedMapCache"] = true;
-  answer["tileInfo"] = {{"rows", map->tile_size_px()},
-                        {"cols", map->tile_size_px()},
+  answer["tileInfo"] = {{"rows", SizeOf(map)},
+                        {"cols", SizeOf(map)},
                         {"dpi", 96},
                         {"format", "MIXED"},
                         {"compressionQuality", 85},
                         {"origin", {{"x", -geo::kMercHalfWidthM}, {"y", geo::kMercHalfWidthM}}},
-                        {"spatialReference", reference},
-                        {"lods", levels}};
-  answer["initialExtent"] = extent;
-  answer["fullExtent"] = extent;
-  answer["minScale"] = levels.front()["scale"];
-  answer["maxScale"] = levels.back()["scale"];
+                        {"spatialReference", Reference()},
+                        {"lods", Levels(map)}};
+  answer["initialExtent"] = ExtentOf(map);
+  answer["fullExtent"] = ExtentOf(map);
+  const std::vector<TileMatrix> matrices = MatricesOf(map, SizeOf(map));
+  answer["minScale"] = matrices.front().pixel_m * kPixelsPerMetre;
+  answer["maxScale"] = matrices.back().pixel_m * kPixelsPerMetre;
   answer["units"] = "esriMeters";
   answer["supportedImageFormatTypes"] = "PNG,JPG";
   answer["capabilities"] = "Map";
   answer["exportTilesAllowed"] = false;
-  std::string text = answer.dump(-1, ' ', false, Value::error_handler_t::replace);
-  Response response = Text(200, std::move(text), "application/json");
-  response.headers.Add("Cache-Control", "no-cache");
-  return response;
+  return answer;
+}
+
+Value ArcgisLayer(const MapView& map) {
+  Value answer = LayerSummary(map);
+  answer["currentVersion"] = kArcgisVersion;
+  answer["description"] = "";
+  answer["copyrightText"] = "";
+  answer["parentLayer"] = nullptr;
+  answer["subLayers"] = Value::array();
+  answer["extent"] = ExtentOf(map);
+  answer["geometryType"] = nullptr;
+  answer["fields"] = nullptr;
+  answer["capabilities"] = "Map";
+  return answer;
 }
 
 Result<Response> ArcgisTile(Service& service, const Request& request) {
@@ -78,14 +135,25 @@ Result<Response> ArcgisTile(Service& service, const Request& request) {
   TileRequest wanted;
   wanted.flight_id = request.Parameter("flight");
   wanted.tile = path.tile;
+  wanted.side_px = kUsualTilePx;
+  wanted.is_of_world = true;
   return AnswerTile(service, request, wanted);
 }
 
 }  // namespace
 
 void AddArcgisRoutes(Router& router, Service& service) {
-  router.Add(Method::kGet, "/arcgis/rest/services/{flight}/MapServer",
-             [&](const Request& r) { return MapServer(service, r); });
+  router.Add(Method::kGet, "/arcgis/rest/services",
+             [&](const Request& r) { return ArcgisServices(service, r); });
+  const auto add = [&](const char* rest, Value (*describe)(const MapView&)) {
+    router.Add(Method::kGet, std::string("/arcgis/rest/services/{flight}/MapServer") + rest,
+               [&service, describe](const Request& request) {
+                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+                 return map ? AnswerArcgis(request, describe(*map)) : Problem(map.error(), request);
+               });
+  };
+  add("", MapServer);
+  add("/0", ArcgisLayer);
   router.AddQuick(Method::kGet, "/arcgis/rest/services/{flight}/MapServer/tile/{z}/{row}/{column}",
                   [&](const Request& r) { return TileResponse(ArcgisTile(service, r), r); });
 }

@@ -4,6 +4,7 @@
 
 #include "api/http/links.h"
 #include "api/http/responses.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
@@ -12,8 +13,20 @@
 namespace skyquilt::api {
 int MapView::tile_size_px() const { return TileSizePx(*tileset); }
 
-std::string MapView::matrix_set() const {
-  return tile_size_px() == 256 ? "WebMercatorQuad" : fmt::format("WebMercatorQuad{}", tile_size_px());
+std::vector<int> MapView::tile_sizes_px() const {
+  const int stored_px = tile_size_px();
+  if (stored_px == kUsualTilePx || !CutDepth(kUsualTilePx, stored_px)) return {stored_px};
+  return {kUsualTilePx, stored_px};
+}
+
+Result<int> MapView::SizeOfSet(std::string_view matrix_set) const {
+  std::string names;
+  for (const int side_px : tile_sizes_px()) {
+    const std::string known = MatrixSetName(side_px);
+    if (known == matrix_set) return side_px;
+    names += (names.empty() ? "" : " and ") + known;
+  }
+  return Error{ErrorCode::kNotFound, "The tile matrix sets of this map: " + names + ".", ""};
 }
 
 std::string MapView::Link(std::string_view path) const { return WithToken(base_url, path, token); }
@@ -25,16 +38,23 @@ Result<MapView> FindMap(Service& service, const Request& request, const std::str
   return MapView{flight_id, flight.name, tileset, request.base_url, TokenInQuery(request)};
 }
 
-std::vector<TileMatrix> MatricesOf(const MapView& map) {
+std::string MatrixSetName(int tile_size_px) {
+  return tile_size_px == kUsualTilePx ? "WebMercatorQuad" : fmt::format("WebMercatorQuad{}", tile_size_px);
+}
+
+std::vector<TileMatrix> MatricesOf(const MapView& map) { return MatricesOf(map, map.tile_size_px()); }
+
+std::vector<TileMatrix> MatricesOf(const MapView& map, int tile_size_px) {
   constexpr double kOgcPixelM = 0.00028;
   const geo::LatLonBounds& bounds = map.revision().bounds;
   const Eigen::Vector2d north_west = geo::MercFromLatLon(bounds.NorthWest());
   const Eigen::Vector2d south_east = geo::MercFromLatLon(bounds.SouthEast());
   std::vector<TileMatrix> matrices;
-  for (int zoom = map.revision().min_zoom; zoom <= map.revision().max_zoom; ++zoom) {
+  const int depth = CutDepth(tile_size_px, map.tile_size_px()).value_or(0);
+  for (int zoom = map.revision().min_zoom + depth; zoom <= map.revision().max_zoom + depth; ++zoom) {
     TileMatrix matrix;
     matrix.zoom = zoom;
-    matrix.pixel_m = geo::PixelSizeInMercM(zoom, map.tile_size_px());
+    matrix.pixel_m = geo::PixelSizeInMercM(zoom, tile_size_px);
     matrix.scale_denominator = matrix.pixel_m / kOgcPixelM;
     const geo::TileId first = geo::TileId::AtMerc(zoom, north_west);
     const geo::TileId last = geo::TileId::AtMerc(zoom, south_east);
@@ -86,6 +106,14 @@ std::optional<std::string> Parameter(const Request& request, std::string_view na
     if (EqualsIgnoringCase(known, name)) return value;
   }
   return std::nullopt;
+}
+
+bool AsksForCapabilities(std::string_view operation) {
+  constexpr std::string_view kOthers[] = {"GetMap",       "map",           "GetFeatureInfo",
+                                          "feature_info", "DescribeLayer", "GetLegendGraphic",
+                                          "GetStyles",    "PutStyles",     "GetTile"};
+  return std::none_of(std::begin(kOthers), std::end(kOthers),
+                      [&](std::string_view other) { return EqualsIgnoringCase(operation, other); });
 }
 
 }  // namespace skyquilt::api

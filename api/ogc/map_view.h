@@ -24,8 +24,10 @@ struct MapView {
 
   const storage::Revision& revision() const { return tileset->revision; }
   int tile_size_px() const;
-  // "WebMercatorQuad", or with the side of its tiles where that is not 256.
-  std::string matrix_set() const;
+  // Of the tiles to be had: 256 first, which every program knows, then that of the stored ones.
+  std::vector<int> tile_sizes_px() const;
+  // Of the tiles of a matrix set. kNotFound, with those that there are.
+  Result<int> SizeOfSet(std::string_view matrix_set) const;
   // base_url + path, with the token.
   std::string Link(std::string_view path) const;
 };
@@ -42,11 +44,17 @@ struct TileMatrix {
   std::uint32_t min_column = 0, max_column = 0, min_row = 0, max_row = 0;
 };
 std::vector<TileMatrix> MatricesOf(const MapView& map);
+std::vector<TileMatrix> MatricesOf(const MapView& map, int tile_size_px);  // one of the map's sizes
+// "WebMercatorQuad", or with the side of its tiles where that is not 256.
+std::string MatrixSetName(int tile_size_px);
 
 std::string XmlText(std::string_view text);
 Response Xml(std::string body, const char* content_type = "application/xml");
 
 // An OWS or WMS parameter by its name, whatever its case.
 std::optional<std::string> Parameter(const Request& request, std::string_view name);
+// Whatever is not an operation of WMS or WMTS, nothing above all: people paste addresses without parameters,
+// and programs add those of the service that they take it for. What the path is answers.
+bool AsksForCapabilities(std::string_view operation);
 
 }  // namespace skyquilt::api

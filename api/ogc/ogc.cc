@@ -11,6 +11,8 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/map_view.h"
+#include "api/ogc/ogc_format.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -126,18 +128,18 @@ Response Collections(Service& service, const Request& request) {
   return Document({{"links", links}, {"collections", collections}});
 }
 
-Value TilesetSummary(const MapView& map) {
-  const std::string at = fmt::format("/ogc/collections/{}/map/tiles/{}", map.id, map.matrix_set());
+Value TilesetSummary(const MapView& map, int side_px) {
+  const std::string at = fmt::format("/ogc/collections/{}/map/tiles/{}", map.id, MatrixSetName(side_px));
   Value tileset;
   tileset["title"] = map.name;
   tileset["dataType"] = "map";
   tileset["crs"] = kMercator;
-  if (map.tile_size_px() == 256) {
+  if (side_px == kUsualTilePx) {
     tileset["tileMatrixSetURI"] = "http://www.opengis.net/def/tilematrixset/OGC/1.0/WebMercatorQuad";
   }
   Value links = Value::array();
   links.push_back(Link(map.Link(at), "self", "application/json", "This tileset"));
-  links.push_back(Link(map.Link("/ogc/tileMatrixSets/" + map.matrix_set()), kOgcRel + "tiling-scheme",
+  links.push_back(Link(map.Link("/ogc/tileMatrixSets/" + MatrixSetName(side_px)), kOgcRel + "tiling-scheme",
                        "application/json", "Its tile matrix set"));
   for (const auto& [type, extension] : {std::pair{"image/png", "png"}, std::pair{"image/jpeg", "jpg"}}) {
     Value item = Link(map.Link(at + "/{tileMatrix}/{tileRow}/{tileCol}." + extension), "item", type, "Tiles");
@@ -151,13 +153,16 @@ Value TilesetSummary(const MapView& map) {
 Response Tilesets(const MapView& map) {
   Value links = Value::array(
       {Link(map.Link("/ogc/collections/" + map.id + "/map/tiles"), "self", "application/json", "This list")});
-  return Document({{"links", links}, {"tilesets", Value::array({TilesetSummary(map)})}});
+  Value tilesets = Value::array();
+  for (const int side_px : map.tile_sizes_px()) tilesets.push_back(TilesetSummary(map, side_px));
+  return Document({{"links", links}, {"tilesets", tilesets}});
 }
 
-Response TilesetDocument(const MapView& map) {
-  Value tileset = TilesetSummary(map);
+Response TilesetDocument(const MapView& map, int side_px) {
+  Value tileset = TilesetSummary(map, side_px);
   Value limits = Value::array();
-  for (const TileMatrix& matrix : MatricesOf(map)) {
+  const std::vector<TileMatrix> matrices = MatricesOf(map, side_px);
+  for (const TileMatrix& matrix : matrices) {
     limits.push_back({{"tileMatrix", std::to_string(matrix.zoom)},
                       {"minTileRow", matrix.min_row},
                       {"maxTileRow", matrix.max_row},
@@ -169,7 +174,7 @@ Response TilesetDocument(const MapView& map) {
   tileset["boundingBox"] = {{"lowerLeft", {west, south}}, {"upperRight", {east, north}}, {"crs", kCrs84}};
   tileset["centerPoint"] = {{"coordinates", {(west + east) / 2, (south + north) / 2}},
                             {"crs", kCrs84},
-                            {"tileMatrix", std::to_string(map.revision().max_zoom)}};
+                            {"tileMatrix", std::to_string(matrices.back().zoom)}};
   return Document(tileset);
 }
 
@@ -242,48 +247,63 @@ Response MatrixSet(const Request& request) {
 }
 
 Result<Response> Tile(Service& service, const Request& request, const MapView& map) {
-  if (request.Parameter("set") != map.matrix_set()) {
-    return Error{ErrorCode::kNotFound, "This map's only tile matrix set is " + map.matrix_set() + ".", ""};
-  }
+  TileRequest wanted;
+  SKYQUILT_TRY_ASSIGN(wanted.side_px, map.SizeOfSet(request.Parameter("set")));
   // OGC has the row before the column.
   const std::string& last = request.Parameter("column");
   const std::size_t dot = std::min(last.find('.'), last.size());
   SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(request.Parameter("matrix"), last.substr(0, dot),
                                                          request.Parameter("row") + last.substr(dot)));
-  TileRequest wanted;
   wanted.flight_id = map.id;
   wanted.tile = path.tile;
   wanted.format = path.format;
+  if (!path.format) {
+    SKYQUILT_TRY_ASSIGN(wanted.format, TileFormatFor(request, *map.tileset));
+  }
   wanted.empty = EmptyTile::kNoContent;
-  return AnswerTile(service, request, wanted);
+  Result<Response> answer = AnswerTile(service, request, wanted);
+  if (answer && !path.format) answer->headers.Add("Vary", "Accept");
+  return answer;
 }
 
 using OfMap = std::function<Response(const MapView&, const Request&)>;
 
+// For whom JSON will do.
+Handler AsJson(Handler answer) {
+  return [answer = std::move(answer)](const Request& request) {
+    const Result<void> takes = CheckTakesJson(request);
+    return takes ? answer(request) : Problem(takes.error(), request);
+  };
+}
+
 }  // namespace
 
 void AddOgcRoutes(Router& router, Service& service) {
-  router.AddQuick(Method::kGet, "/ogc", Landing);
-  router.AddQuick(Method::kGet, "/ogc/conformance", Conformance);
-  router.AddQuick(Method::kGet, "/ogc/tileMatrixSets", MatrixSets);
-  router.AddQuick(Method::kGet, "/ogc/tileMatrixSets/{set}", MatrixSet);
-  router.Add(Method::kGet, "/ogc/collections", [&](const Request& r) { return Collections(service, r); });
-  const auto add = [&](const char* rest, OfMap answer) {
-    router.Add(Method::kGet, std::string("/ogc/collections/{flight}") + rest,
-               [&service, answer = std::move(answer)](const Request& request) {
-                 const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-                 return map ? answer(*map, request) : Problem(map.error(), request);
-               });
+  router.AddQuick(Method::kGet, "/ogc", AsJson(Landing));
+  router.AddQuick(Method::kGet, "/ogc/conformance", AsJson(Conformance));
+  router.AddQuick(Method::kGet, "/ogc/tileMatrixSets", AsJson(MatrixSets));
+  router.AddQuick(Method::kGet, "/ogc/tileMatrixSets/{set}", AsJson(MatrixSet));
+  router.Add(Method::kGet, "/ogc/collections",
+             AsJson([&](const Request& r) { return Collections(service, r); }));
+  const auto of_map = [&](OfMap answer) -> Handler {
+    return [&service, answer = std::move(answer)](const Request& request) {
+      const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+      return map ? answer(*map, request) : Problem(map.error(), request);
+    };
   };
-  add("", [](const MapView& map, const Request&) { return Document(Collection(map)); });
-  add("/map/tiles", [](const MapView& map, const Request&) { return Tilesets(map); });
-  add("/map/tiles/{set}", [](const MapView& map, const Request& request) {
-    if (request.Parameter("set") == map.matrix_set()) return TilesetDocument(map);
-    return Problem({ErrorCode::kNotFound, "This map has no such tileset.", ""}, request);
-  });
-  add("/map/tiles/{set}/{matrix}/{row}/{column}", [&](const MapView& map, const Request& request) {
-    return TileResponse(Tile(service, request, map), request);
-  });
+  router.Add(Method::kGet, "/ogc/collections/{flight}",
+             AsJson(of_map([](const MapView& map, const Request&) { return Document(Collection(map)); })));
+  router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles",
+             AsJson(of_map([](const MapView& map, const Request&) { return Tilesets(map); })));
+  router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles/{set}",
+             AsJson(of_map([](const MapView& map, const Request& request) {
+               const Result<int> side_px = map.SizeOfSet(request.Parameter("set"));
+               return side_px ? TilesetDocument(map, *side_px) : Problem(side_px.error(), request);
+             })));
+  router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles/{set}/{matrix}/{row}/{column}",
+             of_map([&](const MapView& map, const Request& request) {
+               return TileResponse(Tile(service, request, map), request);
+             }));
 }
 
 }  // namespace skyquilt::api

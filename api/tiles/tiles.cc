@@ -14,6 +14,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/transcode_tile.h"
@@ -157,6 +158,7 @@ struct ShownTiles {
   std::optional<std::pair<int, int>> zooms;  // absent: any; what it does not have is blank
   const storage::Tileset* tileset;  // absent: a preview, which grows, so that nothing made of it is kept
   const char* cache_control;
+  int depth = 0;  // zooms that what is asked for lies deeper than what is stored
 };
 
 // A tile as it is stored, or in the format asked for.
@@ -196,20 +198,55 @@ Result<Response> Stored(Service& service, const Request& request, const TileRequ
   return response;
 }
 
+// A part of a stored tile.
+Result<Response> Cut(Service& service, const Request& request, const TileRequest& wanted,
+                     storage::FoundTile found, const ShownTiles& shown, const TileCut& cut) {
+  const std::string etag =
+      StrongEtag(found.content_id, fmt::format("{}-{}-{}{}", cut.side_px, cut.left_px, cut.top_px,
+                                               wanted.format ? image::ExtensionOf(*wanted.format) : ""));
+  Response response;
+  response.headers.Add("Cache-Control", shown.cache_control);
+  response.headers.Add("ETag", etag);
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    return response;
+  }
+  SKYQUILT_TRY_ASSIGN(const std::string bytes,
+                      found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
+  const image::PictureFormat format =
+      wanted.format ? *wanted.format : image::PictureFormatOf(bytes).value_or(image::PictureFormat::kPng);
+  const storage::MadeTileKey key{
+      shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile, format, 1, cut.side_px};
+  SKYQUILT_TRY_ASSIGN(const auto made,
+                      Made(service, request, key, [&] { return CutTile(bytes, cut, format); }));
+  if (made == nullptr) return DeferTo(Work::kCompute);
+  if (made->bytes.empty()) return Blank(request, wanted, cut.side_px, shown.cache_control);
+  response.headers.Add("Content-Type", image::ContentTypeOf(format));
+  response.body = made->bytes;
+  return response;
+}
+
 Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Request& request,
                             const TileRequest& wanted) {
-  if (shown.zooms && (wanted.tile.z() < shown.zooms->first || wanted.tile.z() > shown.zooms->second)) {
-    return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name), ""};
-  }
   // There is nothing finer to show for a preview.
   const bool is_double = wanted.is_double && shown.tileset != nullptr;
-  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, shown.source.Find(wanted.tile));
+  const int side_px = (shown.side_px >> shown.depth) * (is_double ? 2 : 1);
+  const int stored_zoom = wanted.tile.z() - shown.depth;
+  if (shown.zooms && (stored_zoom < shown.zooms->first || stored_zoom > shown.zooms->second)) {
+    if (wanted.is_of_world && stored_zoom < shown.zooms->first) {
+      return Blank(request, wanted, side_px, shown.cache_control);
+    }
+    return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name), ""};
+  }
+  const TileCut cut = CutOf(wanted.tile, shown.depth, shown.side_px);
+  SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, shown.source.Find(cut.stored));
   if (!found) {
-    if (shown.tileset != nullptr && !Touches(wanted.tile, shown.tileset->revision)) {
+    if (shown.tileset != nullptr && !wanted.is_of_world && !Touches(wanted.tile, shown.tileset->revision)) {
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
     }
-    return Blank(request, wanted, shown.side_px * (is_double ? 2 : 1), shown.cache_control);
+    return Blank(request, wanted, side_px, shown.cache_control);
   }
+  if (shown.depth > 0) return Cut(service, request, wanted, *std::move(found), shown, cut);
   if (is_double) return DoubleTile(service, request, *shown.tileset, wanted);
   return Stored(service, request, wanted, *std::move(found), shown);
 }
@@ -247,7 +284,7 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
                     service, request, wanted);
 }
 
-Result<Response> Tile(Service& service, const Request& request) {
+Result<Response> Tile(Service& service, const Request& request, std::optional<int> side_px) {
   SKYQUILT_TRY_ASSIGN(const TilePath path,
                       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
   TileRequest wanted;
@@ -255,6 +292,7 @@ Result<Response> Tile(Service& service, const Request& request) {
   wanted.tile = path.tile;
   wanted.format = path.format ? path.format : FormatByAccept(request);
   wanted.is_double = path.is_double;
+  wanted.side_px = side_px;
   // Previews are written while they are read, and a map is opened by whoever asks first.
   const bool is_open = service.tilesets.IsOpen(wanted.flight_id) && request.Query("rev") != kPreviewRevision;
   if (request.work < Work::kRead && !is_open) return DeferTo(Work::kRead);
@@ -282,10 +320,23 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
                       service.tilesets.Get(wanted.flight_id));
   const storage::Revision& revision = tileset->revision;
   if (wanted.layer) return LayerTile(service, request, *tileset, wanted);
-  return AnswerFrom(
-      {*tileset->reader, "map", TileSizePx(*tileset), std::pair(revision.min_zoom, revision.max_zoom),
-       tileset.get(), CacheControl(request, *tileset)},
-      service, request, wanted);
+  ShownTiles shown{*tileset->reader,     "map",
+                   TileSizePx(*tileset), std::pair(revision.min_zoom, revision.max_zoom),
+                   tileset.get(),        CacheControl(request, *tileset)};
+  if (!wanted.side_px || *wanted.side_px == shown.side_px) return AnswerFrom(shown, service, request, wanted);
+  // One of twice the side is a larger part of a stored tile, or a whole one.
+  const std::optional<int> depth = CutDepth(*wanted.side_px * (wanted.is_double ? 2 : 1), shown.side_px);
+  if (!depth && *wanted.side_px == kUsualTilePx) return AnswerFrom(shown, service, request, wanted);
+  if (!depth) {
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("The tiles of this map have {} pixels, and those of {} cannot be cut from them.",
+                             shown.side_px, *wanted.side_px),
+                 ""};
+  }
+  shown.depth = *depth;
+  TileRequest part = wanted;
+  part.is_double = false;
+  return AnswerFrom(shown, service, request, part);
 }
 
 int TileSizePx(const storage::Tileset& tileset) {
@@ -321,8 +372,12 @@ Result<render::MapLayer> ParseLayer(std::string_view name) {
 }
 
 void AddTileRoutes(Router& router, Service& service) {
-  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}",
-                  [&](const Request& request) { return TileResponse(Tile(service, request), request); });
+  router.AddQuick(Method::kGet, "/tiles/{flight}/{z}/{x}/{y}", [&](const Request& request) {
+    return TileResponse(Tile(service, request, std::nullopt), request);
+  });
+  router.AddQuick(Method::kGet, "/tiles/{flight}/256/{z}/{x}/{y}", [&](const Request& request) {
+    return TileResponse(Tile(service, request, kUsualTilePx), request);
+  });
   router.AddQuick(Method::kGet, "/tiles/{flight}/{layer}/{z}/{x}/{y}", [&](const Request& request) {
     const Result<render::MapLayer> layer = ParseLayer(request.Parameter("layer"));
     if (!layer) return TileResponse(layer.error(), request);

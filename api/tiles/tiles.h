@@ -25,7 +25,10 @@ struct TileRequest {
   geo::TileId tile;
   std::optional<image::PictureFormat> format;  // absent: as stored
   bool is_double = false;                      // twice the side, for dense screens
-  EmptyTile empty = EmptyTile::kBlank;         // where the map has nothing, unless ?empty= says
+  std::optional<int>
+      side_px;  // of a tiling with tiles of that side; absent, or 256 where there are none: as stored
+  EmptyTile empty = EmptyTile::kBlank;  // where the map has nothing, unless ?empty= says
+  bool is_of_world = false;             // of a tiling of the whole world: nothing lies outside it
 };
 Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted);
 // With the header that lets pages of other sites show it, and problems as documents.

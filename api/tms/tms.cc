@@ -5,6 +5,7 @@
 #include "api/auth/flight_access.h"
 #include "api/http/problem.h"
 #include "api/ogc/map_view.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
@@ -21,53 +22,84 @@ Response Root(const Request& request) {
       XmlText(request.base_url)));
 }
 
+// Maps of larger tiles have those of 256 pixels where programs look first.
+std::string PathOf(const MapView& map, int side_px) {
+  return fmt::format("/tms/1.0.0/{}{}", map.id,
+                     side_px == map.tile_sizes_px().front() ? "" : fmt::format("/{}", side_px));
+}
+
+std::string TitleOf(const MapView& map, int side_px) {
+  return side_px == map.tile_sizes_px().front() ? map.name : fmt::format("{}, {} pixels", map.name, side_px);
+}
+
 Response Maps(Service& service, const Request& request) {
   const Result<storage::FlightPage> page = ListVisibleFlights(service, request, kMaxMaps, std::nullopt);
   if (!page) return Problem(page.error(), request);
   std::string maps;
   for (const storage::Flight& flight : page->flights) {
     if (!flight.active_revision) continue;
-    maps +=
-        fmt::format("<TileMap title=\"{}\" srs=\"EPSG:3857\" profile=\"none\" href=\"{}/tms/1.0.0/{}\"/>\n",
-                    XmlText(flight.name), XmlText(request.base_url), flight.id);
+    const Result<MapView> map = FindMap(service, request, flight.id);
+    if (!map) continue;  // deleted meanwhile
+    for (const int side_px : map->tile_sizes_px()) {
+      maps += fmt::format("<TileMap title=\"{}\" srs=\"EPSG:3857\" profile=\"none\" href=\"{}\"/>\n",
+                          XmlText(TitleOf(*map, side_px)), XmlText(map->Link(PathOf(*map, side_px))));
+    }
   }
   return Xml(fmt::format(
       "<TileMapService version=\"1.0.0\"><Title>Skyquilt</Title><TileMaps>\n{}</TileMaps></TileMapService>\n",
       maps));
 }
 
-Response TileMap(Service& service, const Request& request) {
-  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-  if (!map) return Problem(map.error(), request);
-  const auto [low, high] = geo::MercFromLatLonBounds(map->revision().bounds);
+// The whole world, and every zoom from 0 on: programs number tiles from the box and tilesets from the first
+// one (GDAL refuses others). What is coarser than the map, or beside it, is empty.
+std::string TileMapText(const MapView& map, int side_px) {
+  const std::string path = map.base_url + PathOf(map, side_px);
   std::string sets;
-  // "order" counts from 0; the zoom is in the address.
-  for (const TileMatrix& matrix : MatricesOf(*map)) {
-    sets +=
-        fmt::format("<TileSet href=\"{0}/tms/1.0.0/{1}/{2}\" units-per-pixel=\"{3:.15g}\" order=\"{2}\"/>\n",
-                    XmlText(map->base_url), map->id, matrix.zoom, matrix.pixel_m);
+  for (int zoom = 0; zoom <= MatricesOf(map, side_px).back().zoom; ++zoom) {
+    sets += fmt::format("<TileSet href=\"{0}/{1}\" units-per-pixel=\"{2:.15g}\" order=\"{1}\"/>\n",
+                        XmlText(path), zoom, geo::PixelSizeInMercM(zoom, side_px));
   }
-  return Xml(fmt::format(
+  // An address is put together of href, column, row and extension: only behind the last a token is where
+  // it belongs.
+  const std::string extension = map.token.empty() ? "png" : "png?" + map.token;
+  return fmt::format(
       R"(<TileMap version="1.0.0" tilemapservice="{0}/tms/1.0.0/"><Title>{1}</Title><Abstract/><SRS>EPSG:3857</SRS>
-<BoundingBox minx="{2:.9f}" miny="{3:.9f}" maxx="{4:.9f}" maxy="{5:.9f}"/><Origin x="-{6:.9f}" y="-{6:.9f}"/>
-<TileFormat width="{7}" height="{7}" mime-type="image/png" extension="png"/>
+<BoundingBox minx="-{2:.9f}" miny="-{2:.9f}" maxx="{2:.9f}" maxy="{2:.9f}"/><Origin x="-{2:.9f}" y="-{2:.9f}"/>
+<TileFormat width="{3}" height="{3}" mime-type="image/png" extension="{4}"/>
 <TileSets profile="none">
-{8}</TileSets></TileMap>
+{5}</TileSets></TileMap>
 )",
-      XmlText(map->base_url), XmlText(map->name), low.x(), low.y(), high.x(), high.y(), geo::kMercHalfWidthM,
-      map->tile_size_px(), sets));
+      XmlText(map.base_url), XmlText(TitleOf(map, side_px)), geo::kMercHalfWidthM, side_px,
+      XmlText(extension), sets);
 }
 
-Result<Response> TmsTile(Service& service, const Request& request) {
+Response TileMap(Service& service, const Request& request, const std::string& size) {
+  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+  if (!map) return Problem(map.error(), request);
+  for (const int side_px : map->tile_sizes_px()) {
+    if (size.empty() || size == std::to_string(side_px)) return Xml(TileMapText(*map, side_px));
+  }
+  return Problem({ErrorCode::kNotFound,
+                  "This map has no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""},
+                 request);
+}
+
+Result<Response> TmsTile(Service& service, const Request& request, const std::string& size) {
   SKYQUILT_TRY_ASSIGN(const TilePath path,
                       ParseTilePath(request.Parameter("z"), request.Parameter("x"), request.Parameter("y")));
   SKYQUILT_TRY_ASSIGN(const geo::TileId tile,
                       geo::TileId::Make(path.tile.z(), path.tile.x(), path.tile.TmsRow()));
   TileRequest wanted;
+  wanted.side_px = size.empty() ? kUsualTilePx : ParseTileSide(size);
+  if (!wanted.side_px) {
+    return Error{ErrorCode::kNotFound,
+                 "There are no tiles of this size. See " + request.base_url + "/tms/1.0.0.", ""};
+  }
   wanted.flight_id = request.Parameter("flight");
   wanted.tile = tile;
   wanted.format = path.format;
   wanted.is_double = path.is_double;
+  wanted.is_of_world = true;
   return AnswerTile(service, request, wanted);
 }
 
@@ -76,9 +108,14 @@ Result<Response> TmsTile(Service& service, const Request& request) {
 void AddTmsRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/tms", Root);
   router.Add(Method::kGet, "/tms/1.0.0", [&](const Request& r) { return Maps(service, r); });
-  router.Add(Method::kGet, "/tms/1.0.0/{flight}", [&](const Request& r) { return TileMap(service, r); });
+  router.Add(Method::kGet, "/tms/1.0.0/{flight}", [&](const Request& r) { return TileMap(service, r, ""); });
+  router.Add(Method::kGet, "/tms/1.0.0/{flight}/{size}",
+             [&](const Request& r) { return TileMap(service, r, r.Parameter("size")); });
   router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{z}/{x}/{y}",
-                  [&](const Request& r) { return TileResponse(TmsTile(service, r), r); });
+                  [&](const Request& r) { return TileResponse(TmsTile(service, r, ""), r); });
+  router.AddQuick(Method::kGet, "/tms/1.0.0/{flight}/{size}/{z}/{x}/{y}", [&](const Request& r) {
+    return TileResponse(TmsTile(service, r, r.Parameter("size")), r);
+  });
 }
 
 }  // namespace skyquilt::api

@@ -172,19 +172,18 @@ Response GetMap(Service& service, const Request& request) {
   return response;
 }
 
+Response DescribeWms(Service& service, const Request& request) {
+  const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
+  if (!map) return Exception(request, StatusOf(map.error().code), "", map.error().message);
+  const bool is_newer = IsNewer(request);
+  return Xml(Capabilities(*map, is_newer), is_newer ? "text/xml" : "application/vnd.ogc.wms_xml");
+}
+
 Response Answer(Service& service, const Request& request) {
-  if (!EqualsIgnoringCase(Parameter(request, "SERVICE").value_or("WMS"), "WMS")) {
-    return Exception(request, 400, "", "This is a WMS.");
-  }
   const std::string operation = Parameter(request, "REQUEST").value_or("");
   if (EqualsIgnoringCase(operation, "GetMap") || EqualsIgnoringCase(operation, "map"))
     return GetMap(service, request);
-  if (EqualsIgnoringCase(operation, "GetCapabilities") || EqualsIgnoringCase(operation, "capabilities")) {
-    const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-    if (!map) return Exception(request, StatusOf(map.error().code), "", map.error().message);
-    const bool is_newer = IsNewer(request);
-    return Xml(Capabilities(*map, is_newer), is_newer ? "text/xml" : "application/vnd.ogc.wms_xml");
-  }
+  if (AsksForCapabilities(operation)) return DescribeWms(service, request);
   return Exception(request, 400, "OperationNotSupported", "Operations are GetCapabilities and GetMap.");
 }
 

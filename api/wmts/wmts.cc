@@ -4,6 +4,7 @@
 
 #include "api/http/problem.h"
 #include "api/ogc/map_view.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "core/geo/web_mercator.h"
@@ -55,17 +56,20 @@ std::string Layer(const MapView& map) {
       <ows:Identifier>{5}</ows:Identifier>
       <Style isDefault="true"><ows:Identifier>default</ows:Identifier></Style>
       <Format>image/png</Format><Format>image/jpeg</Format><Format>image/webp</Format>
-      <TileMatrixSetLink><TileMatrixSet>{6}</TileMatrixSet><TileMatrixSetLimits>
 )",
-      XmlText(map.name), west, south, east, north, kLayer, map.matrix_set());
-  for (const TileMatrix& matrix : MatricesOf(map)) {
-    text += fmt::format(
-        "        "
-        "<TileMatrixLimits><TileMatrix>{}</TileMatrix><MinTileRow>{}</MinTileRow><MaxTileRow>{}</MaxTileRow>"
-        "<MinTileCol>{}</MinTileCol><MaxTileCol>{}</MaxTileCol></TileMatrixLimits>\n",
-        matrix.zoom, matrix.min_row, matrix.max_row, matrix.min_column, matrix.max_column);
+      XmlText(map.name), west, south, east, north, kLayer);
+  for (const int side_px : map.tile_sizes_px()) {
+    text += fmt::format("      <TileMatrixSetLink><TileMatrixSet>{}</TileMatrixSet><TileMatrixSetLimits>\n",
+                        MatrixSetName(side_px));
+    for (const TileMatrix& matrix : MatricesOf(map, side_px)) {
+      text += fmt::format(
+          "        <TileMatrixLimits><TileMatrix>{}</TileMatrix>"
+          "<MinTileRow>{}</MinTileRow><MaxTileRow>{}</MaxTileRow>"
+          "<MinTileCol>{}</MinTileCol><MaxTileCol>{}</MaxTileCol></TileMatrixLimits>\n",
+          matrix.zoom, matrix.min_row, matrix.max_row, matrix.min_column, matrix.max_column);
+    }
+    text += "      </TileMatrixSetLimits></TileMatrixSetLink>\n";
   }
-  text += "      </TileMatrixSetLimits></TileMatrixSetLink>\n";
   for (const auto& [type, extension] :
        {std::pair{"image/png", "png"}, std::pair{"image/jpeg", "jpg"}, std::pair{"image/webp", "webp"}}) {
     const std::string path =
@@ -77,23 +81,23 @@ std::string Layer(const MapView& map) {
   return text + "    </Layer>\n";
 }
 
-std::string MatrixSet(const MapView& map) {
+std::string MatrixSet(const MapView& map, int side_px) {
   std::string text = fmt::format(
       R"(    <TileMatrixSet>
       <ows:Identifier>{}</ows:Identifier>
       <ows:SupportedCRS>urn:ogc:def:crs:EPSG::3857</ows:SupportedCRS>
 )",
-      map.matrix_set());
-  if (map.tile_size_px() == 256) {
+      MatrixSetName(side_px));
+  if (side_px == kUsualTilePx) {
     text += "      <WellKnownScaleSet>urn:ogc:def:wkss:OGC:1.0:GoogleMapsCompatible</WellKnownScaleSet>\n";
   }
-  for (const TileMatrix& matrix : MatricesOf(map)) {
+  for (const TileMatrix& matrix : MatricesOf(map, side_px)) {
     text += fmt::format(
         "      <TileMatrix><ows:Identifier>{0}</ows:Identifier><ScaleDenominator>{1:.12f}</ScaleDenominator>"
         "<TopLeftCorner>-{2:.9f} "
         "{2:.9f}</TopLeftCorner><TileWidth>{3}</TileWidth><TileHeight>{3}</TileHeight>"
         "<MatrixWidth>{4}</MatrixWidth><MatrixHeight>{4}</MatrixHeight></TileMatrix>\n",
-        matrix.zoom, matrix.scale_denominator, geo::kMercHalfWidthM, map.tile_size_px(),
+        matrix.zoom, matrix.scale_denominator, geo::kMercHalfWidthM, side_px,
         std::uint64_t{1} << matrix.zoom);
   }
   return text + "    </TileMatrixSet>\n";
@@ -101,7 +105,10 @@ std::string MatrixSet(const MapView& map) {
 
 std::string Capabilities(const MapView& map) {
   const std::string rest = "/wmts/" + map.id + "/1.0.0/WMTSCapabilities.xml";
-  const std::string tile = fmt::format("/wmts/{}/{}/default/{}/", map.id, kLayer, map.matrix_set());
+  const std::string tile =
+      fmt::format("/wmts/{}/{}/default/{}/", map.id, kLayer, MatrixSetName(map.tile_sizes_px().front()));
+  std::string sets;
+  for (const int side_px : map.tile_sizes_px()) sets += MatrixSet(map, side_px);
   return fmt::format(
              R"(<Capabilities version="1.0.0" xmlns="http://www.opengis.net/wmts/1.0"
   xmlns:ows="http://www.opengis.net/ows/1.1" xmlns:xlink="http://www.w3.org/1999/xlink"
@@ -119,7 +126,7 @@ std::string Capabilities(const MapView& map) {
 )",
              XmlText(map.name)) +
          Operation("GetCapabilities", map, map.Link(rest)) + Operation("GetTile", map, map.Link(tile)) +
-         "  </ows:OperationsMetadata>\n  <Contents>\n" + Layer(map) + MatrixSet(map) + "  </Contents>\n" +
+         "  </ows:OperationsMetadata>\n  <Contents>\n" + Layer(map) + sets + "  </Contents>\n" +
          fmt::format("  <ServiceMetadataURL xlink:href=\"{}\"/>\n</Capabilities>\n", XmlText(map.Link(rest)));
 }
 
@@ -135,8 +142,8 @@ std::optional<std::string> ExtensionOfType(std::string_view type) {
   return std::nullopt;
 }
 
-Response AnswerTileAt(Service& service, const Request& request, std::string_view matrix, std::string_view row,
-                      std::string_view column_and_extension) {
+Response AnswerTileAt(Service& service, const Request& request, int side_px, std::string_view matrix,
+                      std::string_view row, std::string_view column_and_extension) {
   // Column and row stand the other way round in our own addresses.
   const std::size_t dot = column_and_extension.find('.');
   std::string y(row);
@@ -147,6 +154,7 @@ Response AnswerTileAt(Service& service, const Request& request, std::string_view
   wanted.flight_id = request.Parameter("flight");
   wanted.tile = path->tile;
   wanted.format = path->format;
+  wanted.side_px = side_px;
   Result<Response> answer = AnswerTile(service, request, wanted);
   if (!answer) return Exception(answer.error());
   return TileResponse(std::move(answer), request);
@@ -175,28 +183,22 @@ Response KvpTile(Service& service, const Request& request) {
   }
   const Result<MapView> map = FindMap(service, request, id);
   if (!map) return Exception(map.error());
-  if (*Parameter(request, "TileMatrixSet") != map->matrix_set()) {
-    return Exception(400, "InvalidParameterValue", "TileMatrixSet",
-                     "The only set is " + map->matrix_set() + ".");
-  }
+  const Result<int> side_px = map->SizeOfSet(*Parameter(request, "TileMatrixSet"));
+  if (!side_px) return Exception(400, "InvalidParameterValue", "TileMatrixSet", side_px.error().message);
   const std::string matrix = *Parameter(request, "TileMatrix");
-  return AnswerTileAt(service, request, MatrixName(matrix), *Parameter(request, "TileRow"),
+  return AnswerTileAt(service, request, *side_px, MatrixName(matrix), *Parameter(request, "TileRow"),
                       *Parameter(request, "TileCol") + "." + *extension);
 }
 
 Response Kvp(Service& service, const Request& request) {
-  const std::optional<std::string> operation = Parameter(request, "Request");
-  const std::string service_name = Parameter(request, "Service").value_or("WMTS");
-  if (!EqualsIgnoringCase(service_name, "WMTS")) {
-    return Exception(400, "InvalidParameterValue", "Service", "This is a WMTS.");
+  const std::string operation = Parameter(request, "Request").value_or("");
+  if (AsksForCapabilities(operation)) return AnswerCapabilities(service, request);
+  if (!EqualsIgnoringCase(operation, "GetTile")) {
+    return Exception(501, "OperationNotSupported", operation, "Operations are GetCapabilities and GetTile.");
   }
-  if (!operation)
-    return Exception(400, "MissingParameterValue", "Request", "Say Request=GetCapabilities or GetTile.");
-  if (EqualsIgnoringCase(*operation, "GetCapabilities")) return AnswerCapabilities(service, request);
   const std::string version = Parameter(request, "Version").value_or("1.0.0");
   if (version != "1.0.0") return Exception(400, "InvalidParameterValue", "Version", "The version is 1.0.0.");
-  if (EqualsIgnoringCase(*operation, "GetTile")) return KvpTile(service, request);
-  return Exception(501, "OperationNotSupported", *operation, "Operations are GetCapabilities and GetTile.");
+  return KvpTile(service, request);
 }
 
 Response RestTile(Service& service, const Request& request) {
@@ -206,10 +208,9 @@ Response RestTile(Service& service, const Request& request) {
     return Exception(404, "NotFound", "Layer", "The only layer is \"map\".");
   if (request.Parameter("style") != "default")
     return Exception(404, "NotFound", "Style", "The only style is \"default\".");
-  if (request.Parameter("set") != map->matrix_set()) {
-    return Exception(404, "NotFound", "TileMatrixSet", "The only set is " + map->matrix_set() + ".");
-  }
-  return AnswerTileAt(service, request, request.Parameter("matrix"), request.Parameter("row"),
+  const Result<int> side_px = map->SizeOfSet(request.Parameter("set"));
+  if (!side_px) return Exception(404, "NotFound", "TileMatrixSet", side_px.error().message);
+  return AnswerTileAt(service, request, *side_px, request.Parameter("matrix"), request.Parameter("row"),
                       request.Parameter("column"));
 }
 

@@ -116,6 +116,26 @@ std::vector<std::uint8_t> EncodeJpeg(const PixelRows& pixels, int quality, Chrom
   return {bytes, bytes + size};
 }
 
+Result<std::vector<std::uint8_t>> CutJpeg(std::string_view bytes, int left_px, int top_px, int side_px) {
+  const TurboHandle cutter(tjInitTransform(), tjDestroy);
+  int width_px = 0, height_px = 0, subsampling = 0, colors = 0;
+  if (tjDecompressHeader3(cutter.get(), Raw(bytes), bytes.size(), &width_px, &height_px, &subsampling,
+                          &colors) != 0 ||
+      left_px + side_px > width_px || top_px + side_px > height_px) {
+    return Damaged();
+  }
+  tjtransform square{};
+  square.r = {left_px, top_px, side_px, side_px};
+  square.op = TJXOP_NONE;
+  square.options = TJXOPT_CROP | TJXOPT_COPYNONE;
+  unsigned char* cut = nullptr;
+  unsigned long size = 0;
+  const int failed = tjTransform(cutter.get(), Raw(bytes), bytes.size(), 1, &cut, &size, &square, 0);
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(cut, tjFree);
+  if (failed != 0) return Damaged();
+  return std::vector<std::uint8_t>(cut, cut + size);
+}
+
 std::vector<std::uint8_t> EncodeWebp(const PixelRows& pixels, float quality) {
   SKYQUILT_CHECK(pixels.channels == 4, "WebP is made of pixels with alpha");
   std::uint8_t* bytes = nullptr;

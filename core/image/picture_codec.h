@@ -37,6 +37,10 @@ std::vector<std::uint8_t> EncodeWebp(const PixelRows& pixels, float quality);
 // What has hardly anything in it: smaller than png_encoder makes it, and slower. Straight alpha.
 std::vector<std::uint8_t> EncodePlainPng(const RgbaImage& image);
 
+// A square of a JPEG as it is, without loss: its blocks are copied. Left and top are multiples of 16. Errors:
+// kCorrupt (bytes that are no JPEG, or one that the square is not within).
+Result<std::vector<std::uint8_t>> CutJpeg(std::string_view bytes, int left_px, int top_px, int side_px);
+
 // For who asked for a format, in a quality fit for looking at. Straight alpha; JPEG, which has none, is laid
 // on white.
 std::vector<std::uint8_t> EncodePicture(RgbaImage image, PictureFormat format);

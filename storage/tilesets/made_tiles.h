@@ -27,6 +27,7 @@ struct MadeTileKey {
   geo::TileId tile;
   image::PictureFormat format = image::PictureFormat::kPng;
   int scale = 1;
+  int cut_px = 0;  // side of a tile that was cut from a larger one; 0: it was not
 
   std::string Text() const;
 };

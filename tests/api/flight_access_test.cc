@@ -268,6 +268,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
           {"{x}", "0"},
           {"{y}", "0.png"},
           {"{row}", "0"},
+          {"{size}", "256"},
           {"{column}", "0"},
           {"{matrix}", "1"},
           {"{set}", "WebMercatorQuad"},

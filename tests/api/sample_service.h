@@ -70,8 +70,9 @@ class SampleService {
   }
 
   std::string NewFlight() { return catalogue.AddFlight("field", "{}", storage::Now())->id; }
-  std::int64_t Publish(const std::string& flight, const std::vector<storage::SmallTile>& tiles) {
-    return storage::PublishSmallTileset(dir_, *db_, flight, tiles);
+  std::int64_t Publish(const std::string& flight, const std::vector<storage::SmallTile>& tiles,
+                       int tile_size_px = 256) {
+    return storage::PublishSmallTileset(dir_, *db_, flight, tiles, tile_size_px);
   }
   const storage::DataDir& dir() const { return dir_; }
   const Router& router() const { return router_; }

@@ -96,10 +96,14 @@ class BadInput(ServerTestCase):
 
     def test_02_tiles(self):
         for bad in ("-1/0/0", "31/0/0", "99999999999/0/0", "2/4/0", "2/1e3/0", "2/+1/0", "2/%201/0", "2/0x1/0", "2/1.5/0",
-                    f"2/{'1' * 500}/0", "2/%D9%A1/0", "2/0/0.exe", "2/0/0@9x.png", "2/0/0.png?rev=x"):
-            for base in (f"/tiles/{self.map_id}/", f"/tms/1.0.0/{self.map_id}/",
+                    f"2/{'1' * 500}/0", "2/%D9%A1/0", "2/0/0.exe", "2/0/0@9x.png"):
+            for base in (f"/tiles/{self.map_id}/", f"/tiles/{self.map_id}/256/", f"/tms/1.0.0/{self.map_id}/",
+                         f"/tms/1.0.0/{self.map_id}/256/", f"/arcgis/rest/services/{self.map_id}/MapServer/tile/",
                          f"/ogc/collections/{self.map_id}/map/tiles/WebMercatorQuad/"):
                 self.refused("GET", base + bad)
+        for path in (f"/tiles/{self.map_id}/2/0/0.png?rev=x", f"/tms/1.0.0/{self.map_id}/256x/2/0/0.png",
+                     f"/tms/1.0.0/{self.map_id}/99999999999/2/0/0.png", f"/tms/1.0.0/{self.map_id}/512"):
+            self.refused("GET", path)
 
     def test_03_http(self):
         host = b"Host: localhost\r\n"

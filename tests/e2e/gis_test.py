@@ -58,7 +58,10 @@ def has_gdal():
     return subprocess.run([sys.executable, "-c", "from osgeo import gdal"], capture_output=True).returncode == 0
 
 
-class Gis(ServerTestCase):
+class GdalTestCase(ServerTestCase):
+    """One map, made anew, that GDAL reads."""
+    photo_count, options = 6, {}
+
     @classmethod
     def setUpClass(cls):
         if not has_gdal():
@@ -69,19 +72,28 @@ class Gis(ServerTestCase):
         super().setUpClass()
         gdal.SetConfigOption("GDAL_DEFAULT_WMS_CACHE_PATH", cls.scratch)
         cls.server = Server(tempfile.mkdtemp(dir=cls.scratch))
-        _, made = cls.server.upload(cls.photos)
+        _, made = cls.server.upload(cls.photos[:cls.photo_count], options=json.dumps(cls.options))
         job = cls.server.wait_for_job(made["job"]["id"])
         assert job["state"] == "successful", job
         cls.flight_id = made["flight"]["id"]
         _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
-        for kind in ("mbtiles", "tif"):
-            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
-            cls.path(kind).write_bytes(content)
 
     @classmethod
     def tearDownClass(cls):
         cls.server.stop()
         super().tearDownClass()
+
+    def address(self, path):
+        return f"http://127.0.0.1:{self.server.port}{path}"
+
+
+class Gis(GdalTestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for kind in ("mbtiles", "tif"):
+            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
+            cls.path(kind).write_bytes(content)
 
     @classmethod
     def path(cls, kind):
@@ -127,9 +139,6 @@ class Gis(ServerTestCase):
         got = self.pixels(dataset, west, north, pixel_m, side)
         self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
 
-    def address(self, path):
-        return f"http://127.0.0.1:{self.server.port}{path}"
-
     def test_gdals_wmts_driver_reads_both_bindings(self):
         capabilities = self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml")
         self.check_against_mbtiles(self.gdal.Open(f"WMTS:{capabilities},layer=map"))
@@ -138,6 +147,23 @@ class Gis(ServerTestCase):
         without = pathlib.Path(self.data, "kvp.xml")
         without.write_bytes(b"\n".join(line for line in xml.splitlines() if b"<ResourceURL" not in line))
         self.check_against_mbtiles(self.gdal.Open(f"WMTS:{without},layer=map"))
+
+    def test_addresses_without_parameters_are_capabilities(self):
+        wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
+        for path, root in ((wmts, b"<Capabilities"), (wms, b"<WMS_Capabilities")):
+            for query in ("", "?", "?request=", "?REQUEST=nonsense", "?SERVICE=WMS&REQUEST=GetCapabilities",
+                          "?service=WMTS&request=getcapabilities"):
+                status, _, body = self.server.request("GET", path + query)
+                self.assertEqual((status, root in body), (200, True), path + query)
+        self.check_against_mbtiles(self.gdal.Open(f"WMTS:{self.address(wmts)}"))
+        self.check_against_mbtiles(self.gdal.Open(self.address(wmts)))
+        for source in (f"WMS:{self.address(wms)}", self.address(wms)):
+            layers = self.gdal.Open(source).GetSubDatasets()
+            self.assertIn("LAYERS=map", layers[0][0], source)
+            west, _, _, north = self.tilejson["bounds"]
+            left, _, _, top, _, _ = self.gdal.Open(layers[0][0]).GetGeoTransform()
+            want = west / 180 * WORLD_M, math.asinh(math.tan(math.radians(north))) / math.pi * WORLD_M
+            self.assertLess(abs(left - want[0]) + abs(top - want[1]), 0.01, source)
 
     def test_gdals_wms_driver_reads_both_versions(self):
         for version, crs in (("1.1.1", "SRS"), ("1.3.0", "CRS")):
@@ -162,6 +188,31 @@ class Gis(ServerTestCase):
                               zoom=self.tilejson["maxzoom"], size=self.tilejson.get("tileSize", 256))
         xml = xml.replace("<YOrigin>top</YOrigin>", "<YOrigin>bottom</YOrigin>")
         self.check_against_mbtiles(self.gdal.Open(xml))
+        # By the address alone: every zoom from 0 on, of the world.
+        self.check_against_mbtiles(self.gdal.Open(self.address(f"/tms/1.0.0/{self.flight_id}")))
+        tile_map = xml_parser.fromstring(self.server.request("GET", f"/tms/1.0.0/{self.flight_id}")[2])
+        sets = tile_map.findall("TileSets/TileSet")
+        self.assertEqual([int(one.get("order")) for one in sets], list(range(self.tilejson["maxzoom"] + 1)))
+        maps = self.gdal.Open(self.address("/tms/1.0.0")).GetSubDatasets()
+        self.assertEqual(maps[0][0], self.address(f"/tms/1.0.0/{self.flight_id}"))
+        for tile in ("0/0/0", "5/0/0", f"{self.tilejson['maxzoom']}/0/0"):
+            self.assertEqual(self.server.request("GET", f"/tms/1.0.0/{self.flight_id}/{tile}.png")[0], 200, tile)
+
+    def test_a_token_is_in_every_address_of_the_tile_map(self):
+        tile_map = xml_parser.fromstring(self.server.request("GET", f"/tms/1.0.0/{self.flight_id}?token=abc")[2])
+        self.assertEqual(tile_map.find("TileFormat").get("extension"), "png?token=abc")
+        self.assertIn(b"?token=abc", self.server.request("GET", "/tms/1.0.0?token=abc")[2])
+
+    def test_gdal_opens_the_arcgis_map_service(self):
+        _, services = self.server.json("GET", "/arcgis/rest/services?f=json")
+        self.assertEqual(services["services"], [{"name": self.flight_id, "type": "MapServer"}])
+        path = f"/arcgis/rest/services/{self.flight_id}/MapServer"
+        self.check_against_mbtiles(self.gdal.Open(self.address(path + "?f=json")))
+        status, layer = self.server.json("GET", path + "/0?f=pjson")
+        _, described = self.server.json("GET", path)
+        self.assertEqual((status, layer["id"], layer["extent"]), (200, described["layers"][0]["id"], described["fullExtent"]))
+        self.assertEqual(layer["extent"]["spatialReference"], {"wkid": 102100, "latestWkid": 3857})
+        self.assertEqual(self.server.request("GET", path + "?f=kmz")[0], 400)
 
     def test_gdals_ogcapi_driver_reads_the_collection(self):
         collection = f"/ogc/collections/{self.flight_id}"
@@ -275,13 +326,14 @@ class Gis(ServerTestCase):
 
     def test_every_refusal_of_the_standards_is_said_their_way(self):
         wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
-        for path, status, word in ((wmts, 400, b"MissingParameterValue"), (wmts + "?service=wms", 400, b"InvalidParameterValue"),
+        for path, status, word in ((wmts + "?request=GetMap", 501, b"OperationNotSupported"),
+                                   (wmts + "?request=GetTile&version=2", 400, b"InvalidParameterValue"),
                                    (wmts + "?request=GetFeatureInfo", 501, b"OperationNotSupported"),
                                    (wmts + "?request=GetTile&layer=map", 400, b"MissingParameterValue"),
                                    (wmts + "/map/default/WebMercatorQuad/1/9/9.png", 400, b"TileOutOfRange"),
                                    (wmts + "/other/default/WebMercatorQuad/1/0/0.png", 404, b"NotFound"),
                                    ("/wmts/nobody?request=GetCapabilities", 404, b"NotFound"),
-                                   (wms, 400, b"OperationNotSupported"), (wms + "?request=GetMap", 400, b"LayerNotDefined"),
+                                   (wms + "?request=GetTile", 400, b"OperationNotSupported"), (wms + "?request=GetMap", 400, b"LayerNotDefined"),
                                    (wms + "?request=GetMap&layers=map&crs=EPSG:4326&bbox=1,2,3,4&width=100000&height=100000&format=image/png",
                                     400, b"WIDTH"),
                                    (wms + "?request=GetMap&layers=map&crs=EPSG:1&bbox=1,2,3,4&width=1&height=1", 400, b"InvalidCRS"),
@@ -331,6 +383,91 @@ class Gis(ServerTestCase):
         for number, source in enumerate(sources):
             got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
             self.assertEqual(int(abs(got.astype(int) - want).max()), 0, source)
+
+
+class LargeTiles(GdalTestCase):
+    """A map of 512-pixel tiles through programs that take 256 for granted: the same pixels at the same places."""
+    photo_count, options = 2, {"gsd_m": 0.014}
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        assert (cls.tilejson["tileSize"], cls.tilejson["maxzoom"]) == (512, 22), cls.tilejson
+        west, south, east, north = cls.tilejson["bounds"]
+        tile_m = 2 * WORLD_M / 2**22
+        cls.column = int(((west + east) / 360 * WORLD_M + WORLD_M) / tile_m)
+        lat = math.radians((south + north) / 2)
+        cls.row = int((WORLD_M - math.asinh(math.tan(lat)) / math.pi * WORLD_M) / tile_m)
+
+    def picture(self, path):
+        status, _, content = self.server.request("GET", path)
+        self.assertEqual(status, 200, path)
+        file = pathlib.Path(self.data, "tile")
+        file.write_bytes(content)
+        return self.gdal.Open(str(file)).ReadAsArray()[:3].astype(int)
+
+    def stored(self):
+        return self.picture(f"/tiles/{self.flight_id}/22/{self.column}/{self.row}.png")
+
+    def check_alike(self, got, want, what, edge=1):
+        """JPEG's coarser colours look across a tile's edge, which a piece of it cannot: there alone it may differ."""
+        self.assertEqual(got.shape, want.shape, what)
+        inner = abs(got - want)[:, edge:-edge, edge:-edge]
+        self.assertEqual((int(inner.max()), float(want.std()) > 1.0), (0, True), what)
+
+    def test_every_endpoint_has_the_quarters(self):
+        whole, column, row = self.stored(), 2 * self.column, 2 * self.row
+        for right in (0, 1):
+            for below in (0, 1):
+                x, y = column + right, row + below
+                want = whole[:, 256 * below:256 * below + 256, 256 * right:256 * right + 256]
+                for path in (f"/tiles/{self.flight_id}/256/23/{x}/{y}", f"/tms/1.0.0/{self.flight_id}/23/{x}/{2**23 - 1 - y}.png",
+                             f"/wmts/{self.flight_id}/map/default/WebMercatorQuad/23/{y}/{x}.png",
+                             f"/arcgis/rest/services/{self.flight_id}/MapServer/tile/23/{y}/{x}",
+                             f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad/23/{y}/{x}"):
+                    self.check_alike(self.picture(path), want, path)
+
+    def test_the_stored_size_stays_to_be_had(self):
+        whole, x, y = self.stored(), self.column, self.row
+        for path in (f"/tms/1.0.0/{self.flight_id}/512/22/{x}/{2**22 - 1 - y}.png",
+                     f"/wmts/{self.flight_id}/map/default/WebMercatorQuad512/22/{y}/{x}.png",
+                     f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad512/22/{y}/{x}",
+                     f"/tiles/{self.flight_id}/256/22/{x}/{y}@2x.png"):
+            self.check_alike(self.picture(path), whole, path)
+
+    def read(self, source, side):
+        """The stored tile's square as a dataset has it, of `side` pixels."""
+        dataset = self.gdal.Open(source)
+        left, pixel_m, _, top, _, _ = dataset.GetGeoTransform()
+        tile_m = 2 * WORLD_M / 2**22
+        self.assertAlmostEqual(pixel_m * side / tile_m, 1.0, places=6, msg=source)
+        x = round((self.column * tile_m - WORLD_M - left) / pixel_m)
+        y = round((top - (WORLD_M - self.row * tile_m)) / pixel_m)
+        return dataset.ReadAsArray(x, y, side, side)[:3].astype(int)
+
+    def test_gdal_finds_the_pixels_at_their_places(self):
+        whole, wmts = self.stored(), f"WMTS:{self.address(f'/wmts/{self.flight_id}')}"
+        for source in (wmts, wmts + ",layer=map,tilematrixset=WebMercatorQuad512"):
+            got = self.read(source, 512)
+            self.assertLess(abs(got - whole).mean(), 0.05, source)
+        # A world of 23 zooms has more pixels than GDAL counts: it leaves the last one out.
+        for source in (self.address(f"/tms/1.0.0/{self.flight_id}"),
+                       self.address(f"/arcgis/rest/services/{self.flight_id}/MapServer?f=json")):
+            got = self.read(source, 256)
+            want = whole.reshape(3, 256, 2, 256, 2).mean(axis=(2, 4))
+            self.assertLess(abs(got - want).mean(), 4.0, source)
+
+    def test_documents_name_256_first(self):
+        xml = self.server.request("GET", f"/wmts/{self.flight_id}")[2].decode()
+        first, second = (xml.index(f"<TileMatrixSet>{name}</TileMatrixSet>") for name in ("WebMercatorQuad", "WebMercatorQuad512"))
+        self.assertLess(first, second)
+        _, tilesets = self.server.json("GET", f"/ogc/collections/{self.flight_id}/map/tiles")
+        self.assertEqual([one["links"][0]["href"].rsplit("/", 1)[1] for one in tilesets["tilesets"]],
+                         ["WebMercatorQuad", "WebMercatorQuad512"])
+        _, quad = self.server.json("GET", f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad")
+        self.assertEqual(quad["tileMatrixSetLimits"][-1]["tileMatrix"], "23")
+        maps = self.server.request("GET", "/tms/1.0.0")[2].decode()
+        self.assertLess(maps.index(f'{self.flight_id}"'), maps.index(f'{self.flight_id}/512"'))
 
 
 if __name__ == "__main__":

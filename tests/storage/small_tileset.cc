@@ -16,11 +16,12 @@ void Require(const Result<void>& result) {
 }  // namespace
 
 void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
-                       const std::vector<SmallTile>& tiles) {
+                       const std::vector<SmallTile>& tiles, int tile_size_px) {
   auto db = *SqliteDb::Open(path, OpenMode::kReadWriteCreate);
-  Require(
-      db.Exec("CREATE TABLE metadata(name TEXT, value TEXT); INSERT INTO metadata VALUES('name','small'),"
-              "('format','png'),('tile_size','256')"));
+  Require(db.Exec(
+      std::string(
+          "CREATE TABLE metadata(name TEXT, value TEXT); INSERT INTO metadata VALUES('name','small'),") +
+      "('format','png'),('tile_size','" + std::to_string(tile_size_px) + "')"));
   const std::string keys = "(zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, ";
   if (schema == TilesetSchema::kFlat) {
     Require(db.Exec("CREATE TABLE tiles" + keys + "tile_data BLOB)"));
@@ -53,7 +54,7 @@ void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
 }
 
 std::int64_t PublishSmallTileset(const DataDir& dir, CatalogueDb& db, const std::string& flight_id,
-                                 const std::vector<SmallTile>& tiles) {
+                                 const std::vector<SmallTile>& tiles, int tile_size_px) {
   JobQueue queue(db);
   SKYQUILT_CHECK(queue.Add(flight_id, "{}", Now()).ok(), "the job was refused");
   const Lease lease = **queue.Claim("test", Now());
@@ -64,7 +65,7 @@ std::int64_t PublishSmallTileset(const DataDir& dir, CatalogueDb& db, const std:
   revision.max_zoom = tiles.back().z;
   const auto folder = dir.Revision(flight_id, revision.revision);
   std::filesystem::create_directories(folder);
-  WriteSmallTileset(folder / "mosaic.mbtiles", TilesetSchema::kIntegerKeys, tiles);
+  WriteSmallTileset(folder / "mosaic.mbtiles", TilesetSchema::kIntegerKeys, tiles, tile_size_px);
   std::ofstream(folder / "report.json") << "{\"photos\":{}}";
   std::ofstream(folder / "photos.geojson") << "{\"type\":\"FeatureCollection\",\"features\":[]}";
   std::ofstream(folder / "mosaic.tif") << "0123456789";

@@ -21,10 +21,10 @@ struct SmallTile {
 };
 
 void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
-                       const std::vector<SmallTile>& tiles);
+                       const std::vector<SmallTile>& tiles, int tile_size_px = 256);
 
 // The whole way of a job: queued, claimed, files in place, published. Answers the revision.
 std::int64_t PublishSmallTileset(const DataDir& dir, CatalogueDb& db, const std::string& flight_id,
-                                 const std::vector<SmallTile>& tiles);
+                                 const std::vector<SmallTile>& tiles, int tile_size_px = 256);
 
 }  // namespace skyquilt::storage

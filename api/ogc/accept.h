@@ -1,0 +1,12 @@
+// AcceptedQuality: how much a client wants a media type, by its Accept header (RFC 9110 12.5.1), in
+// thousandths; 0: it does not take it. The closest range counts; without a header everything is welcome.
+// Pure.
+#pragma once
+
+#include <string_view>
+
+namespace skyquilt::api {
+
+int AcceptedQuality(std::string_view accept, std::string_view type);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,19 @@
+// The formats that OGC documents and tiles are asked for in: by "f", or else by Accept. Any thread.
+// Errors: kNotAcceptable, with what there is.
+#pragma once
+
+#include <optional>
+
+#include "api/http/http_message.h"
+#include "core/image/picture_format.h"
+#include "storage/tilesets/tileset_cache.h"
+
+namespace skyquilt::api {
+
+// Documents are there as JSON alone.
+Result<void> CheckTakesJson(const Request& request);
+// Absent: as stored, which the client takes.
+Result<std::optional<image::PictureFormat>> TileFormatFor(const Request& request,
+                                                          const storage::Tileset& tileset);
+
+}  // namespace skyquilt::api

@@ -1,0 +1,94 @@
+// What the documents of the map standards say of maps with usual and with larger tiles.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "api/tiles/transcode_tile.h"
+#include "tests/api/sample_service.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+int CountOf(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+class StandardsTest : public testing::TestWithParam<int> {
+ protected:
+  StandardsTest() : depth_(static_cast<int>(std::log2(GetParam() / 256))), flight_(sample_.NewFlight()) {
+    const std::string png = TransparentPng(GetParam());
+    sample_.Publish(flight_, {{2, 1, 2, png}, {3, 2, 5, png}}, GetParam());
+  }
+  std::string Body(const std::string& path) {
+    const Response response = sample_.Get(path);
+    EXPECT_EQ(response.status, 200) << path << " " << response.body;
+    return response.body;
+  }
+
+  int depth_;
+  SampleService sample_;
+  std::string flight_;
+};
+
+TEST_P(StandardsTest, AddressesWithoutARequestAreCapabilities) {
+  for (const char* query : {"", "?request=", "?REQUEST=nonsense", "?service=wms&request=getcapabilities",
+                            "?SERVICE=WMTS&REQUEST=GetCapabilities"}) {
+    EXPECT_NE(Body("/wmts/" + flight_ + query).find("<Capabilities "), std::string::npos) << query;
+    EXPECT_NE(Body("/wms/" + flight_ + query).find("<WMS_Capabilities "), std::string::npos) << query;
+  }
+  EXPECT_EQ(sample_.Get("/wmts/" + flight_ + "?request=GetMap").status, 501);
+  EXPECT_EQ(sample_.Get("/wmts/" + flight_ + "?request=GetTile").status, 400);
+  EXPECT_EQ(sample_.Get("/wms/" + flight_ + "?request=GetTile").status, 400);
+  EXPECT_EQ(sample_.Get("/wms/" + flight_ + "?request=GetMap").status, 400);
+}
+
+TEST_P(StandardsTest, WmtsNamesTheUsualSizeFirst) {
+  const std::string text = Body("/wmts/" + flight_);
+  EXPECT_EQ(CountOf(text, "<TileMatrixSetLink>"), depth_ > 0 ? 2 : 1);
+  const std::size_t usual = text.find("<TileMatrixSet>WebMercatorQuad</TileMatrixSet>");
+  ASSERT_NE(usual, std::string::npos);
+  EXPECT_LT(usual,
+            text.find("<TileMatrixSet>WebMercatorQuad" + std::to_string(GetParam()) + "</TileMatrixSet>"));
+  EXPECT_NE(text.find("<TileMatrixLimits><TileMatrix>" + std::to_string(3 + depth_) + "<"),
+            std::string::npos);
+}
+
+TEST_P(StandardsTest, TmsCountsFromTheWorld) {
+  const std::string text = Body("/tms/1.0.0/" + flight_ + "?token=abc");
+  EXPECT_EQ(CountOf(text, "<TileSet "), 4 + depth_);
+  EXPECT_NE(text.find("order=\"0\""), std::string::npos);
+  EXPECT_NE(text.find("<TileFormat width=\"256\""), std::string::npos);
+  EXPECT_NE(text.find("minx=\"-20037508.342789244\""), std::string::npos);
+  EXPECT_NE(text.find("extension=\"png?token=abc\""), std::string::npos);
+  EXPECT_EQ(CountOf(Body("/tms/1.0.0"), "<TileMap "), depth_ > 0 ? 2 : 1);
+  EXPECT_EQ(sample_.Get("/tms/1.0.0/" + flight_ + "/0/0/0.png").status, 200);
+  EXPECT_EQ(sample_.Get("/tms/1.0.0/" + flight_ + "/20/0/0.png").status, 404);
+  EXPECT_EQ(sample_.Get("/tms/1.0.0/" + flight_ + "/128").status, 404);
+}
+
+TEST_P(StandardsTest, ArcgisFindsServiceLayerAndLevels) {
+  const json services = json::parse(Body("/arcgis/rest/services?f=pjson"))["services"];
+  ASSERT_EQ(services.size(), 1u);
+  EXPECT_EQ(services[0]["name"], flight_);
+  const std::string at = "/arcgis/rest/services/" + flight_ + "/MapServer";
+  const json map = json::parse(Body(at + "?f=json"));
+  const json& levels = map["tileInfo"]["lods"];
+  ASSERT_EQ(levels.size(), static_cast<std::size_t>(4 + depth_));
+  EXPECT_EQ(levels[0]["level"], 0);
+  EXPECT_NEAR(levels[0]["resolution"].get<double>() * map["tileInfo"]["cols"].get<int>(), 40075016.68557849,
+              1e-6);
+  EXPECT_EQ(map["maxScale"], levels.back()["scale"]);
+  EXPECT_EQ(json::parse(Body(at + "/0"))["extent"], map["fullExtent"]);
+  EXPECT_EQ(sample_.Get(at + "?f=kmz").status, 400);
+  EXPECT_EQ(sample_.Get("/arcgis/rest/services/" + sample_.NewFlight() + "/MapServer/0").status, 404);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAllSizes, StandardsTest, testing::Values(256, 512, 1024));
+
+}  // namespace
+}  // namespace skyquilt::api
