@@ -74,7 +74,7 @@ Result<void> RestartTask(Service& service, const storage::NodeTask& task, const 
     return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended.", ""};
   }
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
-  NodeChoice choice{flight.options, task.options};
+  NodeChoice choice{flight.options, task.options, {}};
   if (wanted.options) {
     SKYQUILT_TRY_ASSIGN(const NodeChoice parsed, ParseNodeOptions(*wanted.options));
     choice = parsed;

@@ -61,7 +61,9 @@ class Node(ServerTestCase):
         self.assertGreaterEqual([int(n) for n in told["version"].split(".")], [1, 5, 1])
         self.assertEqual((told["taskQueueCount"], told["maxImages"], told["maxParallelTasks"], told["engine"]),
                          (0, None, 2, "skyquilt"))
-        for option in self.ask(server, "GET", "/options"):
+        offered = self.ask(server, "GET", "/options")
+        self.assertLessEqual({"dsm", "fast-orthophoto", "mesh-size", "pc-quality", "split"}, {option["name"] for option in offered})
+        for option in offered:
             self.assertEqual(sorted(option), ["domain", "help", "name", "type", "value"])  # clients unpack exactly these
             self.assertIsInstance(option["value"], str)
             self.assertIn(option["type"], ("int", "float", "string", "bool", "enum"))
@@ -80,7 +82,7 @@ class Node(ServerTestCase):
         told = self.wait(server, uuid, 40)
         self.assertEqual((told["name"], told["dateCreated"], told["imagesCount"], told["progress"]),
                          ("North field", 1700000000000, len(self.photos), 100))
-        self.assertEqual(told["options"], [{"name": "orthophoto-quality", "value": "80"}])
+        self.assertEqual(told["options"], [{"name": "orthophoto-quality", "value": 80}, {"name": "fast-orthophoto", "value": True}])
         self.assertGreater(told["processingTime"], 0)
         lines = self.ask(server, "GET", f"/task/{uuid}/output?line=0")
         self.assertTrue(any("stage align" in line for line in lines), lines)
@@ -202,7 +204,7 @@ class Node(ServerTestCase):
             answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), as_json)
             self.assertEqual(answer, {"success": True})
         self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info")["status"], {"code": 50})
-        options = [{"name": "orthophoto-quality", "value": "70"}]
+        options = [{"name": "orthophoto-quality", "value": 70}]
         answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), as_json)
         self.assertEqual(answer, {"success": True})
         told = self.ask(server, "GET", f"/task/{uuid}/info")
