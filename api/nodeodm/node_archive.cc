@@ -127,7 +127,7 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   SKYQUILT_TRY_ASSIGN(const Value photos, ReadJson(folder / "photos.geojson"));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
                       service.catalogue.ListFiles(task.flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task));
   Value images = Value::array();
   for (const storage::StoredFile& file : files)
     images.push_back({{"filename", file.name}, {"size", file.bytes}});

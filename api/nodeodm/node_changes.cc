@@ -83,6 +83,9 @@ Result<void> RestartTask(Service& service, const storage::NodeTask& task, const 
   const Result<storage::Job> queued =
       service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wanted.owner});
   if (!queued) return queued.error();
+  for (const std::string& note : NodeNotes(choice.unknown)) {
+    SKYQUILT_TRY(service.node_tasks.AddNote(task.uuid, note));
+  }
   return service.node_tasks.Restart(task.uuid, choice.shown, NodeNowMs());
 }
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -116,7 +117,7 @@ Response TaskInfo(Service& service, const Request& request) {
   if (!description) return NodeProblem(description.error(), request);
   const auto first_line = request.Query("with_output");
   if (!first_line) return NodeAnswer(*description);
-  const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
+  const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   Value answer = Value::parse(*description);
   answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
@@ -126,7 +127,7 @@ Response TaskInfo(Service& service, const Request& request) {
 Response TaskOutput(Service& service, const Request& request) {
   const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
   if (!task) return NodeProblem(task.error(), request);
-  const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
+  const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   return NodeAnswer(
       NodeJson(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
@@ -198,9 +199,26 @@ Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) 
   return task;
 }
 
-Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(flight_id));
+std::string NodeNote(std::string text) {
+  constexpr std::size_t kMaxBytes = 500;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+  if (text.size() > kMaxBytes) text = text.substr(0, kMaxBytes) + "...";
+  return text;
+}
+
+std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options) {
+  std::vector<std::string> notes;
+  for (const std::string& name : unknown_options)
+    notes.push_back(NodeNote(fmt::format("The option {} is not known here and has no effect.", name)));
+  return notes;
+}
+
+Result<std::vector<std::string>> NodeOutput(Service& service, const storage::NodeTask& task) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   std::vector<std::string> lines;
+  std::istringstream notes(task.notes);
+  for (std::string line; std::getline(notes, line);) lines.push_back(line);
   if (!job) return lines;
   constexpr int kMaxLines = 1000;
   storage::EventFilter filter;

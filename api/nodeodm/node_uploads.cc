@@ -20,7 +20,17 @@ using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
 const FormRules kNodeForm = {
     {"name", "options", "skipPostProcessing", "webhook", "outputs", "dateCreated", "zipurl"}, true};
 
-std::string UuidAnswer(const std::string& uuid) { return R"({"uuid":")" + uuid + "\"}"; }
+Response UuidAnswer(const std::string& uuid, const std::vector<std::string>& ignored_options = {}) {
+  nlohmann::ordered_json answer = {{"uuid", uuid}};
+  if (!ignored_options.empty()) answer["ignoredOptions"] = ignored_options;
+  return NodeAnswer(answer.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+std::string Lines(const std::vector<std::string>& notes) {
+  std::string lines;
+  for (const std::string& note : notes) lines += note + "\n";
+  return lines;
+}
 
 // A form that the node reads to its end whatever is wrong with it: a client that is cut off in the middle of
 // its upload takes that for a passing fault and sends everything again.
@@ -51,11 +61,21 @@ class NodeForm : public BodySink {
  protected:
   virtual Response Taken() = 0;
 
-  // The files' trouble in one sentence, if none could be taken.
-  std::optional<std::string> NoFile() const {
-    if (receiver_.stored_count() > 0) return std::nullopt;
-    if (receiver_.files().empty()) return "Need at least 1 file.";
-    return receiver_.files().front().name + ": " + receiver_.files().front().error->message;
+  // Files that could not be taken, each in one sentence.
+  std::vector<std::string> RefusedFiles() const {
+    std::vector<std::string> refused;
+    for (const FileOutcome& file : receiver_.files()) {
+      if (file.error) refused.push_back(NodeNote(file.name + " was left out: " + file.error->message));
+    }
+    return refused;
+  }
+
+  // Why the node has nothing to begin with.
+  std::string NoFile() const {
+    std::string why = "Need at least 1 file.";
+    if (const std::vector<std::string> refused = RefusedFiles(); !refused.empty())
+      why += " " + refused.front();
+    return why;
   }
 
   Service& service_;
@@ -120,12 +140,13 @@ class InitForm final : public NodeForm {
         service_.catalogue.AddFlight(task->name, task->choice.job_options, storage::Now(), request_.owner);
     if (!flight) return NodeProblem(flight.error(), request_);
     const Result<void> added =
-        service_.node_tasks.Add({task->uuid, flight->id, task->choice.shown, task->created_ms, false});
+        service_.node_tasks.Add({task->uuid, flight->id, task->choice.shown, task->created_ms, false,
+                                 Lines(NodeNotes(task->choice.unknown))});
     if (!added) {
       const Result<void> undone = RemoveFlight(service_, flight->id);
       return NodeProblem(undone ? added.error() : undone.error(), request_);
     }
-    return NodeAnswer(UuidAnswer(task->uuid));
+    return UuidAnswer(task->uuid, task->choice.unknown);
   }
 };
 
@@ -135,7 +156,12 @@ class UploadForm final : public NodeForm {
 
  private:
   Response Taken() override {
-    if (const auto trouble = NoFile()) return NodeRefusal(*trouble, true);
+    if (receiver_.files().empty()) return NodeRefusal(NoFile(), true);
+    // One bad file of many is no reason to end the task: what came of it says so.
+    for (const std::string& refused : RefusedFiles()) {
+      const Result<void> noted = service_.node_tasks.AddNote(*NodeUuid(request_.Parameter("uuid")), refused);
+      if (!noted) return NodeProblem(noted.error(), request_);
+    }
     return NodeAnswer(R"({"success":true})");
   }
 };
@@ -154,18 +180,20 @@ class WholeForm final : public NodeForm {
   Response Taken() override {
     const Result<NewTask> task = NewTaskFrom(service_, request_, receiver_);
     if (!task) return NodeProblem(task.error(), request_);
-    if (const auto trouble = NoFile()) return NodeRefusal(*trouble, true);
+    if (receiver_.stored_count() == 0) return NodeRefusal(NoFile(), true);
     const Result<void> started = Start(*task);
     if (!started) return NodeProblem(started.error(), request_);
     is_kept_ = true;
-    return NodeAnswer(UuidAnswer(task->uuid));
+    return UuidAnswer(task->uuid, task->choice.unknown);
   }
 
   Result<void> Start(const NewTask& task) {
     Result<void> done = service_.catalogue.RenameFlight(flight_id_, task.name);
     if (done) done = service_.catalogue.SetFlightOptions(flight_id_, task.choice.job_options);
+    std::string notes = Lines(NodeNotes(task.choice.unknown)) + Lines(RefusedFiles());
     if (done)
-      done = service_.node_tasks.Add({task.uuid, flight_id_, task.choice.shown, task.created_ms, true});
+      done = service_.node_tasks.Add(
+          {task.uuid, flight_id_, task.choice.shown, task.created_ms, true, std::move(notes)});
     if (!done) return done.error();
     const Result<storage::Job> job =
         service_.queue.Add(flight_id_, task.choice.job_options, storage::Now(), {0, request_.owner});
@@ -214,7 +242,10 @@ Response Commit(Service& service, const Request& request) {
   if (!task->is_committed) {
     const Result<storage::Flight> flight = service.catalogue.GetFlight(task->flight_id);
     if (!flight) return NodeProblem(flight.error(), request);
-    if (flight->file_count == 0) return NodeRefusal("Need at least 1 file.", true);
+    if (flight->file_count == 0) {
+      const std::string first_note = task->notes.substr(0, task->notes.find('\n'));
+      return NodeRefusal("Need at least 1 file." + (first_note.empty() ? "" : " " + first_note), true);
+    }
     // The job first: a commit that breaks in between is made good by the client's next try.
     const Result<storage::Job> job =
         service.queue.Add(task->flight_id, flight->options, storage::Now(), {0, request.owner});
@@ -222,7 +253,7 @@ Response Commit(Service& service, const Request& request) {
     const Result<void> committed = service.node_tasks.Commit(*uuid);
     if (!committed) return NodeProblem(committed.error(), request);
   }
-  return NodeAnswer(UuidAnswer(*uuid));
+  return UuidAnswer(*uuid);
 }
 
 }  // namespace

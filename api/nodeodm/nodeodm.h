@@ -29,8 +29,11 @@ std::optional<std::string> NodeUuid(std::string_view text);
 std::string NewNodeUuid();
 // The committed task of this name. Errors: kNotFound with the contract's text.
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view uuid);
-// What the task's latest job went through, one line each.
-Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id);
+// What is to be known of the task, and what its latest job went through, one line each.
+Result<std::vector<std::string>> NodeOutput(Service& service, const storage::NodeTask& task);
+// One line of a task's notes, whatever characters a client's text in it has.
+std::string NodeNote(std::string text);
+std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options);
 std::int64_t NodeNowMs();
 // {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
 Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task);

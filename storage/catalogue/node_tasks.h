@@ -18,6 +18,7 @@ struct NodeTask {
   std::string options;  // JSON list of {name, value}
   std::int64_t created_ms = 0;
   bool is_committed = false;
+  std::string notes = {};  // what the client should know, each line ended by a line feed
 };
 
 class NodeTasks {
@@ -28,6 +29,8 @@ class NodeTasks {
   // The committed ones, oldest first.
   Result<std::vector<std::string>> List() const;
   Result<void> Commit(const std::string& uuid);
+  // A line that is there already, or beyond 64 KiB of them, is not added.
+  Result<void> AddNote(const std::string& uuid, const std::string& line);
   // The task begins anew.
   Result<void> Restart(const std::string& uuid, const std::string& options, std::int64_t created_ms);
 

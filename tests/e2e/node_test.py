@@ -160,6 +160,23 @@ class Node(ServerTestCase):
         self.assertRegex(uuid, UUID)
         self.assertEqual(self.wait(server, uuid, 40)["imagesCount"], len(self.photos))
 
+    def test_an_empty_file_and_an_unknown_option_do_not_end_a_task(self):
+        server = self.serve("--workers", "0")
+        options = {"options": json.dumps([{"name": "warp-speed", "value": 9}])}
+        made = self.ask(server, "POST", "/task/new/init", form(options), FORM)
+        self.assertEqual(made["ignoredOptions"], ["warp-speed"])
+        uuid = made["uuid"]
+        for file in (*self.photos, ("torn.jpg", b"")):
+            answer = self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[file]), FORM)
+            self.assertEqual(answer, {"success": True})
+        self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})
+        whole = self.ask(server, "POST", "/task/new", form(options, [("torn.jpg", b""), *self.photos]), FORM)["uuid"]
+        for task in (uuid, whole):
+            self.assertEqual(self.ask(server, "GET", f"/task/{task}/info")["imagesCount"], len(self.photos))
+            output = self.ask(server, "GET", f"/task/{task}/output")
+            self.assertIn("warp-speed", output[0])
+            self.assertRegex(output[1], "torn.jpg.*empty")
+
     def test_refusals_are_answers(self):
         server = self.serve("--workers", "0")
         nobody = "11111111-2222-4333-8444-555555555555"
@@ -185,9 +202,11 @@ class Node(ServerTestCase):
             answer = self.ask(server, "POST", f"/task/{call}", f"uuid={nobody}")
             self.assertFalse(answer["success"])
         empty = self.ask(server, "POST", "/task/new/init", form(), FORM)["uuid"]
-        for body in (form(), form(files=[("a.jpg", b"")])):
-            self.assertTrue(self.ask(server, "POST", f"/task/new/upload/{empty}", body, FORM)["noRetry"])
-        self.assertIn("at least 1 file", self.ask(server, "POST", f"/task/new/commit/{empty}")["error"])
+        self.assertTrue(self.ask(server, "POST", f"/task/new/upload/{empty}", form(), FORM)["noRetry"])
+        nothing = form(files=[("a.jpg", b"")])
+        self.assertEqual(self.ask(server, "POST", f"/task/new/upload/{empty}", nothing, FORM), {"success": True})
+        self.assertRegex(self.ask(server, "POST", f"/task/new/commit/{empty}")["error"], "at least 1 file.*a.jpg.*empty")
+        self.assertRegex(self.ask(server, "POST", "/task/new", nothing, FORM)["error"], "at least 1 file.*a.jpg.*empty")
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])
         self.assertEqual(server.garbage(), [])
 
