@@ -31,11 +31,21 @@ std::string NodeJson(const Value& value) {
   return value.dump(-1, ' ', false, Value::error_handler_t::replace);
 }
 
-int StatusCode(const std::optional<storage::Job>& job) {
+// A job that a worker is about to take is running to its client, who otherwise takes the node for busy.
+Result<bool> IsNext(Service& service) {
+  SKYQUILT_TRY_ASSIGN(const storage::JobCounts jobs, service.queue.Count());
+  return jobs.accepted + jobs.running <= service.worker_count;
+}
+
+Result<int> StatusCode(Service& service, const storage::NodeTask& task,
+                       const std::optional<storage::Job>& job) {
   if (!job) return 10;
+  if (job->cancel_requested || job->id == task.canceled_job) return 50;
   switch (job->state) {
-    case JobState::kAccepted:
-      return 10;
+    case JobState::kAccepted: {
+      SKYQUILT_TRY_ASSIGN(const bool is_next, IsNext(service));
+      return is_next ? 20 : 10;
+    }
     case JobState::kRunning:
       return 20;
     case JobState::kFailed:
@@ -83,6 +93,14 @@ Response Info(Service& service, const Request& request) {
   answer["engineVersion"] = service.version;
   answer["engine"] = "skyquilt";
   return NodeAnswer(NodeJson(answer));
+}
+
+// Nobody logs in here: an operator gives out tokens, or lets everybody in.
+Response AuthInfo(Service& service) {
+  const char* message = service.tokens.RequiresToken()
+                            ? "Skyquilt takes the tokens that its operator gives out."
+                            : "Authentication not available on this node";
+  return NodeAnswer(NodeJson({{"message", message}, {"loginUrl", nullptr}, {"registerUrl", nullptr}}));
 }
 
 Response ListTasks(Service& service, const Request& request) {
@@ -238,7 +256,7 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   answer["name"] = flight.name;
   answer["dateCreated"] = task.created_ms;
   answer["processingTime"] = ProcessingMs(job);
-  const int code = StatusCode(job);
+  SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
   answer["status"] = {{"code", code}};
   if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
   answer["options"] = Value::parse(task.options, nullptr, false);
@@ -253,10 +271,13 @@ void AddNodeRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/task/list", [&](const Request& r) { return ListTasks(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
-  router.AddQuick(Method::kGet, "/auth/info", [](const Request&) {
-    return NodeAnswer(
-        R"({"message":"Skyquilt takes the tokens that its operator gives out.","loginUrl":null,"registerUrl":null})");
-  });
+  router.AddQuick(Method::kGet, "/auth/info", [&](const Request&) { return AuthInfo(service); });
+  for (const char* pattern : {"/auth/login", "/auth/register"}) {
+    router.AddUpload(Method::kPost, pattern,
+                     [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                       return CollectBody([](const std::string&) { return NodeRefusal("Not available"); });
+                     });
+  }
 }
 
 }  // namespace skyquilt::api

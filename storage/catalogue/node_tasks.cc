@@ -40,7 +40,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Prepare(
-          "SELECT uuid, flight_id, options, created_ms, is_committed, notes FROM node_task WHERE uuid=?"
+          "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job FROM node_task WHERE uuid=?"
           " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, uuid).Step());
   if (!row) return NoSuchTask(uuid);
@@ -51,6 +51,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   task.created_ms = query.ColumnInt64(3);
   task.is_committed = query.ColumnInt64(4) != 0;
   task.notes = query.ColumnText(5);
+  task.canceled_job = query.ColumnText(6);
   return task;
 }
 
@@ -83,6 +84,12 @@ Result<void> NodeTasks::AddNote(const std::string& uuid, const std::string& line
       db->Prepare(
           "UPDATE node_task SET notes=notes||?2 WHERE uuid=?1 AND instr(notes,?2)=0 AND length(notes)<65536"));
   return update.Bind(1, uuid).Bind(2, line + "\n").Run();
+}
+
+Result<void> NodeTasks::MarkCanceled(const std::string& uuid, const std::string& job_id) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement update, db->Prepare("UPDATE node_task SET canceled_job=?2 WHERE uuid=?1"));
+  return update.Bind(1, uuid).Bind(2, job_id).Run();
 }
 
 Result<void> NodeTasks::Restart(const std::string& uuid, const std::string& options,

@@ -18,7 +18,8 @@ struct NodeTask {
   std::string options;  // JSON list of {name, value}
   std::int64_t created_ms = 0;
   bool is_committed = false;
-  std::string notes = {};  // what the client should know, each line ended by a line feed
+  std::string notes = {};         // what the client should know, each line ended by a line feed
+  std::string canceled_job = {};  // the job that its client cancelled, ended or not
 };
 
 class NodeTasks {
@@ -31,6 +32,7 @@ class NodeTasks {
   Result<void> Commit(const std::string& uuid);
   // A line that is there already, or beyond 64 KiB of them, is not added.
   Result<void> AddNote(const std::string& uuid, const std::string& line);
+  Result<void> MarkCanceled(const std::string& uuid, const std::string& job_id);
   // The task begins anew.
   Result<void> Restart(const std::string& uuid, const std::string& options, std::int64_t created_ms);
 

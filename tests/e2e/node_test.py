@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import unittest
+import urllib.parse
 import uuid as uuids
 import zipfile
 
@@ -15,6 +16,8 @@ from server_support import BINARY, DATA, ServerTestCase, wait_until  # noqa: E40
 
 BOUNDARY = "node-test-boundary"
 FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
+AS_JSON = {"Content-Type": "application/json"}
+AS_FORM = {"Content-Type": "application/x-www-form-urlencoded"}
 UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
 
 
@@ -68,7 +71,11 @@ class Node(ServerTestCase):
             self.assertIsInstance(option["value"], str)
             self.assertIn(option["type"], ("int", "float", "string", "bool", "enum"))
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])
-        self.assertIsNone(self.ask(server, "GET", "/auth/info")["loginUrl"])
+        self.assertEqual(self.ask(server, "GET", "/auth/info"),
+                         {"message": "Authentication not available on this node", "loginUrl": None, "registerUrl": None})
+        for call in ("login", "register"):
+            self.assertEqual(self.ask(server, "POST", f"/auth/{call}", '{"username":"a","password":"b"}', AS_JSON),
+                             {"error": "Not available"})
 
     def test_a_task_goes_from_init_to_all_zip(self):
         server = self.serve()
@@ -160,6 +167,49 @@ class Node(ServerTestCase):
         self.assertRegex(uuid, UUID)
         self.assertEqual(self.wait(server, uuid, 40)["imagesCount"], len(self.photos))
 
+    def test_init_and_changes_take_every_kind_of_form(self):
+        server = self.serve("--workers", "0")
+        options = [{"name": "mesh-size", "value": "300000"}, {"name": "dsm", "value": True}]
+        as_text = json.dumps(options)
+        bodies = (({"name": "A", "options": as_text, "dateCreated": "1700000000000"}, None),
+                  (urllib.parse.urlencode({"name": "A", "options": as_text, "dateCreated": 1700000000000}), AS_FORM),
+                  (json.dumps({"name": "A", "options": options, "dateCreated": 1700000000000}), AS_JSON),
+                  (json.dumps({"name": "A", "options": as_text, "dateCreated": "1700000000000"}), AS_JSON))
+        uuids_made = []
+        for body, headers in bodies:
+            made = self.ask(server, "POST", "/task/new/init", *((form(body), FORM) if headers is None else (body, headers)))
+            self.ask(server, "POST", f"/task/new/upload/{made['uuid']}", form(files=self.photos[:1]), FORM)
+            self.ask(server, "POST", f"/task/new/commit/{made['uuid']}")
+            told = self.ask(server, "GET", f"/task/{made['uuid']}/info")
+            self.assertEqual((told["name"], told["dateCreated"]), ("A", 1700000000000))
+            self.assertEqual(told["options"], [{"name": "mesh-size", "value": 300000}, {"name": "dsm", "value": True}])
+            uuids_made.append(made["uuid"])
+        self.assertRegex(self.ask(server, "POST", "/task/new/init", b"")["uuid"], UUID)
+        for uuid, (body, headers) in zip(uuids_made, ((form, FORM), (urllib.parse.urlencode, AS_FORM), (json.dumps, AS_JSON))):
+            for call in ("cancel", "restart", "cancel", "remove"):
+                answer = self.ask(server, "POST", f"/task/{call}", body({"uuid": uuid}), headers)
+                self.assertEqual(answer, {"success": True})
+        self.assertEqual(self.ask(server, "GET", "/task/list"), [{"uuid": uuids_made[3]}])
+
+    def test_states_are_those_that_clients_wait_for(self):
+        server = self.serve("--workers", "1")
+        uuid = self.start(server)
+        code = lambda task: self.ask(server, "GET", f"/task/{task}/info")["status"]["code"]  # noqa: E731
+        self.assertEqual(code(uuid), 20)
+        self.assertEqual(self.ask(server, "POST", "/task/cancel", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(code(uuid), 50)
+        self.assertEqual(self.ask(server, "POST", "/task/restart", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(code(uuid), 20)
+        waiting = self.start(server)
+        self.assertEqual(code(waiting), 10)
+        self.wait(server, uuid, 40)
+        # A task that is done becomes one that was cancelled; what it made is still there.
+        self.assertEqual(self.ask(server, "POST", "/task/cancel", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(code(uuid), 50)
+        self.assertEqual(server.request("GET", f"/task/{uuid}/download/all.zip")[1]["Content-Type"], "application/zip")
+        self.assertEqual(self.ask(server, "POST", "/task/restart", f"uuid={uuid}"), {"success": True})
+        self.wait(server, uuid, 40)
+
     def test_an_empty_file_and_an_unknown_option_do_not_end_a_task(self):
         server = self.serve("--workers", "0")
         options = {"options": json.dumps([{"name": "warp-speed", "value": 9}])}
@@ -196,7 +246,7 @@ class Node(ServerTestCase):
             self.assertIn("error", self.ask(server, "POST", "/task/new/init", form({"options": options}), FORM))
         self.assertIn("error", self.ask(server, "POST", "/task/new", form({"zipurl": "http://example.org/a.zip"}), FORM))
         self.assertIn("error", self.ask(server, "POST", "/task/new", b"not a form", FORM))
-        self.assertIn("error", self.ask(server, "POST", "/task/new/init", b"{}", {"Content-Type": "application/json"}))
+        self.assertIn("error", self.ask(server, "POST", "/task/new/init", b"[]", AS_JSON))
         for call in ("cancel", "remove", "restart"):
             self.assertEqual(self.ask(server, "POST", f"/task/{call}", b""), {"error": "uuid param missing."})
             answer = self.ask(server, "POST", f"/task/{call}", f"uuid={nobody}")
