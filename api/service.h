@@ -18,6 +18,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/idempotent_answers.h"
+#include "storage/catalogue/node_deliveries.h"
 #include "storage/catalogue/node_tasks.h"
 #include "storage/catalogue/previews.h"
 #include "storage/catalogue/tokens.h"
@@ -51,6 +52,7 @@ struct Service {
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
   storage::Webhooks webhooks{db};
+  storage::NodeDeliveries node_deliveries{db};
   bool sends_webhooks = false;  // the operator lets this server speak to others
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};

@@ -5,9 +5,28 @@
 #include "api/flights/flights.h"
 #include "api/json/json_codec.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/webhooks/webhooks.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
+
+namespace {
+
+// A webhook that cannot be told is no reason to refuse the task.
+void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
+  if (url.empty()) return;
+  if (!service.sends_webhooks) {
+    task.notes.push_back(NodeNote("The webhook " + url +
+                                  " will not be told: this node speaks to nobody by itself. Its operator "
+                                  "changes that with serve --webhooks."));
+  } else if (const Result<void> checked = CheckWebhookUrl(url); !checked) {
+    task.notes.push_back(NodeNote("The webhook " + url + " will not be told: " + checked.error().message));
+  } else {
+    task.webhook = url;
+  }
+}
+
+}  // namespace
 
 storage::NodeTask NewTask::Record(const std::string& flight_id) const {
   storage::NodeTask record;
@@ -15,7 +34,8 @@ storage::NodeTask NewTask::Record(const std::string& flight_id) const {
   record.flight_id = flight_id;
   record.options = choice.shown;
   record.created_ms = created_ms;
-  for (const std::string& note : NodeNotes(choice.unknown)) record.notes += note + "\n";
+  record.webhook = webhook;
+  for (const std::string& note : notes) record.notes += note + "\n";
   return record;
 }
 
@@ -39,6 +59,8 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
   }
   SKYQUILT_TRY_ASSIGN(const NodeChoice choice, ParseNodeOptions(NodeField(fields, "options")));
   task.choice = choice;
+  task.notes = NodeNotes(choice.unknown);
+  SetWebhook(service, NodeField(fields, "webhook"), task);
   task.name = NodeField(fields, "name");
   if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
   const Result<FlightFields> checked = ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));

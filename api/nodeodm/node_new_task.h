@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "api/http/http_message.h"
 #include "api/nodeodm/node_fields.h"
@@ -16,6 +17,8 @@ struct NewTask {
   std::string name;
   NodeChoice choice;
   std::int64_t created_ms = 0;
+  std::string webhook;             // empty: nobody is told
+  std::vector<std::string> notes;  // for its client
 
   // As the catalogue has it, not committed.
   storage::NodeTask Record(const std::string& flight_id) const;

@@ -265,6 +265,20 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   return NodeJson(answer);
 }
 
+Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, uuid));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  if (!job || job->id != job_id) return Error{ErrorCode::kNotFound, "The task was started again.", ""};
+  SKYQUILT_TRY_ASSIGN(const std::string told, NodeTaskJson(service, task));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
+                      service.catalogue.ListFiles(task.flight_id));
+  Value body = Value::parse(told);
+  body["images"] = Value::array();
+  for (const storage::StoredFile& file : files)
+    body["images"].push_back({{"filename", file.name}, {"size", file.bytes}});
+  return NodeJson(body);
+}
+
 void AddNodeRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/info", [&](const Request& r) { return Info(service, r); });
   router.AddQuick(Method::kGet, "/options", [](const Request&) { return NodeAnswer(NodeOptionsJson()); });

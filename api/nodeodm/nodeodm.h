@@ -38,4 +38,8 @@ std::int64_t NodeNowMs();
 // {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
 Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task);
 
+// What the webhook of a task is told when a job of it has ended. kNotFound: the task is gone, or was started
+// again.
+Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id);
+
 }  // namespace skyquilt::api

@@ -280,7 +280,7 @@ void RunServer(const ServeOptions& options) {
 
   const Housekeeper housekeeper(service);
   std::optional<WebhookSender> sender;
-  if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
+  if (service.sends_webhooks) sender.emplace(service, options.webhooks == "any");
   LogEvent("what others made is decoded under " + ConfinementHere());
   WorkerPool workers(
       opened.dir, options.workers, options.previews && options.workers > 0, queue,

@@ -24,14 +24,15 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
   SKYQUILT_TRY(let_go.Bind(1, task.uuid).Run());
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
-      db->Prepare("INSERT INTO node_task(uuid,flight_id,options,created_ms,is_committed,notes)"
-                  " VALUES(?,?,?,?,?,?)"));
+      db->Prepare("INSERT INTO node_task(uuid,flight_id,options,created_ms,is_committed,notes,webhook)"
+                  " VALUES(?,?,?,?,?,?,?)"));
   return insert.Bind(1, task.uuid)
       .Bind(2, task.flight_id)
       .Bind(3, task.options)
       .Bind(4, task.created_ms)
       .Bind(5, task.is_committed ? 1 : 0)
       .Bind(6, task.notes)
+      .Bind(7, task.webhook)
       .Run();
 }
 
@@ -40,7 +41,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Prepare(
-          "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job FROM node_task WHERE uuid=?"
+          "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job, webhook FROM node_task WHERE uuid=?"
           " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, uuid).Step());
   if (!row) return NoSuchTask(uuid);
@@ -52,6 +53,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   task.is_committed = query.ColumnInt64(4) != 0;
   task.notes = query.ColumnText(5);
   task.canceled_job = query.ColumnText(6);
+  task.webhook = query.ColumnText(7);
   return task;
 }
 

@@ -20,6 +20,7 @@ struct NodeTask {
   bool is_committed = false;
   std::string notes = {};         // what the client should know, each line ended by a line feed
   std::string canceled_job = {};  // the job that its client cancelled, ended or not
+  std::string webhook = {};       // address that is told of its end; empty: nobody
 };
 
 class NodeTasks {

@@ -12,6 +12,7 @@ import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
 from control_test import gcp_list  # noqa: E402
+from sharing_test import Receiver  # noqa: E402
 from server_support import BINARY, DATA, ServerTestCase, wait_until  # noqa: E402
 
 BOUNDARY = "node-test-boundary"
@@ -209,6 +210,25 @@ class Node(ServerTestCase):
         self.assertEqual(server.request("GET", f"/task/{uuid}/download/all.zip")[1]["Content-Type"], "application/zip")
         self.assertEqual(self.ask(server, "POST", "/task/restart", f"uuid={uuid}"), {"success": True})
         self.wait(server, uuid, 40)
+
+    def test_the_webhook_of_a_task_is_told_of_its_end(self):
+        receiver = Receiver()
+        url = f"http://127.0.0.1:{receiver.server_port}/done"
+        server = self.serve("--webhooks", "any")
+        uuid = self.start(server, {"name": "Told", "webhook": url})
+        wait_until(lambda: len(receiver.heard) == 2, "nobody was told, or not again after a refusal")
+        for path, _, body in receiver.heard:
+            told = json.loads(body)
+            self.assertEqual((path, told["uuid"], told["name"], told["status"]), ("/done", uuid, "Told", {"code": 40}))
+            self.assertEqual(len(told["images"]), len(self.photos))
+        receiver.shutdown()
+        receiver.server_close()
+        unusable = self.start(server, {"webhook": "gopher://example.org"})
+        self.assertRegex(self.ask(server, "GET", f"/task/{unusable}/output")[0], "gopher.*http or https")
+        server.stop()
+        silent = self.serve("--workers", "0")
+        uuid = self.start(silent, {"webhook": url})
+        self.assertRegex(self.ask(silent, "GET", f"/task/{uuid}/output")[0], "will not be told.*--webhooks")
 
     def test_an_empty_file_and_an_unknown_option_do_not_end_a_task(self):
         server = self.serve("--workers", "0")
