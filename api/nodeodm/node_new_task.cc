@@ -1,9 +1,11 @@
 #include "api/nodeodm/node_new_task.h"
 
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 #include "api/flights/flights.h"
 #include "api/json/json_codec.h"
+#include "api/json/json_text.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/webhooks/webhooks.h"
 #include "core/base/try.h"
@@ -26,6 +28,20 @@ void SetWebhook(const Service& service, const std::string& url, NewTask& task) {
   }
 }
 
+Result<void> SetOutputs(const std::string& text, NewTask& task) {
+  if (text.empty()) return {};
+  SKYQUILT_TRY(CheckJsonText(text));
+  const auto list = nlohmann::json::parse(text, nullptr, false);
+  bool is_good = list.is_array();
+  for (const auto& path : list) is_good = is_good && path.is_string();
+  if (!is_good) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "Invalid outputs: give a JSON list of paths as all.zip has them.", ""};
+  }
+  task.outputs = list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return {};
+}
+
 }  // namespace
 
 storage::NodeTask NewTask::Record(const std::string& flight_id) const {
@@ -35,6 +51,7 @@ storage::NodeTask NewTask::Record(const std::string& flight_id) const {
   record.options = choice.shown;
   record.created_ms = created_ms;
   record.webhook = webhook;
+  record.outputs = outputs;
   for (const std::string& note : notes) record.notes += note + "\n";
   return record;
 }
@@ -61,6 +78,7 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
   task.choice = choice;
   task.notes = NodeNotes(choice.unknown);
   SetWebhook(service, NodeField(fields, "webhook"), task);
+  SKYQUILT_TRY(SetOutputs(NodeField(fields, "outputs"), task));
   task.name = NodeField(fields, "name");
   if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
   const Result<FlightFields> checked = ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));

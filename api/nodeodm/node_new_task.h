@@ -18,6 +18,7 @@ struct NewTask {
   NodeChoice choice;
   std::int64_t created_ms = 0;
   std::string webhook;             // empty: nobody is told
+  std::string outputs = "[]";      // JSON list of paths
   std::vector<std::string> notes;  // for its client
 
   // As the catalogue has it, not committed.

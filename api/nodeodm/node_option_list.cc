@@ -35,6 +35,9 @@ constexpr NodeOption kNodeOptions[] = {
     {"align-method", "enum", "auto", R"(["auto","images","imu","features","direct"])",
      "How photos are placed: by what suits (auto), by what they show alone (images), by their recorded poses alone (imu), by matching features, or directly by brightness. One of: %(choices)s. Default: %(default)s",
      NodeOptionEffect::kJob, "method"},
+    {"archive-tiles", "enum", kUsualArchiveTiles, R"(["mbtiles","pmtiles","both","none"])",
+     "In which file all.zip holds the map's tiles beside the GeoTIFF, which has them too. One of: %(choices)s. Default: %(default)s",
+     NodeOptionEffect::kArchive},
     // Of OpenDroneMap, in the order of the alphabet.
     {"3d-tiles", "bool", "false", "", kNoModel},
     {"align", "string", "", "path", "No effect: give surveyed points in gcp_list.txt instead."},

@@ -9,8 +9,9 @@
 namespace skyquilt::api {
 
 enum class NodeOptionEffect {
-  kJob,   // becomes `job_option`
-  kNone,  // is taken and changes nothing
+  kJob,      // becomes `job_option`
+  kArchive,  // chooses what all.zip holds
+  kNone,     // is taken and changes nothing
 };
 
 struct NodeOption {
@@ -22,6 +23,9 @@ struct NodeOption {
   NodeOptionEffect effect = NodeOptionEffect::kNone;
   const char* job_option = "";
 };
+
+// The default of archive-tiles.
+inline constexpr const char* kUsualArchiveTiles = "mbtiles";
 
 std::span<const NodeOption> NodeOptionList();
 // Null for a name that is not in the list.

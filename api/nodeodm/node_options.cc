@@ -57,6 +57,11 @@ Result<Value> TypedValue(const NodeOption& option, const Value& value) {
   return Value(*number);
 }
 
+bool IsOffered(const NodeOption& option, const Value& value) {
+  const Value offered = Value::parse(option.domain);
+  return std::find(offered.begin(), offered.end(), value) != offered.end();
+}
+
 // What a job is told of a typed value. The job's own rules are the last word.
 Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
   const std::string_view name = option.job_option;
@@ -110,6 +115,8 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
     }
     const Result<Value> value = TypedValue(*option, item["value"]);
     Result<Value> chosen = value;
+    if (value && option->effect == NodeOptionEffect::kArchive && !IsOffered(*option, *value))
+      chosen = MustBe(fmt::format("one of {}", option->domain).c_str());
     if (value && option->effect == NodeOptionEffect::kJob) chosen = JobOptionsOf(*option, *value);
     if (!chosen) {
       errors.push_back({{"name", name}, {"error", chosen.error().message}});

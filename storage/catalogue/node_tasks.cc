@@ -24,8 +24,9 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
   SKYQUILT_TRY(let_go.Bind(1, task.uuid).Run());
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
-      db->Prepare("INSERT INTO node_task(uuid,flight_id,options,created_ms,is_committed,notes,webhook)"
-                  " VALUES(?,?,?,?,?,?,?)"));
+      db->Prepare(
+          "INSERT INTO node_task(uuid,flight_id,options,created_ms,is_committed,notes,webhook,outputs)"
+          " VALUES(?,?,?,?,?,?,?,?)"));
   return insert.Bind(1, task.uuid)
       .Bind(2, task.flight_id)
       .Bind(3, task.options)
@@ -33,6 +34,7 @@ Result<void> NodeTasks::Add(const NodeTask& task) {
       .Bind(5, task.is_committed ? 1 : 0)
       .Bind(6, task.notes)
       .Bind(7, task.webhook)
+      .Bind(8, task.outputs)
       .Run();
 }
 
@@ -41,7 +43,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Prepare(
-          "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job, webhook FROM node_task WHERE uuid=?"
+          "SELECT uuid, flight_id, options, created_ms, is_committed, notes, canceled_job, webhook, outputs FROM node_task WHERE uuid=?"
           " AND flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, uuid).Step());
   if (!row) return NoSuchTask(uuid);
@@ -54,6 +56,7 @@ Result<NodeTask> NodeTasks::Find(const std::string& uuid) const {
   task.notes = query.ColumnText(5);
   task.canceled_job = query.ColumnText(6);
   task.webhook = query.ColumnText(7);
+  task.outputs = query.ColumnText(8);
   return task;
 }
 

@@ -21,6 +21,7 @@ struct NodeTask {
   std::string notes = {};         // what the client should know, each line ended by a line feed
   std::string canceled_job = {};  // the job that its client cancelled, ended or not
   std::string webhook = {};       // address that is told of its end; empty: nobody
+  std::string outputs = "[]";     // JSON list of the paths that all.zip shall hold; empty: the usual ones
 };
 
 class NodeTasks {

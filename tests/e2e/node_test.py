@@ -118,6 +118,7 @@ class Node(ServerTestCase):
         archive = zipfile.ZipFile(io.BytesIO(whole))
         self.assertIsNone(archive.testzip())
         names = set(archive.namelist())
+        self.assertNotIn("odm_orthophoto/odm_orthophoto.pmtiles", names)  # the same pyramid once more
         self.assertLessEqual({"odm_orthophoto/odm_orthophoto.tif", "odm_orthophoto/odm_orthophoto.mbtiles",
                               "odm_report/shots.geojson", "odm_report/stats.json", "images.json", "task_output.txt"}, names)
         shots = json.loads(archive.read("odm_report/shots.geojson"))
@@ -229,6 +230,22 @@ class Node(ServerTestCase):
         silent = self.serve("--workers", "0")
         uuid = self.start(silent, {"webhook": url})
         self.assertRegex(self.ask(silent, "GET", f"/task/{uuid}/output")[0], "will not be told.*--webhooks")
+
+    def test_what_is_in_all_zip_is_for_the_task_to_say(self):
+        server = self.serve()
+        names = lambda task: zipfile.ZipFile(io.BytesIO(server.request(  # noqa: E731
+            "GET", f"/task/{task}/download/all.zip")[2])).namelist()
+        uuid = self.start(server, {"options": json.dumps([{"name": "archive-tiles", "value": "pmtiles"}])})
+        self.wait(server, uuid, 40)
+        tiles = [name for name in names(uuid) if name.startswith("odm_orthophoto/")]
+        self.assertEqual(tiles, ["odm_orthophoto/odm_orthophoto.tif", "odm_orthophoto/odm_orthophoto.pmtiles"])
+        wanted = ["odm_orthophoto/odm_orthophoto.tif", "odm_report/", "odm_dem/dsm.tif"]
+        uuid = self.start(server, {"outputs": json.dumps(wanted)})
+        self.wait(server, uuid, 40)
+        self.assertTrue(all(name == wanted[0] or name.startswith(wanted[1]) for name in names(uuid)))
+        self.assertLessEqual({"odm_orthophoto/odm_orthophoto.tif", "odm_report/stats.json"}, set(names(uuid)))
+        for bad in ("{}", "[1]", "odm_report"):
+            self.assertIn("error", self.ask(server, "POST", "/task/new/init", form({"outputs": bad}), FORM))
 
     def test_an_empty_file_and_an_unknown_option_do_not_end_a_task(self):
         server = self.serve("--workers", "0")
