@@ -34,6 +34,8 @@
 
 namespace skyquilt::api {
 
+inline constexpr const char* kUsualNodeEngine = "skyquilt";
+
 struct Service {
   storage::Catalogue& catalogue;
   storage::JobQueue& queue;
@@ -53,7 +55,8 @@ struct Service {
   storage::MadeTiles made_tiles{};
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
-  bool sends_webhooks = false;  // the operator lets this server speak to others
+  std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers
+  bool sends_webhooks = false;                 // the operator lets this server speak to others
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};
   RateLimiter rate_limiter{};

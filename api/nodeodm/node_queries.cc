@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <sys/random.h>
 #include <sys/sysinfo.h>
 
 #include <algorithm>
@@ -9,7 +8,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <stdexcept>
 #include <thread>
 
 #include "api/http/problem.h"
@@ -91,7 +89,7 @@ Response Info(Service& service, const Request& request) {
   answer["maxImages"] = nullptr;
   answer["maxParallelTasks"] = std::max(1, service.worker_count);
   answer["engineVersion"] = service.version;
-  answer["engine"] = "skyquilt";
+  answer["engine"] = service.node_engine;
   return NodeAnswer(NodeJson(answer));
 }
 
@@ -177,36 +175,6 @@ Response NodeProblem(const Error& error, const Request& request) {
   return NodeRefusal(error.message);
 }
 
-std::optional<std::string> NodeUuid(std::string_view text) {
-  if (text.size() != 36) return std::nullopt;
-  std::string uuid(text);
-  for (std::size_t i = 0; i < uuid.size(); ++i) {
-    const bool is_dash = i == 8 || i == 13 || i == 18 || i == 23;
-    if (uuid[i] >= 'A' && uuid[i] <= 'F') uuid[i] = static_cast<char>(uuid[i] - 'A' + 'a');
-    const bool is_hex = (uuid[i] >= '0' && uuid[i] <= '9') || (uuid[i] >= 'a' && uuid[i] <= 'f');
-    if (is_dash ? uuid[i] != '-' : !is_hex) return std::nullopt;
-  }
-  const bool has_version = uuid[14] >= '1' && uuid[14] <= '7';
-  const bool has_variant = std::string_view("89ab").find(uuid[19]) != std::string_view::npos;
-  if (!has_version || !has_variant) return std::nullopt;
-  return uuid;
-}
-
-std::string NewNodeUuid() {
-  std::array<std::uint8_t, 16> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error("the kernel gave no random bytes");
-  }
-  bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x40);
-  bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);
-  std::string uuid;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (i == 4 || i == 6 || i == 8 || i == 10) uuid += '-';
-    uuid += fmt::format("{:02x}", bytes[i]);
-  }
-  return uuid;
-}
-
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
   const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
   const std::optional<std::string> uuid = NodeUuid(text);
@@ -215,21 +183,6 @@ Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) 
   if (!task && task.error().code != ErrorCode::kNotFound) return task.error();
   if (!task || !task->is_committed) return unknown;
   return task;
-}
-
-std::string NodeNote(std::string text) {
-  constexpr std::size_t kMaxBytes = 500;
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
-  if (text.size() > kMaxBytes) text = text.substr(0, kMaxBytes) + "...";
-  return text;
-}
-
-std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options) {
-  std::vector<std::string> notes;
-  for (const std::string& name : unknown_options)
-    notes.push_back(NodeNote(fmt::format("The option {} is not known here and has no effect.", name)));
-  return notes;
 }
 
 Result<std::vector<std::string>> NodeOutput(Service& service, const storage::NodeTask& task) {

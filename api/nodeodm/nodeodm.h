@@ -19,6 +19,9 @@ void AddNodeChangeRoutes(Router& router, Service& service);  // cancel, remove, 
 void AddNodeUploadRoutes(Router& router, Service& service);  // new, init, upload, commit
 void AddNodeArchiveRoute(Router& router, Service& service);  // all.zip
 
+// A name that its clients take: lower-case letters and digits, at most 32.
+bool IsNodeEngine(std::string_view name);
+
 // What these files share.
 Response NodeAnswer(std::string json);
 Response NodeRefusal(std::string_view message, bool no_retry = false);

@@ -78,6 +78,10 @@ class Node(ServerTestCase):
             self.assertEqual(self.ask(server, "POST", f"/auth/{call}", '{"username":"a","password":"b"}', AS_JSON),
                              {"error": "Not available"})
 
+    def test_the_engine_is_the_one_that_clients_insist_on(self):
+        self.assertEqual(self.ask(self.serve("--workers", "0", "--node-engine", "odm"), "GET", "/info")["engine"], "odm")
+        self.assertIn("--node-engine", self.refusal("--node-engine", "Open Drone Map"))
+
     def test_a_task_goes_from_init_to_all_zip(self):
         server = self.serve()
         wanted = str(uuids.uuid4())
