@@ -31,8 +31,8 @@ std::string NodeJson(const Value& value) {
 
 // A job that a worker is about to take is running to its client, who otherwise takes the node for busy.
 Result<bool> IsNext(Service& service) {
-  SKYQUILT_TRY_ASSIGN(const storage::JobCounts jobs, service.queue.Count());
-  return jobs.accepted + jobs.running <= service.worker_count;
+  SKYQUILT_TRY_ASSIGN(const int unfinished, service.queue.CountUnfinished(service.worker_count + 1));
+  return unfinished <= service.worker_count;
 }
 
 Result<int> StatusCode(Service& service, const storage::NodeTask& task,
