@@ -18,6 +18,7 @@
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/idempotent_answers.h"
+#include "storage/catalogue/node_deliveries.h"
 #include "storage/catalogue/node_tasks.h"
 #include "storage/catalogue/previews.h"
 #include "storage/catalogue/tokens.h"
@@ -32,6 +33,8 @@
 #include "storage/uploads/upload_spool.h"
 
 namespace skyquilt::api {
+
+inline constexpr const char* kUsualNodeEngine = "skyquilt";
 
 struct Service {
   storage::Catalogue& catalogue;
@@ -51,7 +54,9 @@ struct Service {
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
   storage::Webhooks webhooks{db};
-  bool sends_webhooks = false;  // the operator lets this server speak to others
+  storage::NodeDeliveries node_deliveries{db};
+  std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers
+  bool sends_webhooks = false;                 // the operator lets this server speak to others
   storage::Tokens tokens{db};
   storage::IdempotentAnswers idempotent_answers{db};
   RateLimiter rate_limiter{};

@@ -31,6 +31,8 @@ constexpr Rule kRules[] = {
     {Method::kGet, "/openapi.json", std::nullopt},
     {Method::kGet, "/docs", std::nullopt},
     {Method::kGet, "/auth/info", std::nullopt},
+    {Method::kPost, "/auth/login", std::nullopt},
+    {Method::kPost, "/auth/register", std::nullopt},
     {Method::kGet, "(page)", std::nullopt},
     {Method::kGet, "/basemap.json", std::nullopt},
     {Method::kGet, "/basemap.pmtiles", std::nullopt},

@@ -28,6 +28,12 @@ Result<void> SetGsd(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<void> SetNotFiner(const json& value, pipeline::MosaicOptions* options) {
+  if (!value.is_boolean()) return Refuse("not_finer_than_photos", "must be true or false");
+  options->not_finer_than_photos = value.get<bool>();
+  return {};
+}
+
 Result<void> SetReadout(const json& value, pipeline::MosaicOptions* options) {
   if (value.is_null()) return {};
   if (!value.is_number()) return Refuse("readout_ms", "must be a number of milliseconds");
@@ -125,6 +131,8 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     Result<void> set;
     if (field == "gsd_m") {
       set = SetGsd(value, &options);
+    } else if (field == "not_finer_than_photos") {
+      set = SetNotFiner(value, &options);
     } else if (field == "max_look_deg") {
       set = SetMaxLook(value, &options);
     } else if (field == "readout_ms") {
@@ -142,10 +150,10 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
     } else if (field == "layers") {
       set = SetLayers(value, &options);
     } else {
-      set =
-          Refuse(field,
-                 "is not known; known are gsd_m, max_look_deg, readout_ms, format, quality, method, origin, "
-                 "landed_at_start and layers");
+      set = Refuse(
+          field,
+          "is not known; known are gsd_m, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
+          "landed_at_start and layers");
     }
     if (!set) return set.error();
   }

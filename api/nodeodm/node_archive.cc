@@ -1,4 +1,5 @@
 // all.zip: the map under the names that the node's clients know.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/json/json_codec.h"
+#include "api/nodeodm/node_option_list.h"
 #include "api/nodeodm/nodeodm.h"
 #include "core/base/try.h"
 
@@ -104,11 +106,14 @@ Value Stats(const Value& report, const Value& photos) {
   return stats;
 }
 
+constexpr std::string_view kArchiveMbtiles = "odm_orthophoto/odm_orthophoto.mbtiles";
+constexpr std::string_view kArchivePmtiles = "odm_orthophoto/odm_orthophoto.pmtiles";
+
 // Our file, and where clients expect it. What a revision does not have is left out.
-constexpr std::pair<const char*, const char*> kFiles[] = {
+constexpr std::pair<const char*, std::string_view> kFiles[] = {
     {"mosaic.tif", "odm_orthophoto/odm_orthophoto.tif"},
-    {"mosaic.mbtiles", "odm_orthophoto/odm_orthophoto.mbtiles"},
-    {"mosaic.pmtiles", "odm_orthophoto/odm_orthophoto.pmtiles"},
+    {"mosaic.mbtiles", kArchiveMbtiles},
+    {"mosaic.pmtiles", kArchivePmtiles},
     {"cameras.json", "cameras.json"},
     {"geo.txt", "geo.txt"},
     {"report.html", "odm_report/report.html"},
@@ -121,13 +126,14 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   std::vector<ZipEntry> entries;
   for (const auto& [ours, theirs] : kFiles) {
     std::error_code error;
-    if (fs::is_regular_file(folder / ours, error)) entries.push_back({theirs, "", folder / ours});
+    if (fs::is_regular_file(folder / ours, error))
+      entries.push_back({std::string(theirs), "", folder / ours});
   }
   SKYQUILT_TRY_ASSIGN(const Value report, ReadJson(folder / "report.json"));
   SKYQUILT_TRY_ASSIGN(const Value photos, ReadJson(folder / "photos.geojson"));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
                       service.catalogue.ListFiles(task.flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> lines, NodeOutput(service, task));
   Value images = Value::array();
   for (const storage::StoredFile& file : files)
     images.push_back({{"filename", file.name}, {"size", file.bytes}});
@@ -144,14 +150,49 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   return entries;
 }
 
+std::string ArchiveTiles(const storage::NodeTask& task) {
+  for (const Value& option : Value::parse(task.options, nullptr, false)) {
+    if (option.value("name", "") == "archive-tiles") return option.value("value", kUsualArchiveTiles);
+  }
+  return kUsualArchiveTiles;
+}
+
+bool IsWithin(std::string_view path, std::string_view wanted) {
+  while (wanted.ends_with('/')) wanted.remove_suffix(1);
+  return path == wanted || (path.starts_with(wanted) && path.substr(wanted.size()).starts_with('/'));
+}
+
+// Of all that there is, what the task asked for by paths or by the kind of its tiles. The GeoTIFF has the
+// whole pyramid of the tiles, and so has each of their files.
+void KeepWanted(const storage::NodeTask& task, std::vector<ZipEntry>& entries) {
+  const Value outputs = Value::parse(task.outputs, nullptr, false);
+  const std::string tiles = ArchiveTiles(task);
+  const auto is_wanted = [&](const ZipEntry& entry) {
+    if (outputs.is_array() && !outputs.empty()) {
+      return std::any_of(outputs.begin(), outputs.end(), [&](const Value& wanted) {
+        return IsWithin(entry.name, wanted.get_ref<const std::string&>());
+      });
+    }
+    if (entry.name == kArchiveMbtiles) return tiles == "mbtiles" || tiles == "both";
+    if (entry.name == kArchivePmtiles) return tiles == "pmtiles" || tiles == "both";
+    return true;
+  };
+  const auto output = std::find_if(entries.begin(), entries.end(),
+                                   [](const ZipEntry& entry) { return entry.name == "task_output.txt"; });
+  const ZipEntry told = *output;
+  std::erase_if(entries, [&](const ZipEntry& entry) { return !is_wanted(entry); });
+  if (entries.empty()) entries.push_back(told);  // an archive of nothing is none
+}
+
 Result<Response> Archive(Service& service, const Request& request, const storage::NodeTask& task) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   const bool is_done = job && job->state == storage::JobState::kSuccessful;
   if (!flight.active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready", ""};
   SKYQUILT_TRY_ASSIGN(
-      const std::vector<ZipEntry> entries,
+      std::vector<ZipEntry> entries,
       EntriesOf(service, task, service.store.dir().Revision(task.flight_id, *flight.active_revision)));
+  KeepWanted(task, entries);
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
   const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
   // The directory at the end has every name, size and checksum.

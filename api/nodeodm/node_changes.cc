@@ -1,10 +1,11 @@
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
 #include "api/http/responses.h"
-#include "api/http/target.h"
-#include "api/json/json_text.h"
+#include "api/nodeodm/node_fields.h"
 #include "api/nodeodm/node_options.h"
 #include "api/nodeodm/nodeodm.h"
 #include "core/base/try.h"
@@ -14,33 +15,22 @@ namespace {
 
 using PlainJson = nlohmann::json;
 
+constexpr std::chrono::seconds kStopPatience{5};
+constexpr std::chrono::milliseconds kLookAgain{50};
+
 struct TaskRequest {
   std::string uuid;
   std::optional<std::string> options;  // JSON list
   std::string owner;                   // id of the request's token
 };
 
-// Clients send these as a form or as JSON.
+// Clients send these as a form of either kind or as JSON.
 Result<TaskRequest> ParseTaskRequest(const Request& request, const std::string& body) {
+  SKYQUILT_TRY_ASSIGN(const NodeFields fields, ParseNodeFields(request.headers.Find("Content-Type"), body));
   TaskRequest wanted;
   wanted.owner = request.owner;
-  const std::string_view type = request.headers.Find("Content-Type");
-  if (EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/json")) {
-    SKYQUILT_TRY(CheckJsonText(body));
-    const PlainJson parsed = PlainJson::parse(body, nullptr, false);
-    if (!parsed.is_object()) return Error{ErrorCode::kInvalidArgument, "The body is not a JSON object.", ""};
-    if (parsed.contains("uuid") && parsed["uuid"].is_string()) wanted.uuid = parsed["uuid"];
-    if (parsed.contains("options")) {
-      const PlainJson& options = parsed["options"];
-      wanted.options = options.is_string() ? options.get<std::string>() : options.dump();
-    }
-  } else {
-    SKYQUILT_TRY_ASSIGN(const auto fields, ParseQuery(body));
-    for (const auto& [name, value] : fields) {
-      if (name == "uuid") wanted.uuid = value;
-      if (name == "options" && !value.empty()) wanted.options = value;
-    }
-  }
+  wanted.uuid = NodeField(fields, "uuid");
+  if (const std::string options = NodeField(fields, "options"); !options.empty()) wanted.options = options;
   if (wanted.uuid.empty()) return Error{ErrorCode::kInvalidArgument, "uuid param missing.", ""};
   return wanted;
 }
@@ -55,11 +45,13 @@ Response Outcome(const Result<void>& done, const Request& request) {
   return response;
 }
 
+// As the original has it, a task is cancelled from here on, whatever has become of it: its client is told so
+// at once, and may restart it.
 Result<void> CancelTask(Service& service, const storage::NodeTask& task) {
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   if (!job) return {};
+  SKYQUILT_TRY(service.node_tasks.MarkCanceled(task.uuid, job->id));
   const Result<storage::Job> cancelled = service.queue.Cancel(job->id, storage::Now());
-  // A task that has ended cannot be stopped any more; the request is not an error.
   if (!cancelled && cancelled.error().code != ErrorCode::kConflict) return cancelled.error();
   return {};
 }
@@ -68,13 +60,24 @@ Result<void> RemoveTask(Service& service, const storage::NodeTask& task) {
   return DeleteFlight(service, task.flight_id);
 }
 
+// The task's latest job; one that was cancelled may take a moment to end.
+Result<std::optional<storage::Job>> LatestJobAtRest(Service& service, const storage::NodeTask& task) {
+  const auto end = std::chrono::steady_clock::now() + kStopPatience;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+    const bool is_stopping = job && !job->finished && job->cancel_requested;
+    if (!is_stopping || service.is_draining || std::chrono::steady_clock::now() > end) return job;
+    std::this_thread::sleep_for(kLookAgain);
+  }
+}
+
 Result<void> RestartTask(Service& service, const storage::NodeTask& task, const TaskRequest& wanted) {
-  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, LatestJobAtRest(service, task));
   if (!job || !job->finished) {
-    return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended.", ""};
+    return Error{ErrorCode::kConflict, "Cannot be restarted: the task has not ended. Cancel it or wait.", ""};
   }
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(task.flight_id));
-  NodeChoice choice{flight.options, task.options};
+  NodeChoice choice{flight.options, task.options, {}};
   if (wanted.options) {
     SKYQUILT_TRY_ASSIGN(const NodeChoice parsed, ParseNodeOptions(*wanted.options));
     choice = parsed;
@@ -83,6 +86,9 @@ Result<void> RestartTask(Service& service, const storage::NodeTask& task, const 
   const Result<storage::Job> queued =
       service.queue.Add(task.flight_id, choice.job_options, storage::Now(), {0, wanted.owner});
   if (!queued) return queued.error();
+  for (const std::string& note : NodeNotes(choice.unknown)) {
+    SKYQUILT_TRY(service.node_tasks.AddNote(task.uuid, note));
+  }
   return service.node_tasks.Restart(task.uuid, choice.shown, NodeNowMs());
 }
 

@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
+#include "api/nodeodm/node_option_list.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -16,39 +18,8 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-// What a job option is called here, and how its value is written.
-struct Offer {
-  const char* name;
-  const char* job_option;
-  const char* type;
-  const char* value;   // the default, always a text
-  const char* domain;  // JSON
-  const char* help;
-};
-
-constexpr std::array<Offer, 5> kOffers = {{
-    {"orthophoto-resolution", "gsd_m", "float", "0", R"("float: 0 <= x <= 10000")",
-     "Ground size of an orthophoto pixel in cm. 0 means as fine as the photos. Default: %(default)s"},
-    {"rolling-shutter-readout", "readout_ms", "float", "0", R"("float: 0 <= x <= 500")",
-     "Rolling shutter: milliseconds from reading a photo's first row to its last. 0 means as known of the camera. "
-     "Default: %(default)s"},
-    {"orthophoto-quality", "quality", "int", "85", R"("integer: 1 <= x <= 100")",
-     "JPEG quality of the orthophoto's tiles. Default: %(default)s"},
-    {"tile-format", "format", "enum", "auto", R"(["auto","webp"])",
-     "Format of the map's tiles: JPEG with PNG at the fringe (auto), or WebP. One of: %(choices)s. Default: "
-     "%(default)s"},
-    {"align-method", "method", "enum", "auto", R"(["auto","imu","features","direct"])",
-     "How photos are placed: by what suits (auto), by their recorded poses alone (imu), by matching "
-     "features, or "
-     "directly by brightness. One of: %(choices)s. Default: %(default)s"},
-}};
-
-const Offer* FindOffer(std::string_view name) {
-  for (const Offer& offer : kOffers) {
-    if (name == offer.name) return &offer;
-  }
-  return nullptr;
-}
+constexpr double kFinestGsdM = 0.001;  // that a job takes
+constexpr std::size_t kMaxUnknown = 50;
 
 std::optional<double> NumberFrom(const Value& value) {
   if (value.is_number()) return value.get<double>();
@@ -61,41 +32,69 @@ std::optional<double> NumberFrom(const Value& value) {
   return number;
 }
 
-// The value as the job's option has it; null keeps the default.
-Result<Value> JobValue(const Offer& offer, const Value& value) {
-  const std::string_view type = offer.type;
-  if (type == "enum") return value;
-  const std::optional<double> number = NumberFrom(value);
-  if (!number) return Error{ErrorCode::kUnprocessable, "The value must be a number.", ""};
-  if (std::string_view(offer.job_option) == "gsd_m") {
-    return *number == 0.0 ? Value(nullptr) : Value(*number / 100.0);  // centimetres to metres
-  }
-  if (std::string_view(offer.job_option) == "readout_ms")
-    return *number == 0.0 ? Value(nullptr) : Value(*number);
-  const auto whole = static_cast<std::int64_t>(std::clamp(*number, -1e9, 1e9));
-  if (static_cast<double>(whole) != *number)
-    return Error{ErrorCode::kUnprocessable, "The value must be a whole number.", ""};
-  return Value(whole);
+Error MustBe(const char* what) {
+  return {ErrorCode::kUnprocessable, fmt::format("The value must be {}.", what), ""};
 }
 
-std::string Shown(const Value& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+// The value in its option's own type: clients send texts for numbers and truths as well.
+Result<Value> TypedValue(const NodeOption& option, const Value& value) {
+  const std::string_view type = option.type;
+  if (type == "bool") {
+    if (value == "true" || value == true) return Value(true);
+    if (value == "false" || value == false) return Value(false);
+    return MustBe("true or false");
+  }
+  if (type == "string" || type == "enum") {
+    if (value.is_object() || value.is_array()) return MustBe("a text");
+    return Value(value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  const std::optional<double> number = NumberFrom(value);
+  if (!number || !std::isfinite(*number)) return MustBe("a number");
+  constexpr double kMaxWhole = 1e15;
+  const bool is_whole = std::abs(*number) < kMaxWhole && *number == std::floor(*number);
+  if (is_whole) return Value(static_cast<std::int64_t>(*number));
+  if (type == "int") return MustBe("a whole number");
+  return Value(*number);
+}
+
+bool IsOffered(const NodeOption& option, const Value& value) {
+  const Value offered = Value::parse(option.domain);
+  return std::find(offered.begin(), offered.end(), value) != offered.end();
+}
+
+// What a job is told of a typed value. The job's own rules are the last word.
+Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
+  const std::string_view name = option.job_option;
+  Value chosen = {{name, value}};
+  if (name == "gsd_m") {
+    const auto centimetres = value.get<double>();
+    if (centimetres < 0.0) return MustBe("between 0 and 10000 cm");
+    if (centimetres == 0.0) return Value(Value::object());
+    chosen = {{"gsd_m", std::max(centimetres / 100.0, kFinestGsdM)}, {"not_finer_than_photos", true}};
+  }
+  if (name == "readout_ms" && value == 0) return Value(Value::object());
+  SKYQUILT_TRY(ParseJobOptions(chosen.dump(-1, ' ', false, Value::error_handler_t::replace)));
+  return chosen;
+}
 
 }  // namespace
 
 std::string NodeOptionsJson() {
   Value list = Value::array();
-  for (const Offer& offer : kOffers) {
-    list.push_back({{"name", offer.name},
-                    {"type", offer.type},
-                    {"value", offer.value},
-                    {"domain", Value::parse(offer.domain)},
-                    {"help", offer.help}});
+  for (const NodeOption& option : NodeOptionList()) {
+    const bool is_choice = std::string_view(option.type) == "enum";
+    list.push_back({{"name", option.name},
+                    {"type", option.type},
+                    {"value", option.value},
+                    {"domain", is_choice ? Value::parse(option.domain) : Value(option.domain)},
+                    {"help", option.help}});
   }
   return list.dump();
 }
 
 Result<NodeChoice> ParseNodeOptions(std::string_view text) {
-  if (text.empty()) return NodeChoice{"{}", "[]"};
+  NodeChoice choice;
+  if (text.empty()) return choice;
   SKYQUILT_TRY(CheckJsonText(text));
   const Value list = Value::parse(text, nullptr, false);
   if (!list.is_array()) {
@@ -108,26 +107,30 @@ Result<NodeChoice> ParseNodeOptions(std::string_view text) {
     if (!item.is_object() || !item.contains("name") || !item["name"].is_string() || !item.contains("value")) {
       return Error{ErrorCode::kInvalidArgument, "Invalid options: every item needs a name and a value.", ""};
     }
-    const Offer* offer = FindOffer(item["name"].get_ref<const std::string&>());
-    if (offer == nullptr) continue;
-    Result<Value> value = JobValue(*offer, item["value"]);
-    // The job's own rules are the last word.
-    if (value) {
-      const Result<pipeline::MosaicOptions> checked = ParseJobOptions(
-          Value{{offer->job_option, *value}}.dump(-1, ' ', false, Value::error_handler_t::replace));
-      if (!checked) value = checked.error();
-    }
-    if (!value) {
-      errors.push_back({{"name", offer->name}, {"error", value.error().message}});
+    const auto& name = item["name"].get_ref<const std::string&>();
+    const NodeOption* option = FindNodeOption(name);
+    if (option == nullptr) {
+      if (choice.unknown.size() < kMaxUnknown) choice.unknown.push_back(name);
       continue;
     }
-    job_options[offer->job_option] = *value;
-    shown.push_back({{"name", offer->name}, {"value", Shown(item["value"])}});
+    const Result<Value> value = TypedValue(*option, item["value"]);
+    Result<Value> chosen = value;
+    if (value && option->effect == NodeOptionEffect::kArchive && !IsOffered(*option, *value))
+      chosen = MustBe(fmt::format("one of {}", option->domain).c_str());
+    if (value && option->effect == NodeOptionEffect::kJob) chosen = JobOptionsOf(*option, *value);
+    if (!chosen) {
+      errors.push_back({{"name", name}, {"error", chosen.error().message}});
+      continue;
+    }
+    if (option->effect == NodeOptionEffect::kJob) job_options.update(*chosen);
+    shown.push_back({{"name", name}, {"value", *value}});
   }
   if (!errors.empty()) {
     return Error{ErrorCode::kUnprocessable, errors.dump(-1, ' ', false, Value::error_handler_t::replace), ""};
   }
-  return NodeChoice{job_options.dump(), shown.dump(-1, ' ', false, Value::error_handler_t::replace)};
+  choice.job_options = job_options.dump();
+  choice.shown = shown.dump(-1, ' ', false, Value::error_handler_t::replace);
+  return choice;
 }
 
 }  // namespace skyquilt::api

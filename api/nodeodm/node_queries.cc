@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <sys/random.h>
 #include <sys/sysinfo.h>
 
 #include <algorithm>
@@ -8,7 +7,7 @@
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
+#include <sstream>
 #include <thread>
 
 #include "api/http/problem.h"
@@ -30,11 +29,21 @@ std::string NodeJson(const Value& value) {
   return value.dump(-1, ' ', false, Value::error_handler_t::replace);
 }
 
-int StatusCode(const std::optional<storage::Job>& job) {
+// A job that a worker is about to take is running to its client, who otherwise takes the node for busy.
+Result<bool> IsNext(Service& service) {
+  SKYQUILT_TRY_ASSIGN(const int unfinished, service.queue.CountUnfinished(service.worker_count + 1));
+  return unfinished <= service.worker_count;
+}
+
+Result<int> StatusCode(Service& service, const storage::NodeTask& task,
+                       const std::optional<storage::Job>& job) {
   if (!job) return 10;
+  if (job->cancel_requested || job->id == task.canceled_job) return 50;
   switch (job->state) {
-    case JobState::kAccepted:
-      return 10;
+    case JobState::kAccepted: {
+      SKYQUILT_TRY_ASSIGN(const bool is_next, IsNext(service));
+      return is_next ? 20 : 10;
+    }
     case JobState::kRunning:
       return 20;
     case JobState::kFailed:
@@ -80,8 +89,16 @@ Response Info(Service& service, const Request& request) {
   answer["maxImages"] = nullptr;
   answer["maxParallelTasks"] = std::max(1, service.worker_count);
   answer["engineVersion"] = service.version;
-  answer["engine"] = "skyquilt";
+  answer["engine"] = service.node_engine;
   return NodeAnswer(NodeJson(answer));
+}
+
+// Nobody logs in here: an operator gives out tokens, or lets everybody in.
+Response AuthInfo(Service& service) {
+  const char* message = service.tokens.RequiresToken()
+                            ? "Skyquilt takes the tokens that its operator gives out."
+                            : "Authentication not available on this node";
+  return NodeAnswer(NodeJson({{"message", message}, {"loginUrl", nullptr}, {"registerUrl", nullptr}}));
 }
 
 Response ListTasks(Service& service, const Request& request) {
@@ -116,7 +133,7 @@ Response TaskInfo(Service& service, const Request& request) {
   if (!description) return NodeProblem(description.error(), request);
   const auto first_line = request.Query("with_output");
   if (!first_line) return NodeAnswer(*description);
-  const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
+  const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   Value answer = Value::parse(*description);
   answer["output"] = LinesFrom(*lines, WholeNumber(*first_line).value_or(0));
@@ -126,7 +143,7 @@ Response TaskInfo(Service& service, const Request& request) {
 Response TaskOutput(Service& service, const Request& request) {
   const Result<storage::NodeTask> task = FindNodeTask(service, request.Parameter("uuid"));
   if (!task) return NodeProblem(task.error(), request);
-  const Result<std::vector<std::string>> lines = NodeOutput(service, task->flight_id);
+  const Result<std::vector<std::string>> lines = NodeOutput(service, *task);
   if (!lines) return NodeProblem(lines.error(), request);
   return NodeAnswer(
       NodeJson(LinesFrom(*lines, WholeNumber(request.Query("line").value_or("0")).value_or(0))));
@@ -158,36 +175,6 @@ Response NodeProblem(const Error& error, const Request& request) {
   return NodeRefusal(error.message);
 }
 
-std::optional<std::string> NodeUuid(std::string_view text) {
-  if (text.size() != 36) return std::nullopt;
-  std::string uuid(text);
-  for (std::size_t i = 0; i < uuid.size(); ++i) {
-    const bool is_dash = i == 8 || i == 13 || i == 18 || i == 23;
-    if (uuid[i] >= 'A' && uuid[i] <= 'F') uuid[i] = static_cast<char>(uuid[i] - 'A' + 'a');
-    const bool is_hex = (uuid[i] >= '0' && uuid[i] <= '9') || (uuid[i] >= 'a' && uuid[i] <= 'f');
-    if (is_dash ? uuid[i] != '-' : !is_hex) return std::nullopt;
-  }
-  const bool has_version = uuid[14] >= '1' && uuid[14] <= '7';
-  const bool has_variant = std::string_view("89ab").find(uuid[19]) != std::string_view::npos;
-  if (!has_version || !has_variant) return std::nullopt;
-  return uuid;
-}
-
-std::string NewNodeUuid() {
-  std::array<std::uint8_t, 16> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw std::runtime_error("the kernel gave no random bytes");
-  }
-  bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x40);
-  bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);
-  std::string uuid;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (i == 4 || i == 6 || i == 8 || i == 10) uuid += '-';
-    uuid += fmt::format("{:02x}", bytes[i]);
-  }
-  return uuid;
-}
-
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) {
   const Error unknown{ErrorCode::kNotFound, fmt::format("{} not found", text), ""};
   const std::optional<std::string> uuid = NodeUuid(text);
@@ -198,9 +185,11 @@ Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view text) 
   return task;
 }
 
-Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(flight_id));
+Result<std::vector<std::string>> NodeOutput(Service& service, const storage::NodeTask& task) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   std::vector<std::string> lines;
+  std::istringstream notes(task.notes);
+  for (std::string line; std::getline(notes, line);) lines.push_back(line);
   if (!job) return lines;
   constexpr int kMaxLines = 1000;
   storage::EventFilter filter;
@@ -220,7 +209,7 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   answer["name"] = flight.name;
   answer["dateCreated"] = task.created_ms;
   answer["processingTime"] = ProcessingMs(job);
-  const int code = StatusCode(job);
+  SKYQUILT_TRY_ASSIGN(const int code, StatusCode(service, task, job));
   answer["status"] = {{"code", code}};
   if (code == 30) answer["status"]["errorMessage"] = job->error ? job->error->message : "Processing failed";
   answer["options"] = Value::parse(task.options, nullptr, false);
@@ -229,16 +218,33 @@ Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task
   return NodeJson(answer);
 }
 
+Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id) {
+  SKYQUILT_TRY_ASSIGN(const storage::NodeTask task, FindNodeTask(service, uuid));
+  SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
+  if (!job || job->id != job_id) return Error{ErrorCode::kNotFound, "The task was started again.", ""};
+  SKYQUILT_TRY_ASSIGN(const std::string told, NodeTaskJson(service, task));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
+                      service.catalogue.ListFiles(task.flight_id));
+  Value body = Value::parse(told);
+  body["images"] = Value::array();
+  for (const storage::StoredFile& file : files)
+    body["images"].push_back({{"filename", file.name}, {"size", file.bytes}});
+  return NodeJson(body);
+}
+
 void AddNodeRoutes(Router& router, Service& service) {
   router.Add(Method::kGet, "/info", [&](const Request& r) { return Info(service, r); });
   router.AddQuick(Method::kGet, "/options", [](const Request&) { return NodeAnswer(NodeOptionsJson()); });
   router.Add(Method::kGet, "/task/list", [&](const Request& r) { return ListTasks(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/info", [&](const Request& r) { return TaskInfo(service, r); });
   router.Add(Method::kGet, "/task/{uuid}/output", [&](const Request& r) { return TaskOutput(service, r); });
-  router.AddQuick(Method::kGet, "/auth/info", [](const Request&) {
-    return NodeAnswer(
-        R"({"message":"Skyquilt takes the tokens that its operator gives out.","loginUrl":null,"registerUrl":null})");
-  });
+  router.AddQuick(Method::kGet, "/auth/info", [&](const Request&) { return AuthInfo(service); });
+  for (const char* pattern : {"/auth/login", "/auth/register"}) {
+    router.AddUpload(Method::kPost, pattern,
+                     [](const Request&) -> std::variant<std::unique_ptr<BodySink>, Response> {
+                       return CollectBody([](const std::string&) { return NodeRefusal("Not available"); });
+                     });
+  }
 }
 
 }  // namespace skyquilt::api

@@ -1,15 +1,15 @@
-#include <charconv>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
+#include "api/forms/multipart.h"
 #include "api/http/responses.h"
-#include "api/nodeodm/node_options.h"
+#include "api/nodeodm/node_fields.h"
+#include "api/nodeodm/node_new_task.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/form_receiver.h"
-#include "api/uploads/multipart.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -20,7 +20,11 @@ using Begun = std::variant<std::unique_ptr<BodySink>, Response>;
 const FormRules kNodeForm = {
     {"name", "options", "skipPostProcessing", "webhook", "outputs", "dateCreated", "zipurl"}, true};
 
-std::string UuidAnswer(const std::string& uuid) { return R"({"uuid":")" + uuid + "\"}"; }
+Response UuidAnswer(const std::string& uuid, const std::vector<std::string>& ignored_options = {}) {
+  nlohmann::ordered_json answer = {{"uuid", uuid}};
+  if (!ignored_options.empty()) answer["ignoredOptions"] = ignored_options;
+  return NodeAnswer(answer.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
 
 // A form that the node reads to its end whatever is wrong with it: a client that is cut off in the middle of
 // its upload takes that for a passing fault and sends everything again.
@@ -51,11 +55,21 @@ class NodeForm : public BodySink {
  protected:
   virtual Response Taken() = 0;
 
-  // The files' trouble in one sentence, if none could be taken.
-  std::optional<std::string> NoFile() const {
-    if (receiver_.stored_count() > 0) return std::nullopt;
-    if (receiver_.files().empty()) return "Need at least 1 file.";
-    return receiver_.files().front().name + ": " + receiver_.files().front().error->message;
+  // Files that could not be taken, each in one sentence.
+  std::vector<std::string> RefusedFiles() const {
+    std::vector<std::string> refused;
+    for (const FileOutcome& file : receiver_.files()) {
+      if (file.error) refused.push_back(NodeNote(file.name + " was left out: " + file.error->message));
+    }
+    return refused;
+  }
+
+  // Why the node has nothing to begin with.
+  std::string NoFile() const {
+    std::string why = "Need at least 1 file.";
+    if (const std::vector<std::string> refused = RefusedFiles(); !refused.empty())
+      why += " " + refused.front();
+    return why;
   }
 
   Service& service_;
@@ -67,45 +81,29 @@ class NodeForm : public BodySink {
   std::optional<Error> failure_;
 };
 
-// What init and new have in common: the fields, checked.
-struct NewTask {
-  std::string uuid;
-  std::string name;
-  NodeChoice choice;
-  std::int64_t created_ms = 0;
-};
+// The fields of a form that came to its end.
+NodeFields FieldsOf(const FormReceiver& form) {
+  NodeFields fields;
+  for (const std::string_view name : kNodeForm.text_fields) {
+    if (auto text = form.Text(name)) fields.emplace(name, *std::move(text));
+  }
+  return fields;
+}
 
-Result<NewTask> NewTaskFrom(Service& service, const Request& request, const FormReceiver& form) {
-  NewTask task;
-  const std::string_view wanted = request.headers.Find("set-uuid");
-  task.uuid = NewNodeUuid();
-  if (!wanted.empty()) {
-    const std::optional<std::string> uuid = NodeUuid(wanted);
-    if (!uuid)
-      return Error{ErrorCode::kInvalidArgument, "Invalid uuid: set-uuid must be a UUID of version 1 to 7.",
-                   ""};
-    const Result<storage::NodeTask> taken = service.node_tasks.Find(*uuid);
-    if (taken) return Error{ErrorCode::kConflict, "Invalid uuid: it is in use.", ""};
-    if (taken.error().code != ErrorCode::kNotFound) return taken.error();
-    task.uuid = *uuid;
+// A task whose files are still to come.
+Response CreateTask(Service& service, const Request& request, const NodeFields& fields) {
+  const Result<NewTask> task = NewTaskFrom(service, request, fields);
+  if (!task) return NodeProblem(task.error(), request);
+  const Result<storage::Flight> flight =
+      service.catalogue.AddFlight(task->name, task->choice.job_options, storage::Now(), request.owner);
+  if (!flight) return NodeProblem(flight.error(), request);
+  storage::NodeTask record = task->Record(flight->id);
+  const Result<void> added = service.node_tasks.Add(record);
+  if (!added) {
+    const Result<void> undone = RemoveFlight(service, flight->id);
+    return NodeProblem(undone ? added.error() : undone.error(), request);
   }
-  if (form.Text("zipurl").value_or("") != "") {
-    return Error{ErrorCode::kUnprocessable,
-                 "This node fetches nothing by itself (zipurl). Upload the photos.", ""};
-  }
-  SKYQUILT_TRY_ASSIGN(const NodeChoice choice, ParseNodeOptions(form.Text("options").value_or("")));
-  task.choice = choice;
-  task.name = form.Text("name").value_or("");
-  if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
-  const Result<FlightFields> checked = ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
-  if (!checked) return checked.error();
-  const std::string date = form.Text("dateCreated").value_or("");
-  task.created_ms = NodeNowMs();
-  if (!date.empty()) {
-    const auto parsed = std::from_chars(date.data(), date.data() + date.size(), task.created_ms);
-    if (parsed.ec != std::errc() || parsed.ptr != date.data() + date.size()) task.created_ms = NodeNowMs();
-  }
-  return task;
+  return UuidAnswer(task->uuid, task->choice.unknown);
 }
 
 class InitForm final : public NodeForm {
@@ -113,20 +111,7 @@ class InitForm final : public NodeForm {
   using NodeForm::NodeForm;
 
  private:
-  Response Taken() override {
-    const Result<NewTask> task = NewTaskFrom(service_, request_, receiver_);
-    if (!task) return NodeProblem(task.error(), request_);
-    const Result<storage::Flight> flight =
-        service_.catalogue.AddFlight(task->name, task->choice.job_options, storage::Now(), request_.owner);
-    if (!flight) return NodeProblem(flight.error(), request_);
-    const Result<void> added =
-        service_.node_tasks.Add({task->uuid, flight->id, task->choice.shown, task->created_ms, false});
-    if (!added) {
-      const Result<void> undone = RemoveFlight(service_, flight->id);
-      return NodeProblem(undone ? added.error() : undone.error(), request_);
-    }
-    return NodeAnswer(UuidAnswer(task->uuid));
-  }
+  Response Taken() override { return CreateTask(service_, request_, FieldsOf(receiver_)); }
 };
 
 class UploadForm final : public NodeForm {
@@ -135,7 +120,12 @@ class UploadForm final : public NodeForm {
 
  private:
   Response Taken() override {
-    if (const auto trouble = NoFile()) return NodeRefusal(*trouble, true);
+    if (receiver_.files().empty()) return NodeRefusal(NoFile(), true);
+    // One bad file of many is no reason to end the task: what came of it says so.
+    for (const std::string& refused : RefusedFiles()) {
+      const Result<void> noted = service_.node_tasks.AddNote(*NodeUuid(request_.Parameter("uuid")), refused);
+      if (!noted) return NodeProblem(noted.error(), request_);
+    }
     return NodeAnswer(R"({"success":true})");
   }
 };
@@ -152,20 +142,22 @@ class WholeForm final : public NodeForm {
 
  private:
   Response Taken() override {
-    const Result<NewTask> task = NewTaskFrom(service_, request_, receiver_);
+    const Result<NewTask> task = NewTaskFrom(service_, request_, FieldsOf(receiver_));
     if (!task) return NodeProblem(task.error(), request_);
-    if (const auto trouble = NoFile()) return NodeRefusal(*trouble, true);
+    if (receiver_.stored_count() == 0) return NodeRefusal(NoFile(), true);
     const Result<void> started = Start(*task);
     if (!started) return NodeProblem(started.error(), request_);
     is_kept_ = true;
-    return NodeAnswer(UuidAnswer(task->uuid));
+    return UuidAnswer(task->uuid, task->choice.unknown);
   }
 
   Result<void> Start(const NewTask& task) {
     Result<void> done = service_.catalogue.RenameFlight(flight_id_, task.name);
     if (done) done = service_.catalogue.SetFlightOptions(flight_id_, task.choice.job_options);
-    if (done)
-      done = service_.node_tasks.Add({task.uuid, flight_id_, task.choice.shown, task.created_ms, true});
+    storage::NodeTask record = task.Record(flight_id_);
+    record.is_committed = true;
+    for (const std::string& refused : RefusedFiles()) record.notes += refused + "\n";
+    if (done) done = service_.node_tasks.Add(record);
     if (!done) return done.error();
     const Result<storage::Job> job =
         service_.queue.Add(flight_id_, task.choice.job_options, storage::Now(), {0, request_.owner});
@@ -177,8 +169,16 @@ class WholeForm final : public NodeForm {
   bool is_kept_ = false;
 };
 
+// Some clients send no file with this, and therefore no form of that kind.
 Begun BeginInit(Service& service, const Request& request) {
-  const Result<std::string> boundary = MultipartBoundary(request.headers.Find("Content-Type"));
+  const std::string_view type = request.headers.Find("Content-Type");
+  const Result<std::string> boundary = MultipartBoundary(type);
+  if (!boundary && boundary.error().code == ErrorCode::kUnsupportedFormat) {
+    return CollectBody([&service, request, type = std::string(type)](const std::string& body) {
+      const Result<NodeFields> fields = ParseNodeFields(type, body);
+      return fields ? CreateTask(service, request, *fields) : NodeProblem(fields.error(), request);
+    });
+  }
   if (!boundary) return NodeProblem(boundary.error(), request);
   return std::make_unique<InitForm>(service, request, *boundary, "");
 }
@@ -214,7 +214,10 @@ Response Commit(Service& service, const Request& request) {
   if (!task->is_committed) {
     const Result<storage::Flight> flight = service.catalogue.GetFlight(task->flight_id);
     if (!flight) return NodeProblem(flight.error(), request);
-    if (flight->file_count == 0) return NodeRefusal("Need at least 1 file.", true);
+    if (flight->file_count == 0) {
+      const std::string first_note = task->notes.substr(0, task->notes.find('\n'));
+      return NodeRefusal("Need at least 1 file." + (first_note.empty() ? "" : " " + first_note), true);
+    }
     // The job first: a commit that breaks in between is made good by the client's next try.
     const Result<storage::Job> job =
         service.queue.Add(task->flight_id, flight->options, storage::Now(), {0, request.owner});
@@ -222,7 +225,7 @@ Response Commit(Service& service, const Request& request) {
     const Result<void> committed = service.node_tasks.Commit(*uuid);
     if (!committed) return NodeProblem(committed.error(), request);
   }
-  return NodeAnswer(UuidAnswer(*uuid));
+  return UuidAnswer(*uuid);
 }
 
 }  // namespace

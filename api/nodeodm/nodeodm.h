@@ -19,6 +19,9 @@ void AddNodeChangeRoutes(Router& router, Service& service);  // cancel, remove, 
 void AddNodeUploadRoutes(Router& router, Service& service);  // new, init, upload, commit
 void AddNodeArchiveRoute(Router& router, Service& service);  // all.zip
 
+// A name that its clients take: lower-case letters and digits, at most 32.
+bool IsNodeEngine(std::string_view name);
+
 // What these files share.
 Response NodeAnswer(std::string json);
 Response NodeRefusal(std::string_view message, bool no_retry = false);
@@ -29,10 +32,17 @@ std::optional<std::string> NodeUuid(std::string_view text);
 std::string NewNodeUuid();
 // The committed task of this name. Errors: kNotFound with the contract's text.
 Result<storage::NodeTask> FindNodeTask(Service& service, std::string_view uuid);
-// What the task's latest job went through, one line each.
-Result<std::vector<std::string>> NodeOutput(Service& service, const std::string& flight_id);
+// What is to be known of the task, and what its latest job went through, one line each.
+Result<std::vector<std::string>> NodeOutput(Service& service, const storage::NodeTask& task);
+// One line of a task's notes, whatever characters a client's text in it has.
+std::string NodeNote(std::string text);
+std::vector<std::string> NodeNotes(const std::vector<std::string>& unknown_options);
 std::int64_t NodeNowMs();
 // {"uuid": ..., "status": ...} and so on, as GET /task/{uuid}/info answers it, without output.
 Result<std::string> NodeTaskJson(Service& service, const storage::NodeTask& task);
+
+// What the webhook of a task is told when a job of it has ended. kNotFound: the task is gone, or was started
+// again.
+Result<std::string> NodeWebhookBody(Service& service, const std::string& uuid, const std::string& job_id);
 
 }  // namespace skyquilt::api

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "api/forms/multipart.h"
 #include "api/http/digest.h"
-#include "api/uploads/multipart.h"
 
 namespace skyquilt::api {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "api/forms/multipart.h"
 #include "api/json/json_codec.h"
 #include "api/service.h"
-#include "api/uploads/multipart.h"
 
 namespace skyquilt::api {
 

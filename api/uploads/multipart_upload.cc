@@ -3,6 +3,7 @@
 
 #include "api/flights/flights.h"
 #include "api/flights/trash.h"
+#include "api/forms/multipart.h"
 #include "api/http/once.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
@@ -11,7 +12,6 @@
 #include "api/uploads/files.h"
 #include "api/uploads/form_digest.h"
 #include "api/uploads/form_receiver.h"
-#include "api/uploads/multipart.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

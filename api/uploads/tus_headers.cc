@@ -66,4 +66,24 @@ std::optional<TusChecksum> ParseTusChecksum(std::string_view text) {
   return checksum;
 }
 
+std::optional<TusConcat> ParseTusConcat(std::string_view text) {
+  TusConcat concat;
+  if (text == "partial") return concat;
+  constexpr std::string_view kFinal = "final;";
+  if (!text.starts_with(kFinal)) return std::nullopt;
+  concat.is_final = true;
+  text.remove_prefix(kFinal.size());
+  while (!text.empty()) {
+    std::string_view address = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(address.size() + 1, text.size()));
+    if (address.empty()) continue;
+    address = address.substr(0, address.find_first_of("?#"));
+    address.remove_prefix(address.rfind('/') + 1);  // from the start where there is none
+    if (address.empty()) return std::nullopt;
+    concat.parts.emplace_back(address);
+  }
+  if (concat.parts.empty()) return std::nullopt;
+  return concat;
+}
+
 }  // namespace skyquilt::api

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/http/digest.h"
 
@@ -26,5 +27,13 @@ struct TusChecksum {
 };
 // Upload-Checksum: "sha1 base64" or "sha256 base64".
 std::optional<TusChecksum> ParseTusChecksum(std::string_view text);
+
+struct TusConcat {
+  bool is_final = false;           // else it is a part
+  std::vector<std::string> parts;  // ids, in order; of a final one
+};
+// Upload-Concat: "partial", or "final;" with the addresses of parts, a space between, of which the last
+// segment of the path counts.
+std::optional<TusConcat> ParseTusConcat(std::string_view text);
 
 }  // namespace skyquilt::api

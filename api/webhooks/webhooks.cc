@@ -36,14 +36,7 @@ Result<NewWebhook> ParseNewWebhook(const std::string& body) {
     }
     (field == "url" ? wanted.url : wanted.secret) = value.get<std::string>();
   }
-  const bool is_http = wanted.url.starts_with("http://") || wanted.url.starts_with("https://");
-  for (const char c : wanted.url) {
-    if (c <= ' ' || c == 0x7f || c == '@')
-      return Error{ErrorCode::kUnprocessable, "This address cannot be used.", ""};
-  }
-  if (!is_http || wanted.url.size() > kLongestUrl) {
-    return Error{ErrorCode::kUnprocessable, "The \"url\" must be an http or https address.", ""};
-  }
+  SKYQUILT_TRY(CheckWebhookUrl(wanted.url));
   if (!wanted.secret.empty() && wanted.secret.size() < kShortestSecret) {
     return Error{ErrorCode::kUnprocessable, "The \"secret\" must have 16 characters or more.", ""};
   }
@@ -87,6 +80,17 @@ Response RemoveWebhook(Service& service, const Request& request) {
 }
 
 }  // namespace
+
+Result<void> CheckWebhookUrl(std::string_view url) {
+  const bool is_http = url.starts_with("http://") || url.starts_with("https://");
+  for (const char c : url) {
+    if (c <= ' ' || c == 0x7f || c == '@')
+      return Error{ErrorCode::kUnprocessable, "This address cannot be used.", ""};
+  }
+  if (!is_http || url.size() > kLongestUrl)
+    return Error{ErrorCode::kUnprocessable, "The \"url\" must be an http or https address.", ""};
+  return {};
+}
 
 std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const std::string& body) {
   const std::string text = fmt::format("{}.{}", at_s, body);

@@ -9,6 +9,9 @@ namespace skyquilt::api {
 
 void AddWebhookRoutes(Router& router, Service& service);
 
+// kUnprocessable for an address that no message can go to.
+Result<void> CheckWebhookUrl(std::string_view url);
+
 // What a receiver checks: "t=<seconds since 1970>,v1=<HMAC-SHA256 of 't.body' under the secret, hex>".
 std::string WebhookSignature(const std::string& secret, std::int64_t at_s, const std::string& body);
 

@@ -79,6 +79,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   plan_options.gsd_m = gsd_m;
   SKYQUILT_TRY_ASSIGN(auto plan,
                       stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); }));
+  if (options.not_finer_than_photos && gsd_m) gsd_m = std::max(*gsd_m, plan.gsd_m);
   const RenderBudget budget = BudgetFor(options, plan);
 
   const render::ExposureModel exposure = stages.Run("expose", [&] {

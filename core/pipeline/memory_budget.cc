@@ -21,6 +21,7 @@ constexpr std::int64_t kThreadBytes = 22 * kMib;  // beside its block
 render::PlanOptions PlanWithin(const MosaicOptions& options) {
   render::PlanOptions plan;
   plan.gsd_m = options.gsd_m;
+  plan.not_finer_than_photos = options.not_finer_than_photos;
   plan.feather_m = options.feather_m;
   plan.max_block_bytes = options.max_memory_bytes - kProgramBytes - kMinCacheBytes - kThreadBytes;
   plan.max_seam_bytes = options.max_memory_bytes / 2;

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace skyquilt::pipeline {
@@ -40,6 +41,11 @@ Result<void> MosaicOptions::Validate() const {
   if (threads < 0 || threads > 1024)
     return refuse(fmt::format("The number of threads is {} but must be 0 (all cores) to 1024.", threads));
   return {};
+}
+
+double MosaicOptions::OutputGsdM(double photos_gsd_m) const {
+  const double wanted_m = gsd_m.value_or(photos_gsd_m);
+  return not_finer_than_photos ? std::max(wanted_m, photos_gsd_m) : wanted_m;
 }
 
 }  // namespace skyquilt::pipeline

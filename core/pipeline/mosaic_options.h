@@ -19,7 +19,8 @@ enum class TileEncoding { kJpegPng, kWebp };
 
 struct MosaicOptions {
   AlignMethod method = AlignMethod::kAuto;  // --method auto|images|imu|features|direct
-  std::optional<double> gsd_m;  // --gsd: ground size of an output pixel; default: that of the photos
+  std::optional<double> gsd_m;         // --gsd: ground size of an output pixel; default: that of the photos
+  bool not_finer_than_photos = false;  // gsd_m counts only where it is coarser than the photos
   std::optional<double>
       readout_s;               // --readout-ms: of the cameras, first row to last; default: as known of them
   double max_look_deg = 65.0;  // --max-look-deg: off the vertical; nothing is drawn that a photo sees beyond
@@ -37,6 +38,8 @@ struct MosaicOptions {
   std::string title;  // name written into the tileset
 
   Result<void> Validate() const;
+  // The ground size of an output pixel where those of the photos show `photos_gsd_m`.
+  double OutputGsdM(double photos_gsd_m) const;
 };
 
 }  // namespace skyquilt::pipeline

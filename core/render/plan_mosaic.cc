@@ -130,17 +130,19 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
         ""};
   }
   plan.gsd_m = Median(std::move(gsds));
-  if (options.gsd_m && *options.gsd_m < kFinestShareOfPhoto * plan.gsd_m) {
+  double output_gsd_m = options.gsd_m.value_or(plan.gsd_m);
+  if (options.not_finer_than_photos) output_gsd_m = std::max(output_gsd_m, plan.gsd_m);
+  if (output_gsd_m < kFinestShareOfPhoto * plan.gsd_m) {
     return Error{
         ErrorCode::kInvalidArgument,
         fmt::format("--gsd asks for pixels of {:.4f} m, but those of the photos show {:.4f} m of the "
                     "ground: a finer map than {:.4f} m would show nothing more. Choose a coarser --gsd, "
                     "or leave it out.",
-                    *options.gsd_m, plan.gsd_m, kFinestShareOfPhoto * plan.gsd_m),
+                    output_gsd_m, plan.gsd_m, kFinestShareOfPhoto * plan.gsd_m),
         ""};
   }
   const double lat_deg = flight.frame.origin().lat_deg;
-  plan.base_zoom = geo::ZoomForGsd(options.gsd_m.value_or(plan.gsd_m), lat_deg, plan.tile_size_px);
+  plan.base_zoom = geo::ZoomForGsd(output_gsd_m, lat_deg, plan.tile_size_px);
   // Finer than the last zoom that GIS tools open, the tiles grow instead of the zoom: 512 pixels, 1024, ...
   while (plan.base_zoom > kFinestZoom) {
     --plan.base_zoom;

@@ -19,6 +19,7 @@ struct PlanOptions {
   // What one block may take while it is rendered: tiles do not grow beyond, and the pixels stay coarser.
   std::int64_t max_block_bytes = std::int64_t{600} << 20;
   std::int64_t max_seam_bytes = std::int64_t{1} << 30;  // of all photos' views of the seam grid
+  bool not_finer_than_photos = false;                   // where gsd_m is: then it is not refused either
 };
 
 // What a block of this side takes while one thread renders it, and as half its size until its turn comes.

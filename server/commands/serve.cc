@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "api/build_api.h"
+#include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
 #include "server/commands/config_file.h"
 #include "server/commands/fail.h"
@@ -59,6 +60,7 @@ struct ServeOptions {
   std::string basemap;
   std::string basemap_attribution;
   std::string webhooks = "off";
+  std::string node_engine = api::kUsualNodeEngine;
   std::vector<std::string> hosts;
   std::vector<std::string> cors_origins;
   std::string config;  // read before the options are (ExpandConfig)
@@ -261,6 +263,7 @@ void RunServer(const ServeOptions& options) {
   if (!basemap) Fail("skyquilt serve", basemap.error());
   service.basemap = *basemap;
   service.trash_days = options.trash_days;
+  service.node_engine = options.node_engine;
   service.sends_webhooks = options.webhooks != "off";
   api::Router router = api::BuildApi(service);
   const std::optional<std::filesystem::path> page = FindPageFolder(options.web_dir);
@@ -280,7 +283,7 @@ void RunServer(const ServeOptions& options) {
 
   const Housekeeper housekeeper(service);
   std::optional<WebhookSender> sender;
-  if (service.sends_webhooks) sender.emplace(service.webhooks, service.db.ages(), options.webhooks == "any");
+  if (service.sends_webhooks) sender.emplace(service, options.webhooks == "any");
   LogEvent("what others made is decoded under " + ConfinementHere());
   WorkerPool workers(
       opened.dir, options.workers, options.previews && options.workers > 0, queue,
@@ -321,6 +324,7 @@ void RefuseUnknownVariables() {
                                            "basemap",
                                            "basemap-attribution",
                                            "webhooks",
+                                           "node-engine",
                                            "open",
                                            "trusted-proxy",
                                            "connections-per-address",
@@ -425,6 +429,14 @@ void AddServeCommand(CLI::App& app) {
                    "Whom this server may tell of ended jobs: nobody (off), public addresses, or any")
       ->check(CLI::IsMember({"off", "public", "any"}))
       ->envname(VariableOf("webhooks"))
+      ->capture_default_str();
+  command
+      ->add_option("--node-engine", options->node_engine,
+                   "As which engine this node answers WebODM and its relatives; some insist on \"odm\"")
+      ->check([](const std::string& name) {
+        return api::IsNodeEngine(name) ? "" : "must be lower-case letters and digits, 32 at most";
+      })
+      ->envname(VariableOf("node-engine"))
       ->capture_default_str();
   command
       ->add_option("--basemap", options->basemap,

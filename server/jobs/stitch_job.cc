@@ -74,7 +74,7 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
     if (auto written = storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress); !written) return written;
   }
   if (options.write_utm) {
-    const storage::UtmOptions utm{report.bounds.Middle(), options.mosaic.gsd_m.value_or(report.gsd_m),
+    const storage::UtmOptions utm{report.bounds.Middle(), options.mosaic.OutputGsdM(report.gsd_m),
                                   options.mosaic.jpeg_quality, options.mosaic.threads};
     return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", out_dir / "mosaic_utm.tif", utm, progress);
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "api/nodeodm/nodeodm.h"
 #include "api/webhooks/webhooks.h"
 #include "server/routing/request_log.h"
 #include "server/webhooks/post_message.h"
@@ -14,8 +15,8 @@ constexpr int kAtOnce = 20;
 
 }  // namespace
 
-WebhookSender::WebhookSender(storage::Webhooks& webhooks, const storage::AgeClock& ages, bool may_go_private)
-    : webhooks_(webhooks), ages_(ages), may_go_private_(may_go_private), thread_([this] { Run(); }) {}
+WebhookSender::WebhookSender(api::Service& service, bool may_go_private)
+    : service_(service), may_go_private_(may_go_private), thread_([this] { Run(); }) {}
 
 WebhookSender::~WebhookSender() {
   {
@@ -30,17 +31,29 @@ void WebhookSender::Run() {
   std::unique_lock lock(mutex_);
   while (!is_ended_) {
     lock.unlock();
-    const Result<std::vector<storage::Delivery>> due = webhooks_.Due(ages_.Now(), kAtOnce);
-    if (!due) LogFailure("-", "webhook", due.error().detail);
-    if (due) {
-      for (const storage::Delivery& delivery : *due) {
-        Tell(delivery);
-        const std::lock_guard look(mutex_);
-        if (is_ended_) return;
-      }
-    }
+    TellAllDue();
     lock.lock();
     end_.wait_for(lock, kDeliveryPause, [this] { return is_ended_; });
+  }
+}
+
+bool WebhookSender::IsEnded() {
+  const std::lock_guard lock(mutex_);
+  return is_ended_;
+}
+
+void WebhookSender::TellAllDue() {
+  const auto due = service_.webhooks.Due(service_.db.ages().Now(), kAtOnce);
+  if (!due) return LogFailure("-", "webhook", due.error().detail);
+  for (const storage::Delivery& delivery : *due) {
+    Tell(delivery);
+    if (IsEnded()) return;
+  }
+  const auto of_tasks = service_.node_deliveries.Due(service_.db.ages().Now(), kAtOnce);
+  if (!of_tasks) return LogFailure("-", "webhook", of_tasks.error().detail);
+  for (const storage::NodeDelivery& delivery : *of_tasks) {
+    Tell(delivery);
+    if (IsEnded()) return;
   }
 }
 
@@ -57,8 +70,29 @@ void WebhookSender::Tell(const storage::Delivery& delivery) {
   const Result<void> posted = PostMessage(message);
   if (!posted)
     LogFailure(delivery.webhook.id, "webhook", posted.error().message + " " + posted.error().detail);
-  const Result<void> kept = posted ? webhooks_.Heard(delivery) : webhooks_.NotHeard(delivery, ages_.Now());
+  const Result<void> kept = posted ? service_.webhooks.Heard(delivery)
+                                   : service_.webhooks.NotHeard(delivery, service_.db.ages().Now());
   if (!kept) LogFailure(delivery.webhook.id, "webhook", kept.error().detail);
+}
+
+void WebhookSender::Tell(const storage::NodeDelivery& delivery) {
+  const Result<std::string> body = api::NodeWebhookBody(service_, delivery.uuid, delivery.job_id);
+  const bool is_gone = !body && body.error().code == ErrorCode::kNotFound;
+  Result<void> told;
+  if (body) {
+    told = PostMessage({delivery.url,
+                        {{"Content-Type", "application/json"},
+                         {"User-Agent", "Skyquilt"},
+                         {"X-Skyquilt-Delivery", delivery.uuid + "-" + delivery.job_id}},
+                        *body,
+                        may_go_private_});
+  } else if (!is_gone) {
+    told = body.error();
+  }
+  if (!told) LogFailure(delivery.uuid, "webhook", told.error().message + " " + told.error().detail);
+  const Result<void> kept = told ? service_.node_deliveries.Heard(delivery)
+                                 : service_.node_deliveries.NotHeard(delivery, service_.db.ages().Now());
+  if (!kept) LogFailure(delivery.uuid, "webhook", kept.error().detail);
 }
 
 }  // namespace skyquilt::server

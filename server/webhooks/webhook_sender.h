@@ -1,27 +1,28 @@
-// WebhookSender: delivers signed webhook messages and retries until they are received. A thread of its own,
-// for as long as it lives.
+// WebhookSender: delivers signed webhook messages, and what clients of the NodeODM-compatible node want to
+// hear of their tasks, and retries until they are received. A thread of its own, for as long as it lives.
 #pragma once
 
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
-#include "storage/catalogue/webhooks.h"
+#include "api/service.h"
 
 namespace skyquilt::server {
 
 class WebhookSender {
  public:
-  // `ages`: by which it waits before it tells again.
-  WebhookSender(storage::Webhooks& webhooks, const storage::AgeClock& ages, bool may_go_private);
+  WebhookSender(api::Service& service, bool may_go_private);
   ~WebhookSender();  // waits for a delivery under way
 
  private:
   void Run();
+  void TellAllDue();
+  bool IsEnded();
   void Tell(const storage::Delivery& delivery);
+  void Tell(const storage::NodeDelivery& delivery);
 
-  storage::Webhooks& webhooks_;
-  const storage::AgeClock& ages_;
+  api::Service& service_;
   const bool may_go_private_;
   std::mutex mutex_;
   std::condition_variable end_;

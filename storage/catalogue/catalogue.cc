@@ -128,7 +128,8 @@ Result<std::int64_t> Catalogue::BytesOf(const std::string& owner) const {
       db->Prepare(
           "SELECT (SELECT coalesce(sum(bytes),0) FROM file JOIN flight f ON f.id=flight_id WHERE f.owner=?1)"
           " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload JOIN flight f ON f.id=flight_id"
-          "    WHERE f.owner=?1 AND is_done=0)"));
+          "    WHERE f.owner=?1 AND is_done=0)"
+          " + (SELECT coalesce(sum(coalesce(length,byte_offset)),0) FROM upload WHERE flight_id IS NULL AND owner=?1)"));
   SKYQUILT_TRY(query.Bind(1, owner).Step());
   return query.ColumnInt64(0);
 }

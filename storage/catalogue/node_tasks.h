@@ -18,6 +18,10 @@ struct NodeTask {
   std::string options;  // JSON list of {name, value}
   std::int64_t created_ms = 0;
   bool is_committed = false;
+  std::string notes = {};         // what the client should know, each line ended by a line feed
+  std::string canceled_job = {};  // the job that its client cancelled, ended or not
+  std::string webhook = {};       // address that is told of its end; empty: nobody
+  std::string outputs = "[]";     // JSON list of the paths that all.zip shall hold; empty: the usual ones
 };
 
 class NodeTasks {
@@ -28,6 +32,9 @@ class NodeTasks {
   // The committed ones, oldest first.
   Result<std::vector<std::string>> List() const;
   Result<void> Commit(const std::string& uuid);
+  // A line that is there already, or beyond 64 KiB of them, is not added.
+  Result<void> AddNote(const std::string& uuid, const std::string& line);
+  Result<void> MarkCanceled(const std::string& uuid, const std::string& job_id);
   // The task begins anew.
   Result<void> Restart(const std::string& uuid, const std::string& options, std::int64_t created_ms);
 

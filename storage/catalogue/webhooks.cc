@@ -6,12 +6,6 @@
 #include "storage/db/ids.h"
 
 namespace skyquilt::storage {
-namespace {
-
-constexpr std::chrono::seconds kFirstPause{10};
-
-}  // namespace
-
 Result<Webhook> Webhooks::Add(const std::string& url, const std::string& secret, Time now) {
   const auto db = db_.Lock();
   Webhook webhook{NewId(), url, secret, now};
@@ -76,7 +70,7 @@ Result<void> Webhooks::NotHeard(const Delivery& delivery, Time now) {
       Statement update,
       db->Prepare("UPDATE webhook_delivery SET attempts=attempts+1, not_before_us=?3 WHERE webhook_id=?1 AND "
                   "event_seq=?2"));
-  const Time again = now + kFirstPause * (1 << delivery.attempts);
+  const Time again = now + DeliveryPause(delivery.attempts);
   return update.Bind(1, delivery.webhook.id).Bind(2, delivery.event_seq).Bind(3, ToUs(again)).Run();
 }
 

@@ -3,6 +3,7 @@
 // of which one delivers. Errors: kNotFound, kUnavailable, kOutOfSpace, kIo.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct Delivery {
 };
 
 inline constexpr int kMaxDeliveryAttempts = 8;  // the last one some twenty minutes after the first
+// Until the next attempt, after so many that failed.
+inline std::chrono::seconds DeliveryPause(int attempts) { return std::chrono::seconds{10} * (1 << attempts); }
 
 class Webhooks {
  public:

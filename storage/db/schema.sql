@@ -1,5 +1,5 @@
 -- The catalogue: flights and their files, uploads under way, maps and previews, the queue of jobs, tokens, events,
--- webhooks and the trash. Times (`..._us`) are microseconds since 1970, UTC. Its number is kSchemaVersion in migrations.cc.
+-- webhooks and the trash. Times (`..._us`) are microseconds since 1970, UTC. Its number is kSchemaVersion in schema.cc.
 
 -- Flights, their files and their finished maps.
 CREATE TABLE flight(
@@ -45,14 +45,15 @@ CREATE TABLE revision(
 -- Resumable uploads (tus): the bytes so far are the file uploads/<id>, of which byte_offset are known to be on the disk.
 CREATE TABLE upload(
   id TEXT PRIMARY KEY,
-  flight_id TEXT NOT NULL REFERENCES flight(id) ON DELETE CASCADE,
+  flight_id TEXT REFERENCES flight(id) ON DELETE CASCADE,  -- NULL: a part of an upload that is still to be put together
   name TEXT NOT NULL,                          -- the file's, as the user named it
   metadata TEXT NOT NULL,                      -- as sent, to be sent back
   length INTEGER,                              -- NULL: not known yet
   byte_offset INTEGER NOT NULL DEFAULT 0,
   is_done INTEGER NOT NULL DEFAULT 0,          -- 1: it is a file of its flight now
   expires_us INTEGER NOT NULL,
-  owner TEXT NOT NULL DEFAULT ''               -- id of the token that began it, the only one that may continue it; '' without one
+  owner TEXT NOT NULL DEFAULT '',              -- id of the token that began it, the only one that may continue it; '' without one
+  concat TEXT NOT NULL DEFAULT ''              -- 'partial', or 'final;' and the parts it was put together from; '' for any other
 ) STRICT;
 CREATE INDEX upload_of_flight ON upload(flight_id);
 CREATE INDEX upload_expiry ON upload(expires_us);
@@ -171,7 +172,11 @@ CREATE TABLE node_task(
   flight_id TEXT NOT NULL UNIQUE REFERENCES flight(id) ON DELETE CASCADE,
   options TEXT NOT NULL DEFAULT '[]',          -- JSON list of {name, value}, as the client may see it again
   created_ms INTEGER NOT NULL,                 -- the client's date
-  is_committed INTEGER NOT NULL DEFAULT 0      -- 0: its files are still coming
+  is_committed INTEGER NOT NULL DEFAULT 0,     -- 0: its files are still coming
+  notes TEXT NOT NULL DEFAULT '',              -- what its client should know, a line each
+  outputs TEXT NOT NULL DEFAULT '[]',          -- JSON list of the paths that all.zip shall hold; empty: the usual ones
+  webhook TEXT NOT NULL DEFAULT '',            -- address that is told of the task's end; '': nobody
+  canceled_job TEXT NOT NULL DEFAULT ''        -- the job that a client cancelled, ended or not
 ) STRICT;
 
 -- Who may do what. Only the SHA-256 of a token is stored, never the token.
@@ -309,6 +314,22 @@ WHEN NEW.kind = 'map'
   INSERT INTO webhook_delivery(webhook_id, event_seq, body)
     SELECT id, NEW.seq, json_object('seq', NEW.seq, 'event', NEW.kind, 'flight_id', NEW.flight_id, 'job_id', NEW.job_id,
                                     NEW.kind, json(NEW.body)) FROM webhook;
+END;
+
+-- Ends of tasks of the NodeODM-compatible node that are still to be told to the address that came with the task.
+CREATE TABLE node_delivery(
+  uuid TEXT NOT NULL REFERENCES node_task(uuid) ON DELETE CASCADE,
+  job_id TEXT NOT NULL,
+  attempts INTEGER NOT NULL DEFAULT 0,
+  not_before_us INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY(uuid, job_id)
+) STRICT;
+CREATE INDEX node_delivery_due ON node_delivery(not_before_us);
+
+CREATE TRIGGER node_task_to_tell AFTER INSERT ON event
+WHEN NEW.kind = 'job' AND json_extract(NEW.body, '$.state') IN ('successful', 'failed', 'dismissed') BEGIN
+  INSERT OR IGNORE INTO node_delivery(uuid, job_id)
+    SELECT uuid, NEW.job_id FROM node_task WHERE flight_id = NEW.flight_id AND webhook <> '';
 END;
 
 -- The time by which uploads and the trash expire (storage/db/age_clock.h): independent of the machine's clock once it runs.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "core/base/try.h"
@@ -140,6 +141,16 @@ Result<JobCounts> JobQueue::Count() const {
   SKYQUILT_TRY(query.Step());
   const auto column = [&](int i) { return static_cast<int>(query.ColumnInt64(i)); };
   return JobCounts{column(0), column(1), column(2), column(3), column(4)};
+}
+
+Result<int> JobQueue::CountUnfinished(int most) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare("SELECT (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='running' LIMIT ?1))"
+                  " + (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='accepted' LIMIT ?1))"));
+  SKYQUILT_TRY(query.Bind(1, most).Step());
+  return std::min(most, static_cast<int>(query.ColumnInt64(0)));
 }
 
 Result<Job> JobQueue::Cancel(const std::string& id, Time now) {

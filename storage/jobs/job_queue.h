@@ -105,6 +105,8 @@ class JobQueue {
   Result<std::optional<Job>> LatestOf(const std::string& flight_id) const;
   Result<std::vector<Job>> ListRunning() const;
   Result<JobCounts> Count() const;
+  // Waiting and running ones, counted no further than `most`: cheap however many there are.
+  Result<int> CountUnfinished(int most) const;
   // A waiting job ends at once; a running one when its worker notices. Cancelling twice changes nothing.
   Result<Job> Cancel(const std::string& id, Time now);
   // Forgets a job that has ended. kConflict: it has not.

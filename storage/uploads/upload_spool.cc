@@ -23,10 +23,11 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kSyncEveryBytes = std::int64_t{16} << 20;
 
 constexpr const char* kUploadColumns =
-    "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner FROM upload ";
+    "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner, concat FROM upload ";
 
 // To a flight in the trash nothing is added; when it comes back, its uploads do.
-constexpr const char* kUploadOfFlightThere = "flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL)";
+constexpr const char* kUploadOfFlightThere =
+    "(flight_id IS NULL OR flight_id IN (SELECT id FROM flight WHERE deleted_us IS NULL))";
 
 Error NoSuchUpload() { return {ErrorCode::kNotFound, "There is no such upload. It may have expired.", ""}; }
 
@@ -43,6 +44,7 @@ SpooledUpload UploadFrom(const Statement& row) {
   upload.is_done = row.ColumnInt64(6) != 0;
   upload.expires = FromUs(row.ColumnInt64(7));
   upload.owner = row.ColumnText(8);
+  upload.concat = row.ColumnText(9);
   return upload;
 }
 
@@ -80,10 +82,12 @@ Result<SpooledUpload> UploadSpool::Read(const std::string& id, Time now) const {
 }
 
 Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
-  SKYQUILT_TRY(CheckFileName(wish.name));
   SKYQUILT_TRY(store_.CheckSpace(wish.length.value_or(0)));
-  SKYQUILT_TRY_ASSIGN(const bool known, catalogue_.HasFlight(wish.flight_id));
-  if (!known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  if (!wish.IsPart()) {
+    SKYQUILT_TRY(CheckFileName(wish.name));
+    SKYQUILT_TRY_ASSIGN(const bool known, catalogue_.HasFlight(wish.flight_id));
+    if (!known) return Error{ErrorCode::kNotFound, "There is no such flight.", ""};
+  }
   SpooledUpload upload = wish;
   upload.id = NewId();
   upload.expires = now + kUploadLifetime;
@@ -93,15 +97,16 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
-      db->Prepare(
-          "INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner) VALUES(?,?,?,?,?,?,?)"));
+      db->Prepare("INSERT INTO upload(id,flight_id,name,metadata,length,expires_us,owner,concat)"
+                  " VALUES(?,nullif(?,''),?,?,?,?,?,?)"));
   insert.Bind(1, upload.id)
       .Bind(2, upload.flight_id)
       .Bind(3, upload.name)
       .Bind(4, upload.metadata)
       .BindNull(5);
   if (upload.length) insert.Bind(5, *upload.length);
-  const Result<void> inserted = insert.Bind(6, ToUs(upload.expires)).Bind(7, upload.owner).Run();
+  const Result<void> inserted =
+      insert.Bind(6, ToUs(upload.expires)).Bind(7, upload.owner).Bind(8, upload.concat).Run();
   if (!inserted) {
     unlink(PathOf(upload.id).c_str());
     return inserted.error();
@@ -120,7 +125,7 @@ Result<SpooledUpload> UploadSpool::Find(const std::string& id, Time now) {
   const std::lock_guard lock(turn->mutex);
   SKYQUILT_TRY(TakeOver(*turn, now));
   Result<SpooledUpload> upload = Read(id, now);
-  if (!upload || upload->is_done || upload->offset != upload->length) return upload;
+  if (!upload || upload->is_done || upload->IsPart() || upload->offset != upload->length) return upload;
   // Complete, but its server died before it became a file.
   SKYQUILT_TRY(MakeFile(*upload));
   return upload;
@@ -217,7 +222,8 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
     SKYQUILT_TRY_ASSIGN(
         Statement query,
         db->Prepare(std::string(kUploadColumns) +
-                    "WHERE is_done=0 AND byte_offset=length AND expires_us>? AND " + kUploadOfFlightThere));
+                    "WHERE flight_id IS NOT NULL AND is_done=0 AND byte_offset=length AND expires_us>? AND " +
+                    kUploadOfFlightThere));
     query.Bind(1, ToUs(now));
     while (true) {
       SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
@@ -327,7 +333,7 @@ Result<SpooledUpload> UploadSpool::Append::Commit(Time now) {
   const std::lock_guard lock(turn_->mutex);
   if (turn_->writer != this) return TakenOver();
   SKYQUILT_TRY(Sync(now));
-  if (!upload_.is_done && upload_.offset == upload_.length) {
+  if (!upload_.is_done && !upload_.IsPart() && upload_.offset == upload_.length) {
     SKYQUILT_TRY(spool_.MakeFile(upload_));
   }
   return upload_;

@@ -1,9 +1,10 @@
 // UploadSpool: uploads that go on after a break of either side. Bytes are appended to a file below uploads/;
 // what the catalogue calls the offset has been fsynced, so that even a power cut loses nothing that was
-// promised. A complete upload becomes a file of its flight in one transaction. One writer at a time: whoever
-// comes later takes over (its predecessor's connection is dead as a rule). Any thread. Errors: kNotFound (no
-// such upload or flight, or expired), kConflict (another offset; taken over by another request), kTooLarge,
-// kOutOfSpace, kUnprocessable, kIo.
+// promised. A complete upload becomes a file of its flight in one transaction. A part of an upload has no
+// flight and stays until it is joined with the others, or expires. One writer at a time: whoever comes later
+// takes over (its predecessor's connection is dead as a rule). Any thread. Errors: kNotFound (no such upload
+// or flight, or expired), kConflict (another offset; taken over by another request), kTooLarge, kOutOfSpace,
+// kUnprocessable, kIo.
 #pragma once
 
 #include <chrono>
@@ -24,9 +25,11 @@ namespace skyquilt::storage {
 
 inline constexpr std::chrono::hours kUploadLifetime{24};  // from its last byte on, by the AgeClock
 
+inline constexpr const char* kPartOfUpload = "partial";
+
 struct SpooledUpload {
   std::string id;
-  std::string flight_id;
+  std::string flight_id;  // empty: a part
   std::string name;
   std::string metadata;
   std::optional<std::int64_t> length;
@@ -34,7 +37,11 @@ struct SpooledUpload {
   bool is_done = false;
   Time expires;
   std::string owner;               // id of the token that began it; empty without one
+  std::string concat;              // kPartOfUpload, or what it was joined from, or empty
   std::optional<StoredFile> file;  // what it became, in the answer to whoever completed it
+
+  bool IsPart() const { return concat == kPartOfUpload; }
+  bool IsJoined() const { return !concat.empty() && !IsPart(); }
 };
 
 class UploadSpool {
@@ -44,7 +51,7 @@ class UploadSpool {
 
   class Append;
 
-  // `now` here and below: by the AgeClock.
+  // `now` here and below: by the AgeClock. A part needs neither flight nor name.
   Result<SpooledUpload> Create(const SpooledUpload& wish, Time now);
   // kNotFound for an upload that another token began: to all others it is not there.
   Result<void> CheckOwner(const std::string& id, const std::string& requester, Time now) const;
@@ -56,6 +63,12 @@ class UploadSpool {
                                         Time now);
   // Only where it was not known; kConflict else, kTooLarge beyond the file limit or below the offset.
   Result<void> DeclareLength(const std::string& id, std::int64_t length, Time now);
+  // The file of a flight out of complete parts, in this order; they are gone then. Who asks again for the
+  // same
+  // (`wish.concat` and owner) is told of what it made. Parts of others only with `takes_any`. kConflict: a
+  // part is not complete, or comes twice.
+  Result<SpooledUpload> Join(const SpooledUpload& wish, const std::vector<std::string>& parts, bool takes_any,
+                             Time now);
   Result<void> Remove(const std::string& id, Time now);
 
   // Makes files of the uploads that were complete when a server died. At the start.
@@ -78,6 +91,10 @@ class UploadSpool {
   Result<void> SaveOffset(const std::string& id, std::int64_t offset, Time now) const;
   Result<void> MakeFile(SpooledUpload& upload) const;
   std::filesystem::path PathOf(const std::string& id) const;
+  Result<std::optional<SpooledUpload>> JoinedBefore(const SpooledUpload& wish, Time now) const;
+  Result<std::vector<SpooledUpload>> CompleteParts(const std::vector<std::string>& parts, Time now) const;
+  Result<void> CopyParts(const std::vector<SpooledUpload>& parts, const std::filesystem::path& to) const;
+  Result<void> EnterJoined(const SpooledUpload& joined, const std::vector<SpooledUpload>& parts) const;
 
   CatalogueDb& db_;
   Catalogue& catalogue_;
@@ -95,6 +112,8 @@ class UploadSpool::Append {
   Append& operator=(const Append&) = delete;
   Result<void> Write(std::span<const std::uint8_t> bytes);
   const std::string& flight_id() const { return upload_.flight_id; }
+  const std::string& owner() const { return upload_.owner; }
+  bool is_joined() const { return upload_.IsJoined(); }
   bool has_length() const { return upload_.length.has_value(); }
   std::int64_t saved_offset() const;  // what the catalogue has
   // Durable; the upload as it is now. The last bytes make it a file of its flight.

@@ -1,10 +1,10 @@
-#include "api/uploads/multipart.h"
+#include "api/forms/multipart.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "api/uploads/part_header.h"
+#include "api/forms/part_header.h"
 
 namespace skyquilt::api {
 namespace {

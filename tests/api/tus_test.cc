@@ -137,5 +137,111 @@ TEST(TusHeaders, AreReadStrictly) {
   EXPECT_FALSE(Sha256OfContentDigest("sha-256=AAEC"));
 }
 
+std::string CreatePart(SampleService& sample, const std::string& bytes, Headers more = Tus({})) {
+  more.Add("Upload-Concat", "partial");
+  more.Add("Upload-Length", std::to_string(bytes.size()));
+  const Response made = sample.Send(Method::kPost, "/api/v1/uploads", "", more);
+  EXPECT_EQ(made.status, 201) << made.body;
+  return std::string(made.headers.Find("Location"));
+}
+
+Response JoinAll(SampleService& sample, const std::string& flight, const std::string& parts,
+                 Headers more = Tus({})) {
+  more.Add("Upload-Concat", "final;" + parts);
+  more.Add("Upload-Metadata", Metadata(flight));
+  return sample.Send(Method::kPost, "/api/v1/uploads", "", more);
+}
+
+TEST(Tus, PartsBecomeOneFileInTheirOrder) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const Response options = sample.Send(Method::kOptions, "/api/v1/uploads");
+  EXPECT_NE(options.headers.Find("Tus-Extension").find("concatenation"), std::string_view::npos);
+  const std::string one = CreatePart(sample, "01234");
+  const std::string two = CreatePart(sample, "567");
+  EXPECT_EQ(Patch(sample, two, "0", "567").status, 204);
+  EXPECT_EQ(JoinAll(sample, flight, one + " " + two).status, 409);  // one is not complete
+  EXPECT_EQ(Patch(sample, one, "0", "01234").status, 204);
+  EXPECT_EQ(sample.Get(one, Tus({})).headers.Find("Upload-Concat"), "partial");
+  EXPECT_EQ(sample.Get("/api/v1/flights/" + flight + "/files").body, R"({"files":[]})");
+  const std::string parts = "http://host" + one + " " + two;
+  const Response whole = JoinAll(sample, flight, parts);
+  ASSERT_EQ(whole.status, 201) << whole.body;
+  const std::string at(whole.headers.Find("Location"));
+  EXPECT_EQ(sample.Get("/api/v1/flights/" + flight + "/files/a%20b.jpg").status, 200);
+  EXPECT_EQ(sample.Get("/api/v1/flights/" + flight + "/files").body,
+            R"({"files":[{"name":"a b.jpg","bytes":8}]})");
+  EXPECT_TRUE(std::filesystem::is_empty(sample.dir().Uploads()));
+  const Response head = sample.Get(at, Tus({}));
+  EXPECT_EQ(head.headers.Find("Upload-Concat"), "final;" + parts);
+  EXPECT_EQ(head.headers.Find("Upload-Length"), "8");
+  EXPECT_EQ(Patch(sample, at, "8", "x").status, 403);
+  EXPECT_EQ(sample.Get(one, Tus({})).status, 404);
+  // Who did not hear of it asks again, and there is still one file.
+  EXPECT_EQ(JoinAll(sample, flight, parts).headers.Find("Location"), at);
+  EXPECT_EQ(JoinAll(sample, flight, one).status, 404);
+}
+
+TEST(Tus, RefusalsOfPartsNameTheExtension) {
+  SampleService sample;
+  const std::string flight = sample.NewFlight();
+  const std::string part = CreatePart(sample, "01");
+  Patch(sample, part, "0", "01");
+  for (const char* bad : {"parts", "final", "final;", "final;/", "Partial"}) {
+    const Response refused = sample.Send(
+        Method::kPost, "/api/v1/uploads", "",
+        Tus({{"Upload-Concat", bad}, {"Upload-Length", "5"}, {"Upload-Metadata", Metadata(flight)}}));
+    EXPECT_EQ(refused.status, 400) << bad;
+    EXPECT_NE(refused.body.find("concatenation"), std::string::npos) << refused.body;
+  }
+  EXPECT_EQ(JoinAll(sample, flight, part, Tus({{"Upload-Length", "2"}})).status, 400);
+  EXPECT_EQ(JoinAll(sample, flight, part + " " + part).status, 409);
+  EXPECT_EQ(JoinAll(sample, flight, "nonsense").status, 404);
+  EXPECT_EQ(JoinAll(sample, flight, Create(sample, flight, "5")).status, 409);
+  EXPECT_EQ(JoinAll(sample, "", part).status, 400);
+  EXPECT_EQ(JoinAll(sample, flight, part).status, 201);
+}
+
+TEST(Tus, PartsAreTheirOwnersAndCountForThem) {
+  SampleService sample;
+  const auto as = [](const Headers& token) {
+    Headers headers = Tus({});
+    headers.Add("Authorization", std::string(token.Find("Authorization")));
+    return headers;
+  };
+  const Headers one = as(sample.MakeToken("one", storage::Scope::kUpload, 10));
+  const Headers other = as(sample.MakeToken("other", storage::Scope::kUpload, 10));
+  Headers as_json = one;
+  as_json.Add("Content-Type", "application/json");
+  const Response made = sample.Send(Method::kPost, "/api/v1/flights", "{}", as_json);
+  ASSERT_EQ(made.status, 201) << made.body;
+  const std::string flight(made.headers.Find("Location").substr(std::string("/api/v1/flights/").size()));
+  const auto patch = [&](const std::string& at, const std::string& bytes, Headers headers) {
+    headers.Add("Upload-Offset", "0");
+    headers.Add("Content-Type", "application/offset+octet-stream");
+    return sample.Send(Method::kPatch, at, bytes, headers).status;
+  };
+  const std::string part = CreatePart(sample, "012345", one);
+  const std::string foreign = CreatePart(sample, "xy", other);
+  EXPECT_EQ(patch(part, "012345", one), 204);
+  EXPECT_EQ(patch(foreign, "xy", other), 204);
+  Headers too_much = one;
+  too_much.Add("Upload-Concat", "partial");
+  too_much.Add("Upload-Length", "5");
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/uploads", "", too_much).status, 413);
+  // Without a length the bytes count as they come.
+  Headers deferred = one;
+  deferred.Add("Upload-Concat", "partial");
+  deferred.Add("Upload-Defer-Length", "1");
+  const std::string open(
+      sample.Send(Method::kPost, "/api/v1/uploads", "", deferred).headers.Find("Location"));
+  EXPECT_LT(patch(open, "01234", one), 0);
+  EXPECT_EQ(JoinAll(sample, flight, foreign, one).status, 404);
+  EXPECT_EQ(JoinAll(sample, flight, part, one).status, 201);
+  // The file counts once: there is room for the rest, and no more.
+  EXPECT_EQ(sample.Send(Method::kPost, "/api/v1/uploads", "", too_much).status, 413);
+  CreatePart(sample, "0123", one);
+}
+
 }  // namespace
 }  // namespace skyquilt::api

@@ -6,15 +6,19 @@ import re
 import subprocess
 import sys
 import unittest
+import urllib.parse
 import uuid as uuids
 import zipfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
 from control_test import gcp_list  # noqa: E402
+from sharing_test import Receiver  # noqa: E402
 from server_support import BINARY, DATA, ServerTestCase, wait_until  # noqa: E402
 
 BOUNDARY = "node-test-boundary"
 FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
+AS_JSON = {"Content-Type": "application/json"}
+AS_FORM = {"Content-Type": "application/x-www-form-urlencoded"}
 UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
 
 
@@ -61,12 +65,22 @@ class Node(ServerTestCase):
         self.assertGreaterEqual([int(n) for n in told["version"].split(".")], [1, 5, 1])
         self.assertEqual((told["taskQueueCount"], told["maxImages"], told["maxParallelTasks"], told["engine"]),
                          (0, None, 2, "skyquilt"))
-        for option in self.ask(server, "GET", "/options"):
+        offered = self.ask(server, "GET", "/options")
+        self.assertLessEqual({"dsm", "fast-orthophoto", "mesh-size", "pc-quality", "split"}, {option["name"] for option in offered})
+        for option in offered:
             self.assertEqual(sorted(option), ["domain", "help", "name", "type", "value"])  # clients unpack exactly these
             self.assertIsInstance(option["value"], str)
             self.assertIn(option["type"], ("int", "float", "string", "bool", "enum"))
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])
-        self.assertIsNone(self.ask(server, "GET", "/auth/info")["loginUrl"])
+        self.assertEqual(self.ask(server, "GET", "/auth/info"),
+                         {"message": "Authentication not available on this node", "loginUrl": None, "registerUrl": None})
+        for call in ("login", "register"):
+            self.assertEqual(self.ask(server, "POST", f"/auth/{call}", '{"username":"a","password":"b"}', AS_JSON),
+                             {"error": "Not available"})
+
+    def test_the_engine_is_the_one_that_clients_insist_on(self):
+        self.assertEqual(self.ask(self.serve("--workers", "0", "--node-engine", "odm"), "GET", "/info")["engine"], "odm")
+        self.assertIn("--node-engine", self.refusal("--node-engine", "Open Drone Map"))
 
     def test_a_task_goes_from_init_to_all_zip(self):
         server = self.serve()
@@ -80,7 +94,7 @@ class Node(ServerTestCase):
         told = self.wait(server, uuid, 40)
         self.assertEqual((told["name"], told["dateCreated"], told["imagesCount"], told["progress"]),
                          ("North field", 1700000000000, len(self.photos), 100))
-        self.assertEqual(told["options"], [{"name": "orthophoto-quality", "value": "80"}])
+        self.assertEqual(told["options"], [{"name": "orthophoto-quality", "value": 80}, {"name": "fast-orthophoto", "value": True}])
         self.assertGreater(told["processingTime"], 0)
         lines = self.ask(server, "GET", f"/task/{uuid}/output?line=0")
         self.assertTrue(any("stage align" in line for line in lines), lines)
@@ -108,6 +122,7 @@ class Node(ServerTestCase):
         archive = zipfile.ZipFile(io.BytesIO(whole))
         self.assertIsNone(archive.testzip())
         names = set(archive.namelist())
+        self.assertNotIn("odm_orthophoto/odm_orthophoto.pmtiles", names)  # the same pyramid once more
         self.assertLessEqual({"odm_orthophoto/odm_orthophoto.tif", "odm_orthophoto/odm_orthophoto.mbtiles",
                               "odm_report/shots.geojson", "odm_report/stats.json", "images.json", "task_output.txt"}, names)
         shots = json.loads(archive.read("odm_report/shots.geojson"))
@@ -158,6 +173,101 @@ class Node(ServerTestCase):
         self.assertRegex(uuid, UUID)
         self.assertEqual(self.wait(server, uuid, 40)["imagesCount"], len(self.photos))
 
+    def test_init_and_changes_take_every_kind_of_form(self):
+        server = self.serve("--workers", "0")
+        options = [{"name": "mesh-size", "value": "300000"}, {"name": "dsm", "value": True}]
+        as_text = json.dumps(options)
+        bodies = (({"name": "A", "options": as_text, "dateCreated": "1700000000000"}, None),
+                  (urllib.parse.urlencode({"name": "A", "options": as_text, "dateCreated": 1700000000000}), AS_FORM),
+                  (json.dumps({"name": "A", "options": options, "dateCreated": 1700000000000}), AS_JSON),
+                  (json.dumps({"name": "A", "options": as_text, "dateCreated": "1700000000000"}), AS_JSON))
+        uuids_made = []
+        for body, headers in bodies:
+            made = self.ask(server, "POST", "/task/new/init", *((form(body), FORM) if headers is None else (body, headers)))
+            self.ask(server, "POST", f"/task/new/upload/{made['uuid']}", form(files=self.photos[:1]), FORM)
+            self.ask(server, "POST", f"/task/new/commit/{made['uuid']}")
+            told = self.ask(server, "GET", f"/task/{made['uuid']}/info")
+            self.assertEqual((told["name"], told["dateCreated"]), ("A", 1700000000000))
+            self.assertEqual(told["options"], [{"name": "mesh-size", "value": 300000}, {"name": "dsm", "value": True}])
+            uuids_made.append(made["uuid"])
+        self.assertRegex(self.ask(server, "POST", "/task/new/init", b"")["uuid"], UUID)
+        for uuid, (body, headers) in zip(uuids_made, ((form, FORM), (urllib.parse.urlencode, AS_FORM), (json.dumps, AS_JSON))):
+            for call in ("cancel", "restart", "cancel", "remove"):
+                answer = self.ask(server, "POST", f"/task/{call}", body({"uuid": uuid}), headers)
+                self.assertEqual(answer, {"success": True})
+        self.assertEqual(self.ask(server, "GET", "/task/list"), [{"uuid": uuids_made[3]}])
+
+    def test_states_are_those_that_clients_wait_for(self):
+        server = self.serve("--workers", "1")
+        uuid = self.start(server)
+        code = lambda task: self.ask(server, "GET", f"/task/{task}/info")["status"]["code"]  # noqa: E731
+        self.assertEqual(code(uuid), 20)
+        self.assertEqual(self.ask(server, "POST", "/task/cancel", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(code(uuid), 50)
+        self.assertEqual(self.ask(server, "POST", "/task/restart", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(code(uuid), 20)
+        waiting = self.start(server)
+        self.assertEqual(code(waiting), 10)
+        self.wait(server, uuid, 40)
+        # A task that is done becomes one that was cancelled; what it made is still there.
+        self.assertEqual(self.ask(server, "POST", "/task/cancel", f"uuid={uuid}"), {"success": True})
+        self.assertEqual(code(uuid), 50)
+        self.assertEqual(server.request("GET", f"/task/{uuid}/download/all.zip")[1]["Content-Type"], "application/zip")
+        self.assertEqual(self.ask(server, "POST", "/task/restart", f"uuid={uuid}"), {"success": True})
+        self.wait(server, uuid, 40)
+
+    def test_the_webhook_of_a_task_is_told_of_its_end(self):
+        receiver = Receiver()
+        url = f"http://127.0.0.1:{receiver.server_port}/done"
+        server = self.serve("--webhooks", "any")
+        uuid = self.start(server, {"name": "Told", "webhook": url})
+        wait_until(lambda: len(receiver.heard) == 2, "nobody was told, or not again after a refusal")
+        for path, _, body in receiver.heard:
+            told = json.loads(body)
+            self.assertEqual((path, told["uuid"], told["name"], told["status"]), ("/done", uuid, "Told", {"code": 40}))
+            self.assertEqual(len(told["images"]), len(self.photos))
+        receiver.shutdown()
+        receiver.server_close()
+        unusable = self.start(server, {"webhook": "gopher://example.org"})
+        self.assertRegex(self.ask(server, "GET", f"/task/{unusable}/output")[0], "gopher.*http or https")
+        server.stop()
+        silent = self.serve("--workers", "0")
+        uuid = self.start(silent, {"webhook": url})
+        self.assertRegex(self.ask(silent, "GET", f"/task/{uuid}/output")[0], "will not be told.*--webhooks")
+
+    def test_what_is_in_all_zip_is_for_the_task_to_say(self):
+        server = self.serve()
+        names = lambda task: zipfile.ZipFile(io.BytesIO(server.request(  # noqa: E731
+            "GET", f"/task/{task}/download/all.zip")[2])).namelist()
+        uuid = self.start(server, {"options": json.dumps([{"name": "archive-tiles", "value": "pmtiles"}])})
+        self.wait(server, uuid, 40)
+        tiles = [name for name in names(uuid) if name.startswith("odm_orthophoto/")]
+        self.assertEqual(tiles, ["odm_orthophoto/odm_orthophoto.tif", "odm_orthophoto/odm_orthophoto.pmtiles"])
+        wanted = ["odm_orthophoto/odm_orthophoto.tif", "odm_report/", "odm_dem/dsm.tif"]
+        uuid = self.start(server, {"outputs": json.dumps(wanted)})
+        self.wait(server, uuid, 40)
+        self.assertTrue(all(name == wanted[0] or name.startswith(wanted[1]) for name in names(uuid)))
+        self.assertLessEqual({"odm_orthophoto/odm_orthophoto.tif", "odm_report/stats.json"}, set(names(uuid)))
+        for bad in ("{}", "[1]", "odm_report"):
+            self.assertIn("error", self.ask(server, "POST", "/task/new/init", form({"outputs": bad}), FORM))
+
+    def test_an_empty_file_and_an_unknown_option_do_not_end_a_task(self):
+        server = self.serve("--workers", "0")
+        options = {"options": json.dumps([{"name": "warp-speed", "value": 9}])}
+        made = self.ask(server, "POST", "/task/new/init", form(options), FORM)
+        self.assertEqual(made["ignoredOptions"], ["warp-speed"])
+        uuid = made["uuid"]
+        for file in (*self.photos, ("torn.jpg", b"")):
+            answer = self.ask(server, "POST", f"/task/new/upload/{uuid}", form(files=[file]), FORM)
+            self.assertEqual(answer, {"success": True})
+        self.assertEqual(self.ask(server, "POST", f"/task/new/commit/{uuid}"), {"uuid": uuid})
+        whole = self.ask(server, "POST", "/task/new", form(options, [("torn.jpg", b""), *self.photos]), FORM)["uuid"]
+        for task in (uuid, whole):
+            self.assertEqual(self.ask(server, "GET", f"/task/{task}/info")["imagesCount"], len(self.photos))
+            output = self.ask(server, "GET", f"/task/{task}/output")
+            self.assertIn("warp-speed", output[0])
+            self.assertRegex(output[1], "torn.jpg.*empty")
+
     def test_refusals_are_answers(self):
         server = self.serve("--workers", "0")
         nobody = "11111111-2222-4333-8444-555555555555"
@@ -177,15 +287,17 @@ class Node(ServerTestCase):
             self.assertIn("error", self.ask(server, "POST", "/task/new/init", form({"options": options}), FORM))
         self.assertIn("error", self.ask(server, "POST", "/task/new", form({"zipurl": "http://example.org/a.zip"}), FORM))
         self.assertIn("error", self.ask(server, "POST", "/task/new", b"not a form", FORM))
-        self.assertIn("error", self.ask(server, "POST", "/task/new/init", b"{}", {"Content-Type": "application/json"}))
+        self.assertIn("error", self.ask(server, "POST", "/task/new/init", b"[]", AS_JSON))
         for call in ("cancel", "remove", "restart"):
             self.assertEqual(self.ask(server, "POST", f"/task/{call}", b""), {"error": "uuid param missing."})
             answer = self.ask(server, "POST", f"/task/{call}", f"uuid={nobody}")
             self.assertFalse(answer["success"])
         empty = self.ask(server, "POST", "/task/new/init", form(), FORM)["uuid"]
-        for body in (form(), form(files=[("a.jpg", b"")])):
-            self.assertTrue(self.ask(server, "POST", f"/task/new/upload/{empty}", body, FORM)["noRetry"])
-        self.assertIn("at least 1 file", self.ask(server, "POST", f"/task/new/commit/{empty}")["error"])
+        self.assertTrue(self.ask(server, "POST", f"/task/new/upload/{empty}", form(), FORM)["noRetry"])
+        nothing = form(files=[("a.jpg", b"")])
+        self.assertEqual(self.ask(server, "POST", f"/task/new/upload/{empty}", nothing, FORM), {"success": True})
+        self.assertRegex(self.ask(server, "POST", f"/task/new/commit/{empty}")["error"], "at least 1 file.*a.jpg.*empty")
+        self.assertRegex(self.ask(server, "POST", "/task/new", nothing, FORM)["error"], "at least 1 file.*a.jpg.*empty")
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])
         self.assertEqual(server.garbage(), [])
 
@@ -202,7 +314,7 @@ class Node(ServerTestCase):
             answer = self.ask(server, "POST", "/task/cancel", json.dumps({"uuid": uuid}), as_json)
             self.assertEqual(answer, {"success": True})
         self.assertEqual(self.ask(server, "GET", f"/task/{uuid}/info")["status"], {"code": 50})
-        options = [{"name": "orthophoto-quality", "value": "70"}]
+        options = [{"name": "orthophoto-quality", "value": 70}]
         answer = self.ask(server, "POST", "/task/restart", json.dumps({"uuid": uuid, "options": options}), as_json)
         self.assertEqual(answer, {"success": True})
         told = self.ask(server, "GET", f"/task/{uuid}/info")

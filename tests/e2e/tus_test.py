@@ -78,6 +78,49 @@ class Tus(ServerTestCase):
             self.assertEqual(hashlib.file_digest(want, "sha256").hexdigest(), hashlib.file_digest(got, "sha256").hexdigest())
         self.assertEqual(list((pathlib.Path(self.data) / "uploads").iterdir()), [])
 
+    def test_tus_js_client_sends_four_parts_side_by_side(self):
+        if self.clients is None:
+            self.skipTest("npm's tus-js-client cannot be had")
+        source = pathlib.Path(self.scratch, "parallel.bin")
+        source.write_bytes(random.Random(5).randbytes(9 * MIB + 7))
+        server = self.start()
+        _, flight = server.json("POST", "/api/v1/flights", {})
+        said = subprocess.run(["node", script(self.clients, "tus_parallel.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads",
+                               source, flight["id"], "big.jpg"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
+        [stored] = self.stored(flight["id"])
+        self.assertEqual(stored.read_bytes(), source.read_bytes())
+        self.assertEqual(list((pathlib.Path(self.data) / "uploads").iterdir()), [])
+
+    def test_parts_outlive_a_kill_and_become_one_file(self):
+        content = random.Random(3).randbytes(2 * MIB)
+        server = self.start()
+        _, flight = server.json("POST", "/api/v1/flights", {})
+        status, headers, _ = server.request("OPTIONS", "/api/v1/uploads")
+        self.assertIn("concatenation", headers["Tus-Extension"].split(","))
+        places = []
+        for part in (content[:MIB], content[MIB:]):
+            status, headers, _ = server.request("POST", "/api/v1/uploads", headers={
+                **VERSION, "Upload-Concat": "partial", "Upload-Length": str(len(part))})
+            self.assertEqual(status, 201)
+            places.append(headers["Location"])
+            self.assertEqual(server.request("PATCH", places[-1], part, {**CHUNK, "Upload-Offset": "0"})[0], 204)
+        server.kill()
+        server = self.start()
+        self.assertEqual(self.stored(flight["id"]) if (pathlib.Path(self.data) / "flights" / flight["id"] / "files").is_dir() else [], [])
+        final = {**VERSION, "Upload-Metadata": metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)}
+        status, headers, _ = server.request("POST", "/api/v1/uploads", headers=final)
+        self.assertEqual(status, 201)
+        status, told, _ = server.request("HEAD", headers["Location"], headers=VERSION)
+        self.assertEqual((told["Upload-Length"], told["Upload-Offset"], told["Upload-Concat"]),
+                         (str(len(content)), str(len(content)), final["Upload-Concat"]))
+        [stored] = self.stored(flight["id"])
+        self.assertEqual(stored.read_bytes(), content)
+        self.assertEqual(list((pathlib.Path(self.data) / "uploads").iterdir()), [])
+        status, _, body = server.request("POST", "/api/v1/uploads", headers={**final, "Upload-Concat": "both"})
+        self.assertEqual((status, b"concatenation" in body), (400, True))
+        self.assertEqual(server.request("PATCH", headers["Location"], b"x", {**CHUNK, "Upload-Offset": str(len(content))})[0], 403)
+
     def test_kills_at_random_points_lose_nothing_that_was_promised(self):
         content = random.Random(7).randbytes(3 * MIB)
         dice = random.Random(11)

@@ -46,14 +46,19 @@ class SchemaTest : public testing::Test {
 
 TEST_F(SchemaTest, MakesWhatTheStepsOfDevelopmentMade) {
   SqliteDb stepped = Make(std::string(kCatalogue13));
+  ASSERT_TRUE(PrepareSchema(stepped));
   ScratchDir dir;
   auto fresh = *SqliteDb::Open(dir.path() / "catalogue.db", OpenMode::kReadWriteCreate);
   ASSERT_TRUE(PrepareSchema(fresh));
   EXPECT_EQ(Parts(fresh), Parts(stepped));
 }
 
-TEST_F(SchemaTest, OpensACatalogueOfTheSameVersionThatTheStepsMade) {
-  { Make(std::string(kCatalogue13)); }
+TEST_F(SchemaTest, OpensACatalogueThatTheStepsMadeWithAllThatIsInIt) {
+  {
+    Make(
+        std::string(kCatalogue13) +
+        "INSERT INTO upload(id,flight_id,name,metadata,expires_us) SELECT 'u',id,'a.jpg','m',5 FROM flight;");
+  }
   const auto db = CatalogueDb::OpenExisting(path());
   ASSERT_TRUE(db) << db.error().message;
   const auto flights = Catalogue(**db).ListFlights(10, {});
@@ -61,6 +66,11 @@ TEST_F(SchemaTest, OpensACatalogueOfTheSameVersionThatTheStepsMade) {
   ASSERT_EQ(flights->flights.size(), 1u);
   EXPECT_EQ(flights->flights.front().name, "Field");
   EXPECT_EQ(flights->flights.front().bytes, 100);
+  auto uploads =
+      *(*db)->Lock()->Prepare("SELECT u.name, u.concat FROM upload u JOIN flight f ON f.id=flight_id");
+  ASSERT_TRUE(*uploads.Step());
+  EXPECT_EQ(uploads.ColumnText(0), "a.jpg");
+  EXPECT_EQ(uploads.ColumnText(1), "");
 }
 
 TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {

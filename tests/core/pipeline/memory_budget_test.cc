@@ -69,5 +69,22 @@ TEST(PlanMosaic, RefusesPixelsFarFinerThanThePhotos) {
   EXPECT_TRUE(render::PlanMosaic(flight, ground, {.gsd_m = 0.005}).ok());
 }
 
+TEST(PlanMosaic, IsNotFinerThanThePhotosWhereThatIsAskedFor) {
+  const auto flight = FlightAt({60.0, 60.0});  // 2 cm
+  const auto ground = ground::GroundSurface::Plane(0.0);
+  MosaicOptions options;
+  const auto own = render::PlanMosaic(flight, ground, PlanWithin(options));
+  ASSERT_TRUE(own.ok()) << own.error().message;
+  options.not_finer_than_photos = true;
+  for (const double gsd_m : {0.001, 0.005, 0.2}) {
+    options.gsd_m = gsd_m;
+    const auto plan = render::PlanMosaic(flight, ground, PlanWithin(options));
+    ASSERT_TRUE(plan.ok()) << plan.error().message;
+    EXPECT_EQ(plan->base_zoom<own->base_zoom, gsd_m> 0.1) << gsd_m;
+    EXPECT_LE(plan->base_zoom, own->base_zoom) << gsd_m;
+    EXPECT_DOUBLE_EQ(options.OutputGsdM(0.02), std::max(gsd_m, 0.02));
+  }
+}
+
 }  // namespace
 }  // namespace skyquilt::pipeline

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "api/uploads/multipart.h"
+#include "api/forms/multipart.h"
 #include "core/base/check.h"
 
 namespace {

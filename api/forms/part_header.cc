@@ -1,4 +1,4 @@
-#include "api/uploads/part_header.h"
+#include "api/forms/part_header.h"
 
 #include <fmt/format.h>
 

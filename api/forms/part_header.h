@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "api/uploads/multipart.h"
+#include "api/forms/multipart.h"
 
 namespace skyquilt::api {
 

@@ -1,10 +1,10 @@
-#include "api/uploads/multipart.h"
+#include "api/forms/multipart.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "api/uploads/part_header.h"
+#include "api/forms/part_header.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {

@@ -1,0 +1,118 @@
+#include "api/uploads/tus_chunk.h"
+
+#include <memory>
+#include <utility>
+
+#include "api/uploads/tus_headers.h"
+#include "api/uploads/unpack.h"
+#include "core/base/try.h"
+
+namespace skyquilt::api {
+namespace {
+
+using storage::SpooledUpload;
+
+constexpr int kChecksumMismatch = 460;  // tus' own
+constexpr const char* kChunkType = "application/offset+octet-stream";
+
+// Bytes of one request, behind what the upload has.
+class Chunk final : public BodySink {
+ public:
+  Chunk(Service& service, Request request, std::unique_ptr<storage::UploadSpool::Append> append,
+        std::optional<TusChecksum> checksum, std::optional<IncomingBytes> incoming, TusChunkAnswer answer)
+      : service_(service),
+        request_(std::move(request)),
+        append_(std::move(append)),
+        checksum_(std::move(checksum)),
+        incoming_(std::move(incoming)),
+        saved_(append_->saved_offset()),
+        answer_(std::move(answer)) {
+    if (checksum_) digest_.emplace(checksum_->algorithm);
+  }
+
+  Result<void> Write(std::span<const std::uint8_t> bytes) override {
+    if (incoming_) {
+      SKYQUILT_TRY(incoming_->Take(static_cast<std::int64_t>(bytes.size())));
+    }
+    if (digest_) digest_->Add(bytes);
+    Result<void> written = append_->Write(bytes);
+    CountSaved();
+    return written;
+  }
+
+  Response Finish() override {
+    if (digest_ && digest_->Finish() != checksum_->digest) {
+      return RefuseTus(kChecksumMismatch,
+                       "The checksum is another. Nothing of this request was kept: send it again.", request_);
+    }
+    const Result<SpooledUpload> upload = append_->Commit(service_.db.ages().Now());
+    CountSaved();
+    if (!upload) return RefuseTus(upload.error(), request_);
+    if (upload->file) {
+      const auto unpacked = UnpackStored(service_, upload->flight_id, *upload->file);
+      if (!unpacked) return RefuseTus(unpacked.error(), request_);
+    }
+    return answer_(*upload);
+  }
+
+ private:
+  void CountSaved() {
+    if (incoming_) incoming_->Kept(append_->saved_offset() - saved_);
+    saved_ = append_->saved_offset();
+  }
+
+  Service& service_;
+  Request request_;
+  std::unique_ptr<storage::UploadSpool::Append> append_;
+  std::optional<TusChecksum> checksum_;
+  std::optional<Digest> digest_;
+  std::optional<IncomingBytes> incoming_;  // of an upload whose length is not counted yet
+  std::int64_t saved_;
+  TusChunkAnswer answer_;
+};
+
+Result<std::optional<TusChecksum>> ChecksumOf(const Request& request) {
+  if (!request.headers.Has("Upload-Checksum")) return std::optional<TusChecksum>();
+  std::optional<TusChecksum> checksum = ParseTusChecksum(request.headers.Find("Upload-Checksum"));
+  if (!checksum) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "Upload-Checksum (the extension checksum) must be sha1 or sha256 with its digest in base64.",
+                 ""};
+  }
+  return checksum;
+}
+
+}  // namespace
+
+Result<IncomingBytes> TusBytes(Service& service, const std::string& flight_id, const std::string& owner) {
+  return flight_id.empty() ? IncomingBytes::For(service, owner) : IncomingBytes::Into(service, flight_id);
+}
+
+bool IsTusChunk(const Request& request) {
+  return EqualsIgnoringCase(request.headers.Find("Content-Type"), kChunkType);
+}
+
+TusBegun BeginTusChunk(Service& service, const Request& request, const std::string& id, std::int64_t offset,
+                       TusChunkAnswer answer) {
+  const Result<std::optional<TusChecksum>> checksum = ChecksumOf(request);
+  if (!checksum) return RefuseTus(checksum.error(), request);
+  const storage::Time now = service.db.ages().Now();
+  Result<std::unique_ptr<storage::UploadSpool::Append>> append =
+      service.spool.Begin(id, offset, checksum->has_value(), now);
+  if (!append) return RefuseTus(append.error(), request);
+  if ((*append)->is_joined()) {
+    return RefuseTus(
+        403, "This upload was put together from its parts (the extension concatenation): it takes no bytes.",
+        request);
+  }
+  std::optional<IncomingBytes> incoming;
+  if (!(*append)->has_length()) {
+    Result<IncomingBytes> counted = TusBytes(service, (*append)->flight_id(), (*append)->owner());
+    if (!counted) return RefuseTus(counted.error(), request);
+    incoming.emplace(*std::move(counted));
+  }
+  return std::make_unique<Chunk>(service, request, *std::move(append), *checksum, std::move(incoming),
+                                 std::move(answer));
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,95 @@
+// What options mean that clients of the NodeODM-compatible node send.
+#include "api/nodeodm/node_options.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "api/json/job_options.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+NodeChoice Chosen(const std::string& options) {
+  const Result<NodeChoice> choice = ParseNodeOptions(options);
+  EXPECT_TRUE(choice) << options;
+  return choice ? *choice : NodeChoice();
+}
+
+TEST(NodeOptions, OfferTheUsualNamesAndSayWhatDoesNothing) {
+  std::set<std::string> names;
+  for (const json& option : json::parse(NodeOptionsJson())) {
+    EXPECT_EQ(option.size(), 5u) << option;  // clients unpack exactly these
+    EXPECT_TRUE(option["value"].is_string()) << option;
+    EXPECT_EQ(option["domain"].is_array(), option["type"] == "enum") << option;
+    EXPECT_FALSE(option["help"].get<std::string>().empty()) << option;
+    EXPECT_TRUE(names.insert(option["name"]).second) << option;
+  }
+  for (const char* usual : {"dsm",
+                            "dtm",
+                            "fast-orthophoto",
+                            "mesh-size",
+                            "feature-quality",
+                            "pc-quality",
+                            "orthophoto-resolution",
+                            "auto-boundary",
+                            "skip-3dmodel",
+                            "orthophoto-png",
+                            "cog",
+                            "build-overviews",
+                            "max-concurrency",
+                            "split",
+                            "gps-accuracy",
+                            "ignore-gsd",
+                            "crop",
+                            "dem-resolution",
+                            "min-num-features",
+                            "camera-lens"}) {
+    EXPECT_TRUE(names.contains(usual)) << usual;
+  }
+}
+
+TEST(NodeOptions, ThoseWithoutEffectAreTakenAndShownInTheirTypes) {
+  const NodeChoice choice = Chosen(R"([{"name":"dsm","value":true},{"name":"fast-orthophoto","value":"true"},
+    {"name":"mesh-size","value":"300000"},{"name":"gps-accuracy","value":2.5},{"name":"pc-quality","value":"high"}])");
+  EXPECT_EQ(choice.job_options, "{}");
+  EXPECT_EQ(json::parse(choice.shown), json::parse(R"([{"name":"dsm","value":true},
+    {"name":"fast-orthophoto","value":true},{"name":"mesh-size","value":300000},
+    {"name":"gps-accuracy","value":2.5},{"name":"pc-quality","value":"high"}])"));
+  EXPECT_TRUE(choice.unknown.empty());
+}
+
+TEST(NodeOptions, ResolutionIsNeverFinerThanThePhotos) {
+  const NodeChoice choice = Chosen(R"([{"name":"orthophoto-resolution","value":"0.01"}])");
+  const auto options = ParseJobOptions(choice.job_options);
+  ASSERT_TRUE(options);
+  EXPECT_DOUBLE_EQ(*options->gsd_m, 0.001);
+  EXPECT_TRUE(options->not_finer_than_photos);
+  EXPECT_EQ(Chosen(R"([{"name":"orthophoto-resolution","value":0}])").job_options, "{}");
+  EXPECT_EQ(json::parse(Chosen(R"([{"name":"orthophoto-resolution","value":5}])").job_options)["gsd_m"],
+            0.05);
+}
+
+TEST(NodeOptions, UnknownNamesAreNoErrorButTold) {
+  const NodeChoice choice =
+      Chosen(R"([{"name":"warp-speed","value":9},{"name":"orthophoto-quality","value":70}])");
+  EXPECT_EQ(choice.unknown, std::vector<std::string>{"warp-speed"});
+  EXPECT_EQ(choice.shown, R"([{"name":"orthophoto-quality","value":70}])");
+}
+
+TEST(NodeOptions, BadValuesAreNamed) {
+  for (const char* bad :
+       {R"([{"name":"dsm","value":"perhaps"}])", R"([{"name":"mesh-size","value":"many"}])",
+        R"([{"name":"mesh-size","value":1.5}])", R"([{"name":"pc-quality","value":[]}])",
+        R"([{"name":"orthophoto-resolution","value":-1}])", R"([{"name":"tile-format","value":"bmp"}])"}) {
+    const Result<NodeChoice> choice = ParseNodeOptions(bad);
+    ASSERT_FALSE(choice) << bad;
+    EXPECT_EQ(json::parse(choice.error().message)[0]["name"], json::parse(bad)[0]["name"]);
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::api
