@@ -15,14 +15,17 @@ struct Entry {
 struct Readout {
   std::string_view model;
   double readout_ms;
+  double full_readout_ms = 0.0;  // of sensors that join four pixels to one, where they do not
 };
 
+constexpr double kJoinedMegapixels = 30.0;  // no more than that where they do
+
 constexpr std::array kReadouts = {
-    Readout{"FC200", 74},   Readout{"FC300C", 33},    Readout{"FC300S", 33}, Readout{"FC300X", 33},
-    Readout{"FC330", 33},   Readout{"FC350", 30},     Readout{"FC220", 64},  Readout{"FC2103", 32},
-    Readout{"FC7203", 25},  Readout{"FC3170", 27},    Readout{"FC3411", 32}, Readout{"FC3582", 26},
-    Readout{"L1D-20c", 56}, Readout{"L2D-20c", 16.6}, Readout{"XT705", 30},  Readout{"Anafi", 39},
-    Readout{"E90", 44},
+    Readout{"FC200", 74},   Readout{"FC300C", 33},    Readout{"FC300S", 33},     Readout{"FC300X", 33},
+    Readout{"FC330", 33},   Readout{"FC350", 30},     Readout{"FC220", 64},      Readout{"FC2103", 32},
+    Readout{"FC7203", 25},  Readout{"FC3170", 27},    Readout{"FC3411", 32},     Readout{"FC3582", 26, 60},
+    Readout{"L1D-20c", 56}, Readout{"L2D-20c", 16.6}, Readout{"XT705", 30},      Readout{"Anafi", 39},
+    Readout{"E90", 44},     Readout{"FC3682", 23},    Readout{"FC8482", 21, 58}, Readout{"XT701", 25},
 };
 
 constexpr std::array kSensors = {
@@ -66,6 +69,7 @@ constexpr std::array kSensors = {
     Entry{"Anafi", {5344, 4016, 5.92}},
     Entry{"S.O.D.A.", {5472, 3648, 12.75}},
     // Autel, Skydio, Yuneec
+    Entry{"XT701", {8000, 6000, 6.4}},
     Entry{"XT705", {8000, 6000, 6.4}},
     Entry{"XL714", {5472, 3648, 13.2}},
     Entry{"E90", {5472, 3648, 13.2}},
@@ -109,11 +113,12 @@ bool IsSame(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::optional<double> FindReadoutS(std::string_view model) {
+std::optional<double> FindReadoutS(std::string_view model, double megapixels) {
   const auto found = std::find_if(kReadouts.begin(), kReadouts.end(),
                                   [&](const Readout& entry) { return IsSame(entry.model, model); });
   if (found == kReadouts.end()) return std::nullopt;
-  return 1e-3 * found->readout_ms;
+  const bool is_full = megapixels > kJoinedMegapixels && found->full_readout_ms > 0.0;
+  return 1e-3 * (is_full ? found->full_readout_ms : found->readout_ms);
 }
 
 std::optional<SensorSize> FindSensor(std::string_view model) {

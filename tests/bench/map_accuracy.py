@@ -41,6 +41,8 @@ SCENARIOS = {
     "rtk": ["--noise", "rtk"],
     "rolling": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
     "rolling_unknown": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60"],
+    # Photos turned all ways against the course: there the photos themselves show how their rows were read.
+    "rolling_any_yaw": ["--noise", "xmp", "--speed", "10", "--readout-ms", "60", "--yaw", "any"],
     # A camera without gimbal that turns while its rows are read, with and without a gyro.
     "gyro": ["--noise", "xmp", "--speed", "10", "--readout-ms", "160", "--shaking-dps", "12", "--gyro"],
     "gyro_ignored": ["--noise", "xmp", "--speed", "10", "--readout-ms", "160", "--shaking-dps", "12"],

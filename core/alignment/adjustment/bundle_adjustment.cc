@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kBiasSize = 3;
 constexpr std::size_t kPointSize = 3;
+constexpr std::size_t kReadoutSize = 1;
 
 constexpr double kLossSigmas = 2.5;
 constexpr double kOutlierSigmas = 3.5;
@@ -46,33 +47,42 @@ geo::Rigid3 Applied(const geo::Rigid3& start, const double* pose) {
       rotation, start.TargetOriginInSource() + Eigen::Vector3d(pose[3], pose[4], pose[5]));
 }
 
-// Median reprojection error in sigmas.
-double MedianErrorSigmas(const std::vector<View>& views, const std::vector<Track>& tracks) {
-  std::vector<double> residuals;
+// By how much the observations of each photo spread, against the sigmas they were given. Where the others
+// agree better than was assumed of keypoints, an error assumed usual is an outlier. Bounded below: less sharp
+// photos have larger errors and are needed all the same. A camera that turned while it read its rows is known
+// better in one photo than in another, so that each of those has its own.
+std::vector<double> SpreadsOf(const std::vector<View>& views, const std::vector<Track>& tracks) {
+  constexpr double kMinSpread = 0.7, kMinOwnSpread = 0.25;
+  constexpr double kMedianOfNormalPlane = 1.177;
+  std::vector<double> all;
+  std::vector<std::vector<double>> of_photo(views.size());
   for (const Track& track : tracks) {
     for (const Observation& seen : track.observations) {
-      residuals.push_back(ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu) / seen.sigma_px);
+      all.push_back(ReprojectionErrorPx(views[seen.photo], seen, track.point_in_enu) / seen.sigma_px);
+      if (!views[seen.photo].readout_motion.turns_rad.empty()) of_photo[seen.photo].push_back(all.back());
     }
   }
-  if (residuals.empty()) return 1.0;
-  return Median(std::move(residuals));
+  const double common =
+      all.empty() ? 1.0 : std::clamp(Median(std::move(all)) / kMedianOfNormalPlane, kMinSpread, 1.0);
+  std::vector<double> spreads(views.size(), common);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (of_photo[i].empty()) continue;
+    spreads[i] = std::clamp(Median(std::move(of_photo[i])) / kMedianOfNormalPlane, kMinOwnSpread, common);
+  }
+  return spreads;
 }
 
 // Drops what lies too far off, and points that then hang on one ray; returns the number dropped.
 int DropOutliers(const std::vector<View>& views, double cut_px, std::vector<Track>& tracks) {
   int dropped = 0;
-  // Where the others agree better than was assumed of keypoints, an error assumed usual is an outlier.
-  // Bounded below: less sharp photos have larger errors and are needed all the same.
-  constexpr double kMinSpread = 0.7;
-  constexpr double kMedianOfNormalPlane = 1.177;
-  const double spread = std::clamp(MedianErrorSigmas(views, tracks) / kMedianOfNormalPlane, kMinSpread, 1.0);
+  const std::vector<double> spreads = SpreadsOf(views, tracks);
   for (Track& track : tracks) {
     auto& seen = track.observations;
     const std::size_t before = seen.size();
     std::erase_if(seen, [&](const Observation& one) {
       const double scale = views[one.photo].intrinsics.width_px / kReferenceWidthPx;
       const double cut = cut_px > 0.0 ? std::max(cut_px * scale, kOutlierSigmas * one.sigma_px)
-                                      : kOutlierSigmas * spread * one.sigma_px;
+                                      : kOutlierSigmas * spreads[one.photo] * one.sigma_px;
       return ReprojectionErrorPx(views[one.photo], one, track.point_in_enu) > cut;
     });
     dropped += static_cast<int>(before - seen.size());
@@ -97,7 +107,8 @@ class Round {
         first_point_(position_bias_ + kBiasSize),
         first_correction_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size() +
                                                        problem.control.size())),
-        state_(first_correction_ + kCorrectionSize * problem.photos.size(), 0.0) {}
+        first_readout_(first_correction_ + kCorrectionSize * problem.photos.size()),
+        state_(first_readout_ + kReadoutSize * problem.lenses.size(), 0.0) {}
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
@@ -144,6 +155,8 @@ class Round {
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       if (ceres_.HasParameterBlock(Lens(c))) options.linear_solver_ordering->AddElementToGroup(Lens(c), 1);
+      if (ceres_.HasParameterBlock(Readout(c)))
+        options.linear_solver_ordering->AddElementToGroup(Readout(c), 1);
     }
     for (int l = 0; l < bundle_.lines; ++l) {
       if (ceres_.HasParameterBlock(Bias(l))) options.linear_solver_ordering->AddElementToGroup(Bias(l), 1);
@@ -213,6 +226,17 @@ class Round {
                                   new PriorResidual<kLensSize>(prior)),
                               nullptr, Lens(c));
     }
+    for (std::size_t c = 0; c < recorded_.size(); ++c) {
+      if (!ceres_.HasParameterBlock(Readout(c))) continue;
+      const BundleLens& lens = bundle_.lenses[c];
+      PriorResidual<kReadoutSize> prior;
+      prior.expected << -lens.readout_s;
+      prior.sigma << lens.sigma_readout_s;
+      ceres_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<PriorResidual<kReadoutSize>, kReadoutSize, kReadoutSize>(
+              new PriorResidual<kReadoutSize>(prior)),
+          nullptr, Readout(c));
+    }
   }
 
   // The surveyed place holds the point, the point holds the photos in which it was marked.
@@ -269,6 +293,13 @@ class Round {
                                       seen.pixel_in_image, seen.sigma_px),
           new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens),
           Correction(seen.photo));
+      return;
+    }
+    if (FindsReadoutOf(photo)) {
+      ceres_.AddResidualBlock(
+          MakeRollingReprojectionCost(photo.cam_from_enu, photo.readout_motion, *photo.velocity_in_enu_mps,
+                                      lens, seen.pixel_in_image, seen.sigma_px),
+          new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens), Readout(photo.lens));
       return;
     }
     ceres_.AddResidualBlock(MakeReprojectionCost(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion,
@@ -330,6 +361,8 @@ class Round {
     for (std::size_t i = 0; i < bundle_.photos.size(); ++i) {
       BundlePhoto& photo = bundle_.photos[i];
       photo.cam_from_enu = Applied(photo.cam_from_enu, Pose(i));
+      if (FindsReadoutOf(photo))
+        photo.readout_motion.shift_in_enu_m += *Readout(photo.lens) * *photo.velocity_in_enu_mps;
       if (!ceres_.HasParameterBlock(Correction(i))) continue;
       const ReadoutCorrection correction = Eigen::Map<const ReadoutCorrection>(Correction(i));
       photo.readout_motion = Corrected(photo.readout_motion, photo.readout_doubt, correction);
@@ -337,6 +370,7 @@ class Round {
     }
     for (std::size_t c = 0; c < recorded_.size(); ++c) {
       bundle_.lenses[c].intrinsics = Applied(recorded_[c], Lens(c));
+      bundle_.lenses[c].readout_s += *Readout(c);
     }
     for (int l = 0; l < bundle_.lines; ++l) line_bias[l] = Eigen::Map<Eigen::Vector3d>(Bias(l));
     if (!bundle_.control.empty()) bundle_.position_bias_m = Eigen::Map<Eigen::Vector3d>(PositionBias());
@@ -349,11 +383,17 @@ class Round {
     }
   }
 
+  bool FindsReadoutOf(const BundlePhoto& photo) const {
+    return bundle_.lenses[photo.lens].finds_readout && photo.velocity_in_enu_mps && !photo.is_fixed &&
+           !photo.readout_doubt.IsAny();
+  }
+
   double* Pose(std::size_t i) { return state_.data() + kPoseSize * i; }
   double* Lens(std::size_t c) { return state_.data() + first_lens_ + kLensSize * c; }
   double* Bias(std::size_t l) { return state_.data() + first_bias_ + kBiasSize * l; }
   double* PositionBias() { return state_.data() + position_bias_; }
   double* Correction(std::size_t i) { return state_.data() + first_correction_ + kCorrectionSize * i; }
+  double* Readout(std::size_t c) { return state_.data() + first_readout_ + kReadoutSize * c; }
   double* Point(std::size_t t) { return state_.data() + first_point_ + kPointSize * t; }
 
   BundleProblem& bundle_;
@@ -361,7 +401,7 @@ class Round {
   const BundleOptions& options_;
   // One buffer for all unknowns: Ceres orders blocks by address, and an order that hangs on where the
   // allocator put things would change the last digits from run to run.
-  std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_;
+  std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_, first_readout_;
   std::vector<double> state_;
   ceres::Problem ceres_;
   ceres::ParameterBlockOrdering* ordering_ = nullptr;

@@ -28,6 +28,7 @@ struct BundlePhoto {
   camera::RowMotion readout_motion;  // as AlignedPhoto has it; in: as recorded; out: adjusted
   ReadoutDoubt readout_doubt;        // what of it is to be adjusted
   ReadoutCorrection readout_correction = ReadoutCorrection::Zero();  // out: by how much it was
+  std::optional<Eigen::Vector3d> velocity_in_enu_mps;                // while it was read
   bool is_fixed = false;   // stays where it is; others are placed against it
   bool has_record = true;  // false: the prior is no more than where it was found before
 };
@@ -41,6 +42,11 @@ struct BundleLens {
   double sigma_k2 = 0.05;
   double sigma_p = 0.001;
   bool is_fixed = false;
+  // The time from the first row of a picture to the last is an unknown of the adjustment: of photos that have
+  // a velocity and no doubts, whose motion it becomes.
+  bool finds_readout = false;
+  double readout_s = 0.0;  // in: start; out: adjusted
+  double sigma_readout_s = 0.05;
   double found_sigma_focal_px = 0.0;  // out: what the images left of the prior
 };
 

@@ -120,6 +120,7 @@ BundlePhoto MakeBundlePhoto(const poses::PosedPhoto& posed, const CorrectedPose&
   bundled.lens = lens;
   bundled.line = line;
   bundled.height_above_ground_m = std::max(1.0, posed.height_above_ground_m);
+  bundled.velocity_in_enu_mps = posed.velocity_in_enu_mps;
   bundled.readout_motion = ReadoutMotion(posed, corrected.quarter_turns);
   if (!posed.readout_motion && !bundled.readout_motion.turns_rad.empty())
     bundled.readout_doubt = DoubtOfReadout(posed, corrected.quarter_turns);

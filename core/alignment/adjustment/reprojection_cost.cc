@@ -164,7 +164,46 @@ class TurningReprojectionCost final
   const ReprojectionCost of_row_;
 };
 
+class RollingReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, kLensSize, 1> {
+ public:
+  RollingReprojectionCost(const geo::Rigid3& start, const camera::RowMotion& motion,
+                          const Eigen::Vector3d& velocity_in_enu_mps, const camera::Intrinsics& lens,
+                          const Eigen::Vector2d& pixel, double sigma_px)
+      : center_by_readout_(camera::RowShare(pixel.y(), lens.height_px) * velocity_in_enu_mps),
+        of_row_(camera::PoseAtRow(start, motion, pixel.y(), lens.height_px), lens, pixel, sigma_px) {}
+
+  bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+    Eigen::Matrix<double, kPoseSize, 1> pose =
+        Eigen::Map<const Eigen::Matrix<double, kPoseSize, 1>>(parameters[0]);
+    pose.tail<3>() += parameters[3][0] * center_by_readout_;
+    const double* row_parameters[] = {pose.data(), parameters[1], parameters[2]};
+    if (jacobians == nullptr) return of_row_.Evaluate(row_parameters, residuals, nullptr);
+    Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor> by_pose;
+    double* row_jacobians[] = {by_pose.data(), jacobians[1], jacobians[2]};
+    if (!of_row_.Evaluate(row_parameters, residuals, row_jacobians)) return false;
+    if (jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 2, kPoseSize, Eigen::RowMajor>>{jacobians[0]} = by_pose;
+    }
+    if (jacobians[3] != nullptr) {
+      Eigen::Map<Eigen::Vector2d>{jacobians[3]} = by_pose.rightCols<3>() * center_by_readout_;
+    }
+    return true;
+  }
+
+ private:
+  const Eigen::Vector3d center_by_readout_;
+  const ReprojectionCost of_row_;
+};
+
 }  // namespace
+
+ceres::CostFunction* MakeRollingReprojectionCost(const geo::Rigid3& start_cam_from_enu,
+                                                 const camera::RowMotion& motion,
+                                                 const Eigen::Vector3d& velocity_in_enu_mps,
+                                                 const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                                                 double sigma_px) {
+  return new RollingReprojectionCost(start_cam_from_enu, motion, velocity_in_enu_mps, lens, pixel, sigma_px);
+}
 
 ceres::CostFunction* MakeTurningReprojectionCost(const geo::Rigid3& start_cam_from_enu,
                                                  const camera::RowMotion& motion, const ReadoutDoubt& doubt,

@@ -27,4 +27,12 @@ ceres::CostFunction* MakeTurningReprojectionCost(const geo::Rigid3& start_cam_fr
                                                  const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
                                                  double sigma_px);
 
+// The same of a camera that flies on while it reads its rows: one more block (1, seconds) is what its readout
+// takes longer than was assumed for `motion`.
+ceres::CostFunction* MakeRollingReprojectionCost(const geo::Rigid3& start_cam_from_enu,
+                                                 const camera::RowMotion& motion,
+                                                 const Eigen::Vector3d& velocity_in_enu_mps,
+                                                 const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
+                                                 double sigma_px);
+
 }  // namespace skyquilt::alignment

@@ -1,8 +1,11 @@
 #include "core/alignment/stages/finish_leg.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "core/alignment/adjustment/bundle_setup.h"
+#include "core/alignment/adjustment/find_readout.h"
 #include "core/alignment/adjustment/tie_to_control.h"
 
 namespace skyquilt::alignment {
@@ -18,6 +21,52 @@ const MatchingPass kLastPass{.min_radius_share = 0.012,
 
 constexpr std::size_t kMaxPhotosForLensSigma = 200;  // its cost grows with their square
 
+// By photo: nobody recorded how its rows were read, and it lies as they were.
+std::vector<char> MayRoll(const poses::PosedFlight& posed) {
+  std::vector<char> may_roll;
+  for (const poses::PosedPhoto& one : posed.photos) {
+    const flight::Photo& photo = one.photo;
+    may_roll.push_back(!photo.readout_s && !one.readout_motion && !photo.is_resaved_by_viewer &&
+                       photo.intrinsics.width_px >= photo.intrinsics.height_px);
+  }
+  return may_roll;
+}
+
+// The leg adjusted with a readout time for lenses whose photos show one, if they do.
+Leg WithReadoutFound(Leg leg, const BundleOptions& bundle_options, const AlignOptions& options) {
+  const std::vector<char> may_roll = MayRoll(leg.posed);
+  const std::vector<int> lenses = LensesThatMayRoll(leg.problem, may_roll);
+  if (lenses.empty()) return leg;
+  Leg found = leg;
+  for (std::size_t i = 0; i < may_roll.size(); ++i) {
+    if (!may_roll[i]) found.problem.photos[i].velocity_in_enu_mps.reset();
+  }
+  for (const int lens : lenses) found.problem.lenses[lens].finds_readout = true;
+  found = Adjusted(std::move(found), bundle_options, options);
+  const std::vector<int> rolling = LensesThatRoll(found.problem, lenses);
+  if (rolling.size() < lenses.size()) {
+    leg.iterations = found.iterations;
+    return leg;
+  }
+  // What was matched by photos taken for still ones is matched anew.
+  found = Adjusted(Rematched(std::move(found), kLastPass, options), bundle_options, options);
+  for (const int lens : rolling) {
+    int photos = 0;
+    std::string camera;
+    for (std::size_t i = 0; i < found.problem.photos.size(); ++i) {
+      if (found.problem.photos[i].lens != lens || !may_roll[i]) continue;
+      ++photos;
+      camera = found.posed.photos[i].photo.model;
+    }
+    found.corrected_records.push_back(
+        fmt::format("{}: the photos show that it reads its rows one after the other, in {:.0f} ms from the "
+                    "first to the last ({} photo{}); the camera is not listed and nothing recorded says so",
+                    camera.empty() ? "The camera" : camera,
+                    1e3 * std::abs(found.problem.lenses[lens].readout_s), photos, photos == 1 ? "" : "s"));
+  }
+  return found;
+}
+
 }  // namespace
 
 Leg FinishLeg(Leg leg, const AlignOptions& options, Progress& progress) {
@@ -29,6 +78,7 @@ Leg FinishLeg(Leg leg, const AlignOptions& options, Progress& progress) {
   BundleOptions last;
   last.estimate_lens_sigma = leg.problem.photos.size() <= kMaxPhotosForLensSigma;
   leg = Adjusted(std::move(leg), last, options);
+  leg = WithReadoutFound(std::move(leg), last, options);
   if (BelieveContradictedControlLess(leg.problem)) leg = Adjusted(std::move(leg), last, options);
   return leg;
 }

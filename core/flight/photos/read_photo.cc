@@ -82,8 +82,8 @@ std::optional<double> ReadoutOf(const Photo& photo, const XmpTags& xmp) {
     if (readout_s <= kLongestReadoutS) return readout_s;
   }
   const auto sensor = camera::FindSensor(photo.model);
-  const auto whole_s = camera::FindReadoutS(photo.model);
   const int width_px = photo.intrinsics.width_px, height_px = photo.intrinsics.height_px;
+  const auto whole_s = camera::FindReadoutS(photo.model, 1e-6 * width_px * height_px);
   if (!sensor || !whole_s || width_px < height_px || xmp.Text("drone-dji:ShutterType") == "Mechanical")
     return std::nullopt;
   const double scale =

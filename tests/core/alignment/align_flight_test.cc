@@ -53,6 +53,21 @@ TEST(AlignFlight, UndoesTheRollingShutterThatItIsToldOf) {
   }
 }
 
+// Flown to and fro with the camera turned one way, the lines are stretched against each other.
+TEST(AlignFlight, FindsTheRollingShutterThatNobodyRecorded) {
+  simulate::SimulateOptions options = SmallTruth(12, 0.0).options;
+  options.readout_s = 0.06;
+  options.trajectory.yaw_rule = simulate::YawRule::kFixed;
+  const simulate::SimulatedFlight truth = *simulate::PlanSimulatedFlight(options);
+  const Outcome found = Align(truth, PosesOf(truth));
+  EXPECT_EQ(found.report.aligned, 12);
+  EXPECT_LT(found.error.relative_ce90_m, truth.GsdM());
+  const auto& told = found.report.corrections;
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& one) {
+    return one.find("reads its rows one after the other") != std::string::npos;
+  }));
+}
+
 // One that also turns meanwhile, with a gyro that lags by a little that nobody tells.
 TEST(AlignFlight, UndoesTheTurningDuringTheReadoutByTheGyro) {
   simulate::SimulateOptions options = SmallTruth(8, 0.0).options;

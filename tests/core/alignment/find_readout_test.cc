@@ -1,0 +1,148 @@
+#include "core/alignment/adjustment/find_readout.h"
+
+#include <ceres/cost_function.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "core/alignment/adjustment/reprojection_cost.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr double kHeightM = 60.0;
+constexpr double kReadoutS = 0.05;
+const Eigen::Vector3d kEastwards(8.0, 0.0, 0.0);
+
+// Nine photos straight down, three lines of three flown eastwards, their tops turned by `turn_rad` each
+// against the one before; seen while the camera flew on for `readout_s`, to a third of a pixel.
+BundleProblem NinePhotos(double readout_s, double turn_rad) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.3);
+  BundleProblem problem;
+  BundleLens lens;
+  lens.recorded = lens.intrinsics = camera::Intrinsics::Centered(2000, 1500, 1400.0);
+  problem.lenses.push_back(lens);
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  for (int i = 0; i < 9; ++i) {
+    BundlePhoto photo;
+    const Eigen::Quaterniond turned(Eigen::AngleAxisd(i * turn_rad, Eigen::Vector3d::UnitZ()));
+    photo.cam_from_enu = photo.prior_cam_from_enu =
+        geo::Rigid3::FromRotationAndTargetOrigin(turned * down, {14.0 * (i % 3), 14.0 * (i / 3), kHeightM});
+    photo.sigma_position_m = Eigen::Vector3d::Constant(0.5);
+    photo.height_above_ground_m = kHeightM;
+    photo.velocity_in_enu_mps = kEastwards;
+    problem.photos.push_back(photo);
+  }
+  const camera::RowMotion motion{.shift_in_enu_m = readout_s * kEastwards, .turns_rad = {}};
+  for (int east = -20; east <= 48; east += 4) {
+    for (int north = -20; north <= 48; north += 4) {
+      Track track;
+      track.point_in_enu = {1.0 * east, 1.0 * north, 2.0 * std::sin(0.2 * east + 0.1 * north)};
+      for (int i = 0; i < 9; ++i) {
+        const auto seen =
+            camera::ProjectRolling(lens.recorded, problem.photos[i].cam_from_enu, motion, track.point_in_enu);
+        if (!seen || seen->x() < 0.0 || seen->x() > 1999.0 || seen->y() < 0.0 || seen->y() > 1499.0) continue;
+        track.observations.push_back({i, *seen + Eigen::Vector2d(noise(random), noise(random)), 0.3});
+      }
+      if (track.observations.size() >= 2) problem.tracks.push_back(track);
+    }
+  }
+  return problem;
+}
+
+const std::vector<char> kAnyMayRoll(9, 1);
+
+TEST(FindReadout, IsFoundWherePhotosAreTurnedAgainstTheirCourse) {
+  BundleProblem still = NinePhotos(kReadoutS, 0.9);
+  AdjustBundle(still, {});
+  EXPECT_EQ(LensesThatMayRoll(still, kAnyMayRoll), std::vector<int>{0});
+  EXPECT_TRUE(LensesThatMayRoll(still, std::vector<char>(9, 0)).empty());
+
+  BundleProblem rolling = NinePhotos(kReadoutS, 0.9);
+  rolling.lenses[0].finds_readout = true;
+  AdjustBundle(rolling, {});
+  EXPECT_NEAR(rolling.lenses[0].readout_s, kReadoutS, 0.05 * kReadoutS);
+  for (const BundlePhoto& photo : rolling.photos) {
+    EXPECT_LT((photo.readout_motion.shift_in_enu_m - rolling.lenses[0].readout_s * kEastwards).norm(), 1e-9);
+  }
+  EXPECT_EQ(LensesThatRoll(rolling, {0}), std::vector<int>{0});
+}
+
+TEST(FindReadout, IsNotFoundOfACameraThatExposesAllRowsAtOnce) {
+  BundleProblem problem = NinePhotos(0.0, 0.9);
+  AdjustBundle(problem, {});
+  EXPECT_TRUE(LensesThatMayRoll(problem, kAnyMayRoll).empty());
+  problem.lenses[0].finds_readout = true;  // asked for all the same
+  AdjustBundle(problem, {});
+  EXPECT_NEAR(problem.lenses[0].readout_s, 0.0, 0.002);
+  EXPECT_TRUE(LensesThatRoll(problem, {0}).empty());
+}
+
+// Stretched alike, the photos fit each other; only surveyed places could tell.
+TEST(FindReadout, IsNotGuessedWhereAllPhotosAreTakenAlike) {
+  BundleProblem problem = NinePhotos(kReadoutS, 0.0);
+  AdjustBundle(problem, {});
+  EXPECT_TRUE(LensesThatMayRoll(problem, kAnyMayRoll).empty());
+}
+
+TEST(FindReadout, DoesWithoutObservationsAndWithoutVelocities) {
+  BundleProblem problem = NinePhotos(kReadoutS, 0.9);
+  for (BundlePhoto& photo : problem.photos) photo.velocity_in_enu_mps.reset();
+  EXPECT_TRUE(LensesThatMayRoll(problem, kAnyMayRoll).empty());
+  problem.lenses[0].finds_readout = true;
+  AdjustBundle(problem, {});
+  EXPECT_EQ(problem.lenses[0].readout_s, 0.0);
+  EXPECT_TRUE(LensesThatRoll(problem, {0}).empty());
+  problem.tracks.clear();
+  EXPECT_TRUE(LensesThatMayRoll(problem, kAnyMayRoll).empty());
+  EXPECT_TRUE(LensesThatRoll(problem, {0}).empty());
+}
+
+TEST(RollingReprojectionCost, ChangesAsItsDerivativesSay) {
+  const geo::Rigid3 start = geo::Rigid3::FromRotationAndTargetOrigin(
+      Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Eigen::Vector3d(1.0, 0.2, 0.1).normalized())),
+      {4.0, -3.0, 60.0});
+  const std::unique_ptr<ceres::CostFunction> cost(MakeRollingReprojectionCost(
+      start, {.shift_in_enu_m = {0.3, 0.1, 0.0}, .turns_rad = {}}, {9.0, 4.0, 0.5},
+      camera::Intrinsics::Centered(2000, 1500, 1400.0), {1200.0, 300.0}, 0.7));
+  std::vector<std::vector<double>> values{{0.02, -0.05, 0.3, 0.5, -0.4, 0.8},
+                                          {10.0, 6.0, 2.0},
+                                          {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002},
+                                          {0.04}};
+  const auto residual = [&] {
+    Eigen::Vector2d at;
+    const std::array<const double*, 4> blocks{values[0].data(), values[1].data(), values[2].data(),
+                                              values[3].data()};
+    EXPECT_TRUE(cost->Evaluate(blocks.data(), at.data(), nullptr));
+    return at;
+  };
+  std::array<std::array<double, 14>, 4> derivatives{};
+  std::array<double*, 4> out{derivatives[0].data(), derivatives[1].data(), derivatives[2].data(),
+                             derivatives[3].data()};
+  const std::array<const double*, 4> blocks{values[0].data(), values[1].data(), values[2].data(),
+                                            values[3].data()};
+  Eigen::Vector2d at;
+  ASSERT_TRUE(cost->Evaluate(blocks.data(), at.data(), out.data()));
+  for (std::size_t block = 0; block < values.size(); ++block) {
+    for (std::size_t k = 0; k < values[block].size(); ++k) {
+      constexpr double kStep = 1e-6;
+      const double was = values[block][k];
+      values[block][k] = was + kStep;
+      const Eigen::Vector2d more = residual();
+      values[block][k] = was - kStep;
+      const Eigen::Vector2d change = (more - residual()) / (2.0 * kStep);
+      values[block][k] = was;
+      for (std::size_t row = 0; row < 2; ++row)
+        EXPECT_NEAR(derivatives[block][row * values[block].size() + k], change[row],
+                    1e-5 * (1.0 + std::abs(change[row])))
+            << "block " << block << ", number " << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment
