@@ -6,6 +6,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/jobs/queue_job.h"
+#include "api/json/job_options.h"
 #include "api/json/json_codec.h"
 
 namespace skyquilt::api {
@@ -59,6 +60,15 @@ Response Retry(Service& service, const Request& request) {
   const Result<storage::Job> ended = service.queue.Get(request.Parameter("job"));
   if (!ended) return Problem(ended.error(), request);
   if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
+  const Result<pipeline::MosaicOptions> options = ParseJobOptions(ended->options);
+  if (options && options->placing && ended->state == storage::JobState::kSuccessful) {
+    return Problem(
+        {ErrorCode::kConflict,
+         "This job has placed the map already; once more it would move it again. Start a job with new "
+         "pairs to place it anew.",
+         ""},
+        request);
+  }
   const storage::Time now = storage::Now();
   const int priority = request.is_admin ? ended->priority : std::min(ended->priority, 0);
   const Result<storage::Job> job =

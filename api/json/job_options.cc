@@ -101,6 +101,33 @@ Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<geo::LatLon> PlaceOf(const json& value) {
+  constexpr const char* kRule = "has a place that is not [latitude, longitude] in degrees, up to 85 and 180";
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
+    return Refuse("place", kRule);
+  const geo::LatLon place{value[0].get<double>(), value[1].get<double>()};
+  if (!(std::abs(place.lat_deg) <= 85.0 && std::abs(place.lon_deg) <= 180.0)) return Refuse("place", kRule);
+  return place;
+}
+
+Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
+  constexpr std::size_t kMaxPairs = 100;
+  if (!value.is_array() || value.empty() || value.size() > kMaxPairs)
+    return Refuse("place", "must be a list of 1 to 100 pairs of \"shown\" and \"is\"");
+  pipeline::PlaceRequest request;
+  for (const json& pair : value) {
+    if (!pair.is_object() || pair.size() != 2 || !pair.contains("shown") || !pair.contains("is"))
+      return Refuse(
+          "place",
+          "must be a list of pairs of \"shown\", where the map shows a thing, and \"is\", where it is");
+    SKYQUILT_TRY_ASSIGN(const geo::LatLon shown, PlaceOf(pair["shown"]));
+    SKYQUILT_TRY_ASSIGN(const geo::LatLon is, PlaceOf(pair["is"]));
+    request.pairs.push_back({shown, is});
+  }
+  options->placing = std::move(request);
+  return {};
+}
+
 Result<void> SetLandedAtStart(const json& value, pipeline::MosaicOptions* options) {
   if (!value.is_boolean()) return Refuse("landed_at_start", "must be true or false");
   options->landed_at_start = value.get<bool>();
@@ -147,13 +174,15 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetOrigin(value, &options);
     } else if (field == "landed_at_start") {
       set = SetLandedAtStart(value, &options);
+    } else if (field == "place") {
+      set = SetPlace(value, &options);
     } else if (field == "layers") {
       set = SetLayers(value, &options);
     } else {
       set = Refuse(
           field,
           "is not known; known are gsd_m, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
-          "landed_at_start and layers");
+          "landed_at_start, place and layers");
     }
     if (!set) return set.error();
   }

@@ -221,6 +221,12 @@ Result<FlightFields> ParseFlightFields(std::string_view body) {
   FlightFields fields;
   for (const auto& [field, value] : parsed.items()) {
     if (field != "name" && field != "options") return UnknownField(field);
+    if (field == "options" && value.is_object() && value.contains("place")) {
+      return Error{ErrorCode::kUnprocessable,
+                   "The option \"place\" moves the map that there is, once: give it to a job "
+                   "(POST /api/v1/flights/{flight}/jobs), not to the flight.",
+                   ""};
+    }
     SKYQUILT_TRY_ASSIGN(const std::string checked,
                         field == "name" ? CheckedName(value) : CheckedOptions(value));
     (field == "name" ? fields.name : fields.options) = checked;

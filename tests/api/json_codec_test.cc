@@ -75,6 +75,21 @@ TEST(ParseFlightFields, TakesWhatItKnows) {
   EXPECT_DOUBLE_EQ(*options->readout_s, 0.033);
 }
 
+TEST(ParseJobOptions, TakesPlacesOfAMapForOneJob) {
+  const auto options = ParseJobOptions(R"({"place":[{"shown":[0.001,-0.002],"is":[46.8,7.1]}]})");
+  ASSERT_TRUE(options);
+  ASSERT_EQ(options->placing->pairs.size(), 1U);
+  EXPECT_DOUBLE_EQ(options->placing->pairs[0].shown.lon_deg, -0.002);
+  EXPECT_DOUBLE_EQ(options->placing->pairs[0].is.lat_deg, 46.8);
+  for (const char* bad :
+       {R"({"place":[]})", R"({"place":{}})", R"({"place":[1]})", R"({"place":[{"shown":[1,2]}]})",
+        R"({"place":[{"shown":[1,2],"is":[1]}]})", R"({"place":[{"shown":[1,2],"is":[86,2]}]})",
+        R"({"place":[{"shown":[1,2],"is":[1,"2"]}]})", R"({"place":[{"shown":[1,2],"is":[1,2],"x":1}]})",
+        R"({"place":[{"shown":[1e999,2],"is":[1,2]}]})"}) {
+    EXPECT_FALSE(ParseJobOptions(bad)) << bad;
+  }
+}
+
 class BadBodies : public testing::TestWithParam<std::string> {};
 
 TEST_P(BadBodies, AreRefused) {
@@ -93,7 +108,8 @@ INSTANTIATE_TEST_SUITE_P(
                     R"({"options":{"gsd_m":1e400}})", R"({"options":{"gsd_m":"1"}})",
                     R"({"options":{"max_look_deg":80}})", R"({"options":{"max_look_deg":null}})",
                     R"({"options":{"readout_ms":-1}})", R"({"options":{"readout_ms":501}})",
-                    R"({"options":{"readout_ms":"33"}})", R"({"options":{"quality":0}})",
+                    R"({"options":{"readout_ms":"33"}})",
+                    R"({"options":{"place":[{"shown":[1,2],"is":[1,2]}]}})", R"({"options":{"quality":0}})",
                     R"({"options":{"quality":85.5}})", R"({"options":{"quality":9999999999999999999999}})",
                     R"({"options":{"format":"gif"}})", R"({"options":{"method":"magic"}})",
                     "{\"name\":\"\xff\"}", std::string(100000, '['),

@@ -13,6 +13,7 @@
 #include "core/geo/bounds.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/control_points.h"
+#include "core/pipeline/placing/move_by_pairs.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/poses/unplaced_words.h"
 
@@ -95,6 +96,21 @@ Result<FlightFacts> PlaceByOrigin(const FlightFacts& known, const PlaceRequest& 
       "times as large. How far off it may be, the flight cannot tell: check it over known places.",
       request.origin_photo.empty() ? "its origin" : request.origin_photo, request.origin->lat_deg,
       request.origin->lon_deg, TurnDeg(move), move.scale));
+  return placed;
+}
+
+Result<FlightFacts> PlaceByPairs(const FlightFacts& known, const std::vector<ShownPair>& pairs) {
+  SKYQUILT_TRY_ASSIGN(MoveOfPairs move, MoveByPairs(known, pairs));
+  SKYQUILT_TRY_ASSIGN(move.new_from_old, CheckedScale(known, move.new_from_old));
+  FlightFacts placed = known;
+  MoveFlight(move.new_from_old, placed);
+  placed.flight.frame = move.frame;
+  std::string words = fmt::format(
+      "The map was placed by hand, by {} place{} on it; it was turned by {:.1f} degrees and became {:.4g} "
+      "times as large.",
+      pairs.size(), pairs.size() == 1 ? "" : "s", TurnDeg(move.new_from_old), move.new_from_old.scale);
+  if (pairs.size() > 2) words += fmt::format(" It misses them by up to {:.2f} m.", move.miss_m);
+  placed.flight.warnings.push_back(words);
   return placed;
 }
 
@@ -216,20 +232,23 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
 }  // namespace
 
 Result<FlightFacts> PlaceKnown(const FlightFacts& known, const PlaceRequest& request) {
-  if (known.is_placed && !request.is_again) {
+  if (known.is_placed && !request.is_again && request.pairs.empty()) {
     return Refused(
         ErrorCode::kConflict,
         "The map is georeferenced already. Say --again to place it anew, over what its records said.");
   }
-  if (request.origin.has_value() == !request.control.empty()) {
-    return Refused(ErrorCode::kInvalidArgument,
-                   "Give either a place (--origin) or surveyed points (--gcp), and not both.");
+  if (int{request.origin.has_value()} + int{!request.control.empty()} + int{!request.pairs.empty()} != 1) {
+    return Refused(
+        ErrorCode::kInvalidArgument,
+        "Give a place (--origin), surveyed points (--gcp) or places on the map (--point), and one of them "
+        "only.");
   }
   if (known.flight.photos.empty()) {
     return Refused(ErrorCode::kUnprocessable, "The map shows no photo, so there is nothing to place.");
   }
-  SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin ? PlaceByOrigin(known, request)
-                                                         : PlaceByControl(known, request.control));
+  SKYQUILT_TRY_ASSIGN(FlightFacts placed, request.origin           ? PlaceByOrigin(known, request)
+                                          : !request.pairs.empty() ? PlaceByPairs(known, request.pairs)
+                                                                   : PlaceByControl(known, request.control));
   placed.is_placed = true;
   placed.poses_report.is_placed = true;
   poses::EraseUnplacedWords(placed.flight.warnings);

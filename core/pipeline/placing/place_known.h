@@ -1,9 +1,10 @@
 // PlaceKnown: a finished flight that lies nowhere on Earth brought to where a user says it lies: by one place
-// with scale and north, or by three or more surveyed points marked in its photos (turn, scale, shift, and
-// tilt where the points have heights). No photo is compared again. Frame `enu` of the flight, which changes.
-// Pure; any thread. Errors, whole sentences for the user: kConflict (it has its place already),
-// kInvalidArgument (a number out of range, an unknown photo), kUnprocessable (points that too few photos
-// show, that lie too near together, or that contradict each other).
+// with scale and north, by where things that it shows really are (of any map: one shifts it, more turn and
+// scale it too), or by three or more surveyed points marked in its photos (turn, scale, shift, and tilt where
+// the points have heights). No photo is compared again. Frame `enu` of the flight, which changes. Pure; any
+// thread. Errors, whole sentences for the user: kConflict (it has its place already), kInvalidArgument (a
+// number out of range, an unknown photo), kUnprocessable (points that too few photos show, that lie too near
+// together, or that contradict each other).
 #pragma once
 
 #include "core/base/result.h"

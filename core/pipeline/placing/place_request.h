@@ -1,5 +1,5 @@
-// PlaceRequest: what a user knows of where a finished map lies: a place with scale and north, or surveyed
-// points. A value; any thread.
+// PlaceRequest: what a user knows of where a finished map lies: a place with scale and north, surveyed
+// points, or where things that the map shows really are. A value; any thread.
 #pragma once
 
 #include <optional>
@@ -11,6 +11,11 @@
 
 namespace skyquilt::pipeline {
 
+// Something that the map shows at one place, and that is at another.
+struct ShownPair {
+  geo::LatLon shown, is;
+};
+
 struct PlaceRequest {
   // Of the take-off where the flight was reckoned from it, else of the middle of the photos, or of where
   // `origin_photo` was taken.
@@ -20,6 +25,7 @@ struct PlaceRequest {
   std::optional<double> factor;         // the map is to become so many times larger; not with photo_pixel_m
   double north_deg = 0.0;  // the direction on the map as it is that is north, clockwise from its top
   std::vector<flight::GcpList> control;  // instead of all above
+  std::vector<ShownPair> pairs;          // instead of all above
   bool is_again = false;                 // also a map that has its place
 };
 

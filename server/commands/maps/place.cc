@@ -37,6 +37,7 @@ struct PlaceArguments {
   std::string scale;
   double north_deg = 0.0;
   std::vector<fs::path> gcp;
+  std::vector<std::string> points;
   bool again = false;
   int threads = 0;
   double max_memory_gib = 1.0;
@@ -61,6 +62,16 @@ void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
   (rest.empty() ? request.photo_pixel_m : request.factor) = value;
 }
 
+// "47.1,7.2=47.3,7.4"
+pipeline::ShownPair PairOf(const std::string& text) {
+  const std::size_t at = text.find('=');
+  if (at == std::string::npos)
+    Refuse("--point is '" + text +
+           "'; write where the map shows a thing and where it is, like 0.0001,0.0002=46.80,7.10.");
+  return {ParseLatLon(kCommand, "--point", text.substr(0, at)),
+          ParseLatLon(kCommand, "--point", text.substr(at + 1))};
+}
+
 pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
   pipeline::PlaceRequest request;
   if (!arguments.origin.empty()) {
@@ -70,8 +81,9 @@ pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
              " but must be a latitude up to 85 and a longitude up to 180 degrees.");
     request.origin = place;
   }
-  if (arguments.origin.empty() == arguments.gcp.empty())
-    Refuse("Say where the map lies: either --origin LAT,LON or --gcp gcp_list.txt.");
+  for (const std::string& text : arguments.points) request.pairs.push_back(PairOf(text));
+  if (arguments.origin.empty() && arguments.gcp.empty() && arguments.points.empty())
+    Refuse("Say where the map lies: --origin LAT,LON, --gcp gcp_list.txt or --point SHOWN=IS.");
   request.origin_photo = arguments.at_photo;
   TakeScale(arguments.scale, request);
   request.north_deg = arguments.north_deg;
@@ -183,6 +195,14 @@ void AddPlaceCommand(CLI::App& app) {
           "more photos; they give place, scale, north and, where they have heights, the tilt")
       ->check(CLI::ExistingFile)
       ->excludes(origin);
+  command
+      ->add_option(
+          "--point", arguments->points,
+          "Instead of both: LAT,LON=LAT,LON, where the map shows a thing and where it really is; again for "
+          "more of them. One shifts the map (also one that has its place), two or more turn and scale it "
+          "too")
+      ->excludes(origin)
+      ->excludes("--gcp");
   command->add_flag("--again", arguments->again,
                     "Also a map that is georeferenced: what its records said of its place is overruled");
   command->add_option("--threads", arguments->threads, "Threads; 0 takes all cores")->capture_default_str();
@@ -194,6 +214,7 @@ void AddPlaceCommand(CLI::App& app) {
       "Example:\n"
       "  skyquilt place map --gcp gcp_list.txt\n"
       "  skyquilt place map --origin 46.80,7.10 --scale 0.03 --north 12\n"
+      "  skyquilt place map --point 0.0003,-0.0004=46.8012,7.1003 --point -0.0002,0.0005=46.8001,7.1021\n"
       "  skyquilt place map --origin 46.80,7.10 --at DJI_0007.JPG --again");
   command->callback([arguments] { Run(*arguments); });
 }

@@ -36,15 +36,25 @@ struct Nowhere : Displaced {
   }
 
   // Between where the cameras are now said to be and where they were, in metres on Earth.
-  double WorstOnEarthM(const FlightFacts& facts) const {
-    double worst_m = 0.0;
+  std::vector<Eigen::Vector3d> MissesOnEarthM(const FlightFacts& facts) const {
+    std::vector<Eigen::Vector3d> misses_m;
     for (std::size_t i = 0; i < truth.photos.size(); ++i) {
       const geo::Wgs84 said =
           facts.flight.frame.Wgs84FromEnu(facts.flight.photos[i].cam_from_enu.TargetOriginInSource());
-      worst_m = std::max(
-          worst_m,
-          (truth.frame.EnuFromWgs84(said) - truth.photos[i].pose.cam_from_enu.TargetOriginInSource()).norm());
+      misses_m.push_back(truth.frame.EnuFromWgs84(said) -
+                         truth.photos[i].pose.cam_from_enu.TargetOriginInSource());
     }
+    return misses_m;
+  }
+  double WorstOnEarthM(const FlightFacts& facts) const {
+    double worst_m = 0.0;
+    for (const Eigen::Vector3d& miss_m : MissesOnEarthM(facts)) worst_m = std::max(worst_m, miss_m.norm());
+    return worst_m;
+  }
+  double WorstHorizontallyM(const FlightFacts& facts) const {
+    double worst_m = 0.0;
+    for (const Eigen::Vector3d& miss_m : MissesOnEarthM(facts))
+      worst_m = std::max(worst_m, miss_m.head<2>().norm());
     return worst_m;
   }
 };
@@ -206,7 +216,7 @@ TEST(PlaceKnown, TheOriginIsTheMiddleOfThePhotosOrTheTakeOff) {
 TEST(PlaceKnown, RefusesWhatMakesNoSense) {
   Nowhere flight;
   PlaceRequest request;
-  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("either a place"));
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("one of them only"));
   request.origin = geo::LatLon{46.8, 7.1};
   request.factor = 1e6;
   EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("m of ground"));
@@ -221,7 +231,73 @@ TEST(PlaceKnown, RefusesWhatMakesNoSense) {
   request.is_again = true;
   EXPECT_TRUE(PlaceKnown(flight.known, request).ok());
   request.control = flight.Survey(3);
-  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("not both"));
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("one of them only"));
+}
+
+// Where the flight shows the ground below one of its photos, and where that truly is.
+ShownPair PairBelow(const Nowhere& flight, std::size_t photo) {
+  const auto below = [&](const geo::LocalFrame& frame, const geo::Rigid3& cam_from_enu) {
+    Eigen::Vector3d at = cam_from_enu.TargetOriginInSource();
+    at.z() = kGroundZ;
+    const geo::Wgs84 place = frame.Wgs84FromEnu(at);
+    return geo::LatLon{place.lat_deg, place.lon_deg};
+  };
+  return {below(flight.known.flight.frame, flight.known.flight.photos[photo].cam_from_enu),
+          below(flight.truth.frame, flight.truth.photos[photo].pose.cam_from_enu)};
+}
+
+PlaceRequest ByPairs(const Nowhere& flight, const std::vector<std::size_t>& photos) {
+  PlaceRequest request;
+  for (const std::size_t photo : photos) request.pairs.push_back(PairBelow(flight, photo));
+  return request;
+}
+
+TEST(PlaceKnown, TwoPlacesOnTheMapGivePlaceScaleAndNorth) {
+  const Nowhere flight;
+  for (const auto& photos : {std::vector<std::size_t>{0, 19}, std::vector<std::size_t>{0, 7, 12, 19}}) {
+    const auto placed = PlaceKnown(flight.known, ByPairs(flight, photos));
+    ASSERT_TRUE(placed.ok()) << placed.error().message;
+    EXPECT_LT(flight.WorstHorizontallyM(*placed), 0.1);
+    EXPECT_LT(flight.WorstTurnRad(*placed), 1e-3);
+    EXPECT_TRUE(placed->is_placed);
+    EXPECT_FALSE(placed->appearance);
+    EXPECT_THAT(placed->flight.warnings, Each(Not(HasSubstr("NOT GEOREFERENCED"))));
+    EXPECT_THAT(placed->flight.warnings, Contains(HasSubstr("placed by hand")));
+  }
+}
+
+TEST(PlaceKnown, OnePlaceShiftsAMapThatHasItsPlace) {
+  Nowhere flight;
+  flight.known.is_placed = true;
+  const auto placed = PlaceKnown(flight.known, ByPairs(flight, {4}));
+  ASSERT_TRUE(placed.ok()) << placed.error().message;
+  const auto distance = [](const FlightFacts& facts) {
+    return (facts.flight.photos[19].cam_from_enu.TargetOriginInSource() -
+            facts.flight.photos[0].cam_from_enu.TargetOriginInSource())
+        .norm();
+  };
+  EXPECT_NEAR(distance(*placed), distance(flight.known), 0.01);
+  const Eigen::Vector3d here = placed->flight.photos[4].cam_from_enu.TargetOriginInSource();
+  const Eigen::Vector3d there = placed->flight.frame.EnuAtHeight(PairBelow(flight, 4).is, kGroundZ);
+  EXPECT_LT((here - there).head<2>().norm(), 0.05);
+}
+
+TEST(PlaceKnown, RefusesPlacesThatTellNothing) {
+  const Nowhere flight;
+  PlaceRequest request = ByPairs(flight, {0, 0});
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("too near together"));
+  request = ByPairs(flight, {0, 19});
+  request.pairs[1].is = request.pairs[0].is;
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("too near together"));
+  request = ByPairs(flight, {0, 7, 19});
+  std::swap(request.pairs[0].is, request.pairs[1].is);
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("contradict each other"));
+  request = ByPairs(flight, {0, 19});
+  request.origin = geo::LatLon{1.0, 2.0};
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("one of them only"));
+  request = ByPairs(flight, {0, 19});
+  request.pairs[1].is.lat_deg += 5.0;  // a map of half a thousand kilometres
+  EXPECT_THAT(RefusalOf(PlaceKnown(flight.known, request)), HasSubstr("photo's pixel would show"));
 }
 
 }  // namespace
