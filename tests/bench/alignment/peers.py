@@ -1,5 +1,5 @@
 """The same photos by Skyquilt and by others, one after the other on the same machine: OpenCV's Stitcher in its mode
-for scans, and COLMAP (features, spatial matching by the recorded positions, mapper). A peer that is not installed is
+for scans, and COLMAP (features, matching of all pairs, mapper; all by default). A peer that is not installed is
 passed over with a word.
 
     python3 tests/bench/alignment/peers.py PROGRAM FLIGHT... [--scans BUILD/bin/stitch_scans] [--only NAME]
@@ -8,7 +8,7 @@ FLIGHT is a folder of photos, or one that `skyquilt simulate` made: of that the 
 of the cameras' horizontal places after the best similarity (for the Stitcher, which has none, of the photos' middles:
 simulate without tilt). Processor time and peak memory are the whole process's with its children. "align" of Skyquilt
 is what it takes until the photos lie; the Stitcher's and COLMAP's figures are for that alone: they make no map here.
-Needs numpy.
+Needs numpy and cv2.
 """
 import argparse
 import json
@@ -19,6 +19,7 @@ import subprocess
 import tempfile
 import time
 
+import cv2
 import numpy
 
 
@@ -76,9 +77,10 @@ def colmap(_, photos, scratch, __):
     folder = scratch / "colmap"
     (folder / "sparse").mkdir(parents=True)
     database = ("--database_path", folder / "database.db")
-    costs = [run("colmap", "feature_extractor", *database, "--image_path", photos, "--ImageReader.single_camera", 1,
+    is_one_camera = len({cv2.imread(str(photo), cv2.IMREAD_REDUCED_GRAYSCALE_8).shape for photo in photos.iterdir()}) == 1
+    costs = [run("colmap", "feature_extractor", *database, "--image_path", photos, "--ImageReader.single_camera", int(is_one_camera),
                  "--ImageReader.camera_model", "SIMPLE_RADIAL", "--SiftExtraction.use_gpu", 0),
-             run("colmap", "spatial_matcher", *database, "--SiftMatching.use_gpu", 0),
+             run("colmap", "exhaustive_matcher", *database, "--SiftMatching.use_gpu", 0),
              run("colmap", "mapper", *database, "--image_path", photos, "--output_path", folder / "sparse")]
     largest = {}
     for model in sorted((folder / "sparse").iterdir()):
