@@ -1,5 +1,5 @@
 """What PyODM and WebODM said to the node in their own tests, said again to a live server, whose answers must still hold
-what those tests looked at. The transcripts (clients/transcripts) are in our words: requests as they were sent, and of each
+what those tests looked at. The transcripts (transcripts) are in our words: requests as they were sent, and of each
 answer the part that mattered, as shapes (matches() below). A play counts the tests of the client that it stands for
 ("passes"); one that cannot pass is under "fails", with the reason and with the answer that it wants: should that answer
 ever come, the count is wrong and the test says so."""
@@ -9,15 +9,17 @@ import json
 import pathlib
 import re
 import subprocess
+import sys
 import threading
 import unittest
 import urllib.parse
 import zipfile
 
-from node_test import BOUNDARY, form
-from server_support import BINARY, ServerTestCase, wait_until
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from node_test import BOUNDARY, form  # noqa: E402
+from server_support import BINARY, ServerTestCase, wait_until  # noqa: E402
 
-TRANSCRIPTS = pathlib.Path(__file__).resolve().parent / "clients/transcripts"
+TRANSCRIPTS = pathlib.Path(__file__).resolve().parent / "transcripts"
 KINDS = {"any": object, "str": str, "int": int, "list": list, "number": (int, float)}
 AS_FORM = f"multipart/form-data; boundary={BOUNDARY}"
 
