@@ -12,7 +12,7 @@ import xml.etree.ElementTree as xml_parser
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from gis_support import GDAL_XYZ, WORLD_M, MapFileTestCase  # noqa: E402
 from npm_clients import install_clients, script  # noqa: E402
-from server_support import BINARY, Server  # noqa: E402
+from server_support import BINARY, Server, tile_of  # noqa: E402
 
 
 def quoted(url):
@@ -134,18 +134,22 @@ class VeryLargeTiles(MapFileTestCase):
     photo_count, options = 2, {"gsd_m": 0.007}
 
     def test_qgis_shows_the_map_pixel_for_pixel(self):
-        self.assertEqual(self.tilejson["tileSize"], 1024)
-        source = qlr_source(self.server, self.flight_id)
-        self.assertIn(f"/tiles/{self.flight_id}/256/", urllib.parse.unquote(source))
-        self.check_qgis_alike(source)
-
-    def check_qgis_alike(self, source):
         """But at edges of tiles of 256, which JPEG's coarser colours look across (gis_test.LargeTiles)."""
+        self.assertEqual(self.tilejson["tileSize"], 1024)
         _, told = self.server.json("GET", f"/tiles/{self.flight_id}/256.json")
         self.assertEqual((told["tileSize"], told["maxzoom"]), (256, self.tilejson["maxzoom"] + 2))
         self.assertIn(f"/tiles/{self.flight_id}/256/", told["tiles"][0])
-        _, _, west, north, pixel_m, _ = self.inner_window()
-        self.check_qgis([source], 1.0, (west + 1024 * pixel_m, north - 1024 * pixel_m, pixel_m, 512))
+        source = qlr_source(self.server, self.flight_id)
+        self.assertIn(f"/tiles/{self.flight_id}/256/", urllib.parse.unquote(source))
+        west, south, east, north = self.tilejson["bounds"]
+        zoom = self.tilejson["maxzoom"]
+        column, row = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        tile = pathlib.Path(self.data, "tile.png")
+        tile.write_bytes(self.server.request("GET", f"/tiles/{self.flight_id}/{zoom}/{column}/{row}.png")[2])
+        want = self.gdal.Open(str(tile)).ReadAsArray()
+        self.assertTrue((want[3:] == 255).all(), "the map ends within the tile")
+        tile_m = 2 * WORLD_M / 2**zoom
+        self.check_qgis([source], 0.1, (column * tile_m - WORLD_M, WORLD_M - row * tile_m, tile_m / 1024, 1024), want[:3])
 
 
 if __name__ == "__main__":
