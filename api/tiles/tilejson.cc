@@ -169,15 +169,16 @@ void AddTileJsonRoute(Router& router, Service& service) {
     if (!id) return TileResponse(id.error(), request);
     return TileResponse(TileJson(service, request, *id, Shown::kStoredTiles), request);
   });
+  router.Add(Method::kGet, "/tiles/{flight}/256.json", [&](const Request& request) {
+    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kUsualTiles), request);
+  });
   router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) {
     const Result<std::string> name = BeforeJson(request.Parameter("tileset"));
     if (!name) return TileResponse(name.error(), request);
-    const std::string id = request.Parameter("flight");
-    if (*name == std::to_string(kUsualTilePx))
-      return TileResponse(TileJson(service, request, id, Shown::kUsualTiles), request);
     const Result<render::MapLayer> layer = ParseLayer(*name);
     if (!layer) return TileResponse(layer.error(), request);
-    return TileResponse(TileJson(service, request, id, Shown::kLayer, *layer), request);
+    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kLayer, *layer),
+                        request);
   });
 }
 

@@ -41,6 +41,8 @@ class Gis(MapFileTestCase):
 
     def test_addresses_without_parameters_are_capabilities(self):
         wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
+        text = self.server.request("GET", wmts)[2]
+        self.assertLess(text.index(b"<Format>image/png"), text.index(b"<Format>image/jpeg"))  # the fringe is see-through
         for path, root in ((wmts, b"<Capabilities"), (wms, b"<WMS_Capabilities")):
             for query in ("", "?", "?request=", "?REQUEST=nonsense", "?SERVICE=WMS&REQUEST=GetCapabilities",
                           "?service=WMTS&request=getcapabilities"):
@@ -89,7 +91,10 @@ class Gis(MapFileTestCase):
         self.assertIn(b"?token=abc", self.server.request("GET", "/tms/1.0.0?token=abc")[2])
 
     def test_gdal_opens_the_arcgis_map_service(self):
+        _, info = self.server.json("GET", "/arcgis/rest/info?f=json")
+        self.assertEqual(info["authInfo"], {"isTokenBasedSecurity": False})
         _, services = self.server.json("GET", "/arcgis/rest/services?f=json")
+        self.assertEqual(services["currentVersion"], info["currentVersion"])
         self.assertEqual(services["services"], [{"name": self.flight_id, "type": "MapServer"}])
         path = f"/arcgis/rest/services/{self.flight_id}/MapServer"
         self.check_against_mbtiles(self.gdal.Open(self.address(path + "?f=json")))

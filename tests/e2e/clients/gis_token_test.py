@@ -1,8 +1,9 @@
 """GIS programs and readers of map files where tokens are asked for: each gets by with the one in the address, whatever
-further addresses it takes from documents, and nothing without. And maps of 1024-pixel tiles in QGIS."""
+further addresses it takes from documents, and nothing without. And maps of WebP, and of 1024-pixel tiles in QGIS."""
 import hashlib
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import unittest
@@ -10,7 +11,7 @@ import urllib.parse
 import xml.etree.ElementTree as xml_parser
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from gis_support import GDAL_XYZ, WORLD_M, MapFileTestCase  # noqa: E402
+from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
 from npm_clients import install_clients, script  # noqa: E402
 from server_support import BINARY, Server, tile_of  # noqa: E402
 
@@ -127,6 +128,19 @@ def qlr_source(server, flight_id, token=""):
     query = f"?token={token}" if token else ""
     xml = server.request("GET", f"/connect/{flight_id}/qgis.qlr{query}")[2]
     return xml_parser.fromstring(xml).find("maplayers/maplayer/datasource").text
+
+
+class WebpMap(GdalTestCase):
+    photo_count, options = 2, {"format": "webp"}
+
+    def test_wmts_lists_what_is_stored_first(self):
+        """And GDAL, which takes the first format that it knows, reads the map."""
+        text = self.server.request("GET", f"/wmts/{self.flight_id}")[2].decode()
+        listed = re.findall(r"<Format>image/(\w+)</Format>", text)
+        self.assertEqual((listed[0], sorted(listed)), ("webp", ["jpeg", "png", "webp"]))
+        self.assertEqual(re.search(r'<ResourceURL format="image/(\w+)"', text).group(1), "webp")
+        overview = self.gdal.Open(self.address(f"/wmts/{self.flight_id}")).ReadAsArray(buf_xsize=64, buf_ysize=64)
+        self.assertGreater(overview[:3].std(), 3.0)
 
 
 class VeryLargeTiles(MapFileTestCase):
