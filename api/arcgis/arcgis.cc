@@ -1,5 +1,7 @@
 #include "api/arcgis/arcgis.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
@@ -46,6 +48,14 @@ Response ArcgisServices(Service& service, const Request& request) {
   }
   return AnswerArcgis(
       request, {{"currentVersion", kArcgisVersion}, {"folders", Value::array()}, {"services", services}});
+}
+
+// What clients ask first: which version speaks, and whether it wants tokens of ArcGIS' own kind. It does not:
+// tokens of this server come in the address or the header.
+Response ArcgisInfo(const Request& request) {
+  return AnswerArcgis(request, {{"currentVersion", kArcgisVersion},
+                                {"fullVersion", fmt::format("{}", kArcgisVersion)},
+                                {"authInfo", {{"isTokenBasedSecurity", false}}}});
 }
 
 Value Reference() { return {{"wkid", 102100}, {"latestWkid", 3857}}; }
@@ -143,6 +153,7 @@ Result<Response> ArcgisTile(Service& service, const Request& request) {
 }  // namespace
 
 void AddArcgisRoutes(Router& router, Service& service) {
+  router.AddQuick(Method::kGet, "/arcgis/rest/info", [](const Request& r) { return ArcgisInfo(r); });
   router.Add(Method::kGet, "/arcgis/rest/services",
              [&](const Request& r) { return ArcgisServices(service, r); });
   const auto add = [&](const char* rest, Value (*describe)(const MapView&)) {

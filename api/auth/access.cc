@@ -105,7 +105,7 @@ Response Unauthorized(const Request& request, std::string_view pattern, bool has
                       bool has_shown_one) {
   if (IsNode(pattern)) {
     return NodeAnswer(
-        R"({"error":"Invalid authentication token: give one that this node's operator made."})");
+        R"({"error":"Invalid authentication token: the token does not match one that this node's operator made."})");
   }
   const char* how =
       has_live_token && has_shown_one

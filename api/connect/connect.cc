@@ -7,6 +7,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/map_view.h"
+#include "api/tiles/cut_tile.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 
@@ -31,10 +32,23 @@ std::string PercentEncoded(std::string_view text) {
   return encoded;
 }
 
+// QGIS takes an XYZ tile to have 256 pixels, or 512 where it is told so; of larger ones it gets the smaller.
+std::string QgisSource(const MapView& map) {
+  const int side_px = map.tile_size_px();
+  if (side_px == kUsualTilePx || side_px == 2 * kUsualTilePx) {
+    return fmt::format("type=xyz&url={}&zmin={}&zmax={}{}", PercentEncoded(Tiles(map, "{z}", "{x}", "{y}")),
+                       map.revision().min_zoom, map.revision().max_zoom,
+                       side_px == kUsualTilePx ? "" : "&tilePixelRatio=2");
+  }
+  const std::vector<TileMatrix> matrices = MatricesOf(map, map.tile_sizes_px().front());
+  return fmt::format("type=xyz&url={}&zmin={}&zmax={}",
+                     PercentEncoded(map.Link(
+                         fmt::format("/tiles/{}/{}/{{z}}/{{x}}/{{y}}", map.id, map.tile_sizes_px().front()))),
+                     matrices.front().zoom, matrices.back().zoom);
+}
+
 std::string Qgis(const MapView& map) {
-  const std::string source = fmt::format(
-      "type=xyz&url={}&zmin={}&zmax={}{}", PercentEncoded(Tiles(map, "{z}", "{x}", "{y}")),
-      map.revision().min_zoom, map.revision().max_zoom, map.tile_size_px() == 256 ? "" : "&tilePixelRatio=2");
+  const std::string source = QgisSource(map);
   const std::string id = "skyquilt_" + map.id;
   return fmt::format(
       R"(<!DOCTYPE qgis-layer-definition>

@@ -9,6 +9,7 @@
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/tiles/cut_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/lat_lon_bounds.h"
@@ -25,7 +26,8 @@ struct ShownMap {
   int min_zoom = 0;
   int max_zoom = 0;
   int tile_size_px = 256;
-  std::string layer;  // empty: the map itself
+  std::string
+      below;  // what stands between the flight and the zoom: "", a layer's name or a size, with its '/'
 };
 
 Value Document(const Request& request, const storage::Flight& flight, const ShownMap& shown) {
@@ -36,9 +38,8 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   document["name"] = flight.name;
   document["version"] = shown.version;
   document["scheme"] = "xyz";
-  document["tiles"] = {
-      LinkTo(request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", flight.id,
-                                  shown.layer.empty() ? "" : shown.layer + "/", shown.revision))};
+  document["tiles"] = {LinkTo(
+      request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", flight.id, shown.below, shown.revision))};
   document["bounds"] = shown.bounds.ToArray();
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
@@ -47,13 +48,26 @@ Value Document(const Request& request, const storage::Flight& flight, const Show
   return document;
 }
 
-Result<Value> MapDocument(Service& service, const Request& request, const storage::Flight& flight) {
+// By its stored tiles, or by those of 256 pixels that are cut from them.
+Result<Value> MapDocument(Service& service, const Request& request, const storage::Flight& flight,
+                          bool is_of_usual_tiles) {
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight.id));
   const storage::Revision& revision = tileset->revision;
-  Value document =
-      Document(request, flight,
-               {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision), revision.bounds,
-                revision.min_zoom, revision.max_zoom, TileSizePx(*tileset), ""});
+  ShownMap shown{fmt::format("{}.0.0", revision.revision),
+                 std::to_string(revision.revision),
+                 revision.bounds,
+                 revision.min_zoom,
+                 revision.max_zoom,
+                 TileSizePx(*tileset),
+                 ""};
+  const int depth = is_of_usual_tiles ? CutDepth(kUsualTilePx, shown.tile_size_px).value_or(0) : 0;
+  if (depth > 0) {
+    shown.min_zoom += depth;
+    shown.max_zoom += depth;
+    shown.tile_size_px = kUsualTilePx;
+    shown.below = fmt::format("{}/", kUsualTilePx);
+  }
+  Value document = Document(request, flight, shown);
   const auto& metadata = tileset->reader->metadata();
   for (const char* key : {"attribution", "description"}) {
     const auto found = metadata.find(key);
@@ -69,11 +83,12 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
   return document;
 }
 
-Result<Value> PreviewDocument(Service& service, const Request& request, const storage::Flight& flight) {
+Result<Value> PreviewDocument(Service& service, const Request& request, const storage::Flight& flight,
+                              bool is_of_usual_tiles) {
   const Result<std::shared_ptr<const storage::OpenPreview>> open = service.preview_cache.Get(flight.id);
   if (!open) {
     // Who follows the preview learns of its end a moment after it: the map has taken its place.
-    return service.tilesets.Get(flight.id) ? MapDocument(service, request, flight)
+    return service.tilesets.Get(flight.id) ? MapDocument(service, request, flight, is_of_usual_tiles)
                                            : Result<Value>(open.error());
   }
   const storage::Preview& preview = (*open)->preview;
@@ -100,7 +115,7 @@ Result<Value> LayerDocument(Service& service, const Request& request, const stor
       Document(request, flight,
                {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision), revision.bounds,
                 zoom("minzoom", revision.min_zoom), zoom("maxzoom", revision.max_zoom), render::kLayerTilePx,
-                render::NameOf(layer)});
+                render::NameOf(layer) + std::string("/")});
   document["name"] = fmt::format("{}, {}", flight.name, render::NameOf(layer));
   if (layer == render::MapLayer::kHeight) document["encoding"] = "terrarium";
   return document;
@@ -119,14 +134,21 @@ Result<storage::Flight> FlightNamed(Service& service, const std::string& id) {
   return service.catalogue.GetFlight(id);
 }
 
-// Of the map, or of a layer beside it.
-Result<Response> TileJson(Service& service, const Request& request, const std::string& id,
-                          std::optional<render::MapLayer> layer) {
+// Of the map (whose stored tiles have any size, the usual ones 256 pixels), or of a layer beside it.
+enum class Shown : std::uint8_t { kStoredTiles, kUsualTiles, kLayer };
+Result<Value> DocumentOf(Service& service, const Request& request, const storage::Flight& flight, Shown what,
+                         render::MapLayer layer) {
+  if (what == Shown::kLayer) return LayerDocument(service, request, flight, layer);
+  const bool is_of_usual_tiles = what == Shown::kUsualTiles;
+  if (ShowsPreview(service, request, flight.id))
+    return PreviewDocument(service, request, flight, is_of_usual_tiles);
+  return MapDocument(service, request, flight, is_of_usual_tiles);
+}
+
+Result<Response> TileJson(Service& service, const Request& request, const std::string& id, Shown what,
+                          render::MapLayer layer = {}) {
   SKYQUILT_TRY_ASSIGN(const storage::Flight flight, FlightNamed(service, id));
-  SKYQUILT_TRY_ASSIGN(const Value document, layer ? LayerDocument(service, request, flight, *layer)
-                                            : ShowsPreview(service, request, flight.id)
-                                                ? PreviewDocument(service, request, flight)
-                                                : MapDocument(service, request, flight));
+  SKYQUILT_TRY_ASSIGN(const Value document, DocumentOf(service, request, flight, what, layer));
   Response response =
       Text(200, document.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
@@ -145,14 +167,18 @@ void AddTileJsonRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) {
     const Result<std::string> id = BeforeJson(request.Parameter("tileset"));
     if (!id) return TileResponse(id.error(), request);
-    return TileResponse(TileJson(service, request, *id, std::nullopt), request);
+    return TileResponse(TileJson(service, request, *id, Shown::kStoredTiles), request);
+  });
+  router.Add(Method::kGet, "/tiles/{flight}/256.json", [&](const Request& request) {
+    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kUsualTiles), request);
   });
   router.Add(Method::kGet, "/tiles/{flight}/{tileset}", [&](const Request& request) {
     const Result<std::string> name = BeforeJson(request.Parameter("tileset"));
     if (!name) return TileResponse(name.error(), request);
     const Result<render::MapLayer> layer = ParseLayer(*name);
     if (!layer) return TileResponse(layer.error(), request);
-    return TileResponse(TileJson(service, request, request.Parameter("flight"), *layer), request);
+    return TileResponse(TileJson(service, request, request.Parameter("flight"), Shown::kLayer, *layer),
+                        request);
   });
 }
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "api/http/problem.h"
 #include "api/ogc/map_view.h"
 #include "api/tiles/cut_tile.h"
@@ -45,6 +48,21 @@ std::string Operation(const char* name, const MapView& map, const std::string& r
       get(map.Link("/wmts/" + map.id) + separator, "KVP"), get(rest, "RESTful"));
 }
 
+struct TileType {
+  const char* type;
+  const char* extension;
+};
+// Programs take the first. That is what is stored, where all tiles are of one format; maps of JPEG have PNG
+// at their fringe, and a JPEG there would be black where nothing was seen: of them PNG comes first.
+std::vector<TileType> TypesOf(const MapView& map) {
+  std::vector<TileType> types = {{"image/png", "png"}, {"image/jpeg", "jpg"}, {"image/webp", "webp"}};
+  const auto& metadata = map.tileset->reader->metadata();
+  const auto format = metadata.find("format");
+  if (format != metadata.end() && format->second == "webp")
+    std::rotate(types.begin(), types.end() - 1, types.end());
+  return types;
+}
+
 std::string Layer(const MapView& map) {
   const auto& [west, south, east, north] = map.revision().bounds;
   std::string text = fmt::format(
@@ -55,9 +73,10 @@ std::string Layer(const MapView& map) {
       </ows:WGS84BoundingBox>
       <ows:Identifier>{5}</ows:Identifier>
       <Style isDefault="true"><ows:Identifier>default</ows:Identifier></Style>
-      <Format>image/png</Format><Format>image/jpeg</Format><Format>image/webp</Format>
 )",
       XmlText(map.name), west, south, east, north, kLayer);
+  const std::vector<TileType> types = TypesOf(map);
+  for (const TileType& type : types) text += fmt::format("      <Format>{}</Format>\n", type.type);
   for (const int side_px : map.tile_sizes_px()) {
     text += fmt::format("      <TileMatrixSetLink><TileMatrixSet>{}</TileMatrixSet><TileMatrixSetLimits>\n",
                         MatrixSetName(side_px));
@@ -70,8 +89,7 @@ std::string Layer(const MapView& map) {
     }
     text += "      </TileMatrixSetLimits></TileMatrixSetLink>\n";
   }
-  for (const auto& [type, extension] :
-       {std::pair{"image/png", "png"}, std::pair{"image/jpeg", "jpg"}, std::pair{"image/webp", "webp"}}) {
+  for (const auto& [type, extension] : types) {
     const std::string path =
         fmt::format("/wmts/{}/{}/{{Style}}/{{TileMatrixSet}}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.{}",
                     map.id, kLayer, extension);

@@ -3,6 +3,7 @@ server. The clients come from npm; without them these tests skip."""
 import base64
 import hashlib
 import http.client
+import json
 import pathlib
 import random
 import re
@@ -13,7 +14,7 @@ import time
 import unittest
 
 from npm_clients import install_clients, script
-from server_support import Server, ServerTestCase, wait_until
+from server_support import BINARY, Server, ServerTestCase, wait_until
 
 MIB = 1 << 20
 VERSION = {"Tus-Resumable": "1.0.0"}
@@ -84,13 +85,24 @@ class Tus(ServerTestCase):
         source = pathlib.Path(self.scratch, "parallel.bin")
         source.write_bytes(random.Random(5).randbytes(9 * MIB + 7))
         server = self.start()
-        _, flight = server.json("POST", "/api/v1/flights", {})
-        said = subprocess.run(["node", script(self.clients, "tus_parallel.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads",
-                               source, flight["id"], "big.jpg"], capture_output=True, text=True, timeout=60)
-        self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
-        [stored] = self.stored(flight["id"])
-        self.assertEqual(stored.read_bytes(), source.read_bytes())
-        self.assertEqual(list((pathlib.Path(self.data) / "uploads").iterdir()), [])
+        for guarded in (False, True):
+            token = []
+            if guarded:
+                made = subprocess.run([BINARY, "token", "add", "tus", "--scope", "upload", "--data", self.data], check=True,
+                                      capture_output=True, text=True)
+                token = [made.stdout.strip()]
+                server.stop()
+                server = self.start()
+            headers = {"Content-Type": "application/json", **{"Authorization": f"Bearer {one}" for one in token}}
+            flight = json.loads(server.request("POST", "/api/v1/flights", "{}", headers)[2])
+            run = ["node", script(self.clients, "tus_parallel.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads", source,
+                   flight["id"], "big.jpg"]
+            said = subprocess.run(run + token, capture_output=True, text=True, timeout=60)
+            self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
+            [stored] = self.stored(flight["id"])
+            self.assertEqual(stored.read_bytes(), source.read_bytes())
+            self.assertEqual(list((pathlib.Path(self.data) / "uploads").iterdir()), [])
+        self.assertNotEqual(subprocess.run(run, capture_output=True, timeout=60).returncode, 0)
 
     def test_parts_outlive_a_kill_and_become_one_file(self):
         content = random.Random(3).randbytes(2 * MIB)

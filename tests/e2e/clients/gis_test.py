@@ -1,121 +1,20 @@
 """The map through GIS programs: GDAL and QGIS read the server's tiles and get the pixels of the MBTiles."""
 import json
 import math
-import os
 import pathlib
 import subprocess
 import sys
-import tempfile
 import unittest
 import urllib.parse
 import urllib.request
 import xml.etree.ElementTree as xml_parser
 
-import older_ogcapi
-from npm_clients import install_clients, script
-from server_support import Server, ServerTestCase
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import older_ogcapi  # noqa: E402
+from gis_support import GDAL_XYZ, WORLD_M, GdalTestCase, MapFileTestCase  # noqa: E402
+from npm_clients import install_clients, script  # noqa: E402
 
-WORLD_M = 20037508.342789244
-GDAL_XYZ = """<GDAL_WMS><Service name="TMS"><ServerUrl>{url}</ServerUrl></Service>
-<DataWindow><UpperLeftX>-{w}</UpperLeftX><UpperLeftY>{w}</UpperLeftY><LowerRightX>{w}</LowerRightX>
-<LowerRightY>-{w}</LowerRightY><TileLevel>{zoom}</TileLevel><TileCountX>1</TileCountX><TileCountY>1</TileCountY>
-<YOrigin>top</YOrigin></DataWindow><Projection>EPSG:3857</Projection><BlockSizeX>{size}</BlockSizeX>
-<BlockSizeY>{size}</BlockSizeY><BandsCount>4</BandsCount></GDAL_WMS>"""
-QGIS_SCRIPT = r"""
-import sys
-from qgis.core import (QgsApplication, QgsCoordinateReferenceSystem, QgsMapRendererCustomPainterJob, QgsMapSettings,
-                       QgsRasterLayer, QgsRectangle)
-from qgis.PyQt.QtCore import QSize
-from qgis.PyQt.QtGui import QColor, QImage, QPainter
-west, south, east, north, side, out, *sources = sys.argv[1:]
-application = QgsApplication([], False)
-application.initQgis()
-for number, source in enumerate(sources):
-    layer = QgsRasterLayer(source, "map", "wms")
-    assert layer.isValid(), layer.error().message()
-    settings = QgsMapSettings()
-    settings.setLayers([layer])
-    settings.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
-    settings.setExtent(QgsRectangle(float(west), float(south), float(east), float(north)))
-    settings.setOutputSize(QSize(int(side), int(side)))
-    settings.setOutputDpi(96)
-    image = QImage(int(side), int(side), QImage.Format_RGB32)
-    image.fill(QColor(255, 255, 255))
-    painter = QPainter(image)
-    job = QgsMapRendererCustomPainterJob(settings, painter)
-    job.renderSynchronously()
-    painter.end()
-    assert not job.errors(), [error.message for error in job.errors()]
-    image.save(f"{out}/{number}.png")
-"""
-
-
-def has_qgis():
-    return subprocess.run([sys.executable, "-c", "import qgis.core"], capture_output=True).returncode == 0
-
-
-def has_gdal():
-    return subprocess.run([sys.executable, "-c", "from osgeo import gdal"], capture_output=True).returncode == 0
-
-
-class GdalTestCase(ServerTestCase):
-    """One map, made anew, that GDAL reads."""
-    photo_count, options = 6, {}
-
-    @classmethod
-    def setUpClass(cls):
-        if not has_gdal():
-            raise unittest.SkipTest("python3-gdal is not here")
-        from osgeo import gdal
-        gdal.UseExceptions()
-        cls.gdal = gdal
-        super().setUpClass()
-        gdal.SetConfigOption("GDAL_DEFAULT_WMS_CACHE_PATH", cls.scratch)
-        cls.server = Server(tempfile.mkdtemp(dir=cls.scratch))
-        _, made = cls.server.upload(cls.photos[:cls.photo_count], options=json.dumps(cls.options))
-        job = cls.server.wait_for_job(made["job"]["id"])
-        assert job["state"] == "successful", job
-        cls.flight_id = made["flight"]["id"]
-        _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.server.stop()
-        super().tearDownClass()
-
-    def address(self, path):
-        return f"http://127.0.0.1:{self.server.port}{path}"
-
-
-class Gis(GdalTestCase):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        for kind in ("mbtiles", "tif"):
-            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
-            cls.path(kind).write_bytes(content)
-
-    @classmethod
-    def path(cls, kind):
-        return pathlib.Path(cls.scratch, f"download.{kind}")
-
-    def inner_window(self, side_tiles=2):
-        """Tiles in the middle of the map, all photo: (x, y, west, north, metres a pixel, side in pixels)."""
-        zoom, size = self.tilejson["maxzoom"], self.tilejson.get("tileSize", 256)
-        mbtiles = self.gdal.Open(str(self.path("mbtiles")))
-        transform = mbtiles.GetGeoTransform()
-        middle_x = transform[0] + transform[1] * mbtiles.RasterXSize / 2
-        middle_y = transform[3] + transform[5] * mbtiles.RasterYSize / 2
-        tile_m = 2 * WORLD_M / 2**zoom
-        column, row = int((middle_x + WORLD_M) / tile_m) - 1, int((WORLD_M - middle_y) / tile_m) - 1
-        return column, row, column * tile_m - WORLD_M, WORLD_M - row * tile_m, tile_m / size, side_tiles * size
-
-    def pixels(self, dataset, west, north, pixel_m, side):
-        transform = dataset.GetGeoTransform()
-        left = round((west - transform[0]) / pixel_m)
-        top = round((transform[3] - north) / pixel_m)
-        return dataset.ReadAsArray(left, top, side, side)[:3]
-
+class Gis(MapFileTestCase):
     def url(self):
         return f"http://127.0.0.1:{self.server.port}/tiles/{self.flight_id}/${{z}}/${{x}}/${{y}}.png"
 
@@ -131,14 +30,6 @@ class Gis(GdalTestCase):
         cog = self.pixels(self.gdal.Open(str(self.path("tif"))), west, north, pixel_m, side)
         self.assertLess(abs(cog.astype(int) - want).mean(), 2.0)
 
-    def check_against_mbtiles(self, dataset, bands=3):
-        """Some program's dataset of the finest zoom has the MBTiles' own pixels."""
-        _, _, west, north, pixel_m, side = self.inner_window()
-        want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
-        self.assertAlmostEqual(dataset.GetGeoTransform()[1], pixel_m, delta=pixel_m * 1e-6)
-        got = self.pixels(dataset, west, north, pixel_m, side)
-        self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
-
     def test_gdals_wmts_driver_reads_both_bindings(self):
         capabilities = self.address(f"/wmts/{self.flight_id}/1.0.0/WMTSCapabilities.xml")
         self.check_against_mbtiles(self.gdal.Open(f"WMTS:{capabilities},layer=map"))
@@ -150,6 +41,8 @@ class Gis(GdalTestCase):
 
     def test_addresses_without_parameters_are_capabilities(self):
         wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
+        text = self.server.request("GET", wmts)[2]
+        self.assertLess(text.index(b"<Format>image/png"), text.index(b"<Format>image/jpeg"))  # the fringe is see-through
         for path, root in ((wmts, b"<Capabilities"), (wms, b"<WMS_Capabilities")):
             for query in ("", "?", "?request=", "?REQUEST=nonsense", "?SERVICE=WMS&REQUEST=GetCapabilities",
                           "?service=WMTS&request=getcapabilities"):
@@ -175,12 +68,6 @@ class Gis(GdalTestCase):
                    f"<SizeY>{size_y}</SizeY></DataWindow><Projection>EPSG:3857</Projection><BandsCount>4</BandsCount></GDAL_WMS>")
             self.check_against_mbtiles(self.gdal.Open(xml))
 
-    def whole_window(self):
-        mbtiles = self.gdal.Open(str(self.path("mbtiles")))
-        west, pixel_m, _, north, _, _ = mbtiles.GetGeoTransform()
-        return (west, north - mbtiles.RasterYSize * pixel_m, west + mbtiles.RasterXSize * pixel_m, north,
-                mbtiles.RasterXSize, mbtiles.RasterYSize)
-
     def test_gdals_tms_driver_reads_the_tile_map(self):
         xml = self.server.request("GET", f"/tms/1.0.0/{self.flight_id}")[2]
         self.assertIn(b"units-per-pixel", xml)
@@ -204,7 +91,10 @@ class Gis(GdalTestCase):
         self.assertIn(b"?token=abc", self.server.request("GET", "/tms/1.0.0?token=abc")[2])
 
     def test_gdal_opens_the_arcgis_map_service(self):
+        _, info = self.server.json("GET", "/arcgis/rest/info?f=json")
+        self.assertEqual(info["authInfo"], {"isTokenBasedSecurity": False})
         _, services = self.server.json("GET", "/arcgis/rest/services?f=json")
+        self.assertEqual(services["currentVersion"], info["currentVersion"])
         self.assertEqual(services["services"], [{"name": self.flight_id, "type": "MapServer"}])
         path = f"/arcgis/rest/services/{self.flight_id}/MapServer"
         self.check_against_mbtiles(self.gdal.Open(self.address(path + "?f=json")))
@@ -366,10 +256,6 @@ class Gis(GdalTestCase):
         self.assertIn('"EPSG",3857', described["coordinateSystem"]["wkt"].replace(" ", ""))
 
     def test_qgis_shows_the_map_pixel_for_pixel(self):
-        if not has_qgis():
-            self.skipTest("python3-qgis is not here")
-        _, _, west, north, pixel_m, side = self.inner_window()
-        want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
         zoom, layer = self.tilejson["maxzoom"], "layers=map&format=image/png&crs=EPSG:3857"
         quoted = lambda url: urllib.parse.quote(url, safe="")
         wmts, wms = (self.address(f"/{service}/{self.flight_id}") for service in ("wmts", "wms"))
@@ -377,12 +263,7 @@ class Gis(GdalTestCase):
                    f"{layer}&styles=default&tileMatrixSet=WebMercatorQuad&url={quoted(wmts + '?SERVICE=WMTS&REQUEST=GetCapabilities')}",
                    f"{layer}&styles=default&tileMatrixSet=WebMercatorQuad&url={quoted(wmts + '/1.0.0/WMTSCapabilities.xml')}",
                    f"{layer}&styles=&url={quoted(wms)}", f"{layer}&styles=&IgnoreGetMapUrl=1&url={quoted(wms + '?VERSION=1.1.1')}"]
-        subprocess.run([sys.executable, "-c", QGIS_SCRIPT, repr(west), repr(north - side * pixel_m), repr(west + side * pixel_m),
-                        repr(north), str(side), self.data, *sources],
-                       check=True, env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}, capture_output=True)
-        for number, source in enumerate(sources):
-            got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
-            self.assertEqual(int(abs(got.astype(int) - want).max()), 0, source)
+        self.check_qgis(sources)
 
 
 class LargeTiles(GdalTestCase):

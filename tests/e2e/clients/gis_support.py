@@ -1,0 +1,143 @@
+"""What the tests of GIS programs share: a map, made anew, and the pixels that programs must find in it."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import Server, ServerTestCase  # noqa: E402
+
+WORLD_M = 20037508.342789244
+GDAL_XYZ = """<GDAL_WMS><Service name="TMS"><ServerUrl>{url}</ServerUrl></Service>
+<DataWindow><UpperLeftX>-{w}</UpperLeftX><UpperLeftY>{w}</UpperLeftY><LowerRightX>{w}</LowerRightX>
+<LowerRightY>-{w}</LowerRightY><TileLevel>{zoom}</TileLevel><TileCountX>1</TileCountX><TileCountY>1</TileCountY>
+<YOrigin>top</YOrigin></DataWindow><Projection>EPSG:3857</Projection><BlockSizeX>{size}</BlockSizeX>
+<BlockSizeY>{size}</BlockSizeY><BandsCount>4</BandsCount></GDAL_WMS>"""
+QGIS_SCRIPT = r"""
+import sys
+from qgis.core import (QgsApplication, QgsCoordinateReferenceSystem, QgsMapRendererCustomPainterJob, QgsMapSettings,
+                       QgsRasterLayer, QgsRectangle)
+from qgis.PyQt.QtCore import QSize
+from qgis.PyQt.QtGui import QColor, QImage, QPainter
+west, south, east, north, side, out, *sources = sys.argv[1:]
+application = QgsApplication([], False)
+application.initQgis()
+for number, source in enumerate(sources):
+    layer = QgsRasterLayer(source, "map", "wms")
+    assert layer.isValid(), layer.error().message()
+    settings = QgsMapSettings()
+    settings.setLayers([layer])
+    settings.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
+    settings.setExtent(QgsRectangle(float(west), float(south), float(east), float(north)))
+    settings.setOutputSize(QSize(int(side), int(side)))
+    settings.setOutputDpi(96)
+    image = QImage(int(side), int(side), QImage.Format_RGB32)
+    image.fill(QColor(255, 255, 255))
+    painter = QPainter(image)
+    job = QgsMapRendererCustomPainterJob(settings, painter)
+    job.renderSynchronously()
+    painter.end()
+    assert not job.errors(), [error.message for error in job.errors()]
+    image.save(f"{out}/{number}.png")
+"""
+
+
+def has_qgis():
+    return subprocess.run([sys.executable, "-c", "import qgis.core"], capture_output=True).returncode == 0
+
+
+def has_gdal():
+    return subprocess.run([sys.executable, "-c", "from osgeo import gdal"], capture_output=True).returncode == 0
+
+
+class GdalTestCase(ServerTestCase):
+    """One map, made anew, that GDAL reads."""
+    photo_count, options = 6, {}
+
+    @classmethod
+    def setUpClass(cls):
+        if not has_gdal():
+            raise unittest.SkipTest("python3-gdal is not here")
+        from osgeo import gdal
+        gdal.UseExceptions()
+        cls.gdal = gdal
+        super().setUpClass()
+        gdal.SetConfigOption("GDAL_DEFAULT_WMS_CACHE_PATH", cls.scratch)
+        cls.server = Server(tempfile.mkdtemp(dir=cls.scratch))
+        _, made = cls.server.upload(cls.photos[:cls.photo_count], options=json.dumps(cls.options))
+        job = cls.server.wait_for_job(made["job"]["id"])
+        assert job["state"] == "successful", job
+        cls.flight_id = made["flight"]["id"]
+        _, cls.tilejson = cls.server.json("GET", f"/tiles/{cls.flight_id}.json")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.stop()
+        super().tearDownClass()
+
+    def address(self, path):
+        return f"http://127.0.0.1:{self.server.port}{path}"
+
+
+class MapFileTestCase(GdalTestCase):
+    """The same with the map's files beside it, which other programs' pixels are compared with."""
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for kind in ("mbtiles", "tif"):
+            _, _, content = cls.server.request("GET", f"/api/v1/flights/{cls.flight_id}/download.{kind}")
+            cls.path(kind).write_bytes(content)
+
+    @classmethod
+    def path(cls, kind):
+        return pathlib.Path(cls.scratch, f"download.{kind}")
+
+    def inner_window(self, side_tiles=2):
+        """Tiles in the middle of the map, all photo: (x, y, west, north, metres a pixel, side in pixels)."""
+        zoom, size = self.tilejson["maxzoom"], self.tilejson.get("tileSize", 256)
+        mbtiles = self.gdal.Open(str(self.path("mbtiles")))
+        transform = mbtiles.GetGeoTransform()
+        middle_x = transform[0] + transform[1] * mbtiles.RasterXSize / 2
+        middle_y = transform[3] + transform[5] * mbtiles.RasterYSize / 2
+        tile_m = 2 * WORLD_M / 2**zoom
+        column, row = int((middle_x + WORLD_M) / tile_m) - 1, int((WORLD_M - middle_y) / tile_m) - 1
+        return column, row, column * tile_m - WORLD_M, WORLD_M - row * tile_m, tile_m / size, side_tiles * size
+
+    def pixels(self, dataset, west, north, pixel_m, side):
+        transform = dataset.GetGeoTransform()
+        left = round((west - transform[0]) / pixel_m)
+        top = round((transform[3] - north) / pixel_m)
+        return dataset.ReadAsArray(left, top, side, side)[:3]
+
+    def check_against_mbtiles(self, dataset, bands=3):
+        """Some program's dataset of the finest zoom has the MBTiles' own pixels."""
+        _, _, west, north, pixel_m, side = self.inner_window()
+        want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
+        self.assertAlmostEqual(dataset.GetGeoTransform()[1], pixel_m, delta=pixel_m * 1e-6)
+        got = self.pixels(dataset, west, north, pixel_m, side)
+        self.assertEqual(int(abs(got.astype(int) - want).max()), 0)
+
+    def whole_window(self):
+        mbtiles = self.gdal.Open(str(self.path("mbtiles")))
+        west, pixel_m, _, north, _, _ = mbtiles.GetGeoTransform()
+        return (west, north - mbtiles.RasterYSize * pixel_m, west + mbtiles.RasterXSize * pixel_m, north,
+                mbtiles.RasterXSize, mbtiles.RasterYSize)
+
+    def check_qgis(self, sources, most_off=0.0, window=None, want=None):
+        """QGIS draws each source with the MBTiles' own pixels, or in the mean so near to them (levels of 255). The window is
+        (west, north, metres a pixel, side in pixels) with the pixels wanted there; without it, it is the inner one."""
+        if not has_qgis():
+            self.skipTest("python3-qgis is not here")
+        west, north, pixel_m, side = window or self.inner_window()[2:]
+        if want is None:
+            want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side)
+        subprocess.run([sys.executable, "-c", QGIS_SCRIPT, repr(west), repr(north - side * pixel_m), repr(west + side * pixel_m),
+                        repr(north), str(side), self.data, *sources],
+                       check=True, env={**os.environ, "QT_QPA_PLATFORM": "offscreen"}, capture_output=True)
+        for number, source in enumerate(sources):
+            got = self.gdal.Open(f"{self.data}/{number}.png").ReadAsArray()[:3]
+            off = abs(got.astype(int) - want)
+            self.assertLessEqual(off.max() if most_off == 0.0 else off.mean(), most_off, source)
