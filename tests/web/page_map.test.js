@@ -28,6 +28,40 @@ test('measuring by keyboard gives the true distance', options, async () => {
   await assertQuiet(opened);
 });
 
+test('an area after a distance starts anew, and an outline that crosses itself has none', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const add = async (/** @type {[number, number][]} */ places) => {
+    for (const place of places) {
+      await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
+      await page.click('text=Add centre point');
+    }
+  };
+  const points = () => page.evaluate(async () => {
+    const data = await /** @type {any} */ (window).skyquilt.map.getSource('measure').getData();
+    return data.features.filter((/** @type {any} */ f) => f.geometry.type === 'Point').length;
+  });
+  const [a, b, c, d] = /** @type {[number, number][]} */ ([[7.4388, 46.951], [7.4396, 46.951], [7.4396, 46.9515], [7.4388, 46.9515]]);
+  await page.click('#tool-distance');
+  await add([a, c]);
+  await page.click('#tool-area');
+  assert.equal(await points(), 0);
+  await add([a, b, c, d]);
+  // GeographicLib: 3385 m2 of the quadrangle.
+  assert.match((await page.textContent('#measure-result')) ?? '', /^3,38\d\sm²$/);
+  await page.click('text=Clear');
+  await add([a, c, b, d]);
+  assert.equal(await page.textContent('#measure-result'), '');
+  assert.match((await page.textContent('#measure-card')) ?? '', /crosses itself/);
+  await assertAccessible(page, 'crossing outline');
+  await page.click('#tool-distance');
+  assert.equal(await points(), 0);
+  await assertQuiet(opened);
+});
+
 test('settings for other programs are saved and the download sizes are told', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;

@@ -11,6 +11,7 @@ import { clipName, formatArea, formatBytes, formatDuration, formatGsd, formatLen
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
+import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { UploadQueue } from '../../web/src/upload/upload_queue.js';
 import { web_root } from './support/mock_server.js';
 
@@ -117,6 +118,17 @@ test('addresses survive a round trip, broken ones lead home', () => {
   }
   assert.deepEqual(parseRoute('#/flights/%E0%A4%A'), { view: 'home' });
   assert.deepEqual(parseRoute('#/flights/abc?token=sq_x'), { view: 'flight', id: 'abc' });
+});
+
+test('an outline that crosses or touches itself is known, also across the date line', () => {
+  assert.ok(!crossesItself([[0, 0], [2, 0], [2, 2], [0, 2]]));
+  assert.ok(crossesItself([[0, 0], [2, 2], [2, 0], [0, 2]]));
+  assert.ok(!crossesItself([[0, 0], [4, 0], [2, 1], [4, 2], [0, 2]]), 'a dent is no crossing');
+  assert.ok(crossesItself([[0, 0], [4, 0], [0, 0.5], [4, 2], [0, 2], [-1, 0.5], [3, 0.2]]));
+  assert.ok(!crossesItself([[0, 0], [2, 0], [2, 0], [2, 2], [0, 2]]), 'a corner set twice');
+  assert.ok(!crossesItself([[179.9, 0], [-179.9, 0], [-179.9, 1], [179.9, 1]]));
+  assert.ok(crossesItself([[179.9, 0], [-179.9, 1], [-179.9, 0], [179.9, 1]]));
+  assert.ok(!crossesItself([[0, 0], [1, 0]]));
 });
 
 test('a place is inside its ring, with holes of the even-odd rule', () => {

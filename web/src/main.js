@@ -3,18 +3,19 @@
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
 import { takeSharedToken } from './shared/access.js';
-import { announce, showError } from './shared/announce.js';
+import { announce, showError, showNote } from './shared/announce.js';
 import { createFlight, getFlight, getTrash, listFiles, listFlights, renameFlight } from './shared/api.js';
 import { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
 import { askName, askWhereTo } from './shared/dialogs.js';
 import { byId, put } from './shared/dom.js';
 import { dropZone } from './upload/drop_zone.js';
-import { flightList } from './flight/flight_list.js';
+import { flightList, mayChange } from './flight/flight_list.js';
 import { FlightView } from './flight/flight_view.js';
 import { clipName } from './shared/format.js';
 import { icon } from './shared/icons.js';
 import { go, watchRoute } from './shared/router.js';
 import { showShareDialog } from './flight/share_dialog.js';
+import { mayUpload } from './shared/own_access.js';
 import { bottomSheet } from './shared/sheet.js';
 import { Stage } from './map/stage.js';
 import { strings } from './shared/strings.js';
@@ -42,6 +43,9 @@ list.element.append(trash.element);
 byId('welcome').append(welcomeView(pickers));
 put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
 byId('new-flight').addEventListener('click', pickers.choose_folder);
+
+// A guest who only reads is offered nothing that the server would refuse.
+void mayUpload().then((may) => document.body.toggleAttribute('data-reads-only', !may));
 
 /** @param {Flight} flight */
 async function rename(flight) {
@@ -81,7 +85,11 @@ function focusList() {
 /** @param {Selection} selection */
 async function takeFiles(selection) {
   try {
-    const open = open_view?.flight ?? null;
+    if (!(await mayUpload())) {
+      showNote(strings.access.reads_only, { is_error: true });
+      return;
+    }
+    const open = open_view?.flight && mayChange(open_view.flight) ? open_view.flight : null;
     let id = open?.id ?? '';
     if (open && open.state !== 'empty' && !uploadOf(open.id) && !(await isRest(open, selection))) {
       const answer = await askWhereTo(selection.chosen.length, open.name);

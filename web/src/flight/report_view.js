@@ -1,10 +1,11 @@
 // What was made and how good it is, in plain words first, then in pictures.
 /** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
 import { h } from '../shared/dom.js';
-import { formatArea, formatBytes, formatGsd } from '../shared/format.js';
+import { formatArea, formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { strings } from '../shared/strings.js';
+import { resultView } from './result_verdict.js';
 import { drawThumbnail } from './thumbnail.js';
 import { reasonList } from '../upload/upload_view.js';
 
@@ -62,11 +63,14 @@ export function reportView(flight, report, photos) {
     h(
       'dl',
       { class: 'facts' },
+      flight.captured && fact(words.taken, formatCaptureTime(flight.captured)),
       fact(words.photos, `${placed} / ${report.photos.total}`),
       fact(words.gsd, formatGsd(report.gsd_m)),
       fact(words.area, formatArea(report.area_m2)),
       fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
+      fact(words.uploaded, formatDate(flight.created_at)),
     ),
+    resultView(report, photos),
     placementBar(report.photos),
     warnings.length > 0 &&
       h(
@@ -75,9 +79,8 @@ export function reportView(flight, report, photos) {
         h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
         h('ul', { class: 'warnings' }, ...warnings.map((text) => h('li', {}, text))),
       ),
-    left_out.length > 0
-      ? h('details', { class: 'left-out', open: left_out.length <= 5 }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out))
-      : h('p', { class: 'good' }, icon('check'), words.all_placed),
+    left_out.length > 0 &&
+      h('details', { class: 'left-out', open: left_out.length <= 5 }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out)),
     h(
       'div',
       { class: 'pictures' },

@@ -44,7 +44,7 @@ export class Stage {
 
   /** Fetches what draws maps while the server is still being asked for a flight. */
   prepare() {
-    import('./map_view.js').catch(() => undefined);  // #map() tells of it
+    loadMapView().catch(() => undefined);  // #map() tells of it
   }
 
   /** @returns {Promise<MapView|null>} null when this browser cannot draw maps */
@@ -52,7 +52,7 @@ export class Stage {
     if (this.#view) return this.#view;
     const container = h('div', { class: 'map', id: 'map' });
     try {
-      const { MapView } = await import('./map_view.js');
+      const { MapView } = await loadMapView();
       if (this.#view) return this.#view;  // two callers waited for the import
       this.area.prepend(container);
       this.#view = new MapView(container);
@@ -311,6 +311,18 @@ export class Stage {
     this.#endCompare?.();
     this.#endCompare = null;
   }
+}
+
+/** @type {Promise<void>|null} */
+let map_style = null;
+
+/** The library that draws maps, and its style, which lies below the page's own. */
+function loadMapView() {
+  map_style ??= new Promise((resolve) => {
+    const sheet = h('link', { rel: 'stylesheet', href: 'vendor/maplibre-gl.css', on: { load: () => resolve(), error: () => resolve() } });
+    document.head.insertBefore(sheet, document.querySelector('link[rel="stylesheet"]'));
+  });
+  return Promise.all([import('./map_view.js'), map_style]).then(([module]) => module);
 }
 
 /** @param {string} id */
