@@ -141,3 +141,52 @@ test('the basemap of the server names its makers, and what they wrote is text', 
   await page.waitForSelector('#map .maplibregl-ctrl-attrib.maplibregl-attrib-empty', { state: 'hidden' });
   await assertQuiet(opened);
 });
+
+test('the view is in the address once it was moved, and a reload or a link shows it again', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  assert.equal(page.url(), `${mock.url}#/flights/${flight.id}`);
+  const view = () => page.evaluate(() => {
+    const { map } = /** @type {any} */ (window).skyquilt;
+    return [map.getZoom(), map.getCenter().lng, map.getCenter().lat];
+  });
+  const box = await page.locator('#map').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 180, box.y + box.height / 2 + 60, { steps: 5 });
+  await page.mouse.up();
+  await page.waitForFunction(() => location.hash.includes('?at='));
+  await mapIdle(page);
+  const before = await view();
+  await page.reload();
+  await mapIdle(page);
+  const after = await view();
+  before.forEach((value, i) => assert.ok(Math.abs(value - after[i]) < (i === 0 ? 0.01 : 1e-6), `${before} ${after}`));
+  await page.goto(`${mock.url}?x=1#/flights/${flight.id}?token=sq_given&at=12/46.9/7.4`);
+  await mapIdle(page);
+  assert.deepEqual((await view()).map((value) => Number(value.toFixed(4))), [12, 7.4, 46.9]);
+  assert.ok(!page.url().includes('sq_given'));
+  await assertQuiet(opened);
+});
+
+test('from afar a mark shows where the map is, and a click on it goes there', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const marks = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.queryRenderedFeatures({ layers: ['place-mark'] }).length);
+  assert.equal(await marks(), 0);
+  await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ zoom: 7 }));
+  await mapIdle(page);
+  assert.equal(await marks(), 1);
+  const box = await page.locator('#map').boundingBox();
+  const spot = await page.evaluate((p) => /** @type {any} */ (window).skyquilt.map.project(p), [flight.place.lon, flight.place.lat]);
+  await page.mouse.click(box.x + spot.x, box.y + spot.y);
+  await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getZoom() > 16);
+  assert.ok(await page.locator('#photo-card').isHidden());
+  await assertQuiet(opened);
+});

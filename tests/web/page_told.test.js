@@ -20,13 +20,13 @@ test('the server is asked what it makes of the first photos, and its doubts are 
   await page.setInputFiles('#files-input', photoFiles(18));
   await page.waitForSelector('#server-verdict.verdict-amber');
   const text = (await page.textContent('#server-verdict')) ?? '';
-  assert.match(text, /from the first \d+ files/);
+  assert.match(text, /from the first \d+ photos/);
   assert.match(text, /91 m is assumed/);
   assert.match(text, /1 photo will be left out.*DJI_0002\.JPG: The photo is cut off/);
   assert.equal(await page.locator('#upload .good').count(), 0, 'nothing on the page calls it good');
   await assertAccessible(page, 'verdict of the server');
   await page.click('text=Stop');
-  await page.waitForSelector('#server-verdict.verdict-amber');
+  await page.waitForSelector('#waiting ~ * #server-verdict.verdict-amber');
   assert.match((await page.textContent('#server-verdict')) ?? '', /2\.43.ha · about 21.s to process/);
   await assertQuiet(opened);
 });

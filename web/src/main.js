@@ -9,6 +9,7 @@ import { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
 import { askName, askWhereTo } from './shared/dialogs.js';
 import { byId, put } from './shared/dom.js';
 import { dropZone } from './upload/drop_zone.js';
+import { glanceAtPhoto, kHeadBytes } from './upload/exif_reader.js';
 import { flightList, mayChange } from './flight/flight_list.js';
 import { FlightView } from './flight/flight_view.js';
 import { clipName } from './shared/format.js';
@@ -96,7 +97,7 @@ async function takeFiles(selection) {
       if (answer === '') return;
       if (answer === 'new') id = '';
     }
-    if (!id) id = (await createFlight(clipName(selection.folder || defaultName(selection)))).id;
+    if (!id) id = (await createFlight(clipName(selection.folder || (await defaultName(selection))))).id;
     const session = startUpload(id, selection);
     session.addEventListener('job', () => void refreshList());
     if (open_view?.id === id) await open_view.refresh();
@@ -117,10 +118,12 @@ async function isRest(flight, selection) {
   return selection.chosen.some(({ name }) => stored.has(name));
 }
 
-/** @param {Selection} selection */
-function defaultName(selection) {
-  const taken = Math.min(...selection.chosen.map(({ file }) => file.lastModified));
-  return strings.flights.default_name(new Date(taken).toLocaleDateString(undefined, { dateStyle: 'medium' }));
+/** By the day its first photo was taken, as the camera's clock had it; else by that of the oldest file. @param {Selection} selection */
+async function defaultName({ chosen }) {
+  const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
+  const { taken_s } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null };
+  const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
+  return strings.flights.default_name(new Date(taken_ms).toLocaleDateString(undefined, { dateStyle: 'medium', timeZone: taken_s === null ? undefined : 'UTC' }));
 }
 
 /** @param {Route} route */
@@ -200,6 +203,10 @@ document.addEventListener('visibilitychange', () => {
 });
 addEventListener('beforeunload', (event) => {
   if (isUploading()) event.preventDefault();
+});
+// On paper nothing is folded away.
+addEventListener('beforeprint', () => {
+  for (const fold of document.querySelectorAll('#report details')) fold.setAttribute('open', '');
 });
 bottomSheet(() => stage.resize());
 watchRoute(show);

@@ -60,6 +60,7 @@ export function reportView(flight, report, photos) {
       h('h2', { id: 'report-heading' }, words.heading),
       h('button', { type: 'button', class: 'icon-button no-print', 'aria-label': words.print, title: words.print, on: { click: () => print() } }, icon('print')),
     ),
+    resultView(report, photos),
     h(
       'dl',
       { class: 'facts' },
@@ -67,10 +68,7 @@ export function reportView(flight, report, photos) {
       fact(words.photos, `${placed} / ${report.photos.total}`),
       fact(words.gsd, formatGsd(report.gsd_m)),
       fact(words.area, formatArea(report.area_m2)),
-      fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
-      fact(words.uploaded, formatDate(flight.created_at)),
     ),
-    resultView(report, photos),
     placementBar(report.photos),
     warnings.length > 0 &&
       h(
@@ -80,15 +78,26 @@ export function reportView(flight, report, photos) {
         h('ul', { class: 'warnings' }, ...warnings.map((text) => h('li', {}, text))),
       ),
     left_out.length > 0 &&
-      h('details', { class: 'left-out', open: left_out.length <= 5 }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out)),
+      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out)),
     h(
       'div',
       { class: 'pictures' },
       mapPicture(flight),
       photos && coveragePicture(photos),
       photos && errorPicture(photos),
+    ),
+    h(
+      'details',
+      { class: 'processing', id: 'processing-details' },
+      h('summary', {}, words.details),
+      h(
+        'dl',
+        { class: 'facts' },
+        fact(words.uploaded, formatDate(flight.created_at)),
+        fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
+        report.peak_memory_bytes > 0 && fact(words.memory, formatBytes(report.peak_memory_bytes)),
+      ),
       timingPicture(report),
     ),
-    report.peak_memory_bytes > 0 && h('p', { class: 'muted fine' }, `${words.memory} ${formatBytes(report.peak_memory_bytes)}`),
   );
 }

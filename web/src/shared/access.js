@@ -17,7 +17,9 @@ export function takeSharedToken() {
   if (!shared) return false;
   sessionStorage.setItem(kKey, shared);
   address.searchParams.delete('token');
-  address.hash = route;
+  const rest = new URLSearchParams(query);
+  rest.delete('token');
+  address.hash = rest.size > 0 ? `${route}?${decodeURIComponent(rest.toString())}` : route;
   history.replaceState(null, '', address);  // a copied address or a history must not give it away
   return true;
 }

@@ -98,7 +98,7 @@ export const strings = {
     gap: (/** @type {string} */ time) => `Gap of ${time} between two photos. Are photos missing?`,
     server: {
       title: 'What to expect',
-      title_of_first: (/** @type {number} */ n) => `What to expect, from the first ${count(n, 'file', 'files')}`,
+      title_of_first: (/** @type {number} */ n) => `What to expect, from the first ${count(n, 'photo', 'photos')}`,
       placeable: (/** @type {number} */ n, /** @type {number} */ of) => `${n.toLocaleString()} of ${count(of, 'photo', 'photos')} can be placed by their records`,
       time: (/** @type {string} */ time) => `about ${time} to process`,
       left_out: (/** @type {number} */ n) => `${count(n, 'photo', 'photos')} will be left out:`,
@@ -276,6 +276,7 @@ export const strings = {
       `Median ${median}, maximum ${worst}.`,
     error_bar: (/** @type {number} */ n, /** @type {string} */ from, /** @type {string} */ to) =>
       `${count(n, 'photo', 'photos')} from ${from} to ${to}`,
+    details: 'Processing details',
     timings: 'Processing time',
     total_time: 'Total',
     memory: 'Peak memory',

@@ -273,10 +273,12 @@ export class UploadQueue extends EventTarget {
   }
 
   #speed() {
-    const first = this.#history[0];
+    // Up to now: a line on which nothing moves any more has no speed.
+    const now_ms = this.now_ms();
+    const first = this.#history.find(({ at_ms }) => now_ms - at_ms <= kWindow_ms);
     const last = this.#history[this.#history.length - 1];
-    if (!first || last.at_ms - first.at_ms < 500) return 0;
-    return Math.max(0, ((last.wire_bytes - first.wire_bytes) / (last.at_ms - first.at_ms)) * 1000);
+    if (!first || now_ms - first.at_ms < 500) return 0;
+    return Math.max(0, ((last.wire_bytes - first.wire_bytes) / (now_ms - first.at_ms)) * 1000);
   }
 }
 

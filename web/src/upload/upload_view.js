@@ -117,7 +117,7 @@ export function uploadView(session) {
     if (session.verdict !== shown_verdict && session.verdict) put(verdict, verdictView(session.verdict));
     shown_verdict = session.verdict;
     if (session.server_verdict !== shown_server_verdict && session.server_verdict) {
-      put(server_verdict, serverVerdictView(session.server_verdict.verdict, session.server_verdict.files));
+      put(server_verdict, serverVerdictView(session.server_verdict, false));
     }
     shown_server_verdict = session.server_verdict;
     drawTrouble();
@@ -127,7 +127,7 @@ export function uploadView(session) {
   };
   session.addEventListener('change', draw);
   draw();
-  const clock = setInterval(drawTrouble, 1000);
+  const clock = setInterval(draw, 1000);  // seconds go by also where nothing moves
 
   const element = h(
     'section',

@@ -23,7 +23,7 @@ export class UploadSession extends EventTarget {
   ignored = [];
   /** @type {Verdict|null} what the photos' own records say, soon after the start */
   verdict = null;
-  /** @type {{verdict: ServerVerdict, files: number}|null} what the server makes of the first so many files */
+  /** @type {ServerVerdict|null} what the server makes of the first files */
   server_verdict = null;
   /** @type {string} why the server cannot be told that all is there; '' when nothing is wrong */
   trouble = '';
@@ -58,7 +58,7 @@ export class UploadSession extends EventTarget {
     this.#verdict_from = 4 * files;
     try {
       const verdict = await api.getVerdict(this.flight_id, this.#abort.signal);
-      if (verdict) this.server_verdict = { verdict, files };
+      this.server_verdict = verdict;
       this.#changed();
     } catch (error) {
       // Files of which nothing can be said yet (logs before the first photo), or no server: the next time tells.

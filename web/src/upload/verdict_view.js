@@ -51,10 +51,10 @@ const kShownReasons = 5;
 
 /**
  * @param {ServerVerdict} verdict
- * @param {number|null} files of the first so many; null: of all
+ * @param {boolean} is_of_all false: of the first files alone
  * @returns {{title: string, facts: string, warnings: string[], is_good: boolean}}
  */
-export function serverVerdictWords(verdict, files) {
+export function serverVerdictWords(verdict, is_of_all) {
   const words = strings.verdict.server;
   const left_out = verdict.left_out ?? [];
   const by_images = verdict.photos_by_images ?? 0;
@@ -68,11 +68,11 @@ export function serverVerdictWords(verdict, files) {
     words.placeable(verdict.photos_placeable, verdict.photos_readable),
     verdict.gsd_m > 0 ? formatGsd(verdict.gsd_m) : '',
     // The ground and the time of the first photos say nothing of those of the flight.
-    files === null && verdict.area_m2 > 0 ? formatArea(verdict.area_m2) : '',
-    files === null && verdict.expected_seconds > 0 ? words.time(formatDuration(verdict.expected_seconds)) : '',
+    is_of_all && verdict.area_m2 > 0 ? formatArea(verdict.area_m2) : '',
+    is_of_all && verdict.expected_seconds > 0 ? words.time(formatDuration(verdict.expected_seconds)) : '',
   ];
   return {
-    title: files === null ? words.title : words.title_of_first(files),
+    title: is_of_all ? words.title : words.title_of_first(verdict.photos_readable + left_out.length),
     facts: facts.filter(Boolean).join(' \u00b7 '),
     warnings,
     is_good,
@@ -81,11 +81,11 @@ export function serverVerdictWords(verdict, files) {
 
 /**
  * @param {ServerVerdict} verdict
- * @param {number|null} files
+ * @param {boolean} [is_of_all]
  * @returns {HTMLElement}
  */
-export function serverVerdictView(verdict, files = null) {
-  const { title, facts, warnings, is_good } = serverVerdictWords(verdict, files);
+export function serverVerdictView(verdict, is_of_all = true) {
+  const { title, facts, warnings, is_good } = serverVerdictWords(verdict, is_of_all);
   return h(
     'div',
     { class: `verdict verdict-${is_good ? 'good' : 'amber'}`, id: 'server-verdict' },
