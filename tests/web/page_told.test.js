@@ -46,6 +46,12 @@ test('a map with photos left out or placed by record alone is amber and says so;
     const text = (await page.textContent('#result-verdict')) ?? '';
     if (is_whole) assert.match(text, /All 18 photos are on the map and aligned.*±\d/);
     else assert.match(text, /1 of 19 photos was left out.*2 photos were placed by their recorded position alone/);
+    // What was noted of single photos, and how it was made, are for who looks for it.
+    assert.doesNotMatch(await page.innerText('#report .callout'), /46 m/);
+    assert.equal(await page.innerText('#photo-notes'), '1 note on a single photo');
+    assert.equal(await page.innerText('#processing-details'), 'Processing details');
+    await page.click('#photo-notes summary');
+    assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: recorded position is 46 m/);
     await mapIdle(page);
     await assertAccessible(page, 'result');
     await assertQuiet(opened);

@@ -77,6 +77,7 @@ export function reportOf(place, names, max_zoom, is_whole = false) {
       { stage: 'export', wall_s: 3.1 },
     ],
     peak_memory_bytes: 611_000_000,
-    warnings: ['Two strips at the west edge overlap by less than 30 %: the seam there may show a step.'],
+    warnings: ['Two strips at the west edge overlap by less than 30 %: the seam there may show a step.',
+      `${names[0]}: recorded position is 46 m from where the photo was taken by what it shows.`],
   };
 }

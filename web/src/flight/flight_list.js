@@ -33,7 +33,7 @@ export function stateChip(flight) {
  */
 export function flightFacts(flight) {
   const photos = flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
-  return [takenDay(flight), photos, flight.bytes > 0 ? formatBytes(flight.bytes) : '', strings.flights.uploaded(formatDate(flight.created_at))]
+  return [takenDay(flight), photos, flight.bytes > 0 ? formatBytes(flight.bytes) : '', flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at)]
     .filter(Boolean)
     .join(' · ');
 }

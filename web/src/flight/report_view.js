@@ -30,6 +30,18 @@ function placementBar(photos) {
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
 
 /**
+ * What was noted of one photo alone ("DJI_0001.JPG: ...") is for who looks for it.
+ * @param {string[]} warnings
+ * @param {PhotoCollection|null} photos
+ * @returns {{of_flight: string[], of_photos: string[]}}
+ */
+function sortedWarnings(warnings, photos) {
+  const names = new Set((photos?.features ?? []).map(({ properties }) => properties.name));
+  const isOfPhoto = (/** @type {string} */ text) => names.has(text.slice(0, Math.max(0, text.indexOf(': '))));
+  return { of_flight: warnings.filter((text) => !isOfPhoto(text)), of_photos: warnings.filter(isOfPhoto) };
+}
+
+/**
  * The map itself for the printed report, since the live map is not printed.
  * @param {Flight} flight
  * @returns {HTMLElement}
@@ -49,7 +61,7 @@ function mapPicture(flight) {
 export function reportView(flight, report, photos) {
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
-  const warnings = report.warnings ?? [];
+  const { of_flight, of_photos } = sortedWarnings(report.warnings ?? [], photos);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
     'section',
@@ -70,13 +82,15 @@ export function reportView(flight, report, photos) {
       fact(words.area, formatArea(report.area_m2)),
     ),
     placementBar(report.photos),
-    warnings.length > 0 &&
+    of_flight.length > 0 &&
       h(
         'div',
         { class: 'callout callout-warning' },
         h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
-        h('ul', { class: 'warnings' }, ...warnings.map((text) => h('li', {}, text))),
+        h('ul', { class: 'warnings' }, ...of_flight.map((text) => h('li', {}, text))),
       ),
+    of_photos.length > 0 &&
+      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), h('ul', { class: 'warnings' }, ...of_photos.map((text) => h('li', {}, text)))),
     left_out.length > 0 &&
       h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out)),
     h(

@@ -2,11 +2,14 @@
 // their records alone, red when nothing says where the map lies.
 /** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
 import { h } from '../shared/dom.js';
-import { formatLength } from '../shared/format.js';
+import { formatError } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
 
 /** @typedef {'good'|'amber'|'bad'} Grade */
+
+// What a receiver of a phone or a drone is good for: a map that lies further off than that is not where one looks for it.
+const kUsualError_m = 10;
 
 /** @param {PhotoCounts|null|undefined} photos @returns {boolean} whether all are aligned */
 export const isWhole = (photos) => !photos || (photos.left_out === 0 && photos.pose_only === 0);
@@ -35,10 +38,12 @@ export function resultWords(report, photos) {
   if (left_out > 0) sentences.push(words.left_out(left_out, total));
   if (aligned === 0 && pose_only > 1) sentences.push(words.none_aligned);
   else if (pose_only > 0) sentences.push(words.pose_only(pose_only));
+  const radius_m = report.is_placed === false ? null : medianError(photos);
+  const is_far_off = radius_m !== null && radius_m > kUsualError_m;
   if (sentences.length === 0) sentences.push(words.good(total));
-  const radius_m = medianError(photos);
-  if (radius_m !== null && report.is_placed !== false) sentences.push(words.accuracy(formatLength(radius_m)));
-  return { grade: report.is_placed === false ? 'bad' : isWhole(report.photos) ? 'good' : 'amber', sentences };
+  if (is_far_off) sentences.push(words.far_off);
+  if (radius_m !== null) sentences.push(words.accuracy(formatError(radius_m)));
+  return { grade: report.is_placed === false ? 'bad' : isWhole(report.photos) && !is_far_off ? 'good' : 'amber', sentences };
 }
 
 /** @param {PhotoCollection|null} photos @returns {number|null} metres */

@@ -56,6 +56,16 @@ export function formatLength(metres) {
 }
 
 /**
+ * An estimate of an error: two digits are all that it is worth.
+ * @param {number} metres
+ * @returns {string}
+ */
+export function formatError(metres) {
+  const [value, unit] = metres < 1 ? [metres * 100, 'cm'] : [metres, 'm'];
+  return `${new Intl.NumberFormat(undefined, { maximumSignificantDigits: 2 }).format(value)}\u00a0${unit}`;
+}
+
+/**
  * Ground size of a pixel: always in centimetres below a metre, as pilots say it.
  * @param {number} metres
  * @returns {string}

@@ -267,6 +267,7 @@ export const strings = {
       pose_only: (/** @type {number} */ n) => `${count(n, 'photo was', 'photos were')} placed by ${n === 1 ? 'its' : 'their'} recorded position alone, not aligned with the others: expect steps there.`,
       none_aligned: 'No photo could be aligned with another: the map lies where the photos were recorded, with steps between them.',
       good: (/** @type {number} */ n) => (n === 1 ? 'The photo is on the map.' : `All ${n.toLocaleString()} photos are on the map and aligned with each other.`),
+      far_off: 'The recorded positions are poor or contradict the photos: the map may lie far from where it belongs.',
       accuracy: (/** @type {string} */ radius) => `Estimated position error \u00b1${radius} (1\u03c3, median of the photos; not checked against surveyed points).`,
     },
     coverage: 'Coverage',
@@ -276,6 +277,7 @@ export const strings = {
       `Median ${median}, maximum ${worst}.`,
     error_bar: (/** @type {number} */ n, /** @type {string} */ from, /** @type {string} */ to) =>
       `${count(n, 'photo', 'photos')} from ${from} to ${to}`,
+    corrections: (/** @type {number} */ n) => count(n, 'note on a single photo', 'notes on single photos'),
     details: 'Processing details',
     timings: 'Processing time',
     total_time: 'Total',
