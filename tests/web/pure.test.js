@@ -287,3 +287,24 @@ test('files the server has whole are not sent again', async () => {
   await end;
   assert.deepEqual(sent, ['p1.jpg', 'p2.jpg']);
 });
+
+test('a server that is away fails no file, and what it had of a file does not count as sent over this line', async () => {
+  let tries = 0;
+  let at_ms = 0;
+  const queue = new UploadQueue(blobs(1), async (item, on_progress) => {
+    tries += 1;
+    if (tries < 30) throw Object.assign(new Error('away'), { is_passing: true, is_away: true });
+    on_progress(600, 600);
+    at_ms += 2000;
+    on_progress(800, 600);
+    assert.equal(queue.picture.bytes_per_s, 100);
+    assert.equal(queue.picture.sent_bytes, 800);
+    at_ms += 60_000;
+    assert.equal(queue.picture.bytes_per_s, 0, 'nothing moves any more');
+  }, { retry_delay_ms: 0, now_ms: () => at_ms });
+  const end = finished(queue);
+  queue.start();
+  await end;
+  assert.equal(tries, 30);
+  assert.deepEqual([queue.picture.done, queue.picture.failed], [1, 0]);
+});
