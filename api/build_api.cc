@@ -2,6 +2,7 @@
 
 #include "api/arcgis/arcgis.h"
 #include "api/auth/flight_access.h"
+#include "api/auth/own_access.h"
 #include "api/basemap/basemap.h"
 #include "api/connect/connect.h"
 #include "api/downloads/downloads.h"
@@ -36,6 +37,7 @@ Router BuildApi(Service& service) {
   AddFlightRoutes(router, service);
   AddTrashRoutes(router, service);
   AddShareRoutes(router, service);
+  AddOwnAccessRoute(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);
   AddFileRoutes(router, service);

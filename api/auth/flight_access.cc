@@ -12,7 +12,8 @@ namespace {
 
 // What a token for one flight opens besides addresses that name its flight: documents without one, and lists,
 // whose handlers leave the others out.
-constexpr std::string_view kOpenToOneFlight[] = {"/api/v1/flights",
+constexpr std::string_view kOpenToOneFlight[] = {"/api/v1/access",
+                                                 "/api/v1/flights",
                                                  "/api/v1/jobs",
                                                  "/api/v1/jobs/{job}",
                                                  "/api/v1/jobs/{job}/log",

@@ -163,6 +163,10 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
                        {"pose_only", revision->photos_pose_only},
                        {"left_out", revision->photos_left_out}};
   }
+  value["captured"] = nullptr;
+  if (revision && !revision->first_capture.empty()) {
+    value["captured"] = {{"first", revision->first_capture}, {"last", revision->last_capture}};
+  }
   value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
   value["tilejson"] =
       revision ? ordered_json(fmt::format("/tiles/{}.json", view.flight.id)) : ordered_json(nullptr);

@@ -33,9 +33,12 @@ std::int64_t PeakMemoryBytes() {
 }
 
 void DescribePhotos(const alignment::AlignedFlight& flight, MosaicReport& report) {
+  std::vector<const flight::Photo*> photos;
   for (const alignment::AlignedPhoto& photo : flight.photos) {
     ++(photo.placement == alignment::Placement::kAligned ? report.photos_aligned : report.photos_pose_only);
+    photos.push_back(&photo.photo);
   }
+  report.captured = CaptureSpanOf(photos);
   report.left_out_photos = flight.left_out;
   std::sort(report.left_out_photos.begin(), report.left_out_photos.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });

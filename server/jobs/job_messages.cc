@@ -15,12 +15,18 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxStageBytes = 32;
 constexpr std::size_t kMaxStages = 64;
+constexpr std::size_t kMaxTimeBytes = 25;  // "2015-10-27T09:31:02-04:00"
 constexpr std::size_t kMaxMessageChars = 500;
 // A byte that is no UTF-8 is sent as the three of the replacement character.
 constexpr std::size_t kMaxGrowth = 3;
 
 // Texts of photos may hold any bytes: those that are no UTF-8 are replaced.
 std::string DumpJob(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+// A time of ISO 8601, or nothing.
+bool IsTime(const std::string& text) {
+  return text.size() <= kMaxTimeBytes && text.find_first_not_of("0123456789-:+TZ") == std::string::npos;
+}
 
 bool IsStage(const std::string& stage) { return IsWord(stage, kMaxStageBytes); }
 
@@ -32,6 +38,7 @@ std::optional<Error> WhatIsWrong(const StitchOutcome& outcome) {
   for (const int count : {map.photos_total, map.photos_aligned, map.photos_pose_only, map.photos_left_out}) {
     if (!IsWithin(count, 0, kMaxPhotos)) return Untrue("a number of photos that no flight has");
   }
+  if (!IsTime(map.first_capture) || !IsTime(map.last_capture)) return Untrue("a time that is none");
   if (outcome.stages_s.size() > kMaxStages) return Untrue("too many stages");
   for (const auto& [stage, wall_s] : outcome.stages_s) {
     if (!IsStage(stage) || !IsWithin(wall_s, 0, 1e9)) return Untrue("a stage that is none");
@@ -50,6 +57,8 @@ StitchOutcome OutcomeOf(const Json& json) {
   map.photos_aligned = CountOf(json.at("photos_aligned"));
   map.photos_pose_only = CountOf(json.at("photos_pose_only"));
   map.photos_left_out = CountOf(json.at("photos_left_out"));
+  map.first_capture = json.at("first_capture").get<std::string>();
+  map.last_capture = json.at("last_capture").get<std::string>();
   outcome.stages_s = json.at("stages_s").get<std::vector<std::pair<std::string, double>>>();
   return outcome;
 }
@@ -64,6 +73,8 @@ Json JsonOf(const StitchOutcome& outcome) {
           {"photos_aligned", map.photos_aligned},
           {"photos_pose_only", map.photos_pose_only},
           {"photos_left_out", map.photos_left_out},
+          {"first_capture", map.first_capture},
+          {"last_capture", map.last_capture},
           {"stages_s", outcome.stages_s}};
 }
 

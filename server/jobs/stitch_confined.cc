@@ -83,6 +83,10 @@ StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
   outcome.figures.photos_aligned = report.photos_aligned;
   outcome.figures.photos_pose_only = report.photos_pose_only;
   outcome.figures.photos_left_out = report.photos_left_out;
+  if (report.captured) {
+    outcome.figures.first_capture = report.captured->first;
+    outcome.figures.last_capture = report.captured->last;
+  }
   for (const auto& timing : report.timings) outcome.stages_s.emplace_back(timing.stage, timing.wall_s);
   return outcome;
 }

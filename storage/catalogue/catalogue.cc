@@ -351,7 +351,7 @@ Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& fli
       Statement query,
       db->Prepare(
           "SELECT r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
-          " photos_aligned, photos_pose_only, photos_left_out FROM flight f"
+          " photos_aligned, photos_pose_only, photos_left_out, first_capture, last_capture FROM flight f"
           " JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision WHERE f.id=? AND f.deleted_us IS NULL"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
   if (!row) return std::optional<Revision>();
@@ -367,6 +367,8 @@ Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& fli
   revision.photos_aligned = static_cast<int>(query.ColumnInt64(10));
   revision.photos_pose_only = static_cast<int>(query.ColumnInt64(11));
   revision.photos_left_out = static_cast<int>(query.ColumnInt64(12));
+  revision.first_capture = query.ColumnText(13);
+  revision.last_capture = query.ColumnText(14);
   return std::optional<Revision>(revision);
 }
 

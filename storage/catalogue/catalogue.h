@@ -48,6 +48,9 @@ struct Revision {
   int photos_aligned = 0;
   int photos_pose_only = 0;
   int photos_left_out = 0;
+  // When its photos were taken: ISO 8601 by the clock on the wall there (core/pipeline/report/capture_span);
+  // empty where that is not known.
+  std::string first_capture, last_capture;
 };
 
 struct FlightPage {

@@ -11,11 +11,12 @@ namespace skyquilt::storage {
 
 extern const std::string_view kCatalogueSchema;  // storage/db/schema.sql
 extern const std::string_view kCatalogue13To14;  // storage/db/schema_14.sql
+extern const std::string_view kCatalogue14To15;  // storage/db/schema_15.sql
 
 namespace {
 
 // Grows with every change of schema.sql. Versions 1 to 12 were those of development before the first release.
-constexpr int kSchemaVersion = 14;
+constexpr int kSchemaVersion = 15;
 constexpr int kFirstVersion = 13;
 
 Result<int> CurrentVersion(SqliteDb& db) {
@@ -43,7 +44,15 @@ Result<void> PrepareSchema(SqliteDb& db) {
   SKYQUILT_TRY_ASSIGN(const int version, CurrentVersion(db));
   if (version == kSchemaVersion) return {};
   if (version != 0 && (version < kFirstVersion || version > kSchemaVersion)) return OtherVersion(version);
-  SKYQUILT_TRY(db.Exec(std::string(version == 0 ? kCatalogueSchema : kCatalogue13To14)));
+  if (version == 0) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogueSchema)));
+  }
+  if (version == 13) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue13To14)));
+  }
+  if (version == 13 || version == 14) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue14To15)));
+  }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();
 }

@@ -39,6 +39,8 @@ CREATE TABLE revision(
   photos_aligned INTEGER NOT NULL,
   photos_pose_only INTEGER NOT NULL,
   photos_left_out INTEGER NOT NULL,
+  first_capture TEXT NOT NULL DEFAULT '',      -- of its photos, ISO 8601; '' where it is not known
+  last_capture TEXT NOT NULL DEFAULT '',
   PRIMARY KEY(flight_id, revision)
 ) STRICT;
 

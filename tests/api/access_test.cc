@@ -118,5 +118,24 @@ TEST(Access, TokensAreLongAndNeverTheSame) {
   EXPECT_EQ(HashToken("a").size(), 32u);
 }
 
+TEST(Access, TellsWhoAsksWhatItMayDo) {
+  SampleService sample;
+  const auto told = [&](Headers headers, const std::string& query = "") {
+    return sample.Get("/api/v1/access" + query, std::move(headers)).body;
+  };
+  EXPECT_EQ(told({}), R"({"needs_token":false,"scope":"admin","flight":null})");
+  const std::string flight = sample.NewFlight();
+  for (const Scope scope : {Scope::kRead, Scope::kUpload, Scope::kAdmin}) {
+    const std::string name = storage::ScopeName(scope);
+    EXPECT_EQ(told(sample.MakeToken(name, scope)),
+              R"({"needs_token":true,"scope":")" + name + R"(","flight":null})");
+  }
+  EXPECT_EQ(told(sample.MakeToken("share", Scope::kRead, {}, flight)),
+            R"({"needs_token":true,"scope":"read","flight":")" + flight + R"("})");
+  const std::string text = MakeToken(sample, "in the address", Scope::kUpload);
+  EXPECT_EQ(told({}, "?token=" + text), R"({"needs_token":true,"scope":"read","flight":null})");
+  EXPECT_EQ(sample.Get("/api/v1/access").status, 401);
+}
+
 }  // namespace
 }  // namespace skyquilt::api

@@ -53,6 +53,19 @@ TEST(FlightJson, NamesTheStateFromFilesJobAndMap) {
   EXPECT_EQ(state(view), "ready");
 }
 
+TEST(FlightJson, SaysWhenThePhotosWereTakenWhereThatIsKnown) {
+  FlightView view;
+  view.flight.options = "{}";
+  const auto captured = [&] { return json::parse(FlightJson(view, storage::Now()))["captured"]; };
+  EXPECT_TRUE(captured().is_null());
+  view.revision.emplace();
+  EXPECT_TRUE(captured().is_null());
+  view.revision->first_capture = "2015-10-27T09:31:02-04:00";
+  view.revision->last_capture = "2015-10-27T09:40:12-04:00";
+  EXPECT_EQ(captured()["first"], "2015-10-27T09:31:02-04:00");
+  EXPECT_EQ(captured()["last"], "2015-10-27T09:40:12-04:00");
+}
+
 TEST(FlightJson, SurvivesNamesThatAreNotText) {
   FlightView view;
   view.flight.name = "\xff<img onerror=x>\x01";

@@ -57,6 +57,8 @@ class Sharing(ServerTestCase):
         self.assertEqual(status, 429)
         self.assertIn("Retry-After", headers)
         self.assertEqual(server.request("GET", "/api/v1/flights", headers=small)[0], 200)
+        _, _, told = server.request("GET", "/api/v1/access", headers=small)
+        self.assertEqual(json.loads(told), {"needs_token": True, "scope": "upload", "flight": None})
         as_json = {"Content-Type": "application/json"}
         _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **as_json})
         files = f"/api/v1/flights/{json.loads(body)['id']}/files"

@@ -90,6 +90,7 @@ StitchOutcome Outcome() {
   outcome.figures.photos_total = 7;
   outcome.figures.photos_aligned = 6;
   outcome.figures.photos_left_out = 1;
+  outcome.figures.first_capture = "2015-10-27T09:31:02-04:00";
   outcome.stages_s = {{"read", 0.5}, {"align", 2.0}};
   return outcome;
 }
@@ -106,6 +107,8 @@ TEST(JobMessages, ComeAsTheyWereSent) {
   const auto& made = std::get<StitchOutcome>(*outcome);
   EXPECT_EQ(made.figures.bounds, Outcome().figures.bounds);
   EXPECT_EQ(made.figures.photos_aligned, 6);
+  EXPECT_EQ(made.figures.first_capture, "2015-10-27T09:31:02-04:00");
+  EXPECT_EQ(made.figures.last_capture, "");
   EXPECT_EQ(made.stages_s, Outcome().stages_s);
   const auto error = ParseJobMessage(ToText(JobMessage(Error{ErrorCode::kOutOfSpace, "full", "disk"})));
   EXPECT_EQ(std::get<Error>(*error).code, ErrorCode::kOutOfSpace);
@@ -129,6 +132,9 @@ TEST(JobMessages, FiguresThatNoMapHasAreRefused) {
                                                 {"/done/photos_total", 1e18},
                                                 {"/done/photos_aligned", "6"},
                                                 {"/done/photos_left_out", -1},
+                                                {"/done/first_capture", "2015<img onerror=x>"},
+                                                {"/done/last_capture", std::string(26, '1')},
+                                                {"/done/last_capture", nullptr},
                                                 {"/done/stages_s/0/0", "read\n"},
                                                 {"/done/stages_s/0/1", -1.0},
                                                 {"/done/stages_s", Json::array({1})},

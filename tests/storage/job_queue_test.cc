@@ -40,6 +40,8 @@ Revision Made(std::int64_t number) {
   revision.photos_aligned = 4;
   revision.photos_pose_only = 1;
   revision.photos_left_out = 1;
+  revision.first_capture = "2015-10-27T09:31:02-04:00";
+  revision.last_capture = "2015-10-27T09:40:12-04:00";
   return revision;
 }
 
@@ -161,6 +163,15 @@ TEST_F(JobQueueTest, ACancelledJobThatFailsOnTheWayIsDismissed) {
   ASSERT_TRUE(*queue_.Fail(lease, {ErrorCode::kNotFound, "its flight is in the trash", ""}, true, now_));
   EXPECT_EQ(queue_.Get(job.id)->state, JobState::kDismissed);
   EXPECT_FALSE(queue_.Get(job.id)->error);
+}
+
+TEST_F(JobQueueTest, PublishesWhenThePhotosWereTaken) {
+  const Job job = NewJob();
+  ASSERT_TRUE(*queue_.Publish(Claimed(), Made(1), now_));
+  const auto shown = *catalogue_.ActiveRevision(job.flight_id);
+  ASSERT_TRUE(shown);
+  EXPECT_EQ(shown->first_capture, "2015-10-27T09:31:02-04:00");
+  EXPECT_EQ(shown->last_capture, "2015-10-27T09:40:12-04:00");
 }
 
 TEST_F(JobQueueTest, RefusesToCancelWhatIsFinished) {

@@ -28,6 +28,40 @@ test('measuring by keyboard gives the true distance', options, async () => {
   await assertQuiet(opened);
 });
 
+test('an area after a distance starts anew, and an outline that crosses itself has none', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const add = async (/** @type {[number, number][]} */ places) => {
+    for (const place of places) {
+      await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
+      await page.click('text=Add centre point');
+    }
+  };
+  const points = () => page.evaluate(async () => {
+    const data = await /** @type {any} */ (window).skyquilt.map.getSource('measure').getData();
+    return data.features.filter((/** @type {any} */ f) => f.geometry.type === 'Point').length;
+  });
+  const [a, b, c, d] = /** @type {[number, number][]} */ ([[7.4388, 46.951], [7.4396, 46.951], [7.4396, 46.9515], [7.4388, 46.9515]]);
+  await page.click('#tool-distance');
+  await add([a, c]);
+  await page.click('#tool-area');
+  assert.equal(await points(), 0);
+  await add([a, b, c, d]);
+  // GeographicLib: 3385 m2 of the quadrangle.
+  assert.match((await page.textContent('#measure-result')) ?? '', /^3,38\d\sm²$/);
+  await page.click('text=Clear');
+  await add([a, c, b, d]);
+  assert.equal(await page.textContent('#measure-result'), '');
+  assert.match((await page.textContent('#measure-card')) ?? '', /crosses itself/);
+  await assertAccessible(page, 'crossing outline');
+  await page.click('#tool-distance');
+  assert.equal(await points(), 0);
+  await assertQuiet(opened);
+});
+
 test('settings for other programs are saved and the download sizes are told', options, async () => {
   const opened = await setUp();
   const { page, mock } = opened;
@@ -105,5 +139,54 @@ test('the basemap of the server names its makers, and what they wrote is text', 
   await assertAccessible(page, 'map with a basemap');
   await page.selectOption('#basemap', 'none');
   await page.waitForSelector('#map .maplibregl-ctrl-attrib.maplibregl-attrib-empty', { state: 'hidden' });
+  await assertQuiet(opened);
+});
+
+test('the view is in the address once it was moved, and a reload or a link shows it again', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  assert.equal(page.url(), `${mock.url}#/flights/${flight.id}`);
+  const view = () => page.evaluate(() => {
+    const { map } = /** @type {any} */ (window).skyquilt;
+    return [map.getZoom(), map.getCenter().lng, map.getCenter().lat];
+  });
+  const box = await page.locator('#map').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 180, box.y + box.height / 2 + 60, { steps: 5 });
+  await page.mouse.up();
+  await page.waitForFunction(() => location.hash.includes('?at='));
+  await mapIdle(page);
+  const before = await view();
+  await page.reload();
+  await mapIdle(page);
+  const after = await view();
+  before.forEach((value, i) => assert.ok(Math.abs(value - after[i]) < (i === 0 ? 0.01 : 1e-6), `${before} ${after}`));
+  await page.goto(`${mock.url}?x=1#/flights/${flight.id}?token=sq_given&at=12/46.9/7.4`);
+  await mapIdle(page);
+  assert.deepEqual((await view()).map((value) => Number(value.toFixed(4))), [12, 7.4, 46.9]);
+  assert.ok(!page.url().includes('sq_given'));
+  await assertQuiet(opened);
+});
+
+test('from afar a mark shows where the map is, and a click on it goes there', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  const marks = () => page.evaluate(() => /** @type {any} */ (window).skyquilt.map.queryRenderedFeatures({ layers: ['place-mark'] }).length);
+  assert.equal(await marks(), 0);
+  await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.jumpTo({ zoom: 7 }));
+  await mapIdle(page);
+  assert.equal(await marks(), 1);
+  const box = await page.locator('#map').boundingBox();
+  const spot = await page.evaluate((p) => /** @type {any} */ (window).skyquilt.map.project(p), [flight.place.lon, flight.place.lat]);
+  await page.mouse.click(box.x + spot.x, box.y + spot.y);
+  await page.waitForFunction(() => /** @type {any} */ (window).skyquilt.map.getZoom() > 16);
+  assert.ok(await page.locator('#photo-card').isHidden());
   await assertQuiet(opened);
 });

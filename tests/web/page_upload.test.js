@@ -48,6 +48,13 @@ test('dropped photos become a map, its photos open by click, and the flight can 
   const corner = await screenshotPixels(page, { x: box.x + 2, y: box.y + 2, width: 20, height: 20 });
   assert.deepEqual(corner.at(10, 10), [0xdf, 0xe4, 0xe0]);
 
+  // The ground first: nothing lies over it until it is asked for.
+  assert.equal(await page.evaluate(() => /** @type {any} */ (window).skyquilt.map.getLayoutProperty('cameras', 'visibility')), 'none');
+  await page.click('#tool-layers');
+  await page.check('#show-footprints');
+  await page.click('#tool-layers');
+  await mapIdle(page);
+
   // The camera under the pointer is the photo that opens.
   const target = await page.evaluate(() => {
     const { map } = /** @type {any} */ (window).skyquilt;

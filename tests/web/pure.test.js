@@ -7,10 +7,13 @@ import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/map/coordinates.js';
 import { tilesIn } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
-import { clipName, formatArea, formatBytes, formatDuration, formatGsd, formatLength } from '../../web/src/shared/format.js';
+import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
 import { coverageGrid, histogram } from '../../web/src/flight/report_pictures.js';
+import { resultWords } from '../../web/src/flight/result_verdict.js';
+import { crossesItself } from '../../web/src/map/ring_crossing.js';
+import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
 import { UploadQueue } from '../../web/src/upload/upload_queue.js';
 import { web_root } from './support/mock_server.js';
 
@@ -104,6 +107,35 @@ test('numbers are said as people say them', () => {
   assert.equal(formatArea(24_310), '2.43\u00a0ha');
 });
 
+test('a map is called good only when every photo is aligned and it lies where it belongs', () => {
+  const words = (/** @type {object} */ photos, /** @type {object} */ more = {}, radius_m = 0.28) =>
+    resultWords(/** @type {any} */ ({ photos: { total: 9, aligned: 9, pose_only: 0, left_out: 0, ...photos }, ...more }), /** @type {any} */ ({ features: [{ properties: { error_radius_m: radius_m } }] }));
+  assert.equal(words({}).grade, 'good');
+  assert.match(words({}).sentences.join(' '), /All 9 photos.*\u00b128\u00a0cm \(1\u03c3/);
+  assert.deepEqual([words({ aligned: 8, left_out: 1 }).grade, words({ aligned: 8, pose_only: 1 }).grade, words({}, {}, 35.3).grade], ['amber', 'amber', 'amber']);
+  assert.match(words({}, {}, 35.3).sentences.join(' '), /far from where it belongs.*\u00b135\u00a0m/);
+  assert.match(words({ aligned: 0, pose_only: 9 }).sentences.join(' '), /No photo could be aligned/);
+  assert.equal(words({}, { is_placed: false }).grade, 'bad');
+  assert.doesNotMatch(words({}, { is_placed: false }).sentences.join(' '), /\u00b1/);
+});
+
+test('times of capture are those of the place, with their zone where it is known', () => {
+  const at = (/** @type {string} */ first, last = first) => ({ first, last });
+  const zone = (/** @type {string} */ iso) => formatCaptureTime(at(iso)).match(/\(.*\)/)?.[0] ?? '';
+  assert.deepEqual(['2015-10-27T19:50:02-04:00', '2015-10-27T19:50:02+05:30', '2015-10-27T19:50:02-00:30', '2015-10-27T19:50:02+00:00', '2015-10-27T19:50:02Z', '2015-10-27T19:50:02'].map(zone),
+    ['(UTC\u22124)', '(UTC+5:30)', '(UTC\u22120:30)', '(UTC)', '(UTC)', '']);
+  assert.match(formatCaptureDay(at('2015-10-31T23:50:02-04:00', '2015-11-01T00:10:02-04:00')), /31.*1/);
+  assert.equal(formatCaptureDay(at('yesterday')), '');
+  assert.equal(formatCaptureTime(at('2015-13-45T00:00:00Z')), '');
+});
+
+test('a view survives the way through the address, and what is no view is none', () => {
+  const place = { zoom: 18.25, lat: 46.8426216, lon: -91.9939053, bearing: -30 };
+  assert.deepEqual(placeOfHash(hashWithPlace('#/flights/a?at=1/2/3', place)), place);
+  assert.deepEqual(parseRoute(hashWithPlace('#/flights/a', place)), { view: 'flight', id: 'a' });
+  for (const hash of ['#/flights/a', '#/flights/a?at=', '#/flights/a?at=18/x/7', '#/flights/a?at=99/0/0', '#/flights/a?at=9/95/0', '#/flights/a?at=9']) assert.equal(placeOfHash(hash), null, hash);
+});
+
 test('a long name is cut between letters, not inside one', () => {
   assert.equal(clipName('short'), 'short');
   const cut = clipName('ä😀'.repeat(60));
@@ -117,6 +149,17 @@ test('addresses survive a round trip, broken ones lead home', () => {
   }
   assert.deepEqual(parseRoute('#/flights/%E0%A4%A'), { view: 'home' });
   assert.deepEqual(parseRoute('#/flights/abc?token=sq_x'), { view: 'flight', id: 'abc' });
+});
+
+test('an outline that crosses or touches itself is known, also across the date line', () => {
+  assert.ok(!crossesItself([[0, 0], [2, 0], [2, 2], [0, 2]]));
+  assert.ok(crossesItself([[0, 0], [2, 2], [2, 0], [0, 2]]));
+  assert.ok(!crossesItself([[0, 0], [4, 0], [2, 1], [4, 2], [0, 2]]), 'a dent is no crossing');
+  assert.ok(crossesItself([[0, 0], [4, 0], [0, 0.5], [4, 2], [0, 2], [-1, 0.5], [3, 0.2]]));
+  assert.ok(!crossesItself([[0, 0], [2, 0], [2, 0], [2, 2], [0, 2]]), 'a corner set twice');
+  assert.ok(!crossesItself([[179.9, 0], [-179.9, 0], [-179.9, 1], [179.9, 1]]));
+  assert.ok(crossesItself([[179.9, 0], [-179.9, 1], [-179.9, 0], [179.9, 1]]));
+  assert.ok(!crossesItself([[0, 0], [1, 0]]));
 });
 
 test('a place is inside its ring, with holes of the even-odd rule', () => {
@@ -243,4 +286,25 @@ test('files the server has whole are not sent again', async () => {
   queue.start();
   await end;
   assert.deepEqual(sent, ['p1.jpg', 'p2.jpg']);
+});
+
+test('a server that is away fails no file, and what it had of a file does not count as sent over this line', async () => {
+  let tries = 0;
+  let at_ms = 0;
+  const queue = new UploadQueue(blobs(1), async (item, on_progress) => {
+    tries += 1;
+    if (tries < 30) throw Object.assign(new Error('away'), { is_passing: true, is_away: true });
+    on_progress(600, 600);
+    at_ms += 2000;
+    on_progress(800, 600);
+    assert.equal(queue.picture.bytes_per_s, 100);
+    assert.equal(queue.picture.sent_bytes, 800);
+    at_ms += 60_000;
+    assert.equal(queue.picture.bytes_per_s, 0, 'nothing moves any more');
+  }, { retry_delay_ms: 0, now_ms: () => at_ms });
+  const end = finished(queue);
+  queue.start();
+  await end;
+  assert.equal(tries, 30);
+  assert.deepEqual([queue.picture.done, queue.picture.failed], [1, 0]);
 });

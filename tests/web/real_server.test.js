@@ -7,6 +7,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { setTimeout } from 'node:timers/promises';
 import { launchBrowser, mapIdle, missingForBrowser, openPage } from './support/browser.js';
+import { tilePosition } from '../../web/src/map/tile_addresses.js';
 import { assertOpensAtItsPixel } from './support/photo_pixel.js';
 import { screenshotPixels } from './support/pixels.js';
 import { binary, findPhotos, missingBinary, startServer } from './support/real_server.js';
@@ -85,7 +86,7 @@ async function assertSharesOneFlight(page, id) {
     assert.equal(await asked(`/api/v1/flights/${id}/download.mbtiles`), 200);
     assert.equal(await asked('/api/v1/webhooks'), 403);
     await page.locator('.shares li button').first().click();
-    await page.waitForFunction(() => document.querySelectorAll('.shares li').length === 0);
+    await page.waitForFunction(() => document.querySelectorAll('.shares li').length === 1);
     assert.equal(await asked(`/api/v1/flights/${id}`), 401);
   } finally {
     await guests.close();
@@ -115,6 +116,19 @@ test('a server with tokens opens to the one that was typed, and to a share link'
     await mapIdle(shared);
     assert.ok(!shared.url().includes('token'), 'the address does not keep the token');
     assert.equal(await shared.locator('#token-dialog').count(), 0);
+    // What is handed out for other programs opens the map by itself, and never with a token that may change things.
+    const read_address = await shared.locator('.address input').first().inputValue();
+    assert.ok(read_address.endsWith(`token=${read}`), read_address);
+    await page.click('#links-make');
+    const made_address = await page.locator('.address input').first().inputValue();
+    assert.ok(!made_address.includes(upload) && !made_address.includes(read), made_address);
+    const { bounds, max_zoom } = await page.evaluate(async ([at, bearer]) => (await fetch(at, { headers: { Authorization: `Bearer ${bearer}` } })).json(), [`/api/v1/flights/${id}`, upload]);
+    const middle = tilePosition((bounds[0] + bounds[2]) / 2, (bounds[1] + bounds[3]) / 2, max_zoom);
+    for (const address of [read_address, made_address]) {
+      const tile = address.replace('{z}', max_zoom).replace('{x}', String(Math.floor(middle.x))).replace('{y}', String(Math.floor(middle.y)));
+      assert.equal((await fetch(tile)).status, 200, address);
+    }
+    assert.ok((await (await fetch(`${server.url}api/v1/flights/${id}?token=${read}`)).json()).captured.first);
     await assertSharesOneFlight(page, id);
   } finally {
     await context.close();

@@ -3,18 +3,20 @@
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
 import { takeSharedToken } from './shared/access.js';
-import { announce, showError } from './shared/announce.js';
+import { announce, showError, showNote } from './shared/announce.js';
 import { createFlight, getFlight, getTrash, listFiles, listFlights, renameFlight } from './shared/api.js';
 import { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
 import { askName, askWhereTo } from './shared/dialogs.js';
 import { byId, put } from './shared/dom.js';
 import { dropZone } from './upload/drop_zone.js';
-import { flightList } from './flight/flight_list.js';
+import { glanceAtPhoto, kHeadBytes } from './upload/exif_reader.js';
+import { flightList, mayChange } from './flight/flight_list.js';
 import { FlightView } from './flight/flight_view.js';
 import { clipName } from './shared/format.js';
 import { icon } from './shared/icons.js';
 import { go, watchRoute } from './shared/router.js';
 import { showShareDialog } from './flight/share_dialog.js';
+import { mayUpload } from './shared/own_access.js';
 import { bottomSheet } from './shared/sheet.js';
 import { Stage } from './map/stage.js';
 import { strings } from './shared/strings.js';
@@ -42,6 +44,9 @@ list.element.append(trash.element);
 byId('welcome').append(welcomeView(pickers));
 put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
 byId('new-flight').addEventListener('click', pickers.choose_folder);
+
+// A guest who only reads is offered nothing that the server would refuse.
+void mayUpload().then((may) => document.body.toggleAttribute('data-reads-only', !may));
 
 /** @param {Flight} flight */
 async function rename(flight) {
@@ -81,14 +86,18 @@ function focusList() {
 /** @param {Selection} selection */
 async function takeFiles(selection) {
   try {
-    const open = open_view?.flight ?? null;
+    if (!(await mayUpload())) {
+      showNote(strings.access.reads_only, { is_error: true });
+      return;
+    }
+    const open = open_view?.flight && mayChange(open_view.flight) ? open_view.flight : null;
     let id = open?.id ?? '';
     if (open && open.state !== 'empty' && !uploadOf(open.id) && !(await isRest(open, selection))) {
       const answer = await askWhereTo(selection.chosen.length, open.name);
       if (answer === '') return;
       if (answer === 'new') id = '';
     }
-    if (!id) id = (await createFlight(clipName(selection.folder || defaultName(selection)))).id;
+    if (!id) id = (await createFlight(clipName(selection.folder || (await defaultName(selection))))).id;
     const session = startUpload(id, selection);
     session.addEventListener('job', () => void refreshList());
     if (open_view?.id === id) await open_view.refresh();
@@ -109,10 +118,12 @@ async function isRest(flight, selection) {
   return selection.chosen.some(({ name }) => stored.has(name));
 }
 
-/** @param {Selection} selection */
-function defaultName(selection) {
-  const taken = Math.min(...selection.chosen.map(({ file }) => file.lastModified));
-  return strings.flights.default_name(new Date(taken).toLocaleDateString(undefined, { dateStyle: 'medium' }));
+/** By the day its first photo was taken, as the camera's clock had it; else by that of the oldest file. @param {Selection} selection */
+async function defaultName({ chosen }) {
+  const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
+  const { taken_s } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null };
+  const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
+  return strings.flights.default_name(new Date(taken_ms).toLocaleDateString(undefined, { dateStyle: 'medium', timeZone: taken_s === null ? undefined : 'UTC' }));
 }
 
 /** @param {Route} route */
@@ -192,6 +203,10 @@ document.addEventListener('visibilitychange', () => {
 });
 addEventListener('beforeunload', (event) => {
   if (isUploading()) event.preventDefault();
+});
+// On paper nothing is folded away.
+addEventListener('beforeprint', () => {
+  for (const fold of document.querySelectorAll('#report details')) fold.setAttribute('open', '');
 });
 bottomSheet(() => stage.resize());
 watchRoute(show);

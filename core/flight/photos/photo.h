@@ -82,7 +82,8 @@ struct Photo {
   camera::Intrinsics intrinsics;
   FocalSource focal_source = FocalSource::kAssumed;
   std::optional<UtcTime> captured_at;
-  bool captured_at_is_local = false;  // the clock was local and the zone is unknown
+  bool captured_at_is_local = false;                    // the clock was local and the zone is unknown
+  std::optional<std::chrono::minutes> clock_minus_utc;  // the zone of the camera's clock, where it is known
   std::optional<RecordedPosition> position;
   std::optional<RecordedAttitude> attitude;
   std::optional<RecordedVelocity> velocity;

@@ -114,6 +114,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   const CaptureTime time = ChooseCaptureTime(exif, xmp, photo.notes);
   photo.captured_at = time.captured_at;
   photo.captured_at_is_local = time.is_local;
+  photo.clock_minus_utc = time.clock_minus_utc;
   photo.position = PositionFromTags(exif, xmp, photo.notes);
   photo.attitude = AttitudeFromTags(xmp, ReadMakerNote(header.exif), photo.make, photo.notes);
   photo.velocity = VelocityFromTags(xmp);

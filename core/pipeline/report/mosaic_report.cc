@@ -66,6 +66,9 @@ std::string ReportJson(const MosaicReport& report) {
                     {"pose_only", report.photos_pose_only},
                     {"left_out", report.photos_left_out}};
   json["left_out_photos"] = left_out;
+  json["captured"] = nullptr;
+  if (report.captured)
+    json["captured"] = {{"first", report.captured->first}, {"last", report.captured->last}};
   json["gsd_m"] = Rounded(report.gsd_m, 6);
   json["area_m2"] = Rounded(report.area_m2, 2);
   json["bounds"] = Json::array();

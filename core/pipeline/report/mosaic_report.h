@@ -13,6 +13,7 @@
 #include "core/geo/lat_lon_bounds.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
+#include "core/pipeline/report/capture_span.h"
 #include "core/poses/pose_report.h"
 #include "core/render/seams/seam_shift.h"
 
@@ -31,8 +32,9 @@ struct MosaicReport {
   int photos_pose_only = 0;
   int photos_left_out = 0;
   std::vector<flight::LeftOutPhoto> left_out_photos;
-  double gsd_m = 0.0;    // of the photos (median at the image centres)
-  double area_m2 = 0.0;  // covered ground
+  std::optional<CaptureSpan> captured;  // of the photos in the map
+  double gsd_m = 0.0;                   // of the photos (median at the image centres)
+  double area_m2 = 0.0;                 // covered ground
   geo::LatLonBounds bounds;
   int min_zoom = 0;
   int max_zoom = 0;

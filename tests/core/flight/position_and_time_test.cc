@@ -189,6 +189,7 @@ TEST(ReadPhotoTime, TakesTwoSubSecondDigitsAsHundredths) {
   using namespace std::chrono;
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 10h + 34min + 56s + 50ms);
   EXPECT_FALSE(photo.captured_at_is_local);
+  EXPECT_EQ(photo.clock_minus_utc, 2h);
 }
 
 TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
@@ -201,6 +202,7 @@ TEST(ReadPhotoTime, FindsTheZoneFromTheGpsTimeAndKeepsTheClocksSteps) {
   const Photo photo = Read(exif);
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 582ms);  // +05:30
   EXPECT_FALSE(photo.captured_at_is_local);
+  EXPECT_EQ(photo.clock_minus_utc, 5h + 30min);
 }
 
 TEST(ReadPhotoTime, BelievesTheGpsWhereTheClockIsFarOff) {
@@ -212,6 +214,7 @@ TEST(ReadPhotoTime, BelievesTheGpsWhereTheClockIsFarOff) {
   const Photo photo = Read(exif);
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 500ms);
   EXPECT_TRUE(Notes(photo, "disagree"));
+  EXPECT_FALSE(photo.clock_minus_utc);
 }
 
 TEST(ReadPhotoTime, PrefersUtcOfTheExposure) {
@@ -220,6 +223,19 @@ TEST(ReadPhotoTime, PrefersUtcOfTheExposure) {
                            Dji("drone-dji:UTCAtExposure=\"2021:06:03 12:34:56.123456\""));
   EXPECT_EQ(photo.captured_at, sys_days(2021y / 6 / 3) + 12h + 34min + 56s + 123456us);
   EXPECT_FALSE(photo.captured_at_is_local);
+  EXPECT_EQ(photo.clock_minus_utc, 2h);
+}
+
+TEST(ReadPhotoTime, FindsTheZoneOfAClockThatIsOffByMinutesAndNoneOfOneThatIsOffByMore) {
+  const std::string utc = "drone-dji:UTCAtExposure=\"2021:06:03 12:34:56.0\"";
+  const auto zone = [&](const char* clock) {
+    return Read(ExifWriter().Ascii(ExifIfd::kExif, 0x9003, clock), Dji(utc)).clock_minus_utc;
+  };
+  using namespace std::chrono;
+  EXPECT_EQ(zone("2021:06:03 08:31:02"), -4h);
+  EXPECT_EQ(zone("2021:06:03 12:34:56"), 0h);
+  EXPECT_FALSE(zone("2021:06:03 08:28:50")) << "six minutes off the nearest quarter";
+  EXPECT_FALSE(zone("2010:01:01 00:00:10"));
 }
 
 TEST(ReadPhotoTime, MarksALocalClockAndRefusesImpossibleDates) {

@@ -56,13 +56,14 @@ export function photosGeoJson(place, names) {
   return { type: 'FeatureCollection', features };
 }
 
-/** @param {Place} place @param {string[]} names @param {number} max_zoom */
-export function reportOf(place, names, max_zoom) {
+/** @param {Place} place @param {string[]} names @param {number} max_zoom @param {boolean} [is_whole] */
+export function reportOf(place, names, max_zoom, is_whole = false) {
   const total = names.length;
-  const pose_only = names.filter((_, i) => i % 9 === 7).length;
+  const pose_only = is_whole ? 0 : names.filter((_, i) => i % 9 === 7).length;
+  const left_out = is_whole ? [] : [{ name: 'DJI_0999.JPG', reason: 'It has no GPS position and no log covers its time.' }];
   return {
-    photos: { total: total + 1, aligned: total - pose_only, pose_only, left_out: 1 },
-    left_out_photos: [{ name: 'DJI_0999.JPG', reason: 'It has no GPS position and no log covers its time.' }],
+    photos: { total: total + left_out.length, aligned: total - pose_only, pose_only, left_out: left_out.length },
+    left_out_photos: left_out,
     gsd_m: 0.0173,
     area_m2: (place.half_m * 2) ** 2 * 0.55,
     bounds: boundsOf(place),
@@ -76,6 +77,7 @@ export function reportOf(place, names, max_zoom) {
       { stage: 'export', wall_s: 3.1 },
     ],
     peak_memory_bytes: 611_000_000,
-    warnings: ['Two strips at the west edge overlap by less than 30 %: the seam there may show a step.'],
+    warnings: ['Two strips at the west edge overlap by less than 30 %: the seam there may show a step.',
+      `${names[0]}: recorded position is 46 m from where the photo was taken by what it shows.`],
   };
 }

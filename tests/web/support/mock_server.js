@@ -30,8 +30,9 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, trash_days?: number}} [options] upload_ms: time each file takes at least;
- *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean}} [options] upload_ms: time each file takes at least;
+ *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
+ *   every token may do; is_whole: maps have all photos
  */
 export async function startMockServer(options = {}) {
   const job_ms = options.job_ms ?? 2500;
@@ -57,7 +58,8 @@ export async function startMockServer(options = {}) {
   function addFlight(name) {
     const flight = {
       id: newId(), name, created_at: new Date(Date.UTC(2026, 4, 12, 9, 30 + counter)).toISOString(), files: new Map(), shares: [],
-      job: null, ready: false, revision: null, error: null,
+      job: null, ready: false, captured: { first: '2026-05-12T09:31:00+02:00', last: '2026-05-12T09:31:34+02:00' },
+      verdict: { photos_by_images: 0, gsd_m: 0.0173, area_m2: 24_310, expected_seconds: 21, left_out: [], warnings: [] }, revision: null, error: null,
       place: { lon: 7.4391, lat: 46.9512, half_m: 105, season: counter },
     };
     flights.set(flight.id, flight);
@@ -107,13 +109,13 @@ export async function startMockServer(options = {}) {
     let state = flight.ready ? 'ready' : names.length > 0 ? 'uploaded' : 'empty';
     if (job?.state === 'failed') state = 'failed';
     if (busy) state = job.state === 'accepted' ? 'queued' : 'processing';
-    const report = flight.ready ? reportOf(flight.place, names, max_zoom) : null;
+    const report = flight.ready ? reportOf(flight.place, names, max_zoom, options.is_whole) : null;
     return {
       id: flight.id, name: flight.name, state, created_at: flight.created_at, file_count: names.length,
       bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
       bounds: report?.bounds ?? null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
-      photos: report?.photos ?? null, gsd_m: report?.gsd_m ?? null,
-      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, may_change: flight.may_change ?? true,
+      photos: report?.photos ?? null, captured: flight.ready ? flight.captured : null, gsd_m: report?.gsd_m ?? null,
+      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, may_change: flight.may_change ?? options.scope !== 'read',
     };
   }
 
@@ -154,6 +156,11 @@ export async function startMockServer(options = {}) {
     if (answered && response.destroyed) return undefined;
     if (answered) return send(answered.status, answered.body ?? null, answered.body ? 'application/problem+json' : 'text/plain', answered.headers);
     let match;
+    if (options.scope === 'read' && !['GET', 'HEAD'].includes(request.method ?? '')) {
+      await readBody();
+      return problem(403, 'Forbidden', 'This token may not do that: it needs the scope "upload".');
+    }
+    if (path === '/api/v1/access') return send(200, { needs_token: Boolean(options.has_tokens), scope: options.scope ?? 'admin', flight: null });
     if (path === '/basemap.json') {
       if (!options.basemap_makers) return send(200, { tilejson: '3.0.0', tiles: [] });
       return send(200, { tilejson: '3.0.0', tiles: [`http://${request.headers.host}/basemap.png?{z}/{x}/{y}`], attribution: options.basemap_makers });
@@ -213,6 +220,10 @@ export async function startMockServer(options = {}) {
         return send(204, null);
       }
       if (rest === '') return send(200, flightJson(flight));
+      if (rest === '/verdict') {
+        const photos = [...flight.files.keys()].filter((name) => /\.jpg$/i.test(name)).length;
+        return send(200, { photos_readable: photos, photos_placeable: photos, ...flight.verdict });
+      }
       if (rest === '/files') return send(200, { files: [...flight.files].map(([name, bytes]) => ({ name, bytes })) });
       if (rest.startsWith('/files/') && request.method === 'GET') return send(200, countrysideTile(flight.place, 16, 34140, 23150), 'image/png');
       if (rest === '/at') {
@@ -245,7 +256,7 @@ export async function startMockServer(options = {}) {
       }
       const names = [...flight.files.keys()];
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
-      if (rest === '/report') return send(200, reportOf(flight.place, names, max_zoom));
+      if (rest === '/report') return send(200, reportOf(flight.place, names, max_zoom, options.is_whole));
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
       if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');
     }

@@ -40,6 +40,7 @@ export function mockTus(finish) {
       if (upload.offset + body.length === upload.length) {
         const refusal = await finish(upload, isGone);
         if (refusal) return { status: /** @type {any} */ (refusal).status, headers, body: refusal };
+        if (isGone()) return { status: 499, headers };
       }
       upload.offset += body.length;
     }

@@ -1,6 +1,6 @@
 // Ready settings for other programs, written here from the map's address: nothing needs to be typed there.
 /** @import { Flight, TileJson } from '../shared/types.js' */
-import { ownHost, tilePosition } from '../map/tile_addresses.js';
+import { tilePosition } from '../map/tile_addresses.js';
 
 /** @param {string} text @returns {string} safe inside XML text and attributes */
 export function xmlText(text) {
@@ -74,10 +74,10 @@ export function josmAddress(template, tilejson) {
 /**
  * @param {Flight} flight
  * @param {TileJson} tilejson
+ * @param {string} template of the tiles' addresses, with whatever a program needs to read them
  * @returns {{label: string, file: string, text: string}[]}
  */
-export function connectFiles(flight, tilejson) {
-  const template = ownHost(tilejson.tiles[0]);
+export function connectFiles(flight, tilejson, template) {
   const base = flight.name.replace(/[^\p{L}\p{N}._-]+/gu, '_').slice(0, 60) || 'map';
   return [
     { label: 'QGIS', file: `${base}.qgis.xml`, text: qgisXml(flight.name, template, tilejson) },

@@ -5,20 +5,24 @@ import { announce, showError, showNote } from '../shared/announce.js';
 import { deleteFlight, getTrash, removeFlight, restoreFlight } from '../shared/api.js';
 import { askToRemove } from '../shared/dialogs.js';
 import { strings } from '../shared/strings.js';
-import { uploadOf } from '../upload/uploads.js';
+import { resumeUpload, uploadOf } from '../upload/uploads.js';
 
 /**
  * @param {{id: string, name: string}} flight
  * @param {() => void} on_change called when the flight is back
+ * @returns {Promise<boolean>} whether it is
  */
 export async function restore(flight, on_change) {
+  let is_back = false;
   try {
     await restoreFlight(flight.id);
+    is_back = true;
     announce(strings.flights.restored(flight.name));
   } catch (error) {
     showError(error);
   }
   on_change();
+  return is_back;
 }
 
 /**
@@ -27,18 +31,22 @@ export async function restore(flight, on_change) {
  * @returns {Promise<boolean>} whether it is deleted now
  */
 export async function deleteWithUndo(flight, on_change) {
+  const upload = uploadOf(flight.id);
   try {
     const { days } = await getTrash();
     if (days === 0 && !(await askToRemove(flight.name))) return false;
-    uploadOf(flight.id)?.stop();
+    upload?.stop({ tells: false });
     await deleteFlight(flight.id);
-    const undo = { label: strings.flights.undo, run: () => void restore(flight, on_change) };
+    // An upload that the deletion broke off goes on.
+    const takeBack = () => restore(flight, on_change).then((is_back) => is_back && upload && resumeUpload(upload));
+    const undo = { label: strings.flights.undo, run: () => void takeBack() };
     showNote(days === 0 ? strings.trash.removed(flight.name) : strings.flights.removed(flight.name, days), {
       action: days === 0 ? undefined : undo,
     });
     return true;
   } catch (error) {
     showError(error);
+    if (upload && !uploadOf(flight.id)) resumeUpload(upload);
     return false;
   }
 }

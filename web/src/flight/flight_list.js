@@ -1,10 +1,11 @@
 // The list of flights in the panel: open, rename, delete; states that change are redrawn in place.
 /** @import { Flight } from '../shared/types.js' */
 import { h, put } from '../shared/dom.js';
-import { formatBytes, formatDate, formatPercent } from '../shared/format.js';
+import { formatBytes, formatCaptureDay, formatDate, formatPercent } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
 import { strings } from '../shared/strings.js';
+import { readyWords } from './result_verdict.js';
 import { drawThumbnail } from './thumbnail.js';
 import { uploadOf } from '../upload/uploads.js';
 
@@ -16,12 +17,14 @@ export function stateChip(flight) {
   const upload = uploadOf(flight.id);
   const state = upload ? 'uploading' : flight.state;
   let text = strings.states[state] ?? state;
+  const ready = readyWords(flight);
+  if (state === 'ready') text = ready.text;
   if (state === 'processing' && flight.job?.progress) text += ` ${formatPercent(flight.job.progress)}`;
   if (upload) {
     const { sent_bytes, bytes } = upload.queue.picture;
     if (bytes > 0) text += ` ${formatPercent(sent_bytes / bytes)}`;
   }
-  return h('span', { class: `chip chip-${state}` }, text);
+  return h('span', { class: `chip chip-${state === 'ready' && !ready.is_whole ? 'amber' : state}` }, text);
 }
 
 /**
@@ -30,17 +33,24 @@ export function stateChip(flight) {
  */
 export function flightFacts(flight) {
   const photos = flight.photos ? strings.flights.photos(flight.photos.total) : strings.flights.files(flight.file_count);
-  return [formatDate(flight.created_at), photos, flight.bytes > 0 ? formatBytes(flight.bytes) : '']
+  return [takenDay(flight), photos, flight.bytes > 0 ? formatBytes(flight.bytes) : '', flight.file_count > 0 ? strings.flights.uploaded(formatDate(flight.created_at)) : formatDate(flight.created_at)]
     .filter(Boolean)
     .join(' · ');
 }
 
+/** When its photos were taken. @param {Flight} flight @returns {string} empty where that is not known */
+export const takenDay = (flight) => (flight.captured ? formatCaptureDay(flight.captured) : '');
+
+/** Its time among others: of the photos, else of the upload. @param {Flight} flight */
+const timeOf = (flight) => Date.parse(flight.captured?.first ?? '') || Date.parse(flight.created_at) || 0;
+
 /** May this client change it? @param {Flight} flight */
 export const mayChange = (flight) => flight.may_change !== false;
 
-/** @type {Record<'newest'|'name'|'largest', (a: Flight, b: Flight) => number>} */
+/** @type {Record<'newest'|'taken'|'name'|'largest', (a: Flight, b: Flight) => number>} */
 const orders = {
   newest: (a, b) => (a.created_at < b.created_at ? 1 : a.created_at > b.created_at ? -1 : 0),
+  taken: (a, b) => timeOf(b) - timeOf(a),
   name: (a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }),
   largest: (a, b) => b.bytes - a.bytes,
 };

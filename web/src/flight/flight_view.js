@@ -12,8 +12,10 @@ import { jobView } from './job_view.js';
 import { linksView } from './links_view.js';
 import { reportView } from './report_view.js';
 import { strings } from '../shared/strings.js';
+import { forgetUpload } from '../upload/upload_memory.js';
 import { uploadOf } from '../upload/uploads.js';
 import { uploadView } from '../upload/upload_view.js';
+import { waitingView } from './waiting_view.js';
 
 /**
  * @typedef {object} FlightActions
@@ -183,7 +185,7 @@ export class FlightView {
 
   /** @param {Flight} flight @param {Job} job */
   #followJob(flight, job) {
-    const view = jobView(job.id);
+    const view = jobView(job.id, mayChange(flight));
     const abort = new AbortController();
     this.#closers.push(() => abort.abort());
     view.update(job);
@@ -223,31 +225,28 @@ export class FlightView {
 
   /** @param {Flight} flight */
   #drawWaiting(flight) {
-    const cancelled = flight.job?.state === 'dismissed';
-    const hint = cancelled ? strings.job.cancelled : flight.state === 'uploaded' ? strings.upload.start_hint : strings.drop.resume_hint;
-    put(
-      this.#work,
-      h(
-        'div',
-        { class: 'callout', id: 'waiting' },
-        h('p', {}, hint),
-        flight.state === 'uploaded' && h('p', { class: 'muted' }, strings.drop.resume_hint),
-        mayChange(flight) && h('div', { class: 'row' }, flight.state === 'uploaded' && this.#startButton(flight, strings.upload.start), this.#addButton()),
-      ),
-    );
+    const view = waitingView(flight, {
+      start: (label, kind) => this.#startButton(flight, label, kind),
+      add: () => this.#addButton(),
+      on_resume: () => void this.refresh(),
+      signal: this.#abort.signal,
+    });
+    this.#closers.push(view.close);
+    put(this.#work, view.element);
   }
 
   #addButton() {
     return h('button', { type: 'button', class: 'button small', on: { click: this.actions.add_photos } }, icon('folder'), strings.drop.more);
   }
 
-  /** @param {Flight} flight @param {string} label */
-  #startButton(flight, label) {
-    const button = h('button', { type: 'button', class: 'button small primary', id: 'start-job' }, icon('play'), label);
+  /** @param {Flight} flight @param {string} label @param {'primary'|''} [kind] */
+  #startButton(flight, label, kind = 'primary') {
+    const button = h('button', { type: 'button', class: `button small ${kind}`, id: 'start-job' }, icon('play'), label);
     button.addEventListener('click', async () => {
       button.disabled = true;
       try {
         await startJob(flight.id);
+        forgetUpload(flight.id);
       } catch (error) {
         showError(error);
       }

@@ -25,9 +25,10 @@ function timeLeft(job) {
 
 /**
  * @param {string} job_id
+ * @param {boolean} may_cancel
  * @returns {{element: HTMLElement, update: (job: Job) => void, lost: () => void}}
  */
-export function jobView(job_id) {
+export function jobView(job_id, may_cancel) {
   const words = strings.job;
   const bar = h('progress', { class: 'bar', max: 1, 'aria-label': words.progress, id: 'job-progress' });
   const percent = h('strong', { class: 'big-number' });
@@ -50,7 +51,7 @@ export function jobView(job_id) {
     h('div', { class: 'progress-row' }, percent, bar),
     stage,
     note,
-    h('div', { class: 'row' }, cancel),
+    may_cancel && h('div', { class: 'row' }, cancel),
   );
   return {
     element,

@@ -1,12 +1,14 @@
 // Downloads, and the addresses by which other programs read the map.
 /** @import { Flight, TileJson } from '../shared/types.js' */
-import { readable } from '../shared/access.js';
+import { pageToken, readable, withToken } from '../shared/access.js';
 import { announce, showError } from '../shared/announce.js';
-import { downloadPath, downloadSize } from '../shared/api.js';
+import { addShare, downloadPath, downloadSize } from '../shared/api.js';
 import { connectFiles, josmAddress, saveText } from './connect_files.js';
-import { h } from '../shared/dom.js';
+import { h, put } from '../shared/dom.js';
+import { mayChange } from './flight_list.js';
 import { formatBytes } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
+import { ownAccess } from '../shared/own_access.js';
 import { strings } from '../shared/strings.js';
 import { ownHost } from '../map/tile_addresses.js';
 
@@ -75,18 +77,63 @@ export function linksView(flight, tilejson) {
     }, showError);
     return h('a', { class: 'button download', href: readable(downloadPath(flight.id, kind)), download: '' }, icon('download'), h('span', {}, name, ' ', small));
   };
-  const template = ownHost(tilejson.tiles[0]);
-  const settings = connectFiles(flight, tilejson).map(({ label, file, text }) =>
-    h('button', { type: 'button', class: 'button small', on: { click: () => saveText(file, text) } }, words.connect(label)),
-  );
+  const addresses = h('div', { id: 'map-addresses' });
+  void drawAddresses(flight, tilejson, addresses);
   return h(
     'section',
     { class: 'block no-print', 'aria-labelledby': 'links-heading' },
     h('h2', { id: 'links-heading' }, words.heading),
     h('div', { class: 'downloads' }, download('mbtiles', words.mbtiles, words.mbtiles_hint), download('tif', words.tif, words.tif_hint)),
+    addresses,
+  );
+}
+
+/** Tokens of links that were made here for other programs, by flight. */
+/** @type {Map<string, string>} */
+const made_tokens = new Map();
+
+/**
+ * The addresses carry a token where the server asks for one: other programs cannot sign in. The page's own where it
+ * only reads, like a guest's; never one that may change things.
+ * @param {Flight} flight
+ * @param {TileJson} tilejson
+ * @param {HTMLElement} element
+ */
+async function drawAddresses(flight, tilejson, element) {
+  const words = strings.links;
+  const access = await ownAccess();
+  const asks = access?.needs_token ?? pageToken() !== '';
+  const token = !asks ? '' : access?.scope === 'read' ? pageToken() : (made_tokens.get(flight.id) ?? '');
+  if (asks && !token) {
+    put(element, mayChange(flight) ? makeToken(flight, tilejson, element) : h('p', { class: 'muted' }, words.needs_read_token));
+    return;
+  }
+  const template = withToken(ownHost(tilejson.tiles[0]), token);
+  const settings = connectFiles(flight, tilejson, template).map(({ label, file, text }) =>
+    h('button', { type: 'button', class: 'button small', on: { click: () => saveText(file, text) } }, words.connect(label)),
+  );
+  put(
+    element,
     h('div', { class: 'row settings' }, ...settings),
+    token && h('p', { class: 'muted' }, words.carries_token),
     addressField(words.xyz, template),
     addressField(words.josm, josmAddress(template, tilejson)),
-    addressField(words.tilejson, new URL(flight.tilejson ?? '', location.origin).href),
+    addressField(words.tilejson, withToken(new URL(flight.tilejson ?? '', location.origin).href, token)),
   );
+}
+
+/** @param {Flight} flight @param {TileJson} tilejson @param {HTMLElement} element */
+function makeToken(flight, tilejson, element) {
+  const button = h('button', { type: 'button', class: 'button small', id: 'links-make' }, strings.links.make);
+  button.addEventListener('click', async () => {
+    button.disabled = true;
+    try {
+      made_tokens.set(flight.id, (await addShare(flight.id, null)).token);
+      await drawAddresses(flight, tilejson, element);
+    } catch (error) {
+      button.disabled = false;
+      showError(error);
+    }
+  });
+  return h('div', {}, h('p', { class: 'muted' }, strings.links.make_hint), button);
 }

@@ -1,10 +1,11 @@
 // What was made and how good it is, in plain words first, then in pictures.
 /** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
 import { h } from '../shared/dom.js';
-import { formatArea, formatBytes, formatGsd } from '../shared/format.js';
+import { formatArea, formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { strings } from '../shared/strings.js';
+import { resultView } from './result_verdict.js';
 import { drawThumbnail } from './thumbnail.js';
 import { reasonList } from '../upload/upload_view.js';
 
@@ -29,6 +30,18 @@ function placementBar(photos) {
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
 
 /**
+ * What was noted of one photo alone ("DJI_0001.JPG: ...") is for who looks for it.
+ * @param {string[]} warnings
+ * @param {PhotoCollection|null} photos
+ * @returns {{of_flight: string[], of_photos: string[]}}
+ */
+function sortedWarnings(warnings, photos) {
+  const names = new Set((photos?.features ?? []).map(({ properties }) => properties.name));
+  const isOfPhoto = (/** @type {string} */ text) => names.has(text.slice(0, Math.max(0, text.indexOf(': '))));
+  return { of_flight: warnings.filter((text) => !isOfPhoto(text)), of_photos: warnings.filter(isOfPhoto) };
+}
+
+/**
  * The map itself for the printed report, since the live map is not printed.
  * @param {Flight} flight
  * @returns {HTMLElement}
@@ -48,7 +61,7 @@ function mapPicture(flight) {
 export function reportView(flight, report, photos) {
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
-  const warnings = report.warnings ?? [];
+  const { of_flight, of_photos } = sortedWarnings(report.warnings ?? [], photos);
   const placed = report.photos.aligned + report.photos.pose_only;
   return h(
     'section',
@@ -59,33 +72,46 @@ export function reportView(flight, report, photos) {
       h('h2', { id: 'report-heading' }, words.heading),
       h('button', { type: 'button', class: 'icon-button no-print', 'aria-label': words.print, title: words.print, on: { click: () => print() } }, icon('print')),
     ),
+    resultView(report, photos),
     h(
       'dl',
       { class: 'facts' },
+      flight.captured && fact(words.taken, formatCaptureTime(flight.captured)),
       fact(words.photos, `${placed} / ${report.photos.total}`),
       fact(words.gsd, formatGsd(report.gsd_m)),
       fact(words.area, formatArea(report.area_m2)),
-      fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
     ),
     placementBar(report.photos),
-    warnings.length > 0 &&
+    of_flight.length > 0 &&
       h(
         'div',
         { class: 'callout callout-warning' },
         h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
-        h('ul', { class: 'warnings' }, ...warnings.map((text) => h('li', {}, text))),
+        h('ul', { class: 'warnings' }, ...of_flight.map((text) => h('li', {}, text))),
       ),
-    left_out.length > 0
-      ? h('details', { class: 'left-out', open: left_out.length <= 5 }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out))
-      : h('p', { class: 'good' }, icon('check'), words.all_placed),
+    of_photos.length > 0 &&
+      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), h('ul', { class: 'warnings' }, ...of_photos.map((text) => h('li', {}, text)))),
+    left_out.length > 0 &&
+      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out)),
     h(
       'div',
       { class: 'pictures' },
       mapPicture(flight),
       photos && coveragePicture(photos),
       photos && errorPicture(photos),
+    ),
+    h(
+      'details',
+      { class: 'processing', id: 'processing-details' },
+      h('summary', {}, words.details),
+      h(
+        'dl',
+        { class: 'facts' },
+        fact(words.uploaded, formatDate(flight.created_at)),
+        fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
+        report.peak_memory_bytes > 0 && fact(words.memory, formatBytes(report.peak_memory_bytes)),
+      ),
       timingPicture(report),
     ),
-    report.peak_memory_bytes > 0 && h('p', { class: 'muted fine' }, `${words.memory} ${formatBytes(report.peak_memory_bytes)}`),
   );
 }

@@ -4,8 +4,12 @@
 /** @import { MapView } from './map_view.js' */
 import { h } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
+import { takenDay } from '../flight/flight_list.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
+
+/** @param {Flight} flight @returns {string} when it was flown, or at least when it was uploaded */
+const dayOf = (flight) => takenDay(flight) || strings.flights.uploaded(formatDate(flight.created_at));
 
 /**
  * Do two maps show common ground?
@@ -58,7 +62,7 @@ export function compareView(below, above, options) {
     return h('label', { class: 'check', for: input.id }, input, h('span', {}, label));
   };
   const side = (/** @type {string} */ which, /** @type {Flight} */ flight) =>
-    h('div', { class: `side side-${which}` }, h('strong', {}, flight.name), h('span', { class: 'muted' }, formatDate(flight.created_at)));
+    h('div', { class: `side side-${which}` }, h('strong', {}, flight.name), h('span', { class: 'muted' }, dayOf(flight)));
 
   // Whichever map is moved, the other follows.
   let following = false;
@@ -124,7 +128,7 @@ export function compareChooser(others, on_choose) {
   for (const other of others) {
     list.append(
       h('li', {}, h('button', { type: 'button', class: 'choice', on: { click: () => on_choose(other) } },
-        h('strong', {}, other.name), h('span', { class: 'muted' }, formatDate(other.created_at)))),
+        h('strong', {}, other.name), h('span', { class: 'muted' }, dayOf(other)))),
     );
   }
   element.addEventListener('keydown', (event) => {

@@ -46,6 +46,21 @@ export function photoColour(by, worst_error_m) {
 const is_selected = ['boolean', ['feature-state', 'selected'], false];
 
 /**
+ * Close up the ground is what one looks at: the lines step back.
+ * @param {boolean} visible false: only the chosen photo's
+ * @returns {ExpressionSpecification}
+ */
+export const lineOpacity = (visible) => [
+  'interpolate',
+  ['linear'],
+  ['zoom'],
+  18.5,
+  ['case', is_selected, 1, visible ? 0.75 : 0],
+  20.5,
+  ['case', is_selected, 1, visible ? 0.18 : 0],
+];
+
+/**
  * Layers of the photos, bottom up.
  * @param {ExpressionSpecification} colour
  * @returns {LayerSpecification[]}
@@ -65,16 +80,7 @@ export function photoLayers(colour) {
       paint: {
         'line-color': colour,
         'line-width': ['case', is_selected, 3, 1.2],
-        // Close up the ground is what one looks at: the lines step back.
-        'line-opacity': [
-          'interpolate',
-          ['linear'],
-          ['zoom'],
-          18.5,
-          ['case', is_selected, 1, 0.75],
-          20.5,
-          ['case', is_selected, 1, 0.18],
-        ],
+        'line-opacity': lineOpacity(true),
       },
     },
     {

@@ -8,7 +8,8 @@ import { authorization } from '../shared/access.js';
 import { basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
 import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
-import { cameraPoints, emptyStyle, flightPath, groundColour, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { cameraPoints, emptyStyle, flightPath, groundColour, lineOpacity, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { placeMark } from './place_mark.js';
 import { strings } from '../shared/strings.js';
 import { ownHost, tilesIn } from './tile_addresses.js';
 
@@ -28,7 +29,7 @@ export class MapView {
   /** @type {ColourBy} */
   colour_by = 'placement';
   opacity = 1;
-  shows_footprints = true;
+  shows_footprints = false;  // the map first
   shows_path = false;
   #selected = '';
   #mosaic = '';
@@ -36,6 +37,7 @@ export class MapView {
   #basemap_turn = 0;
   /** @type {[number, number]} of the mosaic */
   #zooms = [0, 0];
+  #drawn_from_zoom = 0;
   is_moved = false;  // by the user, since the flight was opened
 
   /**
@@ -72,6 +74,7 @@ export class MapView {
       this.map.setPaintProperty('ground', 'background-color', groundColour());
       void this.setBasemap(chosenBasemap());
     });
+    this.mark = placeMark(this.map);
     this.ready = new Promise((resolve) => this.map.once('load', () => resolve(undefined)));
     void this.ready.then(() => this.setBasemap(chosenBasemap()));
   }
@@ -105,6 +108,7 @@ export class MapView {
       maxzoom: tilejson.maxzoom ?? 22,
       ...(grows ? {} : { bounds }),
     });
+    this.#drawn_from_zoom = (tilejson.minzoom ?? 0) - Math.log2(512 / (tilejson.tileSize ?? 256));
     this.#zooms = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
     const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old && !id.startsWith('basemap-'))?.id;
     this.map.addLayer(
@@ -116,6 +120,7 @@ export class MapView {
       },
       above,
     );
+    this.mark.show(this.bounds, this.#drawn_from_zoom);
     this.#setState('loading');
     if (old) this.map.once('idle', () => this.#remove(old, [old]));
   }
@@ -127,6 +132,7 @@ export class MapView {
    */
   growMosaic(bounds, changed) {
     this.bounds = bounds;
+    if (this.#mosaic) this.mark.show(bounds, this.#drawn_from_zoom);
     if (this.#mosaic) this.map.refreshTiles(this.#mosaic, tilesIn(changed, ...this.#zooms));
   }
 
@@ -183,6 +189,7 @@ export class MapView {
   async clear() {
     await this.ready;
     this.#remove(this.#mosaic, [this.#mosaic]);
+    this.mark.hide();
     this.#mosaic = '';
     this.hideOverlay();
     this.layers = [];
@@ -228,7 +235,9 @@ export class MapView {
   /** @param {boolean} visible */
   setFootprints(visible) {
     this.shows_footprints = visible;
-    this.#setVisible(photo_layers, visible);
+    // The one that is chosen is outlined all the same.
+    if (this.map.getLayer('photos-line')) this.map.setPaintProperty('photos-line', 'line-opacity', lineOpacity(visible));
+    this.#setVisible(['cameras'], visible);
   }
 
   /** @param {boolean} visible */

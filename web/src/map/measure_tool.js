@@ -7,6 +7,7 @@ import { formatArea, formatLength } from '../shared/format.js';
 import { pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';
 import { measureLayers } from './map_style.js';
+import { crossesItself } from './ring_crossing.js';
 import { strings } from '../shared/strings.js';
 
 /** @typedef {'distance'|'area'} MeasureKind */
@@ -77,9 +78,13 @@ export function measureTool(view, listener) {
       result.textContent = places.length > 1 ? formatLength(length) : '';
       more.textContent = places.length > 1 ? '' : words.hint;
     } else {
-      result.textContent = places.length > 2 ? formatArea(polygonArea(places)) : '';
-      more.textContent = places.length > 2 ? `${words.perimeter} ${formatLength(length)}` : words.hint;
+      const is_crossing = places.length > 3 && crossesItself(places);
+      result.textContent = places.length > 2 && !is_crossing ? formatArea(polygonArea(places)) : '';
+      more.textContent = is_crossing ? words.crossing : places.length > 2 ? `${words.perimeter} ${formatLength(length)}` : words.hint;
+      more.classList.toggle('amber', is_crossing);
+      if (is_crossing) announce(words.crossing);
     }
+    if (kind === 'distance') more.classList.remove('amber');
     if (result.textContent) announce(result.textContent);
   };
 
@@ -118,6 +123,8 @@ export function measureTool(view, listener) {
         end();
         return;
       }
+      // Points of a path are no corners of an outline.
+      places = [];
       kind = next;
       if (!view.map.getSource('measure')) {
         view.map.addSource('measure', { type: 'geojson', data: drawing([], next) });

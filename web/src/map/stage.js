@@ -5,12 +5,13 @@
 import { showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
 import { byId, h, put } from '../shared/dom.js';
-import { go } from '../shared/router.js';
+import { go, parseRoute } from '../shared/router.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
 import { photoCard } from '../flight/photo_card.js';
 import { strings } from '../shared/strings.js';
+import { hashWithPlace, placeOfHash } from './view_address.js';
 import { uploadOf } from '../upload/uploads.js';
 
 const kPreview = 'preview';
@@ -44,7 +45,7 @@ export class Stage {
 
   /** Fetches what draws maps while the server is still being asked for a flight. */
   prepare() {
-    import('./map_view.js').catch(() => undefined);  // #map() tells of it
+    loadMapView().catch(() => undefined);  // #map() tells of it
   }
 
   /** @returns {Promise<MapView|null>} null when this browser cannot draw maps */
@@ -52,7 +53,7 @@ export class Stage {
     if (this.#view) return this.#view;
     const container = h('div', { class: 'map', id: 'map' });
     try {
-      const { MapView } = await import('./map_view.js');
+      const { MapView } = await loadMapView();
       if (this.#view) return this.#view;  // two callers waited for the import
       this.area.prepend(container);
       this.#view = new MapView(container);
@@ -91,7 +92,14 @@ export class Stage {
 
     view.map.on('click', (event) => {
       if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
+      else if (view.mark.isAt(event.point)) fit(true);
       else void this.#showPlace(view, event.lngLat, event.point);
+    });
+    view.map.on('moveend', () => {
+      if (!view.is_moved || !this.#shown || parseRoute(location.hash).view !== 'flight') return;
+      const { lng, lat } = view.map.getCenter();
+      const place = { zoom: view.map.getZoom(), lat, lon: lng, bearing: view.map.getBearing() };
+      history.replaceState(null, '', hashWithPlace(location.hash, place));
     });
     view.map.getCanvas().addEventListener('keydown', (event) => {
       if (event.key === 'Escape') {
@@ -235,7 +243,11 @@ export class Stage {
     if (photos) await view.showPhotos(photos);
     this.#parts?.tools.drawLayers();
     view.map.resize();
-    if (is_new) this.#parts?.fit(false);
+    const place = is_new ? placeOfHash(location.hash) : null;
+    if (place) {
+      view.map.jumpTo({ center: [place.lon, place.lat], zoom: place.zoom, bearing: place.bearing });
+      view.is_moved = true;
+    } else if (is_new) this.#parts?.fit(false);
     // The last photos may have come to the map without having been in the preview.
     else if (was_preview && !view.is_moved) this.#parts?.fit(true);
   }
@@ -311,6 +323,18 @@ export class Stage {
     this.#endCompare?.();
     this.#endCompare = null;
   }
+}
+
+/** @type {Promise<void>|null} */
+let map_style = null;
+
+/** The library that draws maps, and its style, which lies below the page's own. */
+function loadMapView() {
+  map_style ??= new Promise((resolve) => {
+    const sheet = h('link', { rel: 'stylesheet', href: 'vendor/maplibre-gl.css', on: { load: () => resolve(), error: () => resolve() } });
+    document.head.insertBefore(sheet, document.querySelector('link[rel="stylesheet"]'));
+  });
+  return Promise.all([import('./map_view.js'), map_style]).then(([module]) => module);
 }
 
 /** @param {string} id */

@@ -17,7 +17,9 @@ export function takeSharedToken() {
   if (!shared) return false;
   sessionStorage.setItem(kKey, shared);
   address.searchParams.delete('token');
-  address.hash = route;
+  const rest = new URLSearchParams(query);
+  rest.delete('token');
+  address.hash = rest.size > 0 ? `${route}?${decodeURIComponent(rest.toString())}` : route;
   history.replaceState(null, '', address);  // a copied address or a history must not give it away
   return true;
 }
@@ -29,9 +31,14 @@ export const authorization = () => (token() ? { Authorization: `Bearer ${token()
 
 /** @param {string} path @returns {string} the same for an <img> or a link */
 export function readable(path) {
-  if (!token()) return path;
-  return `${path}${path.includes('?') ? '&' : '?'}token=${encodeURIComponent(token())}`;
+  return withToken(path, token());
 }
+
+/** The page's own token, for addresses that are handed out; '' where there is none. */
+export const pageToken = () => token();
+
+/** @param {string} address @param {string} bearer @returns {string} */
+export const withToken = (address, bearer) => (bearer ? `${address}${address.includes('?') ? '&' : '?'}token=${encodeURIComponent(bearer)}` : address);
 
 let is_asking = false;
 

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Flight, Job, PhotoCollection, Report, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
+/** @import { Access, Flight, Job, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { askForToken, authorization, readable } from './access.js';
 import { strings } from './strings.js';
 
@@ -18,7 +18,12 @@ export class ApiError extends Error {
 
   /** Worth trying again without a change by the user? */
   get is_passing() {
-    return this.status === 0 || this.status === 408 || this.status === 429 || this.status >= 500;
+    return this.is_away || this.status >= 500;
+  }
+
+  /** Could the server not be reached, or is it (or a proxy before it) not ready? That passes, however long it takes. */
+  get is_away() {
+    return [0, 408, 429, 502, 503, 504].includes(this.status);
   }
 }
 
@@ -93,6 +98,24 @@ export const createFlight = (name) => request('POST', '/api/v1/flights', { name 
 
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Flight>} */
 export const getFlight = (id, signal) => request('GET', flight_path(id), undefined, signal);
+
+/**
+ * What the server makes of the files that it has, before any map is made. Null where it gives no verdicts.
+ * @param {string} id
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<ServerVerdict|null>}
+ */
+export async function getVerdict(id, signal) {
+  try {
+    return await request('GET', `${flight_path(id)}/verdict`, undefined, signal);
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 503) return null;
+    throw error;
+  }
+}
+
+/** What who asks may do here. @returns {Promise<Access>} */
+export const getAccess = () => request('GET', '/api/v1/access');
 
 /** @param {string} id @param {string} name @returns {Promise<Flight>} */
 export const renameFlight = (id, name) => request('PATCH', flight_path(id), { name });

@@ -56,6 +56,16 @@ export function formatLength(metres) {
 }
 
 /**
+ * An estimate of an error: two digits are all that it is worth.
+ * @param {number} metres
+ * @returns {string}
+ */
+export function formatError(metres) {
+  const [value, unit] = metres < 1 ? [metres * 100, 'cm'] : [metres, 'm'];
+  return `${new Intl.NumberFormat(undefined, { maximumSignificantDigits: 2 }).format(value)}\u00a0${unit}`;
+}
+
+/**
  * Ground size of a pixel: always in centimetres below a metre, as pilots say it.
  * @param {number} metres
  * @returns {string}
@@ -94,6 +104,42 @@ export function formatDate(iso, options = {}) {
     dateStyle: 'medium',
     timeStyle: options.with_time ? 'short' : undefined,
   }).format(date);
+}
+
+// A time as it is written, zone left aside: the clock on the wall of the place, not of the reader.
+const kWritten = /^(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(?:\.\d+)?(Z|[+-]\d\d:\d\d)?$/;
+
+/** @param {string} iso @returns {{wall: Date, zone: string}|null} the wall's time as if it were UTC */
+function wallTime(iso) {
+  const match = iso.match(kWritten);
+  const wall = new Date(`${match?.[1]}Z`);
+  if (!match || Number.isNaN(wall.getTime())) return null;
+  const [, hours, minutes] = match[2]?.match(/^([+-]\d\d):(\d\d)$/) ?? [];
+  const offset = hours === undefined ? '' : `${Number(hours) < 0 || hours[0] === '-' ? '\u2212' : '+'}${Math.abs(Number(hours))}${minutes === '00' ? '' : `:${minutes}`}`;
+  return { wall, zone: match[2] ? `UTC${offset === '+0' ? '' : offset}` : '' };
+}
+
+/**
+ * The day that photos were taken, where they were taken.
+ * @param {{first: string, last: string}} captured
+ * @returns {string} empty when it is no time
+ */
+export function formatCaptureDay({ first, last }) {
+  const [from, to] = [wallTime(first), wallTime(last)];
+  if (!from || !to) return '';
+  return new Intl.DateTimeFormat(undefined, { dateStyle: 'medium', timeZone: 'UTC' }).formatRange(from.wall, to.wall);
+}
+
+/**
+ * The same with the hours and their zone.
+ * @param {{first: string, last: string}} captured
+ * @returns {string} empty when it is no time
+ */
+export function formatCaptureTime({ first, last }) {
+  const [from, to] = [wallTime(first), wallTime(last)];
+  if (!from || !to) return '';
+  const form = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium', timeStyle: 'short', timeZone: 'UTC' });
+  return `${form.formatRange(from.wall, to.wall)}${from.zone ? ` (${from.zone})` : ''}`;
 }
 
 /**

@@ -40,11 +40,36 @@
  * @property {number|null} [min_zoom]
  * @property {number|null} [max_zoom]
  * @property {PhotoCounts|null} [photos]
+ * @property {Captured|null} [captured] when the photos in the map were taken; null where that is not known
  * @property {number|null} [gsd_m]
  * @property {string|null} [tilejson]
  * @property {Preview|null} [preview] until there is a map
  * @property {ServerError|string|null} [error]
  * @property {boolean} [may_change] whether this client may change it; true where the server does not say
+ */
+
+/**
+ * By the clock on the wall there: "2015-10-27T09:31:02-04:00", with Z where the zone is not known, with neither where
+ * the camera's clock was a local one.
+ * @typedef {{first: string, last: string}} Captured
+ */
+
+/**
+ * What who asks may do here.
+ * @typedef {{needs_token: boolean, scope: 'read'|'upload'|'admin', flight: string|null}} Access
+ */
+
+/**
+ * What the server makes of the files that it has (as far as the page shows it).
+ * @typedef {object} ServerVerdict
+ * @property {number} photos_readable
+ * @property {number} photos_placeable by what they record
+ * @property {number} photos_by_images by what they show alone
+ * @property {number} gsd_m 0 where it is not known
+ * @property {number} area_m2
+ * @property {number} expected_seconds
+ * @property {{name: string, reason: string}[]} left_out
+ * @property {string[]} warnings
  */
 
 /** @typedef {{id: string, created_at: string, expires_at: string|null}} Share */
@@ -81,6 +106,7 @@
  * @property {{stage: string, wall_s: number}[]} timings
  * @property {number} peak_memory_bytes
  * @property {string[]} warnings
+ * @property {boolean} [is_placed] false: nothing says where on Earth the flight was
  */
 
 /**

@@ -7,18 +7,34 @@ import { strings } from '../shared/strings.js';
 
 // Smaller files go with the request that announces them; larger ones after it, so that a cut loses nothing.
 const kSmallFile_bytes = 512 * 1024;
+// A line that is cut without a word, or a server that is stopped, never answers: after this long without a byte the
+// file is tried again.
+const kSilence_ms = 60_000;
 
 /**
  * @param {string} flight_id
  * @param {string} name
  * @param {File|Blob} file
- * @param {(sent_bytes: number) => void} on_progress
+ * @param {(sent_bytes: number, from_bytes: number) => void} on_progress from_bytes: what the server had before
  * @param {AbortSignal} signal stops the sending; the server keeps what it has
  * @returns {Promise<void>}
  */
 export function sendFile(flight_id, name, file, on_progress, signal) {
   return new Promise((resolve, reject) => {
     const when = file instanceof File ? file.lastModified : 0;
+    let from_bytes = 0;
+    let silence = 0;
+    const heard = () => {
+      clearTimeout(silence);
+      silence = window.setTimeout(() => {
+        upload.abort().catch(() => {});  // nothing was under way yet
+        reject(new ApiError(0, strings.errors.silent));
+      }, kSilence_ms);
+    };
+    const end = (/** @type {() => void} */ settle) => {
+      clearTimeout(silence);
+      settle();
+    };
     const upload = new Upload(file, {
       endpoint: '/api/v1/uploads',
       headers: authorization(),
@@ -27,13 +43,21 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
       uploadDataDuringCreation: file.size <= kSmallFile_bytes,
       removeFingerprintOnSuccess: true,
       retryDelays: null,  // the queue knows best when to try again
-      onProgress: on_progress,
-      onError: (error) => reject(asApiError(error)),
-      onSuccess: () => resolve(),
+      onAfterResponse: (request, response) => {
+        heard();
+        if (request.getMethod() === 'HEAD') from_bytes = Number(response.getHeader('Upload-Offset') ?? 0) || 0;
+      },
+      onProgress: (sent_bytes) => {
+        heard();
+        on_progress(sent_bytes, from_bytes);
+      },
+      onError: (error) => end(() => reject(asApiError(error))),
+      onSuccess: () => end(resolve),
     });
     signal.addEventListener(
       'abort',
       () => {
+        clearTimeout(silence);
         upload.abort().catch(() => {});  // nothing was under way yet
         reject(new DOMException('upload stopped', 'AbortError'));
       },
@@ -41,6 +65,7 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
     );
     upload.findPreviousUploads().then((earlier) => {
       if (signal.aborted) return;
+      heard();
       if (earlier.length > 0) upload.resumeFromPreviousUpload(earlier[0]);
       upload.start();
     }, reject);

@@ -1,5 +1,6 @@
-// UploadQueue: sends files, a few at a time, with progress, pause, and patience with a poor connection.
-// Knows nothing of the page or of HTTP: the sender is handed in. Emits 'change' whenever the picture changed.
+// UploadQueue: sends files, a few at a time, with progress, pause, and patience with a poor connection: while the
+// server is away it tries for as long as the page is open. Knows nothing of the page or of HTTP: the sender is handed
+// in. Emits 'change' whenever the picture changed.
 
 /**
  * @typedef {object} UploadItem
@@ -8,23 +9,26 @@
  * @property {number} bytes
  * @property {'waiting'|'sending'|'done'|'failed'} state
  * @property {boolean} was_there already on the server with the same size
- * @property {number} sent_bytes
+ * @property {number} sent_bytes never less than before: what was sent is not taken back from the bar
  * @property {number} attempts
- * @property {string} reason why it failed
+ * @property {string} reason why it failed, or why it is tried again
+ * @property {number|null} retry_at_ms it waits until then to be tried again
  */
 
 /**
  * @callback SendFile
  * @param {UploadItem} item
- * @param {(sent_bytes: number) => void} on_progress
+ * @param {(sent_bytes: number, from_bytes?: number) => void} on_progress from_bytes: what the server had of the file
+ *   before this attempt
  * @param {AbortSignal} signal
- * @returns {Promise<void>}
+ * @returns {Promise<void>} its errors say `is_passing` when another try may do, and `is_away` when the server could
+ *   not be reached or is not ready: that passes, however long it takes
  */
 
 /**
  * @typedef {object} UploadOptions
  * @property {number} [parallel] files in flight at once
- * @property {number} [max_attempts] tries per file when the failure may pass
+ * @property {number} [max_attempts] tries per file when the failure may pass and the server is there
  * @property {number} [retry_delay_ms] before the second try; doubles with each, up to 15 s
  * @property {() => number} [now_ms]
  */
@@ -37,13 +41,13 @@
  * @property {number} was_there
  * @property {number} bytes
  * @property {number} sent_bytes
- * @property {number} bytes_per_s over the last seconds; 0 when unknown
+ * @property {number} bytes_per_s over this connection, over the last seconds; 0 when unknown
  * @property {number|null} left_s
+ * @property {{reason: string, at_ms: number}|null} retry everything waits for the next try, and when that is
  * @property {'running'|'paused'|'stopped'|'finished'} state
  */
 
 const kWindow_ms = 8000;
-// Seven tries with these pauses outlast a restart of the server or a walk around the truck.
 const kLongestDelay_ms = 15_000;
 
 export class UploadQueue extends EventTarget {
@@ -51,8 +55,13 @@ export class UploadQueue extends EventTarget {
   items = [];
   /** @type {'running'|'paused'|'stopped'|'finished'} */
   #state = 'paused';
+  /** @type {Map<UploadItem, AbortController>} */
   #aborts = new Map();
-  /** @type {{at_ms: number, sent_bytes: number}[]} */
+  /** @type {Map<UploadItem, () => void>} those that wait for their next try, and how to end that */
+  #sleepers = new Map();
+  /** What went over the line since the page is open. */
+  #wire_bytes = 0;
+  /** @type {{at_ms: number, wire_bytes: number}[]} */
   #history = [];
 
   /**
@@ -82,6 +91,7 @@ export class UploadQueue extends EventTarget {
         sent_bytes: 0,
         attempts: 0,
         reason: '',
+        retry_at_ms: null,
       });
     }
   }
@@ -115,8 +125,8 @@ export class UploadQueue extends EventTarget {
 
   start() {
     if (this.#state === 'stopped') return;
+    if (this.#state !== 'running') this.#history = [];
     this.#state = 'running';
-    this.#history = [];
     this.#pump();
     this.#changed();
   }
@@ -136,9 +146,14 @@ export class UploadQueue extends EventTarget {
 
   retryFailed() {
     for (const item of this.items) {
-      if (item.state === 'failed') Object.assign(item, { state: 'waiting', attempts: 0, reason: '', sent_bytes: 0 });
+      if (item.state === 'failed') Object.assign(item, { state: 'waiting', attempts: 0, reason: '' });
     }
     this.start();
+  }
+
+  /** Whatever waits for its next try has it now. */
+  retryNow() {
+    for (const wake of [...this.#sleepers.values()]) wake();
   }
 
   /** @returns {UploadPicture} */
@@ -153,7 +168,8 @@ export class UploadQueue extends EventTarget {
       if (item.state === 'failed') count.failed += 1;
       if (item.was_there) count.was_there += 1;
     }
-    const speed = this.#speed();
+    const retry = this.#retry();
+    const speed = retry ? 0 : this.#speed();
     return {
       files: this.items.length,
       ...count,
@@ -161,16 +177,24 @@ export class UploadQueue extends EventTarget {
       sent_bytes: sent,
       bytes_per_s: speed,
       left_s: speed > 0 && this.#state === 'running' ? (bytes - sent) / speed : null,
+      retry,
       state: this.#state,
     };
   }
 
+  #retry() {
+    if (this.#sleepers.size === 0 || this.#sleepers.size < this.#aborts.size) return null;
+    const [first] = [...this.#sleepers.keys()].sort((a, b) => (a.retry_at_ms ?? 0) - (b.retry_at_ms ?? 0));
+    return { reason: first.reason, at_ms: first.retry_at_ms ?? 0 };
+  }
+
   #abortAll() {
     for (const [item, abort] of this.#aborts) {
-      Object.assign(item, { state: 'waiting', sent_bytes: 0, attempts: 0 });
+      Object.assign(item, { state: 'waiting', attempts: 0, retry_at_ms: null });
       abort.abort();
     }
     this.#aborts.clear();
+    this.#sleepers.clear();
   }
 
   #pump() {
@@ -190,18 +214,18 @@ export class UploadQueue extends EventTarget {
     const abort = new AbortController();
     this.#aborts.set(item, abort);
     item.state = 'sending';
-    item.attempts += 1;
     try {
-      if (item.attempts > 1) await wait(Math.min(kLongestDelay_ms, this.retry_delay_ms * 2 ** (item.attempts - 2)), abort.signal);
-      await this.send(item, (sent) => this.#progress(item, abort, sent), abort.signal);
+      if (item.attempts > 0) await this.#sleep(item, abort.signal);
+      item.attempts += 1;
+      await this.send(item, this.#progressOf(item, abort), abort.signal);
       if (abort.signal.aborted) return;
-      item.state = 'done';
-      item.sent_bytes = item.bytes;
+      Object.assign(item, { state: 'done', sent_bytes: item.bytes, reason: '' });
+      this.#serverIsThere();
     } catch (error) {
       if (abort.signal.aborted) return;  // paused or stopped: the item is waiting again
-      item.sent_bytes = 0;
-      const passing = Boolean(/** @type {any} */ (error)?.is_passing);
-      item.state = passing && item.attempts < this.max_attempts ? 'waiting' : 'failed';
+      const { is_passing, is_away } = /** @type {any} */ (error) ?? {};
+      const again = is_away || (is_passing && item.attempts < this.max_attempts);
+      item.state = again ? 'waiting' : 'failed';
       item.reason = error instanceof Error ? error.message : String(error);
     }
     this.#aborts.delete(item);
@@ -209,37 +233,68 @@ export class UploadQueue extends EventTarget {
     this.#pump();
   }
 
-  /** @param {UploadItem} item @param {AbortController} abort @param {number} sent_bytes */
-  #progress(item, abort, sent_bytes) {
-    if (abort.signal.aborted) return;
-    item.sent_bytes = sent_bytes;
-    this.#changed();
+  /** @param {UploadItem} item @param {AbortSignal} signal */
+  async #sleep(item, signal) {
+    const delay_ms = Math.min(kLongestDelay_ms, this.retry_delay_ms * 2 ** Math.min(item.attempts - 1, 20));
+    item.retry_at_ms = this.now_ms() + delay_ms;
+    try {
+      await wait(delay_ms, signal, (wake) => this.#sleepers.set(item, wake));
+    } finally {
+      this.#sleepers.delete(item);
+      item.retry_at_ms = null;
+    }
+  }
+
+  /** One file has come through: the others need not wait any longer, and an outage does not count in the speed. */
+  #serverIsThere() {
+    if (this.#sleepers.size === 0) return;
+    this.#history = [];
+    this.retryNow();
+  }
+
+  /** @param {UploadItem} item @param {AbortController} abort */
+  #progressOf(item, abort) {
+    let counted = 0;
+    return (/** @type {number} */ sent_bytes, from_bytes = 0) => {
+      if (abort.signal.aborted) return;
+      const own_bytes = Math.max(0, sent_bytes - from_bytes);
+      this.#wire_bytes += Math.max(0, own_bytes - counted);
+      counted = Math.max(counted, own_bytes);
+      item.sent_bytes = Math.max(item.sent_bytes, sent_bytes);
+      this.#changed();
+    };
   }
 
   #changed() {
-    const sent = this.items.reduce((sum, item) => sum + (item.was_there ? 0 : item.sent_bytes), 0);
     const at_ms = this.now_ms();
-    this.#history.push({ at_ms, sent_bytes: sent });
+    this.#history.push({ at_ms, wire_bytes: this.#wire_bytes });
     while (this.#history.length > 2 && at_ms - this.#history[0].at_ms > kWindow_ms) this.#history.shift();
     this.dispatchEvent(new Event('change'));
   }
 
   #speed() {
-    const first = this.#history[0];
+    // Up to now: a line on which nothing moves any more has no speed.
+    const now_ms = this.now_ms();
+    const first = this.#history.find(({ at_ms }) => now_ms - at_ms <= kWindow_ms);
     const last = this.#history[this.#history.length - 1];
-    if (!first || last.at_ms - first.at_ms < 500) return 0;
-    return Math.max(0, ((last.sent_bytes - first.sent_bytes) / (last.at_ms - first.at_ms)) * 1000);
+    if (!first || now_ms - first.at_ms < 500) return 0;
+    return Math.max(0, ((last.wire_bytes - first.wire_bytes) / (now_ms - first.at_ms)) * 1000);
   }
 }
 
 /**
  * @param {number} ms
  * @param {AbortSignal} signal
+ * @param {(wake: () => void) => void} on_start gets what ends the waiting early
  * @returns {Promise<void>}
  */
-function wait(ms, signal) {
+export function wait(ms, signal, on_start = () => {}) {
   return new Promise((resolve, reject) => {
     const timer = setTimeout(resolve, ms);
+    on_start(() => {
+      clearTimeout(timer);
+      resolve();
+    });
     signal.addEventListener(
       'abort',
       () => {

@@ -6,7 +6,7 @@ import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
-import { verdictView } from './verdict_view.js';
+import { serverVerdictView, verdictView } from './verdict_view.js';
 
 /**
  * @param {UploadSession} session
@@ -20,7 +20,9 @@ export function uploadView(session) {
   const counts = h('span', { class: 'muted', id: 'upload-counts' });
   const pace = h('p', { class: 'muted pace' });
   const sending = h('ul', { class: 'sending' });
+  const trouble = h('div', { class: 'trouble', role: 'status' });
   const verdict = h('div');
+  const server_verdict = h('div');
   const failures = h('div', { id: 'upload-failures' });
   const pause = h('button', { type: 'button', class: 'button small', id: 'upload-pause' });
   const stop = h('button', { type: 'button', class: 'button small quiet', on: { click: () => session.stop() } }, words.stop);
@@ -49,6 +51,21 @@ export function uploadView(session) {
     }
   };
 
+  const trouble_text = h('span');
+  const retry_now = h('button', { type: 'button', class: 'button small', id: 'upload-retry-now', on: { click: () => queue.retryNow() } }, words.retry_now);
+  let shown_trouble = '';
+  // Said at once; the seconds are counted without being said again.
+  const drawTrouble = () => {
+    const { retry } = queue.picture;
+    const reason = retry?.reason ?? session.trouble;
+    if (reason !== shown_trouble) {
+      shown_trouble = reason;
+      put(trouble, reason && h('p', { class: 'callout callout-warning', id: 'upload-trouble' }, icon('warning'), h('span', {}, reason, ' ', trouble_text)), retry && retry_now);
+    }
+    trouble_text.textContent = retry ? words.again_in(Math.max(0, Math.ceil((retry.at_ms - performance.now()) / 1000))) : words.again_soon;
+  };
+
+  let shown_server_verdict = /** @type {typeof session.server_verdict} */ (null);
   let shown_verdict = /** @type {typeof session.verdict} */ (null);
   let shown_failures = '';
   const drawFailures = () => {
@@ -99,12 +116,18 @@ export function uploadView(session) {
     pause.hidden = picture.state === 'finished' || picture.state === 'stopped';
     if (session.verdict !== shown_verdict && session.verdict) put(verdict, verdictView(session.verdict));
     shown_verdict = session.verdict;
+    if (session.server_verdict !== shown_server_verdict && session.server_verdict) {
+      put(server_verdict, serverVerdictView(session.server_verdict, false));
+    }
+    shown_server_verdict = session.server_verdict;
+    drawTrouble();
     drawSending();
     drawFailures();
     announce(`${words.heading} ${percent.textContent}`, { is_progress: true });
   };
   session.addEventListener('change', draw);
   draw();
+  const clock = setInterval(draw, 1000);  // seconds go by also where nothing moves
 
   const element = h(
     'section',
@@ -112,12 +135,20 @@ export function uploadView(session) {
     h('div', { class: 'row between' }, h('h2', { id: 'upload-heading' }, words.heading), counts),
     h('div', { class: 'progress-row' }, percent, bar),
     pace,
+    trouble,
     verdict,
+    server_verdict,
     sending,
     failures,
     h('div', { class: 'row' }, pause, stop),
   );
-  return { element, close: () => session.removeEventListener('change', draw) };
+  return {
+    element,
+    close: () => {
+      clearInterval(clock);
+      session.removeEventListener('change', draw);
+    },
+  };
 }
 
 /** @param {{name: string, reason: string}[]} entries */

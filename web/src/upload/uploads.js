@@ -1,16 +1,21 @@
 // The uploads of this page, one per flight. They live on while the user looks at other flights; when every file of
-// a flight has arrived, its job is queued.
-/** @import { Job } from '../shared/types.js' */
+// a flight has arrived, its job is queued. One that was stopped keeps its files and can go on.
+/** @import { Job, ServerVerdict } from '../shared/types.js' */
 /** @import { ChosenFile, IgnoredFile, Selection } from './drop_files.js' */
 /** @import { Verdict } from './verdict.js' */
 import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/strings.js';
-import { UploadQueue } from './upload_queue.js';
+import { forgetUpload, rememberUpload } from './upload_memory.js';
+import { UploadQueue, wait } from './upload_queue.js';
 import { judge } from './verdict.js';
 
-/** One flight's upload. Emits 'change', and 'job' when the map's job is queued. */
+const kLongestDelay_ms = 15_000;
+// The server is asked for its verdict after so many files, and again when four times as many are there.
+const kFirstVerdict_files = 3;
+
+/** One flight's upload. Emits 'change', and 'job' when the map's job is queued or the upload was stopped. */
 export class UploadSession extends EventTarget {
   /** @type {Job|null} */
   job = null;
@@ -18,9 +23,15 @@ export class UploadSession extends EventTarget {
   ignored = [];
   /** @type {Verdict|null} what the photos' own records say, soon after the start */
   verdict = null;
+  /** @type {ServerVerdict|null} what the server makes of the first files */
+  server_verdict = null;
+  /** @type {string} why the server cannot be told that all is there; '' when nothing is wrong */
+  trouble = '';
   /** @type {ChosenFile[]} */
   #files = [];
   #starting = false;
+  #verdict_from = kFirstVerdict_files;
+  #abort = new AbortController();
 
   /** @param {string} flight_id */
   constructor(flight_id) {
@@ -30,58 +41,139 @@ export class UploadSession extends EventTarget {
       sendFile(flight_id, item.name, item.file, on_progress, signal),
     );
     this.queue.addEventListener('change', () => {
-      this.dispatchEvent(new Event('change'));
-      const { state, failed, done } = this.queue.picture;
+      this.#changed();
+      const { state, failed, done, files } = this.queue.picture;
+      // The last verdict comes with the flight itself.
+      if (done >= this.#verdict_from && done < files) void this.#askServer(done);
       if (state === 'finished' && failed === 0 && done > 0) void this.startJob();
     });
+  }
+
+  #changed() {
+    this.dispatchEvent(new Event('change'));
+  }
+
+  /** @param {number} files that are there now */
+  async #askServer(files) {
+    this.#verdict_from = 4 * files;
+    try {
+      const verdict = await api.getVerdict(this.flight_id, this.#abort.signal);
+      this.server_verdict = verdict;
+      this.#changed();
+    } catch (error) {
+      // Files of which nothing can be said yet (logs before the first photo), or no server: the next time tells.
+      console.debug('no verdict', error);
+    }
   }
 
   /** @param {Selection} selection */
   async add(selection) {
     this.ignored.push(...selection.ignored);
     this.#files.push(...selection.chosen);
+    rememberUpload(this.flight_id, selection.chosen);
     judge(this.#files).then((verdict) => {
       this.verdict = verdict;
-      this.dispatchEvent(new Event('change'));
+      this.#changed();
     }, showError);
-    this.queue.add(selection.chosen);
-    const stored = new Map((await api.listFiles(this.flight_id)).map((file) => [file.name, file.bytes]));
-    this.queue.skipStored(stored);
+    this.queue.add(logsFirst(selection.chosen));
+    await this.resume();
+  }
+
+  /** Sends what the server does not have. */
+  async resume() {
+    this.#abort.abort();
+    this.#abort = new AbortController();
+    const { signal } = this.#abort;
+    sessions.set(this.flight_id, this);
+    held.delete(this.flight_id);
+    this.#starting = false;
+    const files = await this.#untilReached(() => api.listFiles(this.flight_id), signal);
+    if (signal.aborted) return;
+    this.queue.skipStored(new Map(files.map((file) => [file.name, file.bytes])));
     this.queue.start();
+  }
+
+  /**
+   * Tries for as long as the upload is not stopped: a server that is away comes back.
+   * @template T
+   * @param {() => Promise<T>} ask
+   * @param {AbortSignal} signal
+   * @returns {Promise<T>}
+   */
+  async #untilReached(ask, signal) {
+    for (let delay_ms = 1000; ; delay_ms = Math.min(2 * delay_ms, kLongestDelay_ms)) {
+      try {
+        const answer = await ask();
+        this.trouble = '';
+        return answer;
+      } catch (error) {
+        if (!(error instanceof api.ApiError) || !error.is_away || signal.aborted) throw error;
+        this.trouble = error.message;
+        this.#changed();
+        await wait(delay_ms, signal);
+      }
+    }
   }
 
   /** Queues the flight's job: by itself when all has arrived, or when the user goes on without the failed files. */
   async startJob() {
     if (this.#starting) return;
     this.#starting = true;
+    const { signal } = this.#abort;
     try {
       announce(strings.upload.done);
-      this.job = await api.startJob(this.flight_id);
-      sessions.delete(this.flight_id);
-      this.dispatchEvent(new Event('job'));
+      this.job = await this.#untilReached(() => api.startJob(this.flight_id), signal);
+      forgetUpload(this.flight_id);
     } catch (error) {
+      if (signal.aborted) return;
       this.#starting = false;
-      sessions.delete(this.flight_id);
       showError(error);
-      this.dispatchEvent(new Event('job'));
     }
-  }
-
-  stop() {
-    this.queue.stop();
     sessions.delete(this.flight_id);
     this.dispatchEvent(new Event('job'));
   }
+
+  /** Until `resume`. @param {{tells?: boolean}} [how] tells: who shows the flight is told by 'job' */
+  stop({ tells = true } = {}) {
+    this.#abort.abort();
+    this.queue.pause();
+    sessions.delete(this.flight_id);
+    held.set(this.flight_id, this);
+    if (tells) this.dispatchEvent(new Event('job'));
+  }
+}
+
+/**
+ * Logs are small and tell much: with them the verdict on the first photos is that on the flight.
+ * @param {ChosenFile[]} files
+ * @returns {ChosenFile[]}
+ */
+function logsFirst(files) {
+  const isPicture = (/** @type {ChosenFile} */ { name }) => /\.(jpe?g|tiff?|dng|png|mp4|mov|zip|tar|tgz|gz)$/i.test(name);
+  return [...files.filter((file) => !isPicture(file)), ...files.filter(isPicture)];
 }
 
 /** @type {Map<string, UploadSession>} */
 const sessions = new Map();
+/** @type {Map<string, UploadSession>} */
+const held = new Map();
+
+// The line is back: nobody waits for the next try.
+addEventListener('online', () => {
+  for (const { queue } of sessions.values()) queue.retryNow();
+});
 
 /**
  * @param {string} flight_id
  * @returns {UploadSession|undefined} the upload under way
  */
 export const uploadOf = (flight_id) => sessions.get(flight_id);
+
+/**
+ * @param {string} flight_id
+ * @returns {UploadSession|undefined} one that was stopped and can go on: this page still has its files
+ */
+export const stoppedUploadOf = (flight_id) => held.get(flight_id);
 
 /** @returns {boolean} whether leaving the page would break an upload */
 export const isUploading = () => [...sessions.values()].some(({ queue }) => queue.picture.state === 'running');
@@ -92,14 +184,21 @@ export const isUploading = () => [...sessions.values()].some(({ queue }) => queu
  * @returns {UploadSession}
  */
 export function startUpload(flight_id, selection) {
-  let session = sessions.get(flight_id);
-  if (!session) {
-    session = new UploadSession(flight_id);
-    sessions.set(flight_id, session);
-  }
+  const session = sessions.get(flight_id) ?? held.get(flight_id) ?? new UploadSession(flight_id);
+  sessions.set(flight_id, session);
   session.add(selection).catch((error) => {
+    if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped meanwhile
     showError(error);
-    session?.queue.start();  // sending a file twice is harmless: the server replaces it
+    session.queue.start();  // sending a file twice is harmless: the server replaces it
   });
   return session;
+}
+
+/** @param {UploadSession} session one that was stopped */
+export function resumeUpload(session) {
+  session.resume().catch((error) => {
+    if (error instanceof DOMException && error.name === 'AbortError') return;  // stopped again
+    showError(error);
+    session.queue.start();
+  });
 }

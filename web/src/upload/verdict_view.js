@@ -1,7 +1,9 @@
-// The verdict in words, at the top of the upload.
+// The verdicts in words: the page's own, from the photos' first bytes, at the top of the upload, and the server's, of
+// the files that it has. Only the server, which will make the map, can say that all is well.
+/** @import { ServerVerdict } from '../shared/types.js' */
 /** @import { Verdict } from './verdict.js' */
 import { h } from '../shared/dom.js';
-import { formatDuration, formatLength } from '../shared/format.js';
+import { formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
 
@@ -41,6 +43,54 @@ export function verdictWords(verdict) {
 export function verdictView(verdict) {
   const { facts, warnings } = verdictWords(verdict);
   const list = h('ul', { class: 'verdict-warnings' }, ...warnings.map((text) => h('li', {}, icon('warning'), h('span', {}, text))));
-  const good = verdict.photos > 0 ? h('p', { class: 'good' }, icon('check'), strings.verdict.good) : null;
+  const good = verdict.photos > 0 ? h('p', { class: 'muted' }, strings.verdict.good) : null;
   return h('div', { class: 'verdict', id: 'verdict' }, h('p', { class: 'muted' }, facts), warnings.length > 0 ? list : good);
+}
+
+const kShownReasons = 5;
+
+/**
+ * @param {ServerVerdict} verdict
+ * @param {boolean} is_of_all false: of the first files alone
+ * @returns {{title: string, facts: string, warnings: string[], is_good: boolean}}
+ */
+export function serverVerdictWords(verdict, is_of_all) {
+  const words = strings.verdict.server;
+  const left_out = verdict.left_out ?? [];
+  const by_images = verdict.photos_by_images ?? 0;
+  const warnings = [
+    ...(left_out.length > 0 ? [words.left_out(left_out.length)] : []),
+    ...left_out.slice(0, kShownReasons).map(({ name, reason }) => `${name}: ${reason}`),
+    ...verdict.warnings,
+  ];
+  const is_good = warnings.length === 0 && by_images === 0 && verdict.photos_placeable > 0;
+  const facts = [
+    words.placeable(verdict.photos_placeable, verdict.photos_readable),
+    verdict.gsd_m > 0 ? formatGsd(verdict.gsd_m) : '',
+    // The ground and the time of the first photos say nothing of those of the flight.
+    is_of_all && verdict.area_m2 > 0 ? formatArea(verdict.area_m2) : '',
+    is_of_all && verdict.expected_seconds > 0 ? words.time(formatDuration(verdict.expected_seconds)) : '',
+  ];
+  return {
+    title: is_of_all ? words.title : words.title_of_first(verdict.photos_readable + left_out.length),
+    facts: facts.filter(Boolean).join(' \u00b7 '),
+    warnings,
+    is_good,
+  };
+}
+
+/**
+ * @param {ServerVerdict} verdict
+ * @param {boolean} [is_of_all]
+ * @returns {HTMLElement}
+ */
+export function serverVerdictView(verdict, is_of_all = true) {
+  const { title, facts, warnings, is_good } = serverVerdictWords(verdict, is_of_all);
+  return h(
+    'div',
+    { class: `verdict verdict-${is_good ? 'good' : 'amber'}`, id: 'server-verdict' },
+    h('p', { class: is_good ? 'good' : 'amber' }, icon(is_good ? 'check' : 'warning'), h('strong', {}, title)),
+    h('p', { class: 'muted' }, facts),
+    warnings.length > 0 && h('ul', { class: 'verdict-warnings' }, ...warnings.map((text) => h('li', {}, h('span', {}, text)))),
+  );
 }

@@ -38,6 +38,7 @@ export function welcomeView(actions) {
       ),
       h('p', { class: 'fine' }, words.kinds),
     ),
+    h('section', { class: 'reads-only', id: 'reads-only' }, h('h1', {}, words.guest_title), h('p', { class: 'lead' }, words.guest_lead)),
     h(
       'ol',
       { class: 'steps' },

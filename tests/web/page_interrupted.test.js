@@ -1,0 +1,137 @@
+// Uploads that do not run through, in Chromium against the mock server: stopped, deleted and taken back, paused, and a
+// server that is away.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { mapIdle } from './support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { photoFiles } from './support/photo_files.js';
+
+const { setUp } = usePages();
+const only = (/** @type {any} */ mock) => [...mock.flights.values()][0];
+
+/** Sends photos of which the server takes so many and holds the rest. */
+async function uploadPart(page, mock, taken, all) {
+  await page.route('**/api/v1/uploads', async (route) => {
+    if (only(mock)?.files.size >= taken) return undefined;  // neither answered nor refused
+    return route.continue();
+  });
+  await page.setInputFiles('#files-input', photoFiles(all));
+  await page.waitForFunction((n) => Number(document.querySelector('#upload-counts')?.textContent?.split(' ')[0]) >= n, taken);
+}
+
+test('a stopped upload says what the server lacks, there and after a reload, and goes on', options, async () => {
+  const opened = await setUp({ upload_ms: 40 });
+  const { page, mock } = opened;
+  await uploadPart(page, mock, 8, 18);
+  await page.click('text=Stop');
+  await page.waitForSelector('#start-job');
+  const there = () => only(mock).files.size;
+  const says = async () => (await page.textContent('#waiting')) ?? '';
+  await page.waitForTimeout(200);
+  assert.doesNotMatch(await says(), /All/);
+  assert.match(await says(), new RegExp(`${there()} of 18 files are on the server`));
+  assert.match(await says(), new RegExp(`${18 - there()} are missing`));
+  assert.match((await page.textContent('#start-job')) ?? '', /without them/);
+  await assertAccessible(page, 'stopped upload');
+  page.on('dialog', (dialog) => dialog.accept());
+  await page.reload();
+  await page.waitForSelector('#start-job');
+  assert.match(await says(), new RegExp(`${there()} of 18 files are on the server`));
+  await page.unroute('**/api/v1/uploads');
+  await page.setInputFiles('#files-input', photoFiles(18));
+  await mapIdle(page);
+  assert.equal(there(), 18);
+  await assertQuiet(opened);
+});
+
+test('a stopped upload is resumed without choosing the files again', options, async () => {
+  const opened = await setUp({ upload_ms: 40 });
+  const { page, mock } = opened;
+  await uploadPart(page, mock, 4, 12);
+  await page.click('text=Stop');
+  await page.waitForSelector('#upload-resume');
+  await page.unroute('**/api/v1/uploads');
+  await page.click('#upload-resume');
+  await mapIdle(page);
+  assert.equal(only(mock).files.size, 12);
+  await assertQuiet(opened);
+});
+
+test('an upload whose flight is deleted goes on when that is taken back', options, async () => {
+  const opened = await setUp({ upload_ms: 40 });
+  const { page, mock } = opened;
+  await uploadPart(page, mock, 4, 12);
+  await page.click('#flight-delete');
+  await page.waitForSelector('.note-action');
+  assert.equal(mock.flights.size, 0);
+  await page.unroute('**/api/v1/uploads');
+  await page.click('.note-action');
+  await page.waitForSelector('.flights li');
+  await page.click('.flight-link');
+  await mapIdle(page);
+  assert.equal(only(mock).files.size, 12);
+  await assertQuiet(opened);
+});
+
+test('what another browser was to send is not claimed to be all', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const flight = mock.addFlight('Meadow');
+  for (const { name, buffer } of photoFiles(3)) flight.files.set(name, buffer.length);
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#start-job');
+  assert.match((await page.textContent('#waiting')) ?? '', /3 files are on the server/);
+  assert.doesNotMatch((await page.textContent('#waiting')) ?? '', /All/);
+  await assertQuiet(opened);
+});
+
+test('a server that is away for long fails no file; that it is away is said at once, and when it is tried again', options, async () => {
+  const opened = await setUp({ upload_ms: 10 });
+  const { page, mock } = opened;
+  // Time runs fast here: the page waits as it would for minutes.
+  await page.clock.install();
+  let is_away = false;
+  await page.route('**/api/v1/**', (route) => (is_away ? route.abort('connectionrefused') : route.continue()));
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(10));
+  await page.waitForSelector('#upload-progress');
+  is_away = true;
+  await page.click('#upload-pause');
+  await page.click('#upload-pause');
+  await page.waitForSelector('#upload-trouble', { timeout: 4000 });
+  assert.match((await page.textContent('#upload-trouble')) ?? '', /cannot be reached.*Trying again/);
+  await assertAccessible(page, 'upload without a server');
+  for (let i = 0; i < 30; i += 1) await page.clock.runFor(10_000);
+  assert.equal(await page.locator('#upload-failures .callout').count(), 0, 'five minutes later no file has failed');
+  assert.match((await page.textContent('#upload-trouble')) ?? '', /Trying again/);
+  is_away = false;
+  release();
+  await page.click('#upload-retry-now');
+  for (let i = 0; i < 100 && only(mock).files.size < 10; i += 1) {
+    await page.clock.runFor(1000);
+    await page.waitForTimeout(50);
+  }
+  assert.equal(only(mock).files.size, 10);
+  await assertQuiet(opened, [/ERR_CONNECTION_REFUSED|ERR_ABORTED/]);
+});
+
+test('pausing does not move the bar back', options, async () => {
+  const opened = await setUp();
+  const { page, mock } = opened;
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(4, 3_000_000));
+  const bar = () => page.evaluate(() => /** @type {HTMLProgressElement} */ (document.querySelector('#upload-progress')).value);
+  await page.waitForFunction(() => /** @type {HTMLProgressElement} */ (document.querySelector('#upload-progress'))?.value > 0.2);
+  const before = await bar();
+  await page.click('#upload-pause');
+  assert.ok((await bar()) >= before, `${await bar()} after ${before}`);
+  while (mock.heldUploads() > 0) await page.waitForTimeout(50);
+  await page.click('#upload-pause');
+  for (let i = 0; i < 10; i += 1) {
+    assert.ok((await bar()) >= before, `${await bar()} after ${before}`);
+    await page.waitForTimeout(20);
+  }
+  release();
+  await mapIdle(page);
+  await assertQuiet(opened);
+});

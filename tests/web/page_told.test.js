@@ -1,0 +1,130 @@
+// What the page says of a flight, in Chromium against the mock server: what will happen, what became of it, when it was
+// taken, and what may be done with it.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { mapIdle } from './support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+import { photoFiles } from './support/photo_files.js';
+
+const { setUp } = usePages();
+
+test('the server is asked what it makes of the first photos, and its doubts are amber', options, async () => {
+  const opened = await setUp({ upload_ms: 60 });
+  const { page, mock } = opened;
+  const flight = mock.addFlight('Meadow');
+  flight.verdict = { ...flight.verdict, left_out: [{ name: 'DJI_0002.JPG', reason: 'The photo is cut off.' }], warnings: ['No photo says how high it was above the ground: 91 m is assumed.'] };
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#waiting');
+  await page.route('**/api/v1/uploads', (route) => (flight.files.size >= 6 ? undefined : route.continue()));
+  await page.setInputFiles('#files-input', photoFiles(18));
+  await page.waitForSelector('#server-verdict.verdict-amber');
+  const text = (await page.textContent('#server-verdict')) ?? '';
+  assert.match(text, /from the first \d+ photos/);
+  assert.match(text, /91 m is assumed/);
+  assert.match(text, /1 photo will be left out.*DJI_0002\.JPG: The photo is cut off/);
+  assert.equal(await page.locator('#upload .good').count(), 0, 'nothing on the page calls it good');
+  await assertAccessible(page, 'verdict of the server');
+  await page.click('text=Stop');
+  await page.waitForSelector('#waiting ~ * #server-verdict.verdict-amber');
+  assert.match((await page.textContent('#server-verdict')) ?? '', /2\.43.ha · about 21.s to process/);
+  await assertQuiet(opened);
+});
+
+test('a map with photos left out or placed by record alone is amber and says so; a whole one is green', options, async () => {
+  for (const is_whole of [false, true]) {
+    const opened = await setUp({ is_whole });
+    const { page, mock } = opened;
+    const flight = mock.seedReady('Meadow');
+    await page.reload();
+    await page.waitForSelector('.flights .chip');
+    assert.equal(await page.textContent('.flights .chip'), is_whole ? 'Ready' : 'Ready, 1 left out');
+    assert.equal(await page.locator('.flights .chip-amber').count(), is_whole ? 0 : 1);
+    await page.goto(`${mock.url}#/flights/${flight.id}`);
+    await page.waitForSelector('#result-verdict');
+    assert.equal(await page.getAttribute('#result-verdict', 'class'), `result-verdict result-${is_whole ? 'good' : 'amber'}`);
+    const text = (await page.textContent('#result-verdict')) ?? '';
+    if (is_whole) assert.match(text, /All 18 photos are on the map and aligned.*±\d/);
+    else assert.match(text, /1 of 19 photos was left out.*2 photos were placed by their recorded position alone/);
+    // What was noted of single photos, and how it was made, are for who looks for it.
+    assert.doesNotMatch(await page.innerText('#report .callout'), /46 m/);
+    assert.equal(await page.innerText('#photo-notes'), '1 note on a single photo');
+    assert.equal(await page.innerText('#processing-details'), 'Processing details');
+    await page.click('#photo-notes summary');
+    assert.match(await page.innerText('#photo-notes'), /DJI_0001\.JPG: recorded position is 46 m/);
+    await mapIdle(page);
+    await assertAccessible(page, 'result');
+    await assertQuiet(opened);
+  }
+});
+
+test('flights show when they were flown, by the clock of the place', options, async () => {
+  // Whoever reads it is half a day away.
+  const opened = await setUp({}, { timezoneId: 'Pacific/Auckland', locale: 'en-GB' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  const other = mock.seedReady('Brook');
+  flight.captured = { first: '2015-10-27T19:50:02-04:00', last: '2015-10-27T20:10:02-04:00' };
+  other.captured = null;
+  await page.reload();
+  await page.waitForSelector('.flights li');
+  const facts = await page.locator('.flight-facts').allTextContents();
+  assert.match(facts[1], /^27 Oct 2015 · 19 photos.*uploaded 12 May 2026$/);
+  assert.match(facts[0], /^19 photos.*uploaded 12 May 2026$/);
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#report');
+  assert.match((await page.textContent('.flight-head .flight-facts')) ?? '', /27 Oct 2015/);
+  assert.match((await page.textContent('#report')) ?? '', /Taken27 Oct 2015, 19:50\s*–\s*20:10 \(UTC−4\)/);
+  await mapIdle(page);
+  await page.goto(`${mock.url}#/flights/${other.id}`);
+  await page.waitForSelector('#report');
+  await mapIdle(page);
+  await page.click('#tool-compare');
+  assert.match((await page.textContent('#compare-chooser')) ?? '', /Meadow27 Oct 2015/);
+  await page.click('.choice');
+  await page.waitForSelector('#compare-bar');
+  assert.match((await page.textContent('#compare-bar')) ?? '', /uploaded 12 May 2026.*27 Oct 2015/);
+  await assertQuiet(opened);
+});
+
+test('a guest who only reads is offered nothing that would be refused', options, async () => {
+  const opened = await setUp({ has_tokens: true, scope: 'read' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}?token=sq_read`);
+  await page.waitForSelector('#reads-only');
+  await page.waitForSelector('.flights li');
+  for (const id of ['#new-flight', '#drop-zone']) assert.ok(await page.locator(id).isHidden(), id);
+  assert.equal(await page.locator('.flights .row-actions button').count(), 0);
+  await assertAccessible(page, 'home of a guest');
+  await page.setInputFiles('#files-input', photoFiles(2));
+  await page.waitForSelector('.note-error');
+  assert.match((await page.textContent('.note-error')) ?? '', /for viewing/);
+  assert.equal(mock.flights.size, 1);
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.waitForSelector('#report');
+  await mapIdle(page);
+  for (const id of ['flight-share', 'flight-add', 'flight-rename', 'flight-delete']) assert.equal(await page.locator(`#${id}`).count(), 0, id);
+  // What goes to other programs carries what they need to read it.
+  assert.match(await page.locator('.address input').first().inputValue(), /\/\{z\}\/\{x\}\/\{y\}\?rev=1&token=sq_read$/);
+  const download = page.waitForEvent('download');
+  await page.click('text=Settings for QGIS');
+  assert.match(readFileSync(await (await download).path(), 'utf8'), /&amp;token=sq_read"/);
+  await assertQuiet(opened);
+});
+
+test('addresses for other programs never carry a token that may change things: one is made for them', options, async () => {
+  const opened = await setUp({ has_tokens: true, scope: 'upload' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}?token=sq_upload#/flights/${flight.id}`);
+  await page.waitForSelector('#links-make');
+  await mapIdle(page);
+  assert.equal(await page.locator('.address').count(), 0);
+  await assertAccessible(page, 'links that need a token');
+  await page.click('#links-make');
+  await page.waitForSelector('.address');
+  for (const address of await page.locator('.address input').all()) assert.match(await address.inputValue(), new RegExp(`token=${flight.shares[0].token}$`));
+  assert.ok(!(await page.innerHTML('#map-addresses')).includes('sq_upload'));
+  await assertQuiet(opened);
+});
