@@ -94,7 +94,7 @@ const states = {
     await openFlight(page, beach);
     await page.click('#tool-area');
     const box = await page.locator('#map').boundingBox();
-    for (const [x, y] of [[0.42, 0.3], [0.6, 0.28], [0.62, 0.42], [0.46, 0.45]]) await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
+    for (const [x, y] of [[0.42, 0.58], [0.6, 0.55], [0.62, 0.7], [0.46, 0.75]]) await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
     await page.waitForTimeout(400);
   },
   async compare(page, { beach, by_pose }) {

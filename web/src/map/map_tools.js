@@ -101,8 +101,13 @@ function layersCard(view) {
   };
   by.addEventListener('change', () => {
     view.setColourBy(/** @type {any} */ (by.value));
+    // Who chooses colours for the photos wants to see them.
+    view.setFootprints(true);
+    footprints.checked = true;
     draw();
   });
+  const footprints_row = check(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on));
+  const footprints = /** @type {HTMLInputElement} */ (footprints_row.querySelector('input'));
   const basemap = h('select', { id: 'basemap', class: 'field' });
   const drawBasemaps = async () => {
     const kinds = /** @type {const} */ (['none', 'land', ...((await offeredBasemap()) ? ['server'] : [])]);
@@ -121,7 +126,7 @@ function layersCard(view) {
     h('label', { for: 'opacity', class: 'small-label' }, words.opacity),
     opacity,
     overlay.element,
-    check(words.footprints, 'show-footprints', view.shows_footprints, (on) => view.setFootprints(on)),
+    footprints_row,
     check(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
     h('label', { for: 'colour-by', class: 'small-label' }, words.colour),
     by,
