@@ -17,10 +17,10 @@ struct SensorSize {
 // Case does not matter.
 std::optional<SensorSize> FindSensor(std::string_view model);
 
-// How long a camera takes from reading the first row of its widest still format of so many pixels to the last,
-// seconds (some sensors give pictures of four times the pixels, slower). Nothing
-// for a camera that is not listed or exposes all rows at once (a mechanical shutter). Source: measured with
-// blinking lights by users of OpenDroneMap (its RSCalibration describes how).
+// How long a camera takes from reading the first row of its widest still format of so many pixels to the
+// last, seconds (some sensors give pictures of four times the pixels, slower). Nothing for a camera that is
+// not listed or exposes all rows at once (a mechanical shutter). Source: measured with blinking lights by
+// users of OpenDroneMap (its RSCalibration describes how).
 std::optional<double> FindReadoutS(std::string_view model, double megapixels);
 
 // The factor from native pixels to those of an image that was resized, cropped to another aspect, or turned

@@ -21,8 +21,8 @@
 #include "api/build_api.h"
 #include "api/nodeodm/nodeodm.h"
 #include "api/uploads/unpack.h"
-#include "server/commands/config_file.h"
 #include "server/commands/fail.h"
+#include "server/commands/serve_options.h"
 #include "server/confinement/run_apart.h"
 #include "server/confinement/sandbox.h"
 #include "server/housekeeper.h"
@@ -33,7 +33,6 @@
 #include "server/jobs/worker_pool.h"
 #include "server/open_storage.h"
 #include "server/routing/address_range.h"
-#include "server/routing/origin_policy.h"
 #include "server/routing/request_log.h"
 #include "server/routing/static_files.h"
 #include "server/webhooks/webhook_sender.h"
@@ -51,33 +50,6 @@ constexpr std::chrono::milliseconds kStopTime{9'000};
 constexpr int kReaders = 8;
 constexpr int kTileReaders = 4;
 constexpr timespec kSupervisionInterval{0, 500'000'000};
-
-struct ServeOptions {
-  std::string data_dir;
-  std::string listen = "127.0.0.1:8080";
-  std::string web_dir;
-  std::string public_url;
-  std::string basemap;
-  std::string basemap_attribution;
-  std::string webhooks = "off";
-  std::string node_engine = api::kUsualNodeEngine;
-  std::vector<std::string> hosts;
-  std::vector<std::string> cors_origins;
-  std::string config;  // read before the options are (ExpandConfig)
-  int workers = 1;
-  int trash_days = 30;
-  int job_timeout_s = 0;
-  int job_memory_mib = 0;
-  int photo_timeout_s = 60;
-  bool previews = true;
-  bool open = false;
-  std::vector<std::string> trusted_proxies;
-  std::size_t connections_per_address = HttpSettings().connections_of_client;
-  std::size_t listeners_per_address = api::EventHub::kUsualMostOfClient;
-  std::size_t requests_per_address = HttpSettings().max_of_client;
-  std::size_t waiting_requests = HttpSettings().max_waiting;
-  std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
-};
 
 // "https://maps.example.org:8443/x" -> "maps.example.org:8443"
 std::string HostOf(const std::string& url) {
@@ -303,185 +275,13 @@ void RunServer(const ServeOptions& options) {
   if (!(*server)->End(deadline)) ExitNow();
 }
 
-std::string IsHttpUrl(const std::string& text) {
-  const bool is_http = text.starts_with("http://") || text.starts_with("https://");
-  return is_http && text.find_first_of(" \"<>?#") == std::string::npos ? ""
-                                                                       : "must be an http or https address";
-}
-
-// A variable that is misspelt would otherwise do nothing, silently.
-void RefuseUnknownVariables() {
-  const std::string prefix = VariableOf("");
-  constexpr std::string_view kOptions[] = {"data",
-                                           "listen",
-                                           "workers",
-                                           "previews",
-                                           "job-timeout",
-                                           "job-memory",
-                                           "photo-timeout",
-                                           "web",
-                                           "public-url",
-                                           "basemap",
-                                           "basemap-attribution",
-                                           "webhooks",
-                                           "node-engine",
-                                           "open",
-                                           "trusted-proxy",
-                                           "connections-per-address",
-                                           "listeners-per-address",
-                                           "requests-per-address",
-                                           "waiting-requests",
-                                           "tile-cache-mb",
-                                           "trash-days",
-                                           "host",
-                                           "cors-origin"};
-  for (char** variable = environ; *variable != nullptr; ++variable) {
-    std::string_view name(*variable);
-    name = name.substr(0, name.find('='));
-    if (!name.starts_with(prefix)) continue;
-    const bool is_known = std::any_of(std::begin(kOptions), std::end(kOptions),
-                                      [&](std::string_view option) { return VariableOf(option) == name; });
-    if (!is_known) {
-      Fail("skyquilt serve",
-           {ErrorCode::kInvalidArgument, fmt::format("The variable {} is not known.", name), ""});
-    }
-  }
-}
-
-// What one client may take of the server, and who counts as one.
-void AddBounds(CLI::App& command, ServeOptions& options) {
-  constexpr std::size_t kMaxCount = 1'000'000;
-  const auto add = [&](const char* name, auto& value, const char* what) {
-    return command.add_option(std::string("--") + name, value, what)->envname(VariableOf(name));
-  };
-  const auto add_number = [&](const char* name, std::size_t& value, std::size_t least, const char* what) {
-    add(name, value, what)->check(CLI::Range(least, kMaxCount))->capture_default_str();
-  };
-  add("trusted-proxy", options.trusted_proxies,
-      "Address (or network, as 10.0.0.0/8) of a proxy whose X-Forwarded-For says who the client is; may be given several times")
-      ->delimiter(',');
-  add_number("connections-per-address", options.connections_per_address, 0,
-             "Connections that one client address may hold; 0: no bound");
-  add_number("listeners-per-address", options.listeners_per_address, 0,
-             "Listeners to events that one client address may have; 0: no bound");
-  add_number("requests-per-address", options.requests_per_address, 0,
-             "Requests of one client address that wait or are worked on, of each kind; 0: no bound");
-  add_number("waiting-requests", options.waiting_requests, 1,
-             "Requests that wait for a thread, of each kind; more are answered 429");
-  add_number("tile-cache-mb", options.tile_cache_mb, 0,
-             "Megabytes of memory for tiles in other formats and sizes than they are stored in");
-}
-
 }  // namespace
 
 void AddServeCommand(CLI::App& app) {
   const auto options = std::make_shared<ServeOptions>();
   CLI::App* command =
       app.add_subcommand("serve", "Serve the web page, the API and the tiles, and stitch uploads");
-  command->add_option("--data", options->data_dir, "Data folder; made when missing")
-      ->required()
-      ->envname(VariableOf("data"));
-  command->add_option("--listen", options->listen, "ADDRESS:PORT; port 0 picks a free one")
-      ->envname(VariableOf("listen"))
-      ->capture_default_str();
-  command->add_option("--workers", options->workers, "Worker processes that stitch")
-      ->check(CLI::Range(0, 64))
-      ->envname(VariableOf("workers"))
-      ->capture_default_str();
-  command
-      ->add_option("--job-timeout", options->job_timeout_s,
-                   "Seconds after which a job is ended; 0: ten minutes, a minute a file and a second a MiB")
-      ->check(CLI::Range(0, 30 * 24 * 3600))
-      ->envname(VariableOf("job-timeout"))
-      ->capture_default_str();
-  command
-      ->add_option("--job-memory", options->job_memory_mib,
-                   "MiB of memory beyond which a job is ended; 0: 5 GiB and 2 MiB per file, and no more "
-                   "than three quarters of what the machine has")
-      ->check(CLI::Range(0, 1 << 24))
-      ->envname(VariableOf("job-memory"))
-      ->capture_default_str();
-  command
-      ->add_option("--photo-timeout", options->photo_timeout_s,
-                   "Seconds of processor time that the preview of one photo may take; it is passed over then")
-      ->check(CLI::Range(1, 24 * 3600))
-      ->envname(VariableOf("photo-timeout"))
-      ->capture_default_str();
-  command
-      ->add_flag("--previews,!--no-previews", options->previews,
-                 "Draw flights while they are uploading (default)")
-      ->envname(VariableOf("previews"));
-  command
-      ->add_option("--trash-days", options->trash_days,
-                   "Days that a deleted flight can be restored; 0 deletes at once and for good")
-      ->check(CLI::Range(0, 3650))
-      ->envname(VariableOf("trash-days"))
-      ->capture_default_str();
-  command->add_option("--web", options->web_dir, "Folder of the web page, instead of the built-in one")
-      ->envname(VariableOf("web"));
-  command
-      ->add_option("--public-url", options->public_url,
-                   "How others reach this server, where a proxy is before it")
-      ->check(IsHttpUrl)
-      ->envname(VariableOf("public-url"));
-  command
-      ->add_option("--webhooks", options->webhooks,
-                   "Whom this server may tell of ended jobs: nobody (off), public addresses, or any")
-      ->check(CLI::IsMember({"off", "public", "any"}))
-      ->envname(VariableOf("webhooks"))
-      ->capture_default_str();
-  command
-      ->add_option("--node-engine", options->node_engine,
-                   "As which engine this node answers WebODM and its relatives; some insist on \"odm\"")
-      ->check([](const std::string& name) {
-        return api::IsNodeEngine(name) ? "" : "must be lower-case letters and digits, 32 at most";
-      })
-      ->envname(VariableOf("node-engine"))
-      ->capture_default_str();
-  command
-      ->add_option("--basemap", options->basemap,
-                   "What lies below the maps on the page: https://host/{z}/{x}/{y}.png, or a PMTiles file "
-                   "of raster tiles")
-      ->envname(VariableOf("basemap"));
-  command
-      ->add_option("--basemap-attribution", options->basemap_attribution,
-                   "Whom the page names as the makers of the basemap; plain text")
-      ->envname(VariableOf("basemap-attribution"));
-  command
-      ->add_flag(
-          "--open", options->open,
-          "Permit an address that other machines can reach, without any token; lets everybody in again where "
-          "the last token was revoked")
-      ->envname(VariableOf("open"));
-  AddBounds(*command, *options);
-  CLI::Option* hosts =
-      command
-          ->add_option(
-              "--host", options->hosts,
-              "A name that the server goes by, besides those of this machine; several, or with commas. Without "
-              "tokens no other is answered")
-          ->delimiter(',')
-          ->envname(VariableOf("host"));
-  CLI::Option* cors_origins =
-      command
-          ->add_option(
-              "--cors-origin", options->cors_origins,
-              "A site whose pages may use the API: https://host; several, or with commas. Without this, any "
-              "with a token, and none where no token is asked for")
-          ->delimiter(',')
-          ->check([](const std::string& text) {
-            return IsOriginText(text) ? std::string()
-                                      : "must be an origin as https://host:port, without a path";
-          })
-          ->envname(VariableOf("cors-origin"));
-  command->add_option("--config", options->config, "File with these options, one \"name = value\" a line");
-  // A file's options come before those of the command line.
-  for (CLI::Option* option : command->get_options()) {
-    if (option->check_name("--trusted-proxy")) continue;
-    option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  }
-  for (CLI::Option* option : {hosts, cors_origins})
-    option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->allow_extra_args(false);
+  AddServeOptions(*command, *options);
   command->callback([options] {
     RefuseUnknownVariables();
     RunServer(*options);

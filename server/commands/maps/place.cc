@@ -62,24 +62,27 @@ void TakeScale(const std::string& text, pipeline::PlaceRequest& request) {
   (rest.empty() ? request.photo_pixel_m : request.factor) = value;
 }
 
+geo::LatLon PlaceFrom(const char* option, const std::string& text) {
+  const geo::LatLon place = ParseLatLon(kCommand, option, text);
+  if (!(std::abs(place.lat_deg) <= 85.0 && std::abs(place.lon_deg) <= 180.0))
+    Refuse(std::string(option) + " is " + text +
+           " but must be a latitude up to 85 and a longitude up to 180 degrees.");
+  return place;
+}
+
 // "47.1,7.2=47.3,7.4"
 pipeline::ShownPair PairOf(const std::string& text) {
   const std::size_t at = text.find('=');
   if (at == std::string::npos)
     Refuse("--point is '" + text +
            "'; write where the map shows a thing and where it is, like 0.0001,0.0002=46.80,7.10.");
-  return {ParseLatLon(kCommand, "--point", text.substr(0, at)),
-          ParseLatLon(kCommand, "--point", text.substr(at + 1))};
+  return {PlaceFrom("--point", text.substr(0, at)), PlaceFrom("--point", text.substr(at + 1))};
 }
 
 pipeline::PlaceRequest RequestOf(const PlaceArguments& arguments) {
   pipeline::PlaceRequest request;
   if (!arguments.origin.empty()) {
-    const geo::LatLon place = ParseLatLon(kCommand, "--origin", arguments.origin);
-    if (!(std::abs(place.lat_deg) <= 85.0 && std::abs(place.lon_deg) <= 180.0))
-      Refuse("--origin is " + arguments.origin +
-             " but must be a latitude up to 85 and a longitude up to 180 degrees.");
-    request.origin = place;
+    request.origin = PlaceFrom("--origin", arguments.origin);
   }
   for (const std::string& text : arguments.points) request.pairs.push_back(PairOf(text));
   if (arguments.origin.empty() && arguments.gcp.empty() && arguments.points.empty())

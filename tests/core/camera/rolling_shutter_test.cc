@@ -94,7 +94,7 @@ TEST(FindReadoutS, KnowsCamerasWithAndWithout) {
   EXPECT_DOUBLE_EQ(FindReadoutS("fc330", 48.0).value(), 0.033);
   EXPECT_DOUBLE_EQ(FindReadoutS("FC3582", 12.2).value(), 0.026);
   EXPECT_DOUBLE_EQ(FindReadoutS("FC3582", 48.8).value(), 0.060);  // four pixels are not joined to one
-  EXPECT_FALSE(FindReadoutS("FC6310", 20.0));  // a mechanical shutter
+  EXPECT_FALSE(FindReadoutS("FC6310", 20.0));                     // a mechanical shutter
   EXPECT_FALSE(FindReadoutS("nobody's", 12.0));
 }
 

@@ -115,7 +115,11 @@ class Place(unittest.TestCase):
         wrong.write_text("\n".join(rows[:1] + [row.replace(row.split()[5], "OTHER.JPG") for row in rows[1:]]) + "\n")
         mirrored.write_text("\n".join(rows[:1] + [f"{2 * self.truth['origin']['lon_deg'] - float(row.split()[0]):.10f} "
                                                   + row.split(" ", 1)[1] for row in rows[1:]]) + "\n")
-        for arguments, words in (((), "either --origin LAT,LON or --gcp"),
+        for arguments, words in (((), "--origin LAT,LON, --gcp gcp_list.txt or --point"),
+                                 (("--point", "46.8,7.1"), "where the map shows a thing and where it is"),
+                                 (("--point", "0,0=here"), "write it as LAT,LON"),
+                                 (("--point", "0,0=95,7"), "latitude up to 85"),
+                                 (("--point", "0,0=1,1", "--point", "0,0=1,1"), "too near together"),
                                  (("--origin", "here"), "write it as LAT,LON"),
                                  (("--origin", "95,7"), "latitude up to 85"),
                                  (("--origin", "46.8,7.1", "--scale", "big"), "--scale is 'big'"),

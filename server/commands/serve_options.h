@@ -1,0 +1,52 @@
+// ServeOptions: what "skyquilt serve" was told, by its command line, variables and file; and how these are
+// declared. A value. Errors of what was typed end the process with a sentence (Fail).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "api/events/event_hub.h"
+#include "api/nodeodm/nodeodm.h"
+#include "server/http/http_server.h"
+#include "storage/tilesets/made_tiles.h"
+
+namespace CLI {
+class App;
+}
+
+namespace skyquilt::server {
+
+struct ServeOptions {
+  std::string data_dir;
+  std::string listen = "127.0.0.1:8080";
+  std::string web_dir;
+  std::string public_url;
+  std::string basemap;
+  std::string basemap_attribution;
+  std::string webhooks = "off";
+  std::string node_engine = api::kUsualNodeEngine;
+  std::vector<std::string> hosts;
+  std::vector<std::string> cors_origins;
+  std::string config;  // read before the options are (ExpandConfig)
+  int workers = 1;
+  int trash_days = 30;
+  int job_timeout_s = 0;
+  int job_memory_mib = 0;
+  int photo_timeout_s = 60;
+  bool previews = true;
+  bool open = false;
+  std::vector<std::string> trusted_proxies;
+  std::size_t connections_per_address = HttpSettings().connections_of_client;
+  std::size_t listeners_per_address = api::EventHub::kUsualMostOfClient;
+  std::size_t requests_per_address = HttpSettings().max_of_client;
+  std::size_t waiting_requests = HttpSettings().max_waiting;
+  std::size_t tile_cache_mb = storage::MadeTiles::kUsualBudgetBytes >> 20;
+};
+
+void AddServeOptions(CLI::App& command, ServeOptions& options);
+
+// A variable that is misspelt would otherwise do nothing, silently.
+void RefuseUnknownVariables();
+
+}  // namespace skyquilt::server
