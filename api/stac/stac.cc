@@ -11,6 +11,7 @@
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/map_view.h"
+#include "api/stac/capture_times.h"
 
 namespace skyquilt::api {
 namespace {
@@ -21,16 +22,17 @@ Value Link(const std::string& href, const char* rel, const char* type) {
   return {{"rel", rel}, {"href", href}, {"type", type}};
 }
 
-// When the photos were taken, earliest and latest; empty where no camera knew it in UTC.
-std::set<std::string> CaptureTimes(const std::filesystem::path& folder) {
+// When the photos were taken, earliest and latest; empty where no camera knew it.
+std::set<std::string> CaptureTimes(const std::filesystem::path& folder, double lon_deg) {
   std::ifstream file(folder / "photos.geojson", std::ios::binary);
   const Value photos = Value::parse(file, nullptr, false);
   std::set<std::string> times;
   if (!photos.is_object()) return times;
   for (const Value& photo : photos.value("features", Value::array())) {
     const Value& time = photo.at("properties").at("captured_at");
-    if (!time.is_string() || !time.get<std::string>().ends_with('Z')) continue;
-    times.insert(time.get<std::string>());
+    const auto utc = time.is_string() ? UtcOfCapture(time.get<std::string>(), lon_deg) : std::nullopt;
+    if (!utc) continue;
+    times.insert(*utc);
     if (times.size() > 2) times.erase(std::next(times.begin()));
   }
   return times;
@@ -52,7 +54,7 @@ Value Item(const MapView& map, const std::filesystem::path& folder) {
                         {"created", FormatTime(map.revision().created)},
                         {"gsd", map.revision().gsd_m},
                         {"proj:epsg", 3857}};
-  if (const std::set<std::string> times = CaptureTimes(folder); !times.empty()) {
+  if (const std::set<std::string> times = CaptureTimes(folder, 0.5 * (west + east)); !times.empty()) {
     item["properties"]["datetime"] = *times.begin();
     item["properties"]["start_datetime"] = *times.begin();
     item["properties"]["end_datetime"] = *times.rbegin();

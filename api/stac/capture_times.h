@@ -1,0 +1,16 @@
+// UtcOfCapture: the UTC of a time that a photo records. Cameras without a zone write the clock on the wall:
+// then the zone is that of the place's longitude, a quarter of an hour of the sun's time each 3.75 degrees,
+// to a whole hour; laws and summer time put clocks up to two hours beside it. Pure; any thread. Nothing of a
+// text that is no time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace skyquilt::api {
+
+// "2024-06-01T10:00:00.5" and "...Z" -> "2024-06-01T08:00:00.5Z".
+std::optional<std::string> UtcOfCapture(std::string_view recorded, double lon_deg);
+
+}  // namespace skyquilt::api
