@@ -10,6 +10,11 @@
 
 #include "server/commands/commands.h"
 #include "server/commands/config_file.h"
+#include "server/usage/explain_usage.h"
+
+namespace {
+constexpr int kUsageError = 64;  // EX_USAGE of sysexits.h
+}
 
 int main(int argc, char** argv) {
   CLI::App app{"Skyquilt: from a drone's SD card to a map in the browser"};
@@ -22,6 +27,14 @@ int main(int argc, char** argv) {
       fmt::print(stderr, "skyquilt: {}\n", words.error().message);
       return 1;
     }
+    if (const auto unknown = skyquilt::server::WhatIsUnknown(app, *words)) {
+      fmt::print(stderr, "{}\n", *unknown);
+      return kUsageError;
+    }
+    const std::string command = skyquilt::server::CommandOf(app, *words);
+    app.failure_message([command](const CLI::App*, const CLI::Error& error) {
+      return fmt::format("{}: {}\n\"{} --help\" explains what it takes.\n", command, error.what(), command);
+    });
     std::reverse(words->begin(), words->end());  // as the library takes them
     app.parse(*std::move(words));
   } catch (const CLI::ParseError& error) {

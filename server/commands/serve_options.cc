@@ -10,6 +10,7 @@
 #include "server/commands/config_file.h"
 #include "server/commands/fail.h"
 #include "server/routing/origin_policy.h"
+#include "server/usage/one_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -134,7 +135,7 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
   command
       .add_option("--webhooks", options.webhooks,
                   "Whom this server may tell of ended jobs: nobody (off), public addresses, or any")
-      ->check(CLI::IsMember({"off", "public", "any"}))
+      ->check(OneOf(std::vector<std::string>{"off", "public", "any"}))
       ->envname(VariableOf("webhooks"))
       ->capture_default_str();
   command

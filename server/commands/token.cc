@@ -13,6 +13,7 @@
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
 #include "server/commands/fail.h"
+#include "server/usage/one_of.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/db/ids.h"
@@ -136,7 +137,7 @@ void AddTokenCommand(CLI::App& app) {
   };
   CLI::App* add = with_name(with_data(command->add_subcommand("add", "Make a token and print it, once")));
   add->add_option("--scope", options->scope, "What it may do; each includes those before")
-      ->check(CLI::IsMember({"read", "upload", "admin"}))
+      ->check(OneOf(std::vector<std::string>{"read", "upload", "admin"}))
       ->capture_default_str();
   add->add_option("--flight", options->flight,
                   "Id of the one flight that it opens, for reading (default: every flight)");

@@ -13,6 +13,7 @@
 #include "core/simulate/simulate_flight.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
+#include "server/usage/one_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -107,20 +108,20 @@ void AddRecorderOptions(CLI::App& command, SimulateArguments& arguments) {
                   "Fly it with a recorder and write logs/: dataflash (ArduPilot), ulog (PX4), csv; several "
                   "may be named. "
                   "The photos are then taken where the aircraft really was, leaning as it leans")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, LogFormat>{
+      ->transform(OneOf(std::vector<std::pair<std::string, LogFormat>>{
           {"dataflash", LogFormat::kDataflash}, {"ulog", LogFormat::kUlog}, {"csv", LogFormat::kCsv}}));
   command
       .add_option("--mount", arguments.survey.mount,
                   "With --log: fixed: the camera leans with the body; gimbal: it does not")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, CameraMount>{
-          {"fixed", CameraMount::kFixedToBody}, {"gimbal", CameraMount::kGimbal}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, CameraMount>>{{"fixed", CameraMount::kFixedToBody},
+                                                                         {"gimbal", CameraMount::kGimbal}}));
   command
       .add_option("--imu", arguments.imu,
                   "With --log: icm or mpu class; rough: with vibration, lost samples, scale errors; none")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ImuKind>{{"none", ImuKind::kNone},
-                                                                         {"icm", ImuKind::kIcm},
-                                                                         {"mpu", ImuKind::kMpu},
-                                                                         {"rough", ImuKind::kRough}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, ImuKind>>{{"none", ImuKind::kNone},
+                                                                     {"icm", ImuKind::kIcm},
+                                                                     {"mpu", ImuKind::kMpu},
+                                                                     {"rough", ImuKind::kRough}}));
   command.add_flag("--log-rtk", arguments.rtk_log, "With --log: the recorder's GNSS is RTK");
   command.add_flag("--log-without-gnss", arguments.no_gnss_log, "With --log: the recorder has no GNSS");
   command.add_flag("--log-range", arguments.survey.sensors.has_range,
@@ -173,7 +174,7 @@ void AddSimulateCommand(CLI::App& app) {
   command
       ->add_option("--yaw", options.trajectory.yaw_rule,
                    "course: the image's top points ahead; fixed: always along the first line; any: at random")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, YawRule>{
+      ->transform(OneOf(std::vector<std::pair<std::string, YawRule>>{
           {"course", YawRule::kAlongCourse}, {"fixed", YawRule::kFixed}, {"any", YawRule::kAnywhere}}));
   command
       ->add_option("--yaw-wander-deg", arguments->yaw_wander_deg,
@@ -196,7 +197,7 @@ void AddSimulateCommand(CLI::App& app) {
       ->add_option(
           "--texture", options.world.texture,
           "rich: fields, roads, farms; rows: crop rows everywhere (repetitive); bare: sand (little to match)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, TextureLevel>{
+      ->transform(OneOf(std::vector<std::pair<std::string, TextureLevel>>{
           {"rich", TextureLevel::kRich}, {"rows", TextureLevel::kRows}, {"bare", TextureLevel::kBare}}));
   command
       ->add_option("--marks-m", options.world.mark_spacing_m,
@@ -213,12 +214,12 @@ void AddSimulateCommand(CLI::App& app) {
           "What the aircraft recorded: exact: the truth; xmp: a consumer drone (1.5 m, 0.6 deg tilt, 1.5 deg "
           "yaw, 1% focal length); rtk: 2 cm; no-attitude; no-gps; no-pose")
       ->transform(
-          CLI::CheckedTransformer(std::map<std::string, NoiseClass>{{"exact", NoiseClass::kExact},
-                                                                    {"xmp", NoiseClass::kXmpTypical},
-                                                                    {"rtk", NoiseClass::kRtk},
-                                                                    {"no-attitude", NoiseClass::kNoAttitude},
-                                                                    {"no-gps", NoiseClass::kNoGps},
-                                                                    {"no-pose", NoiseClass::kNoPose}}));
+          OneOf(std::vector<std::pair<std::string, NoiseClass>>{{"exact", NoiseClass::kExact},
+                                                                {"xmp", NoiseClass::kXmpTypical},
+                                                                {"rtk", NoiseClass::kRtk},
+                                                                {"no-attitude", NoiseClass::kNoAttitude},
+                                                                {"no-gps", NoiseClass::kNoGps},
+                                                                {"no-pose", NoiseClass::kNoPose}}));
   AddRecorderOptions(*command, *arguments);
   command
       ->add_option("--exposure-jitter", options.exposure_jitter,

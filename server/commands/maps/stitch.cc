@@ -17,6 +17,7 @@
 #include "server/commands/terminal_progress.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
+#include "server/usage/one_of.h"
 
 namespace skyquilt::server {
 namespace {
@@ -88,6 +89,8 @@ void Run(StitchArguments& arguments) {
   arguments.job.write_pmtiles = !arguments.no_pmtiles;
   arguments.job.write_utm = arguments.utm;
   arguments.job.write_kmz = arguments.kmz;
+  if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
+    Fail("skyquilt", possible.error());
   auto files = flight::ListInputFiles(arguments.inputs);
   if (!files) Fail("skyquilt", files.error());
   if (arguments.append) {
@@ -137,7 +140,7 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_option("--format", arguments->job.mosaic.encoding,
                    "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, pipeline::TileEncoding>{
+      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::TileEncoding>>{
           {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
   command
       ->add_option(
@@ -151,12 +154,12 @@ void AddStitchCommand(CLI::App& app) {
           "photos placed by what they show alone; images: all photos placed by what they show alone; imu: recorded poses alone, no pixel compared; "
           "features: homographies chained from photo to photo, poses not looked at; "
           "direct: recorded poses refined by comparing whole pictures")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, pipeline::AlignMethod>{{"auto", pipeline::AlignMethod::kAuto},
-                                                       {"images", pipeline::AlignMethod::kImages},
-                                                       {"imu", pipeline::AlignMethod::kImu},
-                                                       {"features", pipeline::AlignMethod::kFeatures},
-                                                       {"direct", pipeline::AlignMethod::kDirect}}));
+      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::AlignMethod>>{
+          {"auto", pipeline::AlignMethod::kAuto},
+          {"images", pipeline::AlignMethod::kImages},
+          {"imu", pipeline::AlignMethod::kImu},
+          {"features", pipeline::AlignMethod::kFeatures},
+          {"direct", pipeline::AlignMethod::kDirect}}));
   command->add_option("--origin", arguments->origin,
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
   command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
@@ -185,10 +188,10 @@ void AddStitchCommand(CLI::App& app) {
           "Also tilesets of their own, with layers.json: photo (which photo a pixel came from), error (how far "
           "off it may lie), height (the ground's)")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, render::MapLayer>{{"photo", render::MapLayer::kPhoto},
-                                                  {"error", render::MapLayer::kError},
-                                                  {"height", render::MapLayer::kHeight}}));
+      ->transform(OneOf(
+          std::vector<std::pair<std::string, render::MapLayer>>{{"photo", render::MapLayer::kPhoto},
+                                                                {"error", render::MapLayer::kError},
+                                                                {"height", render::MapLayer::kHeight}}));
   command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles,
                     "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");

@@ -1,0 +1,103 @@
+#include "server/usage/explain_usage.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <string_view>
+
+#include "server/usage/near_word.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr std::size_t kMostShown = 60;  // letters of what was typed
+
+std::string Shown(std::string_view typed) {
+  std::string shown;
+  for (const char letter : typed.substr(0, kMostShown))
+    shown += static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f ? '?' : letter;
+  return typed.size() > kMostShown ? shown + "..." : shown;
+}
+
+std::string Meant(const std::optional<std::string>& word) {
+  return word ? fmt::format(" Did you mean {}?", *word) : "";
+}
+
+// Those that help lists; what the program starts by itself is no suggestion.
+std::vector<std::string> NamesOfCommands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (!command->get_group().empty()) names.push_back(command->get_name());
+  }
+  return names;
+}
+
+bool HasOption(const CLI::App& app, const std::string& name) {
+  if (name == "--help" || name == "--help-all" || name == "--version") return true;
+  return app.get_option_no_throw(name) != nullptr;
+}
+
+std::vector<std::string> NamesOfOptions(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::vector<std::string>& long_names = option->get_lnames();
+    names.insert(names.end(), long_names.begin(), long_names.end());
+  }
+  return names;
+}
+
+const CLI::App* CommandNamed(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == name) return command;
+  }
+  return nullptr;
+}
+
+struct Reached {
+  const CLI::App* command;
+  std::string name;                    // "skyquilt token add"
+  std::size_t words = 0;               // that were commands, and those before them
+  std::optional<std::string> unknown;  // where a command was to come
+};
+
+Reached Follow(const CLI::App& app, const std::vector<std::string>& words) {
+  Reached reached{&app, "skyquilt", 0, std::nullopt};
+  for (std::size_t i = 0; i < words.size() && reached.command->get_require_subcommand_min() > 0; ++i) {
+    if (words[i].starts_with('-')) continue;
+    const CLI::App* next = CommandNamed(*reached.command, words[i]);
+    if (next == nullptr) {
+      reached.unknown = words[i];
+      break;
+    }
+    reached.command = next;
+    reached.name += " " + words[i];
+    reached.words = i + 1;
+  }
+  return reached;
+}
+
+}  // namespace
+
+std::string CommandOf(const CLI::App& app, const std::vector<std::string>& words) {
+  return Follow(app, words).name;
+}
+
+std::optional<std::string> WhatIsUnknown(const CLI::App& app, const std::vector<std::string>& words) {
+  const Reached reached = Follow(app, words);
+  if (reached.unknown) {
+    const std::optional<std::string> near = NearWord(*reached.unknown, NamesOfCommands(*reached.command));
+    return fmt::format("{} has no command \"{}\".{} \"{} --help\" lists them.", reached.name,
+                       Shown(*reached.unknown), near ? Meant(reached.name + " " + *near) : "", reached.name);
+  }
+  for (std::size_t i = reached.words; i < words.size() && words[i] != "--"; ++i) {
+    if (!words[i].starts_with("--")) continue;
+    const std::string name = words[i].substr(0, words[i].find('='));
+    if (HasOption(*reached.command, name)) continue;
+    const std::optional<std::string> near = NearWord(name.substr(2), NamesOfOptions(*reached.command));
+    return fmt::format("{} has no option {}.{} \"{} --help\" explains all it has.", reached.name, Shown(name),
+                       near ? Meant("--" + *near) : "", reached.name);
+  }
+  return std::nullopt;
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,125 @@
+// What is said of command lines that name what does not exist.
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+
+#include "server/usage/explain_usage.h"
+#include "server/usage/near_word.h"
+#include "server/usage/one_of.h"
+
+namespace skyquilt::server {
+namespace {
+
+// A program with commands, one with commands of its own, and one that help does not list.
+struct Program {
+  CLI::App app{"test"};
+  std::string method = "auto";
+
+  Program() {
+    app.require_subcommand(1);
+    CLI::App* stitch = app.add_subcommand("stitch", "");
+    stitch->add_option("IN", inputs)->required();
+    stitch->add_option("-o,--out", out);
+    stitch->add_flag("--previews,!--no-previews", previews);
+    stitch->add_option("--method", method)->check(OneOf({"auto", "imu"}));
+    app.add_subcommand("inspect", "");
+    CLI::App* token = app.add_subcommand("token", "");
+    token->require_subcommand(1);
+    token->add_subcommand("add", "");
+    app.add_subcommand("stitch-confined", "")->group("");
+  }
+  std::string Of(const std::vector<std::string>& words) const {
+    return WhatIsUnknown(app, words).value_or("");
+  }
+
+  std::vector<std::string> inputs;
+  std::string out;
+  bool previews = true;
+};
+
+TEST(WhatIsUnknown, NamesTheCommandThatWasMeant) {
+  const Program program;
+  EXPECT_EQ(
+      program.Of({"stich", "photos"}),
+      "skyquilt has no command \"stich\". Did you mean skyquilt stitch? \"skyquilt --help\" lists them.");
+  EXPECT_EQ(
+      program.Of({"insp"}),
+      "skyquilt has no command \"insp\". Did you mean skyquilt inspect? \"skyquilt --help\" lists them.");
+  EXPECT_EQ(
+      program.Of({"tokens"}),
+      "skyquilt has no command \"tokens\". Did you mean skyquilt token? \"skyquilt --help\" lists them.");
+  EXPECT_EQ(
+      program.Of({"token", "ad"}),
+      "skyquilt token has no command \"ad\". Did you mean skyquilt token add? \"skyquilt token --help\" lists "
+      "them.");
+  EXPECT_EQ(program.Of({"wxyz"}), "skyquilt has no command \"wxyz\". \"skyquilt --help\" lists them.");
+}
+
+TEST(WhatIsUnknown, NamesTheOptionThatWasMeant) {
+  const Program program;
+  EXPECT_EQ(
+      program.Of({"stitch", "--ot", "x", "y"}),
+      "skyquilt stitch has no option --ot. Did you mean --out? \"skyquilt stitch --help\" explains all it has.");
+  EXPECT_EQ(
+      program.Of({"stitch", "x", "--methd=imu"}),
+      "skyquilt stitch has no option --methd. Did you mean --method? \"skyquilt stitch --help\" explains all it "
+      "has.");
+  EXPECT_EQ(program.Of({"--hlp"}),
+            "skyquilt has no option --hlp. Did you mean --help? \"skyquilt --help\" explains all it has.");
+  EXPECT_NE(program.Of({"stitch", "--\x1b[31m" + std::string(200, 'x')}), "");
+  EXPECT_EQ(program.Of({"stitch", "--\x1b[31m"}).find('\x1b'), std::string::npos);
+}
+
+TEST(WhatIsUnknown, LeavesWhatTheLibraryKnows) {
+  const Program program;
+  for (const std::vector<std::string>& words : {std::vector<std::string>{},
+                                                {"--help"},
+                                                {"stitch"},
+                                                {"stitch", "--help"},
+                                                {"stitch", "x", "-o", "y"},
+                                                {"stitch", "x", "--out=y"},
+                                                {"stitch", "--no-previews", "x"},
+                                                {"stitch", "--", "--odd-name.jpg"},
+                                                {"token", "add"},
+                                                {"token", "--help"},
+                                                {"stitch-confined"},
+                                                {"stitch", "inspekt"}}) {
+    EXPECT_EQ(program.Of(words), "");
+  }
+}
+
+TEST(NearWord, IsNearAndNotJustAnyWord) {
+  const std::vector<std::string> known{"stitch", "serve", "place"};
+  EXPECT_EQ(NearWord("sitch", known), "stitch");
+  EXPECT_EQ(NearWord("sttich", known), "stitch");
+  EXPECT_EQ(NearWord("plaec", known), "place");
+  EXPECT_EQ(NearWord("ser", known), "serve");
+  EXPECT_FALSE(NearWord("photos", known));
+  EXPECT_FALSE(NearWord("", known));
+  EXPECT_FALSE(NearWord(std::string(100'000, 's'), known));
+  EXPECT_FALSE(NearWord("x", {}));
+}
+
+TEST(OneOf, ListsTheWordsThatItTakes) {
+  enum class Kind { kFirst = 3, kSecond = 7 };
+  CLI::App app;
+  Kind kind = Kind::kFirst;
+  app.add_option("--kind", kind)
+      ->transform(OneOf(
+          std::vector<std::pair<std::string, Kind>>{{"first", Kind::kFirst}, {"second", Kind::kSecond}}));
+  app.parse("--kind second");
+  EXPECT_EQ(kind, Kind::kSecond);
+  for (const char* bad : {"--kind third", "--kind 7"}) {
+    try {
+      app.parse(bad);
+      FAIL() << bad;
+    } catch (const CLI::ParseError& error) {
+      EXPECT_NE(std::string(error.what()).find("it takes first or second."), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_NE(app.help().find("first or second"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace skyquilt::server
