@@ -57,7 +57,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     await page.keyboard.press('Enter');
     assert.equal(await page.locator('.place-said.place-fault').count(), 0);
     assert.match(await page.innerText('#place-card'), /= 46\.8000000, 7\.1000000/);
-    assert.match(await page.innerText('#place-step'), /click point 2 as well/);
+    assert.match(await page.innerText('#place-step'), /click a second point as well/);
     assert.ok(await page.isDisabled('#place-go'), 'one point says nothing of size and north');
 
     // Too near, then far.
@@ -173,6 +173,10 @@ test('what the server refuses is told in its words, and the points can be change
   await page.waitForSelector('#failure');
   assert.match(await page.innerText('#failure'), /The map could not be moved/);
   assert.equal(await page.locator('#start-job').count(), 0, 'nothing offers to make the map anew');
+  // Also for who has looked at something else meanwhile.
+  await page.click('.back-link');
+  await page.click('.flights a:has-text("Meadow")');
+  await page.waitForSelector('#report');
   await page.click('#place-again');
   assert.equal(await page.inputValue('#place-is-1'), '46.8, 7.1');
   await assertQuiet(opened, [/409/]);

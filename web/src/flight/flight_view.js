@@ -232,10 +232,11 @@ export class FlightView {
 
   /** What can be done after a failure. @param {Flight} flight */
   #waysOn(flight) {
-    const report = this.#report;
-    if (!report || !placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), this.#addButton()];
+    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), this.#addButton()];
     const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
-    change.addEventListener('click', () => this.#place(flight, report, change));
+    change.addEventListener('click', () => {
+      if (this.#report) this.#place(flight, this.#report, change);
+    });
     return [change];
   }
 

@@ -98,10 +98,9 @@ export function placePoint(view, first, listener) {
   };
   const say = (/** @type {string} */ text, is_fault = false) => {
     clearTimeout(timer);
-    said.textContent = text;
     said.classList.toggle('place-fault', is_fault);
-    said.toggleAttribute('role', false);
-    if (is_fault) said.setAttribute('role', 'alert');
+    said.setAttribute('role', is_fault ? 'alert' : 'status');
+    said.textContent = text;
     if (is_fault) input.setAttribute('aria-invalid', 'true');
     else input.removeAttribute('aria-invalid');
   };
@@ -111,8 +110,7 @@ export function placePoint(view, first, listener) {
     const before = is;
     is = 'place' in result ? result.place : null;
     if ('place' in result) {
-      const written = formatCoordinates(result.place[0], result.place[1], 'decimal');
-      say(`= ${written}`);
+      say(`= ${formatCoordinates(...result.place, 'decimal')}`);
     } else {
       const tell = () => say(words.faults[result.fault], result.fault !== 'empty');
       if (is_whole || result.fault === 'empty') tell();

@@ -88,9 +88,9 @@ export function placeTool(view, listener) {
     const open = pending();
     if (open && endPicking) return words.on_basemap(open.number);
     if (open) return canPick() ? words.is_or_basemap(open.number) : words.is(open.number);
-    if (points.length === 0) return words.shown(1);
+    if (points.length === 0) return words.shown;
     if (points.length > 1) return words.enough;
-    return subject?.is_guessed ? words.one_more(2) : words.enough_one;
+    return subject?.is_guessed ? words.one_more : words.enough_one;
   };
   const canPick = () => has_basemap && (subject?.is_placed === true || near() !== null);
 

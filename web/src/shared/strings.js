@@ -244,16 +244,13 @@ export const strings = {
     place: 'Place on Earth',
     move: 'Move the map',
     close: 'Stop placing the map',
-    shown: /** @type {(n: number) => string} */ ((n) =>
-      n === 1
-        ? 'Click something on the map that you can find on Earth, or pan the map and use its centre.'
-        : `Click point ${n}, far from the ${n === 2 ? 'first' : 'others'}.`),
+    shown: 'Click something on the map that you can find on Earth, or pan the map and use its centre.',
     is: (/** @type {number} */ n) => `Type or paste where point ${n} really is, latitude first. Click the map again to correct the point.`,
     is_or_basemap: (/** @type {number} */ n) => `Type or paste where point ${n} really is, latitude first, or click it on the basemap.`,
     on_basemap: (/** @type {number} */ n) => `Click where point ${n} is on the basemap. The map is see-through meanwhile.`,
     enough_one: 'One point shifts the map. For its size and north too, click a second one, far from the first.',
     enough: 'Place the map, or click another point.',
-    one_more: (/** @type {number} */ n) => `Size and north are guessed: click point ${n} as well, far from the first.`,
+    one_more: 'Size and north are guessed: click a second point as well, far from the first.',
     centre: 'Use centre',
     basemap: 'Click on basemap',
     back: 'Back to the map',
