@@ -97,6 +97,22 @@ const states = {
     for (const [x, y] of [[0.42, 0.58], [0.6, 0.55], [0.62, 0.7], [0.46, 0.75]]) await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
     await page.waitForTimeout(400);
   },
+  async place(page, { beach }) {
+    await openFlight(page, beach);
+    await page.click('#flight-move');
+    await page.waitForSelector('#place-card:not([hidden])');
+    await mapIdle(page);
+    const [west, south, east, north] = beach.bounds;
+    const box = await page.locator('#map').boundingBox();
+    for (const [i, [x, y]] of [[0.35, 0.35], [0.7, 0.6]].entries()) {
+      const place = [west + x * (east - west), south + y * (north - south)];
+      const spot = await page.evaluate((/** @type {number[]} */ p) => /** @type {any} */ (window).skyquilt.map.project(p), place);
+      await page.mouse.click(box.x + spot.x, box.y + spot.y);
+      await page.fill(`#place-is-${i + 1}`, `${(place[1] + 0.00004).toFixed(7)}, ${(place[0] + 0.00003).toFixed(7)}`);
+      await page.keyboard.press('Enter');
+    }
+    await mapIdle(page);
+  },
   async compare(page, { beach, by_pose }) {
     await page.goto(`${new URL('/', page.url()).href}#/flights/${beach.id}/compare/${by_pose.id}`);
     await mapIdle(page);

@@ -20,6 +20,12 @@ for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
       await mapIdle(page);
       await page.waitForSelector('#report');
       await assertAccessible(page, 'map');
+      await page.click('#flight-move');
+      await page.click('#place-centre');
+      await page.keyboard.type('46.8');
+      await page.waitForSelector('.place-fault');
+      await assertAccessible(page, 'placing the map');
+      await page.keyboard.press('Escape');
       await page.locator('#map canvas').focus();
       await page.keyboard.press('Enter');
       await page.waitForSelector('#photo-card:not([hidden])');

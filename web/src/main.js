@@ -31,6 +31,7 @@ addEventListener('hashchange', () => {
 });
 const stage = new Stage();
 const panel_body = byId('panel-body');
+const sheet = bottomSheet(() => stage.resize());
 /** @type {FlightView|null} */
 let open_view = null;
 
@@ -157,6 +158,7 @@ async function openFlight(route) {
       remove: (flight) => void remove(flight),
       share: showShareDialog,
       add_photos: pickers.choose_folder,
+      show_map: sheet.close,
       on_flight: (flight) => {
         byId('panel').setAttribute('aria-label', flight.name);
       },
@@ -208,5 +210,4 @@ addEventListener('beforeunload', (event) => {
 addEventListener('beforeprint', () => {
   for (const fold of document.querySelectorAll('#report details')) fold.setAttribute('open', '');
 });
-bottomSheet(() => stage.resize());
 watchRoute(show);

@@ -19,6 +19,12 @@ export function boundsOf(place) {
   return [west, south, east, north];
 }
 
+/** By the first pair alone: a stand-in moves, and neither turns nor scales. @param {any} flight @param {{shown: number[], is: number[]}[]} pairs */
+export function moveByPairs(flight, [{ shown, is }]) {
+  flight.is_placed = true;
+  flight.place = { ...flight.place, lat: flight.place.lat + is[0] - shown[0], lon: flight.place.lon + is[1] - shown[1] };
+}
+
 /** @param {Place} place @param {string[]} names */
 export function photosGeoJson(place, names) {
   const per_strip = 6;

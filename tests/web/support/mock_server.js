@@ -8,7 +8,7 @@ import { createServer } from 'node:http';
 import { dirname, extname, join, normalize } from 'node:path';
 import { setTimeout as delay } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
-import { boundsOf, photosGeoJson, reportOf } from './mock_flight.js';
+import { boundsOf, moveByPairs, photosGeoJson, reportOf } from './mock_flight.js';
 import { mockTus } from './mock_tus.js';
 import { countrysideTile, encodePng } from './tile_picture.js';
 
@@ -30,9 +30,9 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean, is_unplaced?: boolean}} [options] upload_ms: time each file takes at least;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
- *   every token may do; is_whole: maps have all photos
+ *   every token may do; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
  */
 export async function startMockServer(options = {}) {
   const job_ms = options.job_ms ?? 2500;
@@ -81,7 +81,7 @@ export async function startMockServer(options = {}) {
     if (job.state === 'accepted' || job.state === 'running') {
       const age = Date.now() - job.at;
       const progress = Math.min(1, Math.max(0, (age - 300) / job_ms));
-      const doomed = flight?.name.includes('doomed') && progress > 0.4;
+      const doomed = (flight?.name.includes('doomed') || (job.placing && flight?.contradicts_pairs)) && progress > 0.4;
       Object.assign(job, {
         state: doomed ? 'failed' : progress >= 1 ? 'successful' : age > 300 ? 'running' : 'accepted',
         stage: stages[Math.min(stages.length - 1, Math.floor(progress * stages.length))],
@@ -95,10 +95,11 @@ export async function startMockServer(options = {}) {
       if (job.state === 'successful' && flight) {
         flight.ready = true;
         flight.revision = (flight.revision ?? 0) + 1;
+        if (job.placing) moveByPairs(flight, job.placing);
       }
       if (doomed && flight) flight.error = job.error;
     }
-    const { at, ...rest } = job;
+    const { at, placing, ...rest } = job;
     return rest;
   }
 
@@ -107,7 +108,7 @@ export async function startMockServer(options = {}) {
     const names = [...flight.files.keys()];
     const busy = job && (job.state === 'accepted' || job.state === 'running');
     let state = flight.ready ? 'ready' : names.length > 0 ? 'uploaded' : 'empty';
-    if (job?.state === 'failed') state = 'failed';
+    if (job?.state === 'failed' && !flight.job.placing) state = 'failed';
     if (busy) state = job.state === 'accepted' ? 'queued' : 'processing';
     const report = flight.ready ? reportOf(flight.place, names, max_zoom, options.is_whole) : null;
     return {
@@ -246,8 +247,9 @@ export async function startMockServer(options = {}) {
         return send(204, null);
       }
       if (rest === '/jobs' && request.method === 'POST') {
-        await readBody();
-        const job = { id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, eta_low_s: null, eta_high_s: null, priority: 0, attempts: 1,
+        const { options: asked = {} } = JSON.parse((await readBody()).toString() || '{}');
+        if (flight.refuses_jobs) return problem(flight.refuses_jobs.status, 'Refused', flight.refuses_jobs.detail);
+        const job = { placing: asked.place ?? null, id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, eta_low_s: null, eta_high_s: null, priority: 0, attempts: 1,
           created_at: new Date().toISOString(), started_at: null, finished_at: null, error: null, at: Date.now() };
         flight.error = null;
         flight.job = job;
@@ -256,7 +258,7 @@ export async function startMockServer(options = {}) {
       }
       const names = [...flight.files.keys()];
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
-      if (rest === '/report') return send(200, reportOf(flight.place, names, max_zoom, options.is_whole));
+      if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), is_placed: !(options.is_unplaced && !flight.is_placed), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
       if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');
     }

@@ -1,8 +1,8 @@
 // The open flight in the panel: its name, what is happening to it (upload, job, failure), and its report.
-/** @import { Flight, Job } from '../shared/types.js' */
+/** @import { Flight, Job, Report } from '../shared/types.js' */
 /** @import { Stage } from '../map/stage.js' */
 import { announce, showError } from '../shared/announce.js';
-import { ApiError, getFlight, getReport, startJob } from '../shared/api.js';
+import { ApiError, getFlight, getReport, startJob, startPlacing } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { flightFacts, mayChange, stateChip } from './flight_list.js';
 import { followFlight } from './follow_flight.js';
@@ -11,6 +11,7 @@ import { isOver, watchJob } from './job_watch.js';
 import { jobView } from './job_view.js';
 import { linksView } from './links_view.js';
 import { reportView } from './report_view.js';
+import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/strings.js';
 import { forgetUpload } from '../upload/upload_memory.js';
 import { uploadOf } from '../upload/uploads.js';
@@ -23,8 +24,12 @@ import { waitingView } from './waiting_view.js';
  * @property {(flight: Flight) => void} remove
  * @property {(flight: Flight) => void} share
  * @property {() => void} add_photos
+ * @property {() => void} show_map it is going to be worked on
  * @property {(flight: Flight) => void} on_flight called with each new state of the flight
  */
+
+/** Jobs that move a map; the server does not say which do. @type {Set<string>} */
+const placing_jobs = new Set();
 
 export class FlightView {
   /** @type {Flight|null} */
@@ -37,6 +42,8 @@ export class FlightView {
   /** @type {(() => void)[]} */
   #closers = [];
   #shown_revision = '';
+  /** @type {Report|null} of the revision that is shown */
+  #report = null;
   /** @type {(() => void)|null} */
   #endFollowing = null;
 
@@ -185,7 +192,7 @@ export class FlightView {
 
   /** @param {Flight} flight @param {Job} job */
   #followJob(flight, job) {
-    const view = jobView(job.id, mayChange(flight));
+    const view = jobView(job.id, mayChange(flight), placing_jobs.has(job.id) ? strings.job.placing : undefined);
     const abort = new AbortController();
     this.#closers.push(() => abort.abort());
     view.update(job);
@@ -198,7 +205,7 @@ export class FlightView {
           this.#drawChip(flight);
           return;
         }
-        announce(next.state === 'successful' ? strings.job.ready(flight.name) : next.state === 'failed' ? strings.job.failed : strings.job.cancelled);
+        announce(next.state === 'successful' ? strings.job.ready(flight.name) : next.state === 'failed' ? failedWords(next) : strings.job.cancelled);
         void this.refresh();
       },
       on_lost: () => view.lost(),
@@ -216,11 +223,44 @@ export class FlightView {
       h(
         'div',
         { class: 'callout callout-error', role: 'alert', id: 'failure' },
-        h('p', { class: 'callout-title' }, icon('warning'), strings.job.failed),
+        h('p', { class: 'callout-title' }, icon('warning'), failedWords(flight.job)),
         text && h('p', {}, text),
-        mayChange(flight) && h('div', { class: 'row' }, this.#startButton(flight, strings.job.again), this.#addButton()),
+        mayChange(flight) && h('div', { class: 'row' }, ...this.#waysOn(flight)),
       ),
     );
+  }
+
+  /** What can be done after a failure. @param {Flight} flight */
+  #waysOn(flight) {
+    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), this.#addButton()];
+    const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
+    change.addEventListener('click', () => {
+      if (this.#report) this.#place(flight, this.#report, change);
+    });
+    return [change];
+  }
+
+  /**
+   * Opens the tool that moves the map.
+   * @param {Flight} flight
+   * @param {Report} report
+   * @param {HTMLElement} opener
+   */
+  #place(flight, report, opener) {
+    if (!flight.bounds) return;
+    this.actions.show_map();
+    void this.stage.placeMap({
+      key: `${flight.id} ${flight.revision}`,
+      bounds: flight.bounds,
+      is_placed: report.is_placed !== false,
+      is_guessed: isGuessed(report),
+      submit: async (pairs) => {
+        placing_jobs.add((await startPlacing(flight.id, pairs)).id);
+        this.stage.fitNext();
+        await this.refresh();
+      },
+      on_leave: () => (opener.isConnected ? opener : document.getElementById('flight-title'))?.focus({ preventScroll: true }),
+    });
   }
 
   /** @param {Flight} flight */
@@ -269,11 +309,16 @@ export class FlightView {
     const found = await report;
     if (this.#abort.signal.aborted) return;
     if (found instanceof Error) showError(found);
+    this.#report = found instanceof Error ? null : found;
+    const place = (/** @type {HTMLElement} */ opener) => this.#place(flight, found, opener);
     put(
       this.#result,
-      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos),
+      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, mayChange(flight) ? place : null),
       linksView(flight, shown.tilejson),
     );
     await shown.drawn;
   }
 }
+
+/** @param {Job|null|undefined} job that has failed */
+const failedWords = (job) => (job && placing_jobs.has(job.id) ? strings.job.placing_failed : strings.job.failed);

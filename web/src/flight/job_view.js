@@ -26,9 +26,10 @@ function timeLeft(job) {
 /**
  * @param {string} job_id
  * @param {boolean} may_cancel
+ * @param {string} heading
  * @returns {{element: HTMLElement, update: (job: Job) => void, lost: () => void}}
  */
-export function jobView(job_id, may_cancel) {
+export function jobView(job_id, may_cancel, heading = strings.job.heading) {
   const words = strings.job;
   const bar = h('progress', { class: 'bar', max: 1, 'aria-label': words.progress, id: 'job-progress' });
   const percent = h('strong', { class: 'big-number' });
@@ -47,7 +48,7 @@ export function jobView(job_id, may_cancel) {
   const element = h(
     'section',
     { class: 'block card', 'aria-labelledby': 'job-heading', id: 'job' },
-    h('h2', { id: 'job-heading' }, words.heading),
+    h('h2', { id: 'job-heading' }, heading),
     h('div', { class: 'progress-row' }, percent, bar),
     stage,
     note,

@@ -26,6 +26,10 @@ function placementBar(photos) {
   return h('div', {}, bar, legend);
 }
 
+/** @param {string} name @param {string} label @param {(button: HTMLElement) => void} run @param {string} [id] */
+const iconButton = (name, label, run, id = '') =>
+  h('button', { type: 'button', class: 'icon-button', id: id || null, 'aria-label': label, title: label, on: { click: (/** @type {Event} */ event) => run(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon(name));
+
 /** @param {string} term @param {string} value */
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
 
@@ -56,9 +60,10 @@ function mapPicture(flight) {
  * @param {Flight} flight
  * @param {Report} report
  * @param {PhotoCollection|null} photos
+ * @param {((opener: HTMLElement) => void)|null} place opens the tool that moves the map; null for who may not
  * @returns {HTMLElement}
  */
-export function reportView(flight, report, photos) {
+export function reportView(flight, report, photos, place) {
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
   const { of_flight, of_photos } = sortedWarnings(report.warnings ?? [], photos);
@@ -70,9 +75,16 @@ export function reportView(flight, report, photos) {
       'div',
       { class: 'row between' },
       h('h2', { id: 'report-heading' }, words.heading),
-      h('button', { type: 'button', class: 'icon-button no-print', 'aria-label': words.print, title: words.print, on: { click: () => print() } }, icon('print')),
+      h(
+        'div',
+        { class: 'head-actions no-print' },
+        place && report.is_placed !== false && iconButton('move', strings.place.move, place, 'flight-move'),
+        iconButton('print', words.print, () => print()),
+      ),
     ),
     resultView(report, photos),
+    place && report.is_placed === false &&
+      h('button', { type: 'button', class: 'button primary place-button no-print', id: 'flight-place', on: { click: (/** @type {Event} */ event) => place(/** @type {HTMLElement} */ (event.currentTarget)) } }, icon('move'), strings.place.place),
     h(
       'dl',
       { class: 'facts' },

@@ -11,6 +11,9 @@ import { strings } from '../shared/strings.js';
 // What a receiver of a phone or a drone is good for: a map that lies further off than that is not where one looks for it.
 const kUsualError_m = 10;
 
+/** Are the size and the north of an unplaced map guessed? Those that a log gave are not. @param {Report} report */
+export const isGuessed = (report) => report.is_placed === false && report.alignment?.placed_by !== 'records';
+
 /** @param {PhotoCounts|null|undefined} photos @returns {boolean} whether all are aligned */
 export const isWhole = (photos) => !photos || (photos.left_out === 0 && photos.pose_only === 0);
 
@@ -34,7 +37,7 @@ export function resultWords(report, photos) {
   const words = strings.report.verdict;
   const { total, aligned, pose_only, left_out } = report.photos;
   const sentences = [];
-  if (report.is_placed === false) sentences.push(words.unplaced);
+  if (report.is_placed === false) sentences.push(isGuessed(report) ? words.unplaced : words.unplaced_measured);
   if (left_out > 0) sentences.push(words.left_out(left_out, total));
   if (aligned === 0 && pose_only > 1) sentences.push(words.none_aligned);
   else if (pose_only > 0) sentences.push(words.pose_only(pose_only));

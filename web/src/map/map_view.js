@@ -263,6 +263,19 @@ export class MapView {
     this.map.setPaintProperty('cameras', 'circle-color', colour);
   }
 
+  /**
+   * A mark that can be dragged.
+   * @param {HTMLElement} element
+   * @param {[number, number]} place
+   * @param {number} above_px that the element stands above it
+   * @param {(place: [number, number]) => void} on_drag
+   */
+  addMark(element, place, above_px, on_drag) {
+    const mark = new maplibre.Marker({ element, draggable: true, anchor: 'bottom', offset: [0, -above_px] }).setLngLat(place).addTo(this.map);
+    mark.on('drag', () => on_drag(mark.getLngLat().toArray()));
+    return mark;
+  }
+
   /** @param {string} name of a photo; '' for none */
   select(name) {
     if (!this.map.getSource('photos')) return;

@@ -2,6 +2,7 @@
 // loaded when the first map is wanted, so that the first view is light.
 /** @import { Bounds, Flight, PhotoCollection, TileJson } from '../shared/types.js' */
 /** @import { MapView } from './map_view.js' */
+/** @import { PlaceSubject } from './place_tool.js' */
 import { showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
 import { byId, h, put } from '../shared/dom.js';
@@ -9,6 +10,7 @@ import { go, parseRoute } from '../shared/router.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
+import { placeTool } from './place_tool.js';
 import { photoCard } from '../flight/photo_card.js';
 import { strings } from '../shared/strings.js';
 import { hashWithPlace, placeOfHash } from './view_address.js';
@@ -27,12 +29,14 @@ export class Stage {
   #view = null;
   /** @type {Shown|null} */
   #shown = null;
-  /** @type {{fit: (animated: boolean) => void, card: ReturnType<typeof photoCard>, measure: ReturnType<typeof measureTool>, tools: ReturnType<typeof mapTools>}|null} */
+  /** @type {{fit: (animated: boolean) => void, card: ReturnType<typeof photoCard>, measure: ReturnType<typeof measureTool>, place: ReturnType<typeof placeTool>, tools: ReturnType<typeof mapTools>}|null} */
   #parts = null;
   /** @type {Flight|null} */
   #flight = null;
   /** @type {(() => void)|null} */
   #endCompare = null;
+  /** The map that is there next lies elsewhere. */
+  #fits_next = false;
   #turn = 0;
   #place_turn = 0;
 
@@ -76,7 +80,18 @@ export class Stage {
     const measure = measureTool(view, {
       on_change: (kind) => {
         tools.showMeasuring(kind);
-        if (kind) card.close();
+        if (kind) {
+          place.end();
+          card.close();
+        }
+      },
+    });
+    const place = placeTool(view, {
+      on_change: (is_open) => {
+        if (!is_open) return;
+        measure.end();
+        tools.closeLayers();
+        card.close();
       },
     });
     const tools = mapTools(view, {
@@ -87,19 +102,20 @@ export class Stage {
       },
       compare: () => this.#chooseCompare(),
     });
-    this.#parts = { fit, card, measure, tools };
-    this.area.append(measure.cross, tools.column, tools.layers, card.element, measure.element, tools.coordinates);
+    this.#parts = { fit, card, measure, place, tools };
+    this.area.append(measure.cross, place.cross, tools.column, tools.layers, card.element, measure.element, place.element, tools.coordinates);
 
     view.map.on('click', (event) => {
       if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
+      else if (place.is_open) place.click([event.lngLat.lng, event.lngLat.lat]);
       else if (view.mark.isAt(event.point)) fit(true);
       else void this.#showPlace(view, event.lngLat, event.point);
     });
     view.map.on('moveend', () => {
       if (!view.is_moved || !this.#shown || parseRoute(location.hash).view !== 'flight') return;
       const { lng, lat } = view.map.getCenter();
-      const place = { zoom: view.map.getZoom(), lat, lon: lng, bearing: view.map.getBearing() };
-      history.replaceState(null, '', hashWithPlace(location.hash, place));
+      const shown = { zoom: view.map.getZoom(), lat, lon: lng, bearing: view.map.getBearing() };
+      history.replaceState(null, '', hashWithPlace(location.hash, shown));
     });
     view.map.getCanvas().addEventListener('keydown', (event) => {
       if (event.key === 'Escape') {
@@ -110,6 +126,10 @@ export class Stage {
       const centre = view.map.getCenter();
       if (measure.kind) {
         measure.add([centre.lng, centre.lat]);
+        return;
+      }
+      if (place.is_open) {
+        place.click([centre.lng, centre.lat]);
         return;
       }
       void this.#showPlace(view, centre).then((count) => {
@@ -238,13 +258,20 @@ export class Stage {
     this.#shown = { id: flight.id, revision };
     this.endCompare();
     this.#parts?.card.close();
+    this.#parts?.place.end();  // its points are on another map
     if (is_new) this.#parts?.measure.end();
+    const fits = this.#fits_next;
+    this.#fits_next = false;
     await view.showMosaic(tilejson, bounds, is_preview);
     if (photos) await view.showPhotos(photos);
     this.#parts?.tools.drawLayers();
     view.map.resize();
-    const place = is_new ? placeOfHash(location.hash) : null;
-    if (place) {
+    const place = is_new && !fits ? placeOfHash(location.hash) : null;
+    if (fits) {
+      history.replaceState(null, '', location.hash.split('?')[0]);
+      view.is_moved = false;
+      this.#parts?.fit(false);
+    } else if (place) {
       view.map.jumpTo({ center: [place.lon, place.lat], zoom: place.zoom, bearing: place.bearing });
       view.is_moved = true;
     } else if (is_new) this.#parts?.fit(false);
@@ -256,6 +283,8 @@ export class Stage {
     this.endCompare();
     this.#parts?.card.close();
     this.#parts?.measure.end();
+    this.#parts?.place.end();
+    this.#fits_next = false;
     this.#shown = null;
     if (this.#view) await this.#view.clear();
   }
@@ -273,11 +302,34 @@ export class Stage {
     this.#view?.map.resize();
   }
 
+  /**
+   * Opens the tool that places the map.
+   * @param {PlaceSubject} subject
+   */
+  async placeMap(subject) {
+    this.endCompare();
+    const view = await this.#map();
+    if (!view || !this.#parts) return;
+    this.#parts.place.start(subject);
+    if (view.is_moved) return;
+    // Room for the card, which grows with the points.
+    const { width, height } = view.container.getBoundingClientRect();
+    const card = this.#parts.place.element.getBoundingClientRect();
+    const room = card.width > width / 2 ? { top: height * 0.45 } : { left: card.width + 28 };
+    view.fit({ ...this.#padding(), ...room }, true);
+  }
+
+  /** The map that comes next lies elsewhere: it is shown whole. */
+  fitNext() {
+    this.#fits_next = true;
+  }
+
   async #chooseCompare() {
     const flight = this.#flight;
     if (!flight) return;
     byIdOrNull('compare-chooser')?.remove();
     this.#parts?.tools.closeLayers();
+    this.#parts?.place.end();
     const others = (await listFlights()).filter((other) => other.id !== flight.id && overlap(flight, other));
     const chooser = compareChooser(others, (other) => {
       chooser.remove();
@@ -303,6 +355,7 @@ export class Stage {
     this.area.append(comparison.element);
     this.area.classList.add('comparing');
     this.#parts?.card.close();
+    this.#parts?.place.end();
     // Footprints belong to one of the two flights and would hide what differs.
     const below = this.#view;
     const shown = { footprints: below.shows_footprints, path: below.shows_path };

@@ -141,8 +141,23 @@ export async function listFiles(id) {
   return answer.files ?? [];
 }
 
-/** With the layers that the map page offers. @param {string} id @returns {Promise<Job>} */
-export const startJob = (id) => request('POST', `${flight_path(id)}/jobs`, { options: { layers: ['photo', 'error', 'height'] } });
+/** The layers that the map page offers. */
+const kLayers = ['photo', 'error', 'height'];
+
+/** @param {string} id @returns {Promise<Job>} */
+export const startJob = (id) => request('POST', `${flight_path(id)}/jobs`, { options: { layers: kLayers } });
+
+/**
+ * Moves the finished map to where what it shows really is; its layers come along.
+ * @param {string} id
+ * @param {import('../map/place_pairs.js').PlacePair[]} pairs
+ * @returns {Promise<Job>}
+ */
+export function startPlacing(id, pairs) {
+  const latLon = (/** @type {[number, number]} */ [lon, lat]) => [lat, lon];
+  const place = pairs.map(({ shown, is }) => ({ shown: latLon(shown), is: latLon(is) }));
+  return request('POST', `${flight_path(id)}/jobs`, { options: { place, layers: kLayers } });
+}
 
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Job>} */
 export const getJob = (id, signal) => request('GET', `/api/v1/jobs/${encodeURIComponent(id)}`, undefined, signal);

@@ -4,6 +4,7 @@ import { strings } from './strings.js';
 
 /**
  * @param {() => void} on_change the room left for the map changed
+ * @returns {{close: () => void}} close: shows the map, where the panel lies over it
  */
 export function bottomSheet(on_change) {
   const panel = byId('panel');
@@ -32,4 +33,9 @@ export function bottomSheet(on_change) {
     if (!moved) set(panel.classList.contains('sheet-closed'));
     moved = false;
   });
+  return {
+    close: () => {
+      if (handle.checkVisibility() && !panel.classList.contains('sheet-closed')) set(false);
+    },
+  };
 }

@@ -107,6 +107,7 @@
  * @property {number} peak_memory_bytes
  * @property {string[]} warnings
  * @property {boolean} [is_placed] false: nothing says where on Earth the flight was
+ * @property {{placed_by?: 'images'|'records'}|null} [alignment]
  */
 
 /**
