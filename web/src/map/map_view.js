@@ -267,11 +267,11 @@ export class MapView {
    * A mark that can be dragged.
    * @param {HTMLElement} element
    * @param {[number, number]} place
-   * @param {number} above_px that the element stands above it
+   * @param {number} above_px that the element stands above it; negative: hangs below it
    * @param {(place: [number, number]) => void} on_drag
    */
   addMark(element, place, above_px, on_drag) {
-    const mark = new maplibre.Marker({ element, draggable: true, anchor: 'bottom', offset: [0, -above_px] }).setLngLat(place).addTo(this.map);
+    const mark = new maplibre.Marker({ element, draggable: true, anchor: above_px < 0 ? 'top' : 'bottom', offset: [0, -above_px] }).setLngLat(place).addTo(this.map);
     mark.on('drag', () => on_drag(mark.getLngLat().toArray()));
     return mark;
   }

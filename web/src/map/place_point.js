@@ -8,7 +8,7 @@ import { icon } from '../shared/icons.js';
 import { parsePlace } from './parse_place.js';
 import { strings } from '../shared/strings.js';
 
-const kStem_px = 14;  // of a mark, as its style draws it: what is marked stays in sight
+const kStem_px = 14;  // of a mark, as its style draws it: what is marked stays in sight; the true place's hangs, so that neither hides the other
 const kPatience_ms = 900;  // until what is being typed is said to be no place
 
 /** @typedef {ReturnType<typeof placePoint>} PlacePoint */
@@ -25,7 +25,7 @@ const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], Arrow
 function markAt(view, kind, place, on_move) {
   const element = h('button', { type: 'button', class: `point-mark point-mark-${kind}` });
   const moved = (/** @type {LonLat} */ [lon, lat]) => on_move([wrapLongitude(lon), lat]);
-  const mark = view.addMark(element, place, kStem_px, moved);
+  const mark = view.addMark(element, place, kind === 'shown' ? kStem_px : -kStem_px, moved);
   element.addEventListener('click', (event) => event.stopPropagation());  // not one on the map
   element.addEventListener('keydown', (event) => {
     const step = arrows[event.key];
