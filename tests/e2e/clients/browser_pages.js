@@ -25,7 +25,14 @@ const square = () => document.getElementById('map');
 const withToken = ({server, token}, path) => `${server}${path}${token === '' ? '' : `?token=${token}`}`;
 const tiles = (map) => withToken(map, `/tiles/${map.flight}/${map.below}{z}/{x}/{y}`);
 
+// A map is complete as soon as nothing is left to load, also while its source does not know its tiles yet.
+async function isReady(source) {
+  while (source.getState() === 'loading') await new Promise((resolve) => source.once('change', resolve));
+  if (source.getState() !== 'ready') throw new Error(`OpenLayers' source is ${source.getState()}`);
+}
+
 async function drawnByOpenLayers(layer, {lon, lat, zoom}) {
+  await isReady(layer.getSource());
   const map = new OlMap({
     target: square(), controls: [], layers: [layer], pixelRatio: 1,
     view: new View({center: fromLonLat([lon, lat]), resolution: tile_m(zoom) / side_px, constrainResolution: false}),
