@@ -10,13 +10,13 @@
 namespace skyquilt::server {
 namespace {
 
-constexpr std::size_t kMostShown = 60;  // letters of what was typed
+constexpr std::size_t kMaxShown = 60;  // letters of what was typed
 
 std::string Shown(std::string_view typed) {
   std::string shown;
-  for (const char letter : typed.substr(0, kMostShown))
+  for (const char letter : typed.substr(0, kMaxShown))
     shown += static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f ? '?' : letter;
-  return typed.size() > kMostShown ? shown + "..." : shown;
+  return typed.size() > kMaxShown ? shown + "..." : shown;
 }
 
 std::string Meant(const std::optional<std::string>& word) {

@@ -1,44 +1,26 @@
 // OneOf: an option that takes one of several words, each for a value of an enumeration (or for itself). Help
-// shows the words; another is answered by their list. Included where commands are declared.
+// shows the words; another is answered by their list. The number goes to Option::transform, the words alone
+// to Option::check, in the order in which help is to list them. Pure; any thread.
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
+namespace CLI {
+class Validator;
+}
+
 namespace skyquilt::server {
 
-inline std::string ListOf(const std::vector<std::string>& words) {
-  std::string list;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    list += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
-  return list;
-}
+CLI::Validator OneOf(const std::vector<std::string>& words);
+CLI::Validator OneOfNumbers(const std::vector<std::pair<std::string, long>>& values);
 
-inline CLI::Validator OneOf(const std::vector<std::string>& words) {
-  return {[words](const std::string& typed) {
-            if (std::find(words.begin(), words.end(), typed) != words.end()) return std::string();
-            return "\"" + typed + "\" is not known here; it takes " + ListOf(words) + ".";
-          },
-          ListOf(words)};
-}
-
-// For Option::transform, in the order in which help is to list them.
 template <typename Value>
-CLI::Validator OneOf(const std::vector<std::pair<std::string, Value>>& values) {
-  std::vector<std::string> words;
-  for (const auto& [word, value] : values) words.push_back(word);
-  return {[values, words](std::string& typed) {
-            for (const auto& [word, value] : values) {
-              if (word != typed) continue;
-              typed = std::to_string(static_cast<long>(value));
-              return std::string();
-            }
-            return "\"" + typed + "\" is not known here; it takes " + ListOf(words) + ".";
-          },
-          ListOf(words)};
+auto OneOf(const std::vector<std::pair<std::string, Value>>& values) {
+  std::vector<std::pair<std::string, long>> numbers;
+  for (const auto& [word, value] : values) numbers.emplace_back(word, static_cast<long>(value));
+  return OneOfNumbers(numbers);
 }
 
 }  // namespace skyquilt::server
