@@ -95,8 +95,8 @@ class Tus(ServerTestCase):
                 server = self.start()
             headers = {"Content-Type": "application/json", **{"Authorization": f"Bearer {one}" for one in token}}
             flight = json.loads(server.request("POST", "/api/v1/flights", "{}", headers)[2])
-            run = ["node", script(self.clients, "tus_parallel.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads", source,
-                   flight["id"], "big.jpg"]
+            run = ["node", script(self.clients, "tus_upload.mjs"), f"http://127.0.0.1:{server.port}/api/v1/uploads", source,
+                   flight["id"], "big.jpg", "4"]
             said = subprocess.run(run + token, capture_output=True, text=True, timeout=60)
             self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
             [stored] = self.stored(flight["id"])

@@ -1,12 +1,9 @@
 #include "tests/core/video/moving_film.h"
 
-#include <stdlib.h>
-
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
-#include <stdexcept>
 
 namespace skyquilt::video {
 namespace {
@@ -22,20 +19,9 @@ cv::Mat Ground(int width_px) {
 
 }  // namespace
 
-FilmFolder::FilmFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "skyquilt_film_XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the test's films");
-  path_ = name;
-}
-
-FilmFolder::~FilmFolder() {
-  std::error_code ignored;  // a leftover of a test
-  std::filesystem::remove_all(path_, ignored);
-}
-
 std::filesystem::path FilmFolder::Write(const std::string& name, const std::string& bytes) const {
-  std::ofstream(path_ / name, std::ios::binary) << bytes;
-  return path_ / name;
+  std::ofstream(path() / name, std::ios::binary) << bytes;
+  return path() / name;
 }
 
 bool WriteFilm(const std::filesystem::path& path, int frames, const std::function<int(int)>& left_px) {

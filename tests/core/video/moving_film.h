@@ -5,21 +5,15 @@
 #include <functional>
 #include <string>
 
+#include "tests/support/temporary_folder.h"
+
 namespace skyquilt::video {
 
 constexpr int kFilmWidthPx = 640, kFilmHeightPx = 480, kFilmFramesPerS = 30;
 
-class FilmFolder {
+class FilmFolder : public test::TemporaryFolder {
  public:
-  FilmFolder();
-  ~FilmFolder();
-  FilmFolder(const FilmFolder&) = delete;
-  FilmFolder& operator=(const FilmFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
   std::filesystem::path Write(const std::string& name, const std::string& bytes) const;
-
- private:
-  std::filesystem::path path_;
 };
 
 // MPEG-4 part 2 in an MP4; frame k shows the ground from `left_px(k)` on. False: this machine has no encoder
