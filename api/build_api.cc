@@ -8,6 +8,7 @@
 #include "api/downloads/downloads.h"
 #include "api/downloads/original_file.h"
 #include "api/events/events.h"
+#include "api/exports/exports.h"
 #include "api/flights/flights.h"
 #include "api/flights/locate.h"
 #include "api/flights/trash.h"
@@ -48,6 +49,7 @@ Router BuildApi(Service& service) {
   AddWebhookRoutes(router, service);
   AddDownloadRoutes(router, service);
   AddOriginalFileRoutes(router, service);
+  AddExportRoutes(router, service);
   AddTileRoutes(router, service);
   AddTileJsonRoute(router, service);
   AddTmsRoutes(router, service);

@@ -25,6 +25,7 @@
 #include "storage/catalogue/trash.h"
 #include "storage/catalogue/webhooks.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/map_exports.h"
 #include "storage/tilesets/made_tiles.h"
 #include "storage/tilesets/preview_cache.h"
 #include "storage/tilesets/tileset_cache.h"
@@ -49,6 +50,7 @@ struct Service {
   storage::NodeTasks node_tasks{db};
   storage::UploadSpool spool{db, catalogue, store};
   storage::Previews previews{db};
+  storage::MapExports exports{db};
   storage::Trash trash{db, storage::FlightRecords(store.dir())};
   int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
   storage::PreviewCache preview_cache{store.dir(), previews};

@@ -12,7 +12,11 @@ Result<ShownMap> FindShownMap(Service& service, const std::string& flight_id) {
     return Error{ErrorCode::kNotFound, "This flight has no map yet. Wait for its job to finish.", ""};
   }
   return ShownMap{flight.name, *flight.active_revision,
-                  service.store.dir().Revision(flight_id, *flight.active_revision)};
+                  storage::RevisionPrefix(flight_id, *flight.active_revision)};
+}
+
+Result<storage::LocalBlob> FetchProduct(Service& service, const ShownMap& map, const std::string& name) {
+  return service.store.blobs().Local(map.prefix + name);
 }
 
 }  // namespace skyquilt::api

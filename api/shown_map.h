@@ -1,10 +1,9 @@
-// FindShownMap: the map that a flight shows, as a folder of files. A revision that is being retired may be
-// gone when it is opened: the caller then looks it up again. Any thread. Errors: kNotFound (no such flight,
-// or it has no map yet) and the catalogue's.
+// FindShownMap: the map that a flight shows, as blobs and as a folder of files. A revision that is being
+// retired may be gone when it is opened: the caller then looks it up again. Any thread. Errors: kNotFound (no
+// such flight, or it has no map yet) and the catalogue's.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 #include "api/service.h"
@@ -14,8 +13,11 @@ namespace skyquilt::api {
 struct ShownMap {
   std::string flight_name;
   std::int64_t revision = 0;
-  std::filesystem::path folder;
+  std::string prefix;  // of its blobs: "flights/<id>/r7/"
 };
 Result<ShownMap> FindShownMap(Service& service, const std::string& flight_id);
+
+// One of its products as a file, fetched where maps lie elsewhere. kNotFound: it has none of this name.
+Result<storage::LocalBlob> FetchProduct(Service& service, const ShownMap& map, const std::string& name);
 
 }  // namespace skyquilt::api

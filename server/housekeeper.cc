@@ -2,13 +2,19 @@
 
 #include <fmt/format.h>
 
+#include "api/exports/exports.h"
 #include "api/flights/trash.h"
 #include "server/routing/request_log.h"
+#include "storage/folder/elsewhere/sweep_blobs.h"
+#include "storage/folder/sweep_exports.h"
+#include "storage/uploads/upload_chunks.h"
 
 namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::minutes kHousekeepingPause{5};
+// It lists all that there is.
+constexpr std::chrono::hours kBlobSweepPause{24};
 
 }  // namespace
 
@@ -44,7 +50,32 @@ void Housekeeper::Round() {
   if (removed && *removed > 0)
     LogEvent(fmt::format("{} flights were deleted {} days ago and are removed now", *removed,
                          service_.trash_days));
+  const Result<int> exports = api::RemoveExpiredExports(service_);
+  if (!exports) LogFailure("-", "exports", exports.error().detail);
   service_.db.FillReserve();
+  const auto now = std::chrono::steady_clock::now();
+  if (service_.store.blobs().IsFolder() || (swept_ && now - *swept_ < kBlobSweepPause)) return;
+  const Result<storage::SweepReport> swept =
+      storage::SweepBlobs(service_.store.blobs(), service_.catalogue, service_.queue, storage::Now());
+  if (!swept) {
+    LogFailure("-", "sweep of photos and maps", swept.error().message + " " + swept.error().detail);
+    return;
+  }
+  const Result<int> chunks = storage::SweepChunks(service_.db, service_.store.blobs(), storage::kOrphanAge);
+  if (!chunks) {
+    LogFailure("-", "sweep of uploads", chunks.error().message + " " + chunks.error().detail);
+    return;
+  }
+  const Result<int> orphans = storage::SweepExportBlobs(service_.store.blobs(), service_.catalogue,
+                                                        service_.exports, storage::kOrphanAge);
+  if (!orphans) {
+    LogFailure("-", "sweep of exports", orphans.error().message + " " + orphans.error().detail);
+    return;
+  }
+  swept_ = now;
+  if (const int removed_blobs = swept->removed + *chunks + *orphans; removed_blobs > 0)
+    LogEvent(fmt::format("{} blobs that were nobody's were removed", removed_blobs));
+  for (const std::string& line : swept->moved) LogEvent(line);
 }
 
 }  // namespace skyquilt::server

@@ -3,8 +3,10 @@
 // thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "api/service.h"
@@ -26,6 +28,7 @@ class Housekeeper {
   std::mutex mutex_;
   std::condition_variable end_;
   bool is_ended_ = false;
+  std::optional<std::chrono::steady_clock::time_point> swept_;  // blobs, as a whole
   std::thread thread_;
 };
 

@@ -9,16 +9,19 @@
 #include "core/base/try.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/lost_folder.h"
+#include "storage/folder/shared_catalogue.h"
 #include "storage/folder/sweep.h"
 
 namespace skyquilt::server {
 
-Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int tile_readers) {
-  SKYQUILT_TRY_ASSIGN(storage::OpenedDataFolder opened, storage::OpenDataFolder(root, readers));
+Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int tile_readers,
+                            const storage::CataloguePlace& place) {
+  SKYQUILT_TRY_ASSIGN(storage::OpenedDataFolder opened, storage::OpenDataFolder(root, readers, place));
   for (const std::string& note : opened.notes) LogEvent(note);
   SKYQUILT_TRY_ASSIGN(std::unique_ptr<storage::CatalogueDb> tiles_db,
-                      storage::CatalogueDb::OpenExisting(opened.dir.Catalogue(), tile_readers));
-  SKYQUILT_TRY_ASSIGN(storage::DataDirWatch watch, storage::DataDirWatch::Begin(opened.dir));
+                      storage::OpenCatalogueOf(opened.dir, place, tile_readers));
+  SKYQUILT_TRY_ASSIGN(storage::DataDirWatch watch,
+                      storage::DataDirWatch::Begin(opened.dir, !place.IsPostgres()));
   return Storage{std::move(opened.dir), *std::move(opened.lock), std::move(opened.db), std::move(tiles_db),
                  std::move(watch)};
 }

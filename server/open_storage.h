@@ -22,7 +22,8 @@ struct Storage {
 };
 
 // `readers`, `tile_readers`: how many may read at the same time from each of the two.
-Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int tile_readers);
+Result<Storage> OpenStorage(const std::filesystem::path& root, int readers, int tile_readers,
+                            const storage::CataloguePlace& place = {});
 
 // Leases of dead workers are given back; what belongs nowhere goes to lost/, and only what this server wrote
 // as temporary is removed. Before requests are taken. `age`: now, by the catalogue's AgeClock.

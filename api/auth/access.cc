@@ -41,6 +41,8 @@ constexpr Rule kRules[] = {
     {Method::kPost, "/api/v1/webhooks", Scope::kAdmin},
     {Method::kDelete, "/api/v1/webhooks/{webhook}", Scope::kAdmin},
     {Method::kGet, "/api/v1/flights/{flight}/shares", Scope::kUpload},
+    {Method::kPost, "/api/v1/flights/{flight}/exports", Scope::kRead},
+    {Method::kDelete, "/api/v1/flights/{flight}/exports/{export}", Scope::kRead},
     {Method::kGet, "/api/v1/*", Scope::kRead},
     {Method::kGet, "/tiles/*", Scope::kRead},
     {Method::kGet, "/tms*", Scope::kRead},

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <functional>
 #include <vector>
 
 #include "api/downloads/send_file.h"
+#include "api/downloads/small_picture.h"
 #include "api/downloads/zip_layout.h"
 #include "api/http/problem.h"
 #include "api/shown_map.h"
@@ -20,39 +21,55 @@ struct Product {
   const char* extension;  // of the name offered for saving; none: shown in the browser
 };
 
-Result<Response> Send(Service& service, const Request& request, const Product& product) {
-  const std::string& id = request.Parameter("flight");
-  // A revision retired between the look-up and the opening is looked up again.
+// From the map that the flight shows. A revision retired between the look-up and the opening is looked up
+// again.
+Result<Response> OfShownMap(Service& service, const std::string& flight_id,
+                            const std::function<Result<Response>(const ShownMap&)>& answer) {
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
-    SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, id));
-    Result<Response> sent = SendFile(request, map.folder / product.file, product.content_type,
-                                     fmt::format("\"{}-r{}-{}\"", id, map.revision, product.file));
-    if (!sent) {
-      if (sent.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
-      return sent.error();
-    }
-    if (product.extension != nullptr && sent->status != 304) {
-      sent->headers.Add("Content-Disposition", Disposition(map.flight_name, product.extension));
-    }
-    sent->headers.Add("Cache-Control", "no-cache");
-    return sent;
+    SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, flight_id));
+    Result<Response> sent = answer(map);
+    if (sent || sent.error().code != ErrorCode::kNotFound || attempt == kTries) return sent;
   }
+}
+
+Result<Response> Send(Service& service, const Request& request, const Product& product) {
+  const std::string& id = request.Parameter("flight");
+  return OfShownMap(service, id, [&](const ShownMap& map) -> Result<Response> {
+    SKYQUILT_TRY_ASSIGN(
+        Response sent,
+        SendBlob(request, service.store.blobs(), map.prefix + product.file, product.content_type,
+                 fmt::format("\"{}-r{}-{}\"", id, map.revision, product.file)));
+    if (product.extension != nullptr && sent.status != 304) {
+      sent.headers.Add("Content-Disposition", Disposition(map.flight_name, product.extension));
+    }
+    sent.headers.Add("Cache-Control", "no-cache");
+    return sent;
+  });
+}
+
+Response SendThumbnail(Service& service, const Request& request) {
+  const std::string& id = request.Parameter("flight");
+  Result<Response> sent =
+      OfShownMap(service, id, [&](const ShownMap& map) { return SmallPicture(service, request, id, map); });
+  return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
 }
 
 // Everything that the map's folder has, as one archive.
 Result<Response> SendAll(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<storage::BlobInfo> products, service.store.blobs().List(map.prefix));
   std::vector<ZipEntry> entries;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(map.folder, error)) {
-    if (entry.is_regular_file(error)) entries.push_back({entry.path().filename().string(), "", entry.path()});
+  std::vector<storage::LocalBlob> files;  // stay until the archive has opened them
+  for (const storage::BlobInfo& product : products) {
+    std::string name = product.key.substr(map.prefix.size());
+    if (name.find('/') != std::string::npos) continue;
+    SKYQUILT_TRY_ASSIGN(storage::LocalBlob file, service.store.blobs().Local(product.key));
+    entries.push_back({std::move(name), "", file.path});
+    files.push_back(std::move(file));
   }
-  if (error)
-    return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", error.message()};
-  std::sort(entries.begin(), entries.end(),
-            [](const ZipEntry& a, const ZipEntry& b) { return a.name < b.name; });
+  if (entries.empty()) return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", ""};
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
   const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
   Result<Response> sent =
@@ -81,6 +98,8 @@ void AddDownloadRoutes(Router& router, Service& service) {
       {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp",
+                    [&](const Request& request) { return SendThumbnail(service, request); });
   add("/api/v1/flights/{flight}/layers.json", {"layers.json", "application/json", nullptr});
   add("/api/v1/flights/{flight}/layer_photo.mbtiles",
       {"layer_photo.mbtiles", "application/vnd.sqlite3", "mbtiles"});

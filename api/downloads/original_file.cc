@@ -45,8 +45,8 @@ Result<Response> SendFrame(Service& service, const Request& request, const std::
   if (!is_plain || !name.ends_with(".jpg")) return unknown;
   const Result<ShownMap> shown = FindShownMap(service, flight_id);
   if (!shown) return unknown;
-  Result<Response> sent = SendFile(request, shown->folder / "frames" / name, "image/jpeg",
-                                   fmt::format("\"{}-{}\"", shown->revision, name));
+  Result<Response> sent = SendBlob(request, service.store.blobs(), shown->prefix + "frames/" + name,
+                                   "image/jpeg", fmt::format("\"{}-{}\"", shown->revision, name));
   if (!sent && sent.error().code == ErrorCode::kNotFound) return unknown;
   if (sent) sent->headers.Add("Cache-Control", "no-cache");
   return sent;
@@ -63,9 +63,9 @@ Result<Response> Send(Service& service, const Request& request) {
   if (file == files.end()) return SendFrame(service, request, flight_id, name);
   const char* image_type = ImageTypeOf(name);
   // Stored names are never used again: the bytes behind one never change.
-  Result<Response> sent = SendFile(request, service.store.PathOf(flight_id, file->stored_name),
-                                   image_type != nullptr ? image_type : "application/octet-stream",
-                                   "\"" + file->stored_name + "\"");
+  Result<Response> sent = SendBlob(
+      request, service.store.blobs(), storage::FilesPrefix(flight_id) + file->stored_name,
+      image_type != nullptr ? image_type : "application/octet-stream", "\"" + file->stored_name + "\"");
   if (!sent) return sent.error();
   if (image_type == nullptr) sent->headers.Add("Content-Disposition", "attachment");
   sent->headers.Add("Cache-Control", "no-cache");

@@ -61,7 +61,58 @@ class FileSource final : public BodySource {
   std::uint64_t left_;
 };
 
+// What is at hand of a blob: a window at a time.
+class BlobSource final : public BodySource {
+ public:
+  BlobSource(storage::BlobStore& blobs, std::string key, std::uint64_t offset, std::uint64_t length)
+      : blobs_(blobs), key_(std::move(key)), next_(offset), left_(length), length_(length) {}
+  std::uint64_t length() const override { return length_; }
+
+  Result<std::size_t> Read(std::span<std::uint8_t> into) override {
+    if (at_ == window_.size() && left_ > 0) {
+      const std::uint64_t wanted = std::min(left_, kWindowBytes);
+      SKYQUILT_TRY_ASSIGN(window_, blobs_.ReadRange(key_, static_cast<std::int64_t>(next_),
+                                                    static_cast<std::int64_t>(wanted)));
+      if (window_.size() != wanted)
+        return Error{ErrorCode::kIo, "The file could not be read.", key_ + ": short"};
+      at_ = 0;
+      next_ += wanted;
+      left_ -= wanted;
+    }
+    const std::size_t given = std::min(into.size(), window_.size() - at_);
+    std::memcpy(into.data(), window_.data() + at_, given);
+    at_ += given;
+    return given;
+  }
+
+ private:
+  static constexpr std::uint64_t kWindowBytes = std::uint64_t{4} << 20;
+  storage::BlobStore& blobs_;
+  const std::string key_;
+  std::uint64_t next_;  // behind the window
+  std::uint64_t left_;  // from there on
+  const std::uint64_t length_;
+  std::string window_;
+  std::size_t at_ = 0;
+};
+
 }  // namespace
+
+Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, const std::string& key,
+                          const std::string& content_type, const std::string& etag) {
+  constexpr std::int64_t kFetchedBytes = std::int64_t{4} << 20;
+  if (blobs.IsFolder()) return SendFile(request, blobs.FolderOf(key), content_type, etag);
+  SKYQUILT_TRY_ASSIGN(const storage::BlobInfo blob, blobs.Find(key));
+  if (blob.bytes <= kFetchedBytes) {
+    SKYQUILT_TRY_ASSIGN(const storage::LocalBlob fetched, blobs.Local(key));
+    return SendFile(request, fetched.path, content_type, etag);
+  }
+  const OpenPart part = [&](std::uint64_t offset,
+                            std::uint64_t length) -> Result<std::unique_ptr<BodySource>> {
+    return std::unique_ptr<BodySource>(std::make_unique<BlobSource>(blobs, key, offset, length));
+  };
+  return SendParts(request, static_cast<std::uint64_t>(blob.bytes), content_type, etag, part);
+}
 
 Result<Response> SendParts(const Request& request, std::uint64_t size, const std::string& content_type,
                            const std::string& etag, const OpenPart& open) {

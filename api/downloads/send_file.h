@@ -9,6 +9,7 @@
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
 
 namespace skyquilt::api {
 
@@ -22,6 +23,11 @@ Result<Response> SendParts(const Request& request, std::uint64_t size, const std
 Response DownloadProblem(const Error& error, const Request& request);
 // "attachment" under a name for saving, in the form that every browser takes (RFC 6266 with RFC 8187).
 std::string Disposition(const std::string& stem, const char* extension);
+
+// A blob, wherever it lies: a large one elsewhere comes by ranges, as the client takes it, a small one is
+// fetched and kept. Also the store's errors.
+Result<Response> SendBlob(const Request& request, storage::BlobStore& blobs, const std::string& key,
+                          const std::string& content_type, const std::string& etag);
 
 Result<Response> SendFile(const Request& request, const std::filesystem::path& path,
                           const std::string& content_type, const std::string& etag);

@@ -31,11 +31,12 @@ Result<double> Number(const Request& request, const char* name) {
 
 Result<pipeline::LocatedMap> ReadMap(Service& service, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));
-  const auto path = shown.folder / "locate.json";
-  std::ifstream file(path, std::ios::binary);
+  const Result<storage::LocalBlob> fetched = FetchProduct(service, shown, "locate.json");
+  if (!fetched && fetched.error().code != ErrorCode::kNotFound) return fetched.error();
+  std::ifstream file(fetched ? fetched->path : std::filesystem::path(), std::ios::binary);
   if (!file) {
     return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",
-                 path.string()};
+                 shown.prefix};
   }
   std::ostringstream text;
   text << file.rdbuf();

@@ -16,10 +16,10 @@ Response Verdict(Service& service, const Request& request) {
   }
   const Result<std::vector<storage::StoredFile>> stored = service.catalogue.ListFiles(id);
   if (!stored) return Problem(stored.error(), request);
+  const Result<std::vector<storage::LocalBlob>> fetched = service.store.FetchAll(id, *stored);
+  if (!fetched) return Problem(fetched.error(), request);
   std::vector<flight::InputFile> files;
-  for (const storage::StoredFile& file : *stored) {
-    files.push_back({file.name, service.store.PathOf(id, file.stored_name)});
-  }
+  for (std::size_t i = 0; i < stored->size(); ++i) files.push_back({(*stored)[i].name, (*fetched)[i].path});
   Result<std::string> verdict = service.inspect(files, view->flight.options);
   if (!verdict) return Problem(verdict.error(), request);
   return Json(200, *std::move(verdict));

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "api/json/job_options.h"
@@ -90,6 +92,13 @@ const char* FlightState(const FlightView& view) {
   return view.flight.file_count > 0 ? "uploaded" : "empty";
 }
 
+// What nothing places is drawn around latitude 0, longitude 0: a place in the sea.
+bool LiesSomewhere(const geo::LatLonBounds& bounds) {
+  constexpr double kAroundZeroDeg = 0.1;
+  const std::array<double, 4> sides = bounds.ToArray();
+  return std::any_of(sides.begin(), sides.end(), [](double deg) { return std::abs(deg) >= kAroundZeroDeg; });
+}
+
 Result<ordered_json> ParseObject(std::string_view body) {
   if (body.find_first_not_of(" \t\r\n") == std::string_view::npos) return ordered_json::object();
   SKYQUILT_TRY(CheckJsonText(body));
@@ -154,6 +163,7 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   value["revision"] = revision ? ordered_json(revision->revision) : ordered_json(nullptr);
   value["job"] = view.job ? JobValue(*view.job, now) : ordered_json(nullptr);
   value["bounds"] = revision ? ordered_json(revision->bounds.ToArray()) : ordered_json(nullptr);
+  value["georeferenced"] = revision ? ordered_json(LiesSomewhere(revision->bounds)) : ordered_json(nullptr);
   value["min_zoom"] = revision ? ordered_json(revision->min_zoom) : ordered_json(nullptr);
   value["max_zoom"] = revision ? ordered_json(revision->max_zoom) : ordered_json(nullptr);
   value["photos"] = nullptr;

@@ -121,14 +121,20 @@ constexpr std::pair<const char*, std::string_view> kFiles[] = {
     {"photos.geojson", "odm_report/footprints.geojson"},
 };
 
+// `files_in_use`: what the entries' files are held by.
 Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTask& task,
-                                        const fs::path& folder) {
+                                        const std::string& prefix,
+                                        std::vector<storage::LocalBlob>& files_in_use) {
+  storage::BlobStore& blobs = service.store.blobs();
   std::vector<ZipEntry> entries;
   for (const auto& [ours, theirs] : kFiles) {
-    std::error_code error;
-    if (fs::is_regular_file(folder / ours, error))
-      entries.push_back({std::string(theirs), "", folder / ours});
+    Result<storage::LocalBlob> file = blobs.Local(prefix + ours);
+    if (!file && file.error().code == ErrorCode::kNotFound) continue;
+    if (!file) return file.error();
+    entries.push_back({std::string(theirs), "", file->path});
+    files_in_use.push_back(*std::move(file));
   }
+  const fs::path folder = blobs.FolderOf(prefix);
   SKYQUILT_TRY_ASSIGN(const Value report, ReadJson(folder / "report.json"));
   SKYQUILT_TRY_ASSIGN(const Value photos, ReadJson(folder / "photos.geojson"));
   SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files,
@@ -189,9 +195,11 @@ Result<Response> Archive(Service& service, const Request& request, const storage
   SKYQUILT_TRY_ASSIGN(const std::optional<storage::Job> job, service.queue.LatestOf(task.flight_id));
   const bool is_done = job && job->state == storage::JobState::kSuccessful;
   if (!flight.active_revision || !is_done) return Error{ErrorCode::kNotFound, "Asset not ready", ""};
+  std::vector<storage::LocalBlob> files_in_use;  // until the archive has opened them
   SKYQUILT_TRY_ASSIGN(
       std::vector<ZipEntry> entries,
-      EntriesOf(service, task, service.store.dir().Revision(task.flight_id, *flight.active_revision)));
+      EntriesOf(service, task, storage::RevisionPrefix(task.flight_id, *flight.active_revision),
+                files_in_use));
   KeepWanted(task, entries);
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
   const auto layout = std::make_shared<const ZipLayout>(std::move(planned));

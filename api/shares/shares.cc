@@ -132,6 +132,7 @@ Response AddShare(Service& service, const Request& request, const std::string& b
   members.emplace_back("token", JsonString(text));
   // Behind '#', so that no server or proxy on the way writes it down.
   members.emplace_back("page", JsonString(fmt::format("/#/flights/{}?token={}", flight_id, text)));
+  members.emplace_back("embed", JsonString(fmt::format("/embed/{}#token={}", flight_id, text)));
   return Json(201, JsonObject(members));
 }
 

@@ -23,8 +23,9 @@ Value Link(const std::string& href, const char* rel, const char* type) {
 }
 
 // When the photos were taken, earliest and latest; empty where no camera knew it.
-std::set<std::string> CaptureTimes(const std::filesystem::path& folder, double lon_deg) {
-  std::ifstream file(folder / "photos.geojson", std::ios::binary);
+std::set<std::string> CaptureTimes(storage::BlobStore& blobs, const std::string& prefix, double lon_deg) {
+  const Result<storage::LocalBlob> fetched = blobs.Local(prefix + "photos.geojson");
+  std::ifstream file(fetched ? fetched->path : std::filesystem::path(), std::ios::binary);
   const Value photos = Value::parse(file, nullptr, false);
   std::set<std::string> times;
   if (!photos.is_object()) return times;
@@ -38,7 +39,7 @@ std::set<std::string> CaptureTimes(const std::filesystem::path& folder, double l
   return times;
 }
 
-Value Item(const MapView& map, const std::filesystem::path& folder) {
+Value Item(const MapView& map, storage::BlobStore& blobs, const std::string& prefix) {
   const auto& [west, south, east, north] = map.revision().bounds;
   Value ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
   Value item;
@@ -54,7 +55,7 @@ Value Item(const MapView& map, const std::filesystem::path& folder) {
                         {"created", FormatTime(map.revision().created)},
                         {"gsd", map.revision().gsd_m},
                         {"proj:epsg", 3857}};
-  if (const std::set<std::string> times = CaptureTimes(folder, 0.5 * (west + east)); !times.empty()) {
+  if (const std::set<std::string> times = CaptureTimes(blobs, prefix, 0.5 * (west + east)); !times.empty()) {
     item["properties"]["datetime"] = *times.begin();
     item["properties"]["start_datetime"] = *times.begin();
     item["properties"]["end_datetime"] = *times.rbegin();
@@ -83,7 +84,7 @@ Value Item(const MapView& map, const std::filesystem::path& folder) {
       {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
       {"report", asset("/report", "application/json", "How it was made", "metadata")},
       {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
-  if (std::filesystem::exists(folder / "mosaic.pmtiles")) {
+  if (blobs.Find(prefix + "mosaic.pmtiles")) {
     constexpr const char* kPmtiles = "application/vnd.pmtiles";
     item["assets"]["pmtiles"] = asset("/download.pmtiles", kPmtiles, "Tiles", "data");
     item["links"].push_back(Link(map.Link(api + "/download.pmtiles"), "pmtiles", kPmtiles));
@@ -97,10 +98,11 @@ void AddStacRoute(Router& router, Service& service) {
   router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
     const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
     if (!map) return Problem(map.error(), request);
-    Response response = Text(200,
-                             Item(*map, service.store.dir().Revision(map->id, map->revision().revision))
-                                 .dump(-1, ' ', false, Value::error_handler_t::replace),
-                             "application/geo+json");
+    Response response =
+        Text(200,
+             Item(*map, service.store.blobs(), storage::RevisionPrefix(map->id, map->revision().revision))
+                 .dump(-1, ' ', false, Value::error_handler_t::replace),
+             "application/geo+json");
     response.headers.Add("Cache-Control", "no-cache");
     return response;
   });

@@ -66,7 +66,7 @@ class ZoomPicture {
     return &found->second;
   }
 
-  storage::MbtilesReader& reader_;
+  storage::MapTiles& reader_;
   int zoom_;
   int side_px_;
   std::map<std::pair<std::int64_t, std::int64_t>, image::RgbaImage>

@@ -102,7 +102,7 @@ Result<Value> PreviewDocument(Service& service, const Request& request, const st
 Result<Value> LayerDocument(Service& service, const Request& request, const storage::Flight& flight,
                             render::MapLayer layer) {
   SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight.id));
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader, FindLayer(*tileset, layer));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MapTiles> reader, FindLayer(*tileset, layer));
   const auto zoom = [&](const char* key, int otherwise) {
     const auto found = reader->metadata().find(key);
     if (found != reader->metadata().end()) {

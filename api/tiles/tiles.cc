@@ -239,6 +239,7 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
     return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name), ""};
   }
   const TileCut cut = CutOf(wanted.tile, shown.depth, shown.side_px);
+  if (request.work < Work::kRead && !shown.source.IsAtHand(cut.stored)) return DeferTo(Work::kRead);
   SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, shown.source.Find(cut.stored));
   if (!found) {
     if (shown.tileset != nullptr && !wanted.is_of_world && !Touches(wanted.tile, shown.tileset->revision)) {
@@ -254,8 +255,7 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
 // Codes, not pictures: as they are stored, in no other size or format.
 Result<Response> LayerTile(Service& service, const Request& request, const storage::Tileset& tileset,
                            const TileRequest& wanted) {
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MbtilesReader> reader,
-                      FindLayer(tileset, *wanted.layer));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<storage::MapTiles> reader, FindLayer(tileset, *wanted.layer));
   if (wanted.is_double || wanted.format.value_or(image::PictureFormat::kPng) != image::PictureFormat::kPng) {
     return Error{ErrorCode::kInvalidArgument,
                  "Layers are there as .png of one size: their colours are codes.", ""};
@@ -354,8 +354,8 @@ Response TileResponse(Result<Response> answer, const Request& request) {
   return response;
 }
 
-Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset,
-                                                          render::MapLayer layer) {
+Result<std::shared_ptr<storage::MapTiles>> FindLayer(const storage::Tileset& tileset,
+                                                     render::MapLayer layer) {
   const auto found = tileset.layers.find(layer);
   if (found != tileset.layers.end()) return found->second;
   return Error{

@@ -42,8 +42,7 @@ inline constexpr int kPreviewTileSizePx = 256;
 // The side of a tileset's tiles, from its metadata; 256 where it does not say.
 int TileSizePx(const storage::Tileset& tileset);
 // The tileset of a layer. kNotFound: no such layer, or the map was made without it.
-Result<std::shared_ptr<storage::MbtilesReader>> FindLayer(const storage::Tileset& tileset,
-                                                          render::MapLayer layer);
+Result<std::shared_ptr<storage::MapTiles>> FindLayer(const storage::Tileset& tileset, render::MapLayer layer);
 Result<render::MapLayer> ParseLayer(std::string_view name);
 
 }  // namespace skyquilt::api

@@ -57,8 +57,9 @@ Result<std::vector<FileOutcome>> UnpackStored(Service& service, const std::strin
   SKYQUILT_TRY_ASSIGN(const std::optional<std::int64_t> room, incoming.Room());
   // The archive's own bytes are counted still, and go when it is unpacked.
   const std::int64_t max_bytes = room ? *room + file.bytes : std::numeric_limits<std::int64_t>::max();
+  const Result<storage::LocalBlob> archive = service.store.Fetch(flight_id, file.stored_name);
   const Result<std::vector<storage::UnpackedFile>> unpacked =
-      service.unpack(service.store, flight_id, service.store.PathOf(flight_id, file.stored_name), max_bytes);
+      archive ? service.unpack(service.store, flight_id, archive->path, max_bytes) : archive.error();
   const Result<storage::StoredFile> removed = service.catalogue.RemoveFile(flight_id, file.name);
   if (removed) {
     service.store.Remove(flight_id, removed->stored_name);

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "core/alignment/matching/guided_matching.h"
+
 namespace skyquilt::alignment {
 
 FeatureOptions AlignOptions::Features() const {
@@ -20,11 +22,13 @@ Result<void> AlignOptions::Validate() const {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("detector_pixels is {}; it must be at least 20000", detector_pixels), ""};
   }
-  if (max_features < 100 || observations_per_photo < 20) {
+  if (max_features < 100 || max_features > kMaxKeypoints || observations_per_photo < 20) {
     return Error{
         ErrorCode::kInvalidArgument,
-        fmt::format("max_features is {} and observations_per_photo {}; they must be at least 100 and 20",
-                    max_features, observations_per_photo),
+        fmt::format(
+            "max_features is {} and observations_per_photo {}; they must be at least 100 and 20, and the former "
+            "at most {}",
+            max_features, observations_per_photo, kMaxKeypoints),
         ""};
   }
   return {};

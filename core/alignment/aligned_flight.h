@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct AlignedPhoto {
   double height_above_ground_m = 0.0;
   double max_look_rad =
       camera::kMaxLookAngleRad;  // off the vertical: the map shows nothing that it sees beyond
+  // Off the vertical: how far out other photos see the same ground. Beyond, nothing but this photo's own
+  // angles says where things are. Without a limit where no photos are tied to each other.
+  double tied_look_rad = 0.5 * std::numbers::pi;
 };
 
 struct AlignedFlight {

@@ -12,16 +12,13 @@
 #include "core/pipeline/append_photos.h"
 #include "core/pipeline/memory_budget.h"
 #include "core/pipeline/place_flight.h"
+#include "core/pipeline/plan_map.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/stage_runner.h"
 #include "core/render/blocks/photo_regions.h"
 #include "core/render/blocks/render_block.h"
-#include "core/render/exposure/estimate_exposure.h"
-#include "core/render/exposure/extend_exposure.h"
-#include "core/render/plan_mosaic.h"
 #include "core/render/render_tiles.h"
 #include "core/render/seams/measure_seams.h"
-#include "core/render/seams/seam_map.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -61,13 +58,15 @@ void WarnOfCoarserPixels(const render::MosaicPlan& plan, const alignment::Aligne
 
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                 const flight::PhotoSource& photo_source, pyramid::TileSink& sink,
-                                Progress& progress, const geo::DemSource* dem, pyramid::MapMemory* memory) {
+                                Progress& progress, const geo::DemSource* dem, pyramid::MapMemory* memory,
+                                FoundFiles found) {
   SKYQUILT_TRY(options.Validate());
   MosaicReport report;
   report.title = options.title;
   StageRunner stages(report, progress);
 
-  SKYQUILT_TRY_ASSIGN(auto placed, PlaceFlight(files, options, photo_source, dem, memory, stages, progress));
+  SKYQUILT_TRY_ASSIGN(auto placed, PlaceFlight(files, options, photo_source, dem, memory, stages, progress,
+                                               std::move(found)));
   FlightFacts& facts = placed.facts;
   const alignment::AlignedFlight& aligned = facts.flight;
   const ground::GroundSurface& ground = facts.ground;
@@ -76,32 +75,13 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
   }
 
-  std::optional<double> gsd_m = options.gsd_m ? options.gsd_m : placed.gsd_m;
-  if (!gsd_m && facts.appearance) gsd_m = facts.appearance->gsd_m;
-  render::PlanOptions plan_options = PlanWithin(options);
-  plan_options.gsd_m = gsd_m;
-  SKYQUILT_TRY_ASSIGN(auto plan,
-                      stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); }));
-  if (options.not_finer_than_photos && gsd_m) gsd_m = std::max(*gsd_m, plan.gsd_m);
+  SKYQUILT_TRY_ASSIGN(PlannedMap planned, PlanMap(facts, placed.gsd_m, options, stages));
+  const render::MosaicPlan& plan = planned.plan;
+  const render::SeamMap& seams = planned.seams;
   const RenderBudget budget = BudgetFor(options, plan);
-
-  const render::ExposureModel exposure = stages.Run("expose", [&] {
-    if (facts.appearance)
-      return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.appearance->tones);
-    return render::EstimateExposure(aligned, ground, facts.thumbnails);
-  });
-  render::SeamMap seams = stages.Run("seam", [&] {
-    render::SeamOptions seam_options;
-    seam_options.threads = options.threads;
-    std::optional<render::KnownLabels> known;
-    if (facts.appearance)
-      known = {facts.appearance->grid, facts.appearance->labels, facts.appearance->tones.size()};
-    if (known) seam_options.known = &*known;
-    return render::BuildSeamMap(aligned, ground, plan, exposure, facts.thumbnails, seam_options);
-  });
   const std::size_t finished = facts.appearance ? facts.appearance->tones.size() : 0;
   if (memory != nullptr) {
-    facts.appearance = MapAppearance{gsd_m.value_or(plan.gsd_m), exposure.photos, seams.grid, seams.labels};
+    facts.appearance = planned.Appearance();
     SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
   }
   render::PhotoCache cache(photo_source, budget.cache_bytes);
@@ -117,7 +97,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
     patches.emplace(around ? *around : aligned, ground, measure);
     if (!around) patches->WatchFor(cache);
-    const render::RenderContext context{aligned, ground, exposure, seams, plan, cache};
+    const render::RenderContext context{aligned, ground, planned.exposure, seams, plan, cache};
     const render::RenderOptions render_options{
         budget.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
     if (memory == nullptr) return render::RenderTiles(context, render_options, sink, progress);
@@ -139,7 +119,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   DescribePhotos(aligned, report);
   report.seam_shift = seam_shift;
   report.warnings = aligned.warnings;
-  WarnOfCoarserPixels(plan, aligned, gsd_m, report);
+  WarnOfCoarserPixels(plan, aligned, planned.gsd_m, report);
   report.align_report = facts.align_report;
   report.ground_report = facts.ground_report;
   report.height_rule = facts.height_rule;
@@ -157,7 +137,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.blocks = rendered->blocks;
   report.blocks_kept = rendered->blocks_kept;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{aligned, ground, std::move(plan), std::move(seams), std::move(report)};
+  return BuiltMosaic{aligned, ground, std::move(planned.plan), std::move(planned.seams), std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

@@ -14,6 +14,7 @@
 #include "core/ground/ground_surface.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/mosaic_report.h"
+#include "core/pipeline/units/found_photos.h"
 #include "core/pyramid/map_memory.h"
 #include "core/pyramid/tile_sink.h"
 #include "core/render/mosaic_plan.h"
@@ -31,9 +32,10 @@ struct BuiltMosaic {
 
 // `dem`: heights of the ground where known; may be null. `memory`: what earlier runs left of this map; may be
 // null. With it blocks of which nothing has changed are not rendered again; the map is the same as without.
+// `found`: of the files that another process has looked at.
 Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                 const flight::PhotoSource& photo_source, pyramid::TileSink& sink,
                                 Progress& progress, const geo::DemSource* dem = nullptr,
-                                pyramid::MapMemory* memory = nullptr);
+                                pyramid::MapMemory* memory = nullptr, FoundFiles found = {});
 
 }  // namespace skyquilt::pipeline

@@ -14,11 +14,6 @@ namespace skyquilt::pipeline {
 
 namespace {
 
-struct CheckedPhoto {
-  render::Thumbnail thumbnail;
-  std::optional<alignment::PhotoFeatures> features;
-};
-
 Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource& source,
                            const std::optional<alignment::FeatureOptions>& features) {
   int denominator = render::ThumbnailDenominator(photo);
@@ -42,12 +37,17 @@ Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource
 
 Result<CheckedFlight> CheckPhotos(flight::Flight flight, const flight::PhotoSource& source,
                                   const std::optional<alignment::FeatureOptions>& features, int threads,
-                                  Progress& progress) {
+                                  Progress& progress, CheckedPhotos known) {
   const std::size_t count = flight.photos.size();
   std::vector<std::optional<Result<CheckedPhoto>>> made(count);
   std::atomic<std::size_t> done{0};
   ParallelFor(count, threads, [&](std::size_t i) {
     if (progress.IsCancelled()) return;
+    if (const auto found = known.find(flight.photos[i].name); found != known.end()) {
+      made[i] = std::move(found->second);  // names are unique: no other thread takes this one
+      ++done;
+      return;
+    }
     made[i] = Check(flight.photos[i], source, features);
     const std::size_t finished = ++done;
     progress.Report(static_cast<double>(finished) / static_cast<double>(count),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -11,6 +12,7 @@
 #include "core/alignment/baselines/align_by_features.h"
 #include "core/alignment/baselines/align_by_pose.h"
 #include "core/alignment/baselines/align_directly.h"
+#include "core/base/large_blocks_apart.h"
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
 #include "core/ground/dem_grid.h"
@@ -29,9 +31,19 @@ namespace {
 
 using flight::InputFile;
 
-std::vector<NamedDigest> DigestsOf(const std::vector<InputFile>& files, int threads) {
+constexpr std::size_t kManyFiles = 500;  // whose features are most of the memory
+
+// An error of a photo's angles grows with the square of the tangent towards the horizon: what no other photo
+// has seen is drawn no further out than this.
+constexpr double kUntiedLookRad = 55.0 * std::numbers::pi / 180.0;
+
+std::vector<NamedDigest> DigestsOf(const std::vector<InputFile>& files,
+                                   const std::map<std::string, Digest>& known, int threads) {
   std::vector<Result<Digest>> read(files.size(), Digest{});
-  ParallelFor(files.size(), threads, [&](std::size_t i) { read[i] = DigestOfFile(files[i].path); });
+  ParallelFor(files.size(), threads, [&](std::size_t i) {
+    const auto found = known.find(files[i].name);
+    read[i] = found != known.end() ? Result<Digest>(found->second) : DigestOfFile(files[i].path);
+  });
   std::vector<NamedDigest> digests;
   for (std::size_t i = 0; i < files.size(); ++i) {
     // A file that cannot be read is reported where it is needed; until then it has no twin.
@@ -177,11 +189,10 @@ bool MayGoByImages(const MosaicOptions& options) {
 
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                               const flight::PhotoSource& source, const geo::DemSource* dem,
-                              StageRunner& stages, Progress& progress) {
+                              StageRunner& stages, Progress& progress, CheckedPhotos known) {
   SKYQUILT_TRY_ASSIGN(auto checked, stages.Run("check", [&] {
-    std::optional<alignment::FeatureOptions> features;
-    if (MayGoByImages(options)) features = alignment::AlignOptions().Features();
-    return CheckPhotos(std::move(read), source, features, options.threads, progress);
+    return CheckPhotos(std::move(read), source, FeaturesToFind(options), options.threads, progress,
+                       std::move(known));
   }));
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
   alignment::AlignReport report;
@@ -289,12 +300,20 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
 
 }  // namespace
 
+std::optional<alignment::FeatureOptions> FeaturesToFind(const MosaicOptions& options) {
+  if (!MayGoByImages(options)) return std::nullopt;
+  return alignment::AlignOptions().Features();
+}
+
 Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const MosaicOptions& options,
                                  const flight::PhotoSource& source, const geo::DemSource* dem,
-                                 const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress) {
+                                 const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress,
+                                 FoundFiles found) {
+  const LargeBlocksApart features_apart(files.size() >= kManyFiles);
   std::vector<NamedDigest> inputs;
   auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
-    if (memory != nullptr) inputs = DigestsOf(files, options.threads);
+    if (memory != nullptr || !found.digests.empty())
+      inputs = DigestsOf(files, found.digests, options.threads);
     Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
     if (!flight || !options.readout_s) return flight;
     for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
@@ -324,13 +343,15 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     }
   }
   if (!facts) {
-    SKYQUILT_TRY_ASSIGN(auto anew, PlaceAnew(*std::move(read), options, source, dem, stages, progress));
+    SKYQUILT_TRY_ASSIGN(auto anew, PlaceAnew(*std::move(read), options, source, dem, stages, progress,
+                                             std::move(found.photos)));
     facts = std::move(anew);
   }
   placed.facts = *std::move(facts);
   if (!options.placing) {  // that keeps what the map was made with
     for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
-      photo.max_look_rad = geo::DegToRad(options.max_look_deg);
+      photo.max_look_rad =
+          std::min(geo::DegToRad(options.max_look_deg), std::max(photo.tied_look_rad, kUntiedLookRad));
     }
     placed.facts.options = DigestOfPlacing(options);
   }

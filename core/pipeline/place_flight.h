@@ -13,6 +13,7 @@
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/stage_runner.h"
+#include "core/pipeline/units/found_photos.h"
 #include "core/pyramid/map_memory.h"
 
 namespace skyquilt::pipeline {
@@ -24,8 +25,13 @@ struct PlacedFlight {
   std::optional<double> gsd_m;
 };
 
+// `found`: of the files that another process has looked at.
 Result<PlacedFlight> PlaceFlight(const std::vector<flight::InputFile>& files, const MosaicOptions& options,
                                  const flight::PhotoSource& source, const geo::DemSource* dem,
-                                 const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress);
+                                 const pyramid::MapMemory* memory, StageRunner& stages, Progress& progress,
+                                 FoundFiles found = {});
+
+// What is looked for in a photo when it is decoded for the first time; nothing where thumbnails suffice.
+std::optional<alignment::FeatureOptions> FeaturesToFind(const MosaicOptions& options);
 
 }  // namespace skyquilt::pipeline

@@ -1,12 +1,15 @@
 #include "server/commands/commands.h"
 
 #include "server/commands/confined.h"
-#include "server/commands/data.h"
+#include "server/commands/data/data.h"
+#include "server/commands/data/import.h"
 #include "server/commands/maps/compare.h"
+#include "server/commands/maps/export.h"
 #include "server/commands/maps/inspect.h"
 #include "server/commands/maps/locate.h"
 #include "server/commands/maps/place.h"
 #include "server/commands/maps/reckon.h"
+#include "server/commands/maps/report.h"
 #include "server/commands/maps/simulate.h"
 #include "server/commands/maps/stitch.h"
 #include "server/commands/maps/upload.h"
@@ -24,6 +27,9 @@ void AddCommands(CLI::App& app) {
   AddUploadCommand(app);
   AddLocateCommand(app);
   AddPlaceCommand(app);
+  AddExportCommand(app);
+  AddReportCommand(app);
+  AddImportCommand(app);
   AddInspectCommand(app);
   AddCompareCommand(app);
   AddReckonCommand(app);

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "server/exports/export_apart.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/preview/preview_apart.h"
 
@@ -26,6 +27,7 @@ void AddConfinedCommands(CLI::App& app) {
   Add(app, "stitch-confined", "Make the map of a job (a worker starts this by itself)", StitchConfined);
   Add(app, "preview-confined", "Draw the preview of a flight (a worker starts this by itself)",
       PreviewConfined);
+  Add(app, "export-confined", "Make an export of a map (serve starts this by itself)", ExportConfined);
 }
 
 }  // namespace skyquilt::server

@@ -25,16 +25,20 @@
 #include "server/commands/serve_options.h"
 #include "server/confinement/run_apart.h"
 #include "server/confinement/sandbox.h"
+#include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
 #include "server/http/http_server.h"
 #include "server/intake/unpack_apart.h"
 #include "server/intake/verdict_apart.h"
 #include "server/intake/verdicts.h"
 #include "server/jobs/worker_pool.h"
+#include "server/open_blobs.h"
 #include "server/open_storage.h"
 #include "server/routing/address_range.h"
 #include "server/routing/request_log.h"
 #include "server/routing/static_files.h"
+#include "server/usage/blob_options.h"
+#include "server/usage/catalogue_options.h"
 #include "server/webhooks/webhook_sender.h"
 
 namespace skyquilt::server {
@@ -204,17 +208,27 @@ void RunServer(const ServeOptions& options) {
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
   KeepFreedMemory();
-  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders);
+  storage::CataloguePlace place =
+      PlaceOf("skyquilt serve", options.catalogue, options.catalogue_password_file);
+  place.has_files_elsewhere = !options.blobs.address.empty();
+  const std::vector<std::string> catalogue_words = WordsOfPlace(place);
+  Result<Storage> storage = OpenStorage(options.data_dir, kReaders, kTileReaders, place);
   if (!storage) Fail("skyquilt serve", storage.error());
   Storage& opened = *storage;
+  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(opened.dir, options.blobs);
+  if (!blobs) Fail("skyquilt serve", blobs.error());
+  if (!(*blobs)->IsFolder()) LogEvent("photos and maps lie at " + (*blobs)->Address());
   const bool requires_token = RequiresToken(*opened.db, options.open);
   const Result<HttpSettings> settings = SettingsFrom(options, requires_token);
   if (!settings) Fail("skyquilt serve", settings.error());
-  storage::Catalogue catalogue(*opened.db, storage::FlightRecords(opened.dir));
+  // A folder of one machine among many holds no flights: backups of the database stand for the records.
+  std::optional<storage::FlightRecords> records;
+  if (!place.IsOfManyFolders()) records.emplace(opened.dir);
+  storage::Catalogue catalogue(*opened.db, std::move(records));
   storage::Catalogue tiles_catalogue(*opened.tiles_db);
   storage::JobQueue queue(*opened.db);
-  storage::PhotoStore store(opened.dir);
-  storage::TilesetCache tilesets(opened.dir, tiles_catalogue);
+  storage::PhotoStore store(opened.dir, *blobs);
+  storage::TilesetCache tilesets(opened.dir, tiles_catalogue, *blobs);
   api::Metrics metrics;
   api::Service service{catalogue,        queue,          store, tilesets, metrics, *opened.db,
                        SKYQUILT_VERSION, options.workers};
@@ -228,6 +242,8 @@ void RunServer(const ServeOptions& options) {
   const Result<void> recovered = Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db),
                                          service.spool, service.db.ages().Now());
   if (!recovered) Fail("skyquilt serve", recovered.error());
+  const Result<void> exports_recovered = RecoverExports(service);
+  if (!exports_recovered) Fail("skyquilt serve", exports_recovered.error());
   service.made_tiles.SetBudget(options.tile_cache_mb << 20);
   service.event_hub.SetMostOfClient(options.listeners_per_address);
   FinishUploads(service);
@@ -254,13 +270,20 @@ void RunServer(const ServeOptions& options) {
   std::fflush(stdout);
 
   const Housekeeper housekeeper(service);
+  const ExportRunner export_runner(service);
   std::optional<WebhookSender> sender;
   if (service.sends_webhooks) sender.emplace(service, options.webhooks == "any");
   LogEvent("what others made is decoded under " + ConfinementHere());
-  WorkerPool workers(
-      opened.dir, options.workers, options.previews && options.workers > 0, queue,
-      {"--job-timeout", std::to_string(options.job_timeout_s), "--job-memory",
-       std::to_string(options.job_memory_mib), "--photo-timeout", std::to_string(options.photo_timeout_s)});
+  storage::UnitQueue units(*opened.db);
+  std::vector<std::string> words = {"--job-timeout",   std::to_string(options.job_timeout_s),
+                                    "--job-memory",    std::to_string(options.job_memory_mib),
+                                    "--photo-timeout", std::to_string(options.photo_timeout_s),
+                                    "--cut-above",     std::to_string(options.cut_above)};
+  const std::vector<std::string> blob_words = BlobWords(options.blobs);
+  words.insert(words.end(), blob_words.begin(), blob_words.end());
+  words.insert(words.end(), catalogue_words.begin(), catalogue_words.end());
+  WorkerPool workers(opened.dir, options.workers, options.previews && options.workers > 0, queue, units,
+                     std::move(words));
   SuperviseWorkers(workers, opened.watch, signals);
   fmt::print("Skyquilt is stopping.\n");
   std::fflush(stdout);

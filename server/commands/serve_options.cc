@@ -10,6 +10,8 @@
 #include "server/commands/config_file.h"
 #include "server/commands/fail.h"
 #include "server/routing/origin_policy.h"
+#include "server/usage/blob_options.h"
+#include "server/usage/catalogue_options.h"
 #include "server/usage/one_of.h"
 
 namespace skyquilt::server {
@@ -50,12 +52,17 @@ void AddBounds(CLI::App& command, ServeOptions& options) {
 void RefuseUnknownVariables() {
   const std::string prefix = VariableOf("");
   constexpr std::string_view kOptions[] = {"data",
+                                           "catalogue",
+                                           "catalogue-password-file",
+                                           "blobs",
+                                           "cache-bytes",
                                            "listen",
                                            "workers",
                                            "previews",
                                            "job-timeout",
                                            "job-memory",
                                            "photo-timeout",
+                                           "cut-above",
                                            "web",
                                            "public-url",
                                            "basemap",
@@ -89,12 +96,25 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
   command.add_option("--data", options.data_dir, "Data folder; made when missing")
       ->required()
       ->envname(VariableOf("data"));
+  const CatalogueOptions at{options.catalogue, options.catalogue_password_file};
+  const auto [catalogue, password_file] = AddCatalogueOptions(command, at);
+  catalogue->envname(VariableOf("catalogue"));
+  password_file->envname(VariableOf("catalogue-password-file"));
+  const BlobOptions blobs = AddBlobOptions(command, options.blobs);
+  blobs.address->envname(VariableOf("blobs"));
+  blobs.cache_bytes->envname(VariableOf("cache-bytes"));
   command.add_option("--listen", options.listen, "ADDRESS:PORT; port 0 picks a free one")
       ->envname(VariableOf("listen"))
       ->capture_default_str();
   command.add_option("--workers", options.workers, "Worker processes that stitch")
       ->check(CLI::Range(0, 64))
       ->envname(VariableOf("workers"))
+      ->capture_default_str();
+  command
+      .add_option("--cut-above", options.cut_above,
+                  "Flights of more files than this are cut into parts that several workers share; 0: none is")
+      ->check(CLI::Range(0, 1 << 24))
+      ->envname(VariableOf("cut-above"))
       ->capture_default_str();
   command
       .add_option("--job-timeout", options.job_timeout_s,

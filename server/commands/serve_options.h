@@ -9,6 +9,8 @@
 #include "api/events/event_hub.h"
 #include "api/nodeodm/nodeodm.h"
 #include "server/http/http_server.h"
+#include "server/jobs/worker_context.h"
+#include "storage/blobs/open_blobs.h"
 #include "storage/tilesets/made_tiles.h"
 
 namespace CLI {
@@ -19,6 +21,9 @@ namespace skyquilt::server {
 
 struct ServeOptions {
   std::string data_dir;
+  std::string catalogue;  // URL; empty: in the data folder
+  std::string catalogue_password_file;
+  storage::BlobPlace blobs;
   std::string listen = "127.0.0.1:8080";
   std::string web_dir;
   std::string public_url;
@@ -31,6 +36,7 @@ struct ServeOptions {
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   int trash_days = 30;
+  int cut_above = kCutAboveFiles;  // files of a flight
   int job_timeout_s = 0;
   int job_memory_mib = 0;
   int photo_timeout_s = 60;

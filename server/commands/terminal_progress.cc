@@ -32,6 +32,7 @@ std::string StageWords(std::string_view stage) {
   if (stage == "render") return "Rendering";
   if (stage == "measure") return "Measuring the seams";
   if (stage == "export") return "Writing the other formats";
+  if (stage == "move") return "Copying and comparing";
   return std::string(stage);
 }
 

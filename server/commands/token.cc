@@ -13,6 +13,7 @@
 #include "api/auth/access.h"
 #include "api/json/json_codec.h"
 #include "server/commands/fail.h"
+#include "server/usage/catalogue_options.h"
 #include "server/usage/one_of.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/catalogue/tokens.h"
@@ -24,6 +25,8 @@ namespace {
 
 struct TokenOptions {
   std::string data_dir;
+  std::string catalogue;
+  std::string catalogue_password_file;
   std::string name;
   std::string scope = "read";
   std::string flight;           // the one that it opens; empty: every flight
@@ -34,7 +37,8 @@ struct TokenOptions {
 };
 
 std::unique_ptr<storage::CatalogueDb> OpenCatalogue(const TokenOptions& options) {
-  Result<storage::OpenedDataFolder> opened = storage::OpenOrJoinDataFolder(options.data_dir);
+  Result<storage::OpenedDataFolder> opened = storage::OpenOrJoinDataFolder(
+      options.data_dir, PlaceOf("skyquilt token", options.catalogue, options.catalogue_password_file));
   if (!opened) Fail("skyquilt token", opened.error());
   return std::move(opened->db);
 }
@@ -129,6 +133,7 @@ void AddTokenCommand(CLI::App& app) {
   command->require_subcommand(1);
   const auto with_data = [&](CLI::App* sub) {
     sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
+    AddCatalogueOptions(*sub, {options->catalogue, options->catalogue_password_file});
     return sub;
   };
   const auto with_name = [&](CLI::App* sub) {

@@ -7,52 +7,100 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <memory>
+#include <random>
 #include <string>
 #include <thread>
 
+#include "core/base/try.h"
 #include "server/commands/fail.h"
 #include "server/confinement/process_limits.h"
 #include "server/jobs/run_job.h"
+#include "server/open_blobs.h"
 #include "server/preview/preview_apart.h"
 #include "server/routing/request_log.h"
+#include "server/units/run_unit.h"
+#include "server/usage/blob_options.h"
+#include "server/usage/catalogue_options.h"
+#include "storage/db/ids.h"
+#include "storage/db/machine_boot.h"
 #include "storage/folder/open_data_folder.h"
 
 namespace skyquilt::server {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{200};
+constexpr std::chrono::seconds kPatience{30};  // with a database that is restarted
 
 struct WorkerOptions {
   std::string data_dir;
+  std::string catalogue;
+  std::string catalogue_password_file;
+  storage::BlobPlace blobs;
   std::string name;
   int parent = 0;
   int jobs = 0;             // 0: any number
   int job_timeout_s = 0;    // 0: by what was uploaded
   int job_memory_mib = 0;   // 0: by what was uploaded
   int photo_timeout_s = 0;  // 0: as PhotoLimits says
+  int cut_above = kCutAboveFiles;
+  int part_files = static_cast<int>(pipeline::kFilesPerLook);
   bool once = false;
+  bool until_empty = false;
   bool previews = false;
 };
+
+// Exit code of --once where no job waits: a launcher that starts one worker per job can stop starting them.
+constexpr int kNothingToDo = 3;
 
 std::atomic<bool> is_stopping{false};
 
 void OnStopSignal(int) { is_stopping = true; }
 
-void DrawPreviews(const storage::DataDir& dir, storage::CatalogueDb& db, const WorkerOptions& options) {
+void DrawPreviews(const storage::DataDir& dir, storage::BlobStore& blobs, storage::CatalogueDb& db,
+                  const WorkerOptions& options) {
   storage::Previews previews(db);
   PhotoLimits limits;
   if (options.photo_timeout_s > 0) limits.cpu_s = options.photo_timeout_s;
-  PreviewApart drawing(dir, previews, limits);
+  PreviewApart drawing(dir, blobs, previews, limits);
   while (!is_stopping) {
     const Result<bool> drawn = drawing.Step();
     if (!drawn) {
       LogFailure("-", "preview", drawn.error().message + " " + drawn.error().detail);
       std::this_thread::sleep_for(std::chrono::seconds(1));
     } else if (!*drawn) {
-      if (options.once) return;
+      if (options.once || options.until_empty) return;
       std::this_thread::sleep_for(kPoll);
     }
   }
+}
+
+// Unlike that of any other process, on this machine or another.
+std::string NameOfWorker(const storage::CatalogueDb& db) {
+  if (!db.IsShared()) return fmt::format("worker-{}", getpid());
+  return fmt::format("worker-{}-{}-{}", storage::MachineBoot::HostName(), getpid(), storage::NewId());
+}
+
+// A part of a large flight, or a job; which of them is looked for first is chance, so that neither waits for
+// all of the others. False: there is nothing to do.
+Result<bool> WorkOnce(WorkerContext& context, const std::string& name) {
+  static std::minstd_rand chance(static_cast<unsigned>(getpid()));
+  const bool units_first = chance() % 2 == 0;
+  for (const bool is_unit : {units_first, !units_first}) {
+    if (is_unit) {
+      SKYQUILT_TRY_ASSIGN(const auto unit, context.units.Claim(name, storage::Now()));
+      if (unit) {
+        RunUnit(context, *unit);
+        return true;
+      }
+    } else {
+      SKYQUILT_TRY_ASSIGN(const auto lease, context.queue.Claim(name, storage::Now()));
+      if (lease) {
+        RunJob(context, *lease);
+        return true;
+      }
+    }
+  }
+  return false;
 }
 
 void RunWorker(const WorkerOptions& options) {
@@ -63,35 +111,52 @@ void RunWorker(const WorkerOptions& options) {
   if (options.parent != 0 && !FollowParent(options.parent, SIGTERM)) return;
   StepBack();
   LimitThisProcess({});
-  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir);
+  storage::CataloguePlace place =
+      PlaceOf("skyquilt worker", options.catalogue, options.catalogue_password_file);
+  place.has_files_elsewhere = !options.blobs.address.empty();
+  Result<storage::OpenedDataFolder> opened = storage::JoinDataFolder(options.data_dir, place);
   if (!opened) Fail("skyquilt worker", opened.error());
   const storage::DataDir* const dir = &opened->dir;
   storage::CatalogueDb* const db = opened->db.get();
+  db->SetPatience(kPatience);
+  const Result<std::shared_ptr<storage::BlobStore>> blobs = OpenBlobsOf(*dir, options.blobs);
+  if (!blobs) Fail("skyquilt worker", blobs.error());
   if (options.previews) {
-    DrawPreviews(*dir, *db, options);
+    DrawPreviews(*dir, **blobs, *db, options);
     return;
   }
   storage::Catalogue catalogue(*db);
   storage::JobQueue queue(*db);
   storage::StageCosts costs(*db);
-  WorkerContext context{*dir, catalogue, queue, costs, is_stopping};
+  storage::UnitQueue units(*db);
+  WorkerContext context{*dir, **blobs, catalogue, queue, costs, units, is_stopping};
+  context.cut_above_files = options.cut_above;
+  context.files_per_unit = options.part_files;
   if (options.job_timeout_s > 0) context.limits.timeout = std::chrono::seconds(options.job_timeout_s);
   context.limits.machine_memory_bytes = MemoryOfThisMachine();
   if (options.job_memory_mib > 0) context.limits.memory_bytes = std::int64_t{options.job_memory_mib} << 20;
-  const std::string name = options.name.empty() ? fmt::format("worker-{}", getpid()) : options.name;
-  for (int done = 0; !is_stopping && (options.jobs == 0 || done < options.jobs);) {
-    const Result<std::optional<storage::Lease>> lease = queue.Claim(name, storage::Now());
-    if (!lease) {
+  const int jobs = options.once ? 1 : options.jobs;
+  const std::string name = options.name.empty() ? NameOfWorker(*db) : options.name;
+  bool may_hold_a_job = false;
+  for (int done = 0; !is_stopping && (jobs == 0 || done < jobs);) {
+    if (may_hold_a_job) {
+      // A claim was made and its answer lost; nobody works on that job.
+      may_hold_a_job = !queue.ReleaseWorker(name, storage::WorkerEnd::kInterrupted, storage::Now()) ||
+                       !units.ReleaseWorker(name);
+    }
+    const Result<bool> worked = WorkOnce(context, name);
+    if (!worked) {
       // Busy or full: the queue is polled again; a permanent failure shows in the log.
-      LogFailure("-", "claim", lease.error().detail);
+      LogFailure("-", "claim", worked.error().detail);
+      may_hold_a_job = db->IsShared();
       std::this_thread::sleep_for(std::chrono::seconds(2));
-    } else if (*lease) {
-      RunJob(context, **lease);
+    } else if (*worked) {
       ++done;
-    } else if (options.once) {
+    } else if (options.once || options.until_empty) {
+      if (options.once) throw CLI::RuntimeError(kNothingToDo);
       return;
     } else {
-      std::this_thread::sleep_for(kPoll);
+      queue.WaitForJobs();
     }
   }
 }
@@ -103,7 +168,11 @@ void AddWorkerCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("worker", "Run the queued jobs of a data folder (serve starts its own)");
   command->add_option("--data", options->data_dir, "Data folder")->required();
-  command->add_option("--name", options->name, "Name in the queue (default: worker-<process id>)");
+  AddBlobOptions(*command, options->blobs);
+  AddCatalogueOptions(*command, {options->catalogue, options->catalogue_password_file});
+  command->add_option(
+      "--name", options->name,
+      "Name in the queue (default: worker-<process id>, with the machine's name where machines share it)");
   command->add_option("--parent", options->parent, "Stop when this process is gone");
   command->add_option("--jobs", options->jobs, "Stop after this many jobs (default: never)");
   command->add_option("--job-timeout", options->job_timeout_s,
@@ -112,7 +181,18 @@ void AddWorkerCommand(CLI::App& app) {
                       "MiB of memory that a job may take (default: by what was uploaded)");
   command->add_option("--photo-timeout", options->photo_timeout_s,
                       "Seconds of processor time that the preview of a photo may take (default: 60)");
-  command->add_flag("--once", options->once, "Stop when the queue is empty");
+  command
+      ->add_option("--cut-above", options->cut_above,
+                   "Flights of more files are cut into parts that several workers share; 0: none is")
+      ->check(CLI::Range(0, 1 << 24))
+      ->capture_default_str();
+  command->add_option("--part-files", options->part_files, "Files that one part of them looks at")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  command->add_flag(
+      "--once", options->once,
+      "Run one job, or one part of a large flight, and stop; exit code 3 where none waits (for Slurm arrays and Kubernetes Jobs)");
+  command->add_flag("--until-empty", options->until_empty, "Stop when the queue is empty");
   command->add_flag("--previews", options->previews,
                     "Draw the previews of flights that are still uploading instead");
   command->callback([options] { RunWorker(*options); });

@@ -12,6 +12,7 @@
 #include "core/geo/bounds.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/picture_sheet.h"
+#include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::server {
 namespace {

@@ -44,7 +44,7 @@ Result<std::unique_ptr<ConfinedChild>> ConfinedChild::Start(std::vector<std::str
   }
   fcntl(to[1], F_SETFL, O_NONBLOCK);
   words.insert(words.end(), {"--parent", std::to_string(getpid())});
-  const Result<pid_t> pid = SpawnSelf(std::move(words), from[1], to[0]);
+  const Result<pid_t> pid = SpawnSelf(std::move(words), Secrets::kWithheld, from[1], to[0]);
   close(to[0]);
   close(from[1]);
   if (!pid) {

@@ -164,7 +164,8 @@ Result<std::string> RunApart(const ApartTask& task) {
   const Descriptor input(FileOf(task.input));
   if (input.get() < 0) return NoMeans();
   const Clock::time_point begun = Clock::now();
-  SKYQUILT_TRY_ASSIGN(const pid_t child, SpawnSelf(task.words, theirs.get(), input.get()));
+  SKYQUILT_TRY_ASSIGN(const pid_t child,
+                      SpawnSelf(task.words, Secrets::kWithheld, theirs.get(), input.get()));
   theirs.Close();
   const Clock::time_point end = begun + task.deadline;
   Heard heard = Listen(ours.get(), task, end);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <string_view>
 
 extern char** environ;
 
@@ -44,18 +45,30 @@ class SpawnSettings {
   posix_spawn_file_actions_t actions_{};
 };
 
+std::vector<char*> EnvironmentFor(Secrets secrets) {
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text(*variable);
+    const bool is_secret = text.starts_with("AWS_") || text.starts_with("PG");
+    if (secrets == Secrets::kKept || !is_secret) variables.push_back(*variable);
+  }
+  variables.push_back(nullptr);
+  return variables;
+}
+
 }  // namespace
 
-Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd,
+Result<pid_t> SpawnSelf(std::vector<std::string> words, Secrets secrets, std::optional<int> stdout_fd,
                         std::optional<int> stdin_fd) {
   words.insert(words.begin(), "skyquilt");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const SpawnSettings settings(stdout_fd, stdin_fd);
+  std::vector<char*> variables = EnvironmentFor(secrets);
   pid_t pid = 0;
-  const int failed =
-      posix_spawn(&pid, "/proc/self/exe", settings.actions(), settings.attributes(), argv.data(), environ);
+  const int failed = posix_spawn(&pid, "/proc/self/exe", settings.actions(), settings.attributes(),
+                                 argv.data(), variables.data());
   if (failed == 0) return pid;
   return Error{ErrorCode::kUnavailable, "The server could not start a process. Try again later.",
                std::strerror(failed)};

@@ -13,9 +13,14 @@
 
 namespace skyquilt::server {
 
+// What of the environment goes along. Keys of stores and databases (AWS_..., PG...) are for who speaks to
+// them: whoever decodes the files of others could write them into what it makes.
+enum class Secrets { kKept, kWithheld };
+
 // `words`: what follows the program's name. `stdout_fd`, `stdin_fd`: what its standard output and input
 // become, where given.
-Result<pid_t> SpawnSelf(std::vector<std::string> words, std::optional<int> stdout_fd = std::nullopt,
+Result<pid_t> SpawnSelf(std::vector<std::string> words, Secrets secrets,
+                        std::optional<int> stdout_fd = std::nullopt,
                         std::optional<int> stdin_fd = std::nullopt);
 
 // "by signal 9 (Killed)", "with code 1": of a status that waitpid gave.

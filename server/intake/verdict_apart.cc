@@ -11,7 +11,7 @@
 #include "core/base/try.h"
 #include "core/pipeline/inspect_flight.h"
 #include "server/confinement/run_apart.h"
-#include "server/jobs/open_elevation_model.h"
+#include "server/inputs/open_elevation_model.h"
 
 namespace skyquilt::server {
 namespace {

@@ -39,6 +39,8 @@ std::optional<Error> WhatIsWrong(const StitchOutcome& outcome) {
     if (!IsWithin(count, 0, kMaxPhotos)) return Untrue("a number of photos that no flight has");
   }
   if (!IsTime(map.first_capture) || !IsTime(map.last_capture)) return Untrue("a time that is none");
+  constexpr std::int64_t kMaxBlocks = std::int64_t{1} << 32;
+  if (outcome.blocks < 0 || outcome.blocks > kMaxBlocks) return Untrue("a number of blocks that no map has");
   if (outcome.stages_s.size() > kMaxStages) return Untrue("too many stages");
   for (const auto& [stage, wall_s] : outcome.stages_s) {
     if (!IsStage(stage) || !IsWithin(wall_s, 0, 1e9)) return Untrue("a stage that is none");
@@ -59,6 +61,7 @@ StitchOutcome OutcomeOf(const Json& json) {
   map.photos_left_out = CountOf(json.at("photos_left_out"));
   map.first_capture = json.at("first_capture").get<std::string>();
   map.last_capture = json.at("last_capture").get<std::string>();
+  outcome.blocks = json.at("blocks");
   outcome.stages_s = json.at("stages_s").get<std::vector<std::pair<std::string, double>>>();
   return outcome;
 }
@@ -75,7 +78,23 @@ Json JsonOf(const StitchOutcome& outcome) {
           {"photos_left_out", map.photos_left_out},
           {"first_capture", map.first_capture},
           {"last_capture", map.last_capture},
+          {"blocks", outcome.blocks},
           {"stages_s", outcome.stages_s}};
+}
+
+Json JsonOf(const std::optional<UnitToDo>& unit) {
+  if (!unit) return nullptr;
+  return {{"kind", static_cast<int>(unit->kind)},
+          {"number", unit->number},
+          {"count", unit->count},
+          {"blocks", unit->blocks},
+          {"looks", unit->looks}};
+}
+
+std::optional<UnitToDo> UnitOf(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return UnitToDo{static_cast<UnitKind>(json.at("kind").get<int>()), json.at("number"), json.at("count"),
+                  json.at("blocks"), json.at("looks")};
 }
 
 }  // namespace
@@ -89,6 +108,9 @@ std::string ToText(const StitchTask& task) {
                   {"out_dir", task.out_dir.string()},
                   {"options", task.options},
                   {"title", task.title},
+                  {"units_dir", task.units_dir.string()},
+                  {"unit", JsonOf(task.unit)},
+                  {"renders", task.renders},
                   {"memory_bytes", task.memory_bytes},
                   {"cpu_s", task.cpu_s}});
 }
@@ -104,6 +126,9 @@ Result<StitchTask> ParseTask(std::string_view text) {
     task.out_dir = json.at("out_dir").get<std::string>();
     task.options = json.at("options");
     task.title = json.at("title");
+    task.units_dir = json.at("units_dir").get<std::string>();
+    task.unit = UnitOf(json.at("unit"));
+    task.renders = json.at("renders");
     task.memory_bytes = json.at("memory_bytes");
     task.cpu_s = json.at("cpu_s");
     return task;

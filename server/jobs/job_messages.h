@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
+#include "server/units/unit_files.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace skyquilt::server {
@@ -23,6 +25,11 @@ struct StitchTask {
   std::filesystem::path out_dir;       // is there, and empty or what a killed attempt left
   std::string options;                 // as api::ParseJobOptions reads them
   std::string title;
+  // Of a flight that is cut into units (server/units): what they leave, and the one to do; without one the
+  // whole map is made, from what `renders` of them rendered.
+  std::filesystem::path units_dir = {};  // empty: it is not cut
+  std::optional<UnitToDo> unit = {};
+  int renders = 0;
   std::int64_t memory_bytes = 0;  // address space beyond the program's own
   std::int64_t cpu_s = 0;
 };
@@ -37,6 +44,7 @@ struct StageProgress {
 struct StitchOutcome {
   storage::Revision figures;  // without number and time
   std::vector<std::pair<std::string, double>> stages_s;
+  std::int64_t blocks = 0;  // of the whole map, where a unit placed its flight
 };
 using JobMessage = std::variant<StageBegun, StageProgress, StitchOutcome, Error>;
 

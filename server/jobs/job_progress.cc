@@ -44,10 +44,11 @@ double WholeJobFraction(const StageShares& shares, std::string_view stage, doubl
 }
 
 JobProgress::JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-                         StageShares shares)
+                         StageShares shares, ProgressSpan span)
     : queue_(queue),
       lease_(std::move(lease)),
       shares_(std::move(shares)),
+      span_(span),
       is_stopping_(is_stopping),
       thread_([this] { Beat(); }) {}
 
@@ -60,19 +61,27 @@ JobProgress::~JobProgress() {
   thread_.join();
 }
 
+double JobProgress::FractionAt(std::string_view stage, double stage_fraction) const {
+  return span_.from + (span_.to - span_.from) * WholeJobFraction(shares_, stage, stage_fraction);
+}
+
 void JobProgress::BeginStage(std::string_view stage) {
   const std::lock_guard lock(mutex_);
   latest_.stage = stage;
   latest_.message.clear();
-  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(shares_, stage, 0.0));
-  is_changed_ = true;
+  latest_.fraction = std::max(latest_.fraction, FractionAt(stage, 0.0));
+  untold_.push_back(latest_);
 }
 
 void JobProgress::Report(double fraction, std::string_view message) {
   const std::lock_guard lock(mutex_);
   latest_.message = message;
-  latest_.fraction = std::max(latest_.fraction, WholeJobFraction(shares_, latest_.stage, fraction));
-  is_changed_ = true;
+  latest_.fraction = std::max(latest_.fraction, FractionAt(latest_.stage, fraction));
+  if (untold_.empty()) {
+    untold_.push_back(latest_);
+  } else {
+    untold_.back() = latest_;
+  }
 }
 
 bool JobProgress::IsCancelled() const { return is_stopping_ || state_ != LeaseState::kHeld; }
@@ -82,19 +91,21 @@ void JobProgress::Beat() {
   while (!is_ended_) {
     end_.wait_for(lock, kBeat, [this] { return is_ended_; });
     if (is_ended_) return;
-    const bool is_changed = std::exchange(is_changed_, false);
-    const storage::JobProgress progress = latest_;
+    const std::vector<storage::JobProgress> untold = std::exchange(untold_, {});
     lock.unlock();
-    const LeaseState state = TellQueue(is_changed, progress);
+    const LeaseState state = TellQueue(untold);
     if (state != LeaseState::kHeld) state_ = state;
     lock.lock();
   }
 }
 
-LeaseState JobProgress::TellQueue(bool is_changed, const storage::JobProgress& progress) {
+LeaseState JobProgress::TellQueue(const std::vector<storage::JobProgress>& untold) {
   const bool is_due = Clock::now() - renewed_ >= kRenewEvery;
   Result<LeaseState> state = is_due ? queue_.Renew(lease_, storage::Now()) : queue_.LeaseStateOf(lease_);
-  if (state && *state == LeaseState::kHeld && is_changed) state = queue_.ReportProgress(lease_, progress);
+  for (const storage::JobProgress& progress : untold) {
+    if (!state || *state != LeaseState::kHeld) break;
+    state = queue_.ReportProgress(lease_, progress);
+  }
   if (state) {
     if (is_due) renewed_ = Clock::now();
     return *state;

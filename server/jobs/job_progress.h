@@ -1,6 +1,7 @@
-// JobProgress: the Progress of a job that a worker runs: writes stage and fraction to the queue (at most a
-// few times per second), renews the lease, and notices cancellation, a lost lease and the end of the worker.
-// A thread of its own waits for the database; Report never does. Any thread may report.
+// JobProgress: the Progress of a job that a worker runs: writes stage and fraction to the queue (a few times
+// per second: every stage that began, of each the newest fraction), renews the lease, and notices
+// cancellation, a lost lease and the end of the worker. A thread of its own waits for the database; Report
+// never does. Any thread may report.
 #pragma once
 
 #include <atomic>
@@ -27,11 +28,17 @@ StageShares SharesOf(const storage::Expectation& expectation);
 // How much of a whole job lies behind when a stage is this far; a stage that is not known adds nothing.
 double WholeJobFraction(const StageShares& shares, std::string_view stage, double stage_fraction);
 
+// The part of the whole job that this worker does: where it begins and ends, 0..1.
+struct ProgressSpan {
+  double from = 0.0;
+  double to = 1.0;
+};
+
 class JobProgress final : public Progress {
  public:
   // `is_stopping` is the worker's own wish to end.
   JobProgress(storage::JobQueue& queue, storage::Lease lease, const std::atomic<bool>& is_stopping,
-              StageShares shares = UsualShares());
+              StageShares shares = UsualShares(), ProgressSpan span = {});
   ~JobProgress() override;
 
   void BeginStage(std::string_view stage) override;
@@ -42,19 +49,21 @@ class JobProgress final : public Progress {
   storage::LeaseState lease_state() const { return state_; }
 
  private:
+  double FractionAt(std::string_view stage, double stage_fraction) const;
   void Beat();
-  storage::LeaseState TellQueue(bool is_changed, const storage::JobProgress& progress);
+  storage::LeaseState TellQueue(const std::vector<storage::JobProgress>& untold);
 
   storage::JobQueue& queue_;
   const storage::Lease lease_;
   const StageShares shares_;
+  const ProgressSpan span_;
   const std::atomic<bool>& is_stopping_;
   std::atomic<storage::LeaseState> state_ = storage::LeaseState::kHeld;
   std::mutex mutex_;
   std::condition_variable end_;
   bool is_ended_ = false;
-  bool is_changed_ = false;
   storage::JobProgress latest_;
+  std::vector<storage::JobProgress> untold_;  // since the last beat, one of each stage, in their order
   std::chrono::steady_clock::time_point renewed_ = std::chrono::steady_clock::now();
   std::thread thread_;  // last: it uses all of the above
 };

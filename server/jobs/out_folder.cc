@@ -11,7 +11,7 @@
 #include "core/base/digest.h"
 #include "core/pipeline/report/flight_facts.h"
 #include "core/render/map_layer.h"
-#include "server/jobs/film_frames.h"
+#include "server/inputs/film_frames.h"
 #include "storage/tilesets/map_keeper.h"
 
 namespace skyquilt::server {

@@ -10,17 +10,19 @@
 #include <exception>
 #include <optional>
 #include <system_error>
-#include <thread>
 #include <vector>
 
-#include "api/json/job_options.h"
 #include "core/base/try.h"
-#include "server/jobs/film_frames.h"
+#include "server/inputs/film_frames.h"
+#include "server/jobs/job_blobs.h"
 #include "server/jobs/job_progress.h"
+#include "server/jobs/job_task.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
+#include "server/units/cut_job.h"
+#include "server/units/end_of_work.h"
+#include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/folder/sweep.h"
-#include "storage/uploads/photo_store.h"
 
 namespace skyquilt::server {
 namespace {
@@ -77,12 +79,15 @@ class WorkFolder {
 };
 
 // Takes over the folder of a dead attempt of the same job, so that this one goes on where that stopped.
-void AdoptEarlierAttempt(const fs::path& work, const storage::Lease& lease) {
+void AdoptEarlierAttempt(const storage::DataDir& dir, const storage::Lease& lease) {
+  const fs::path work = dir.Work();
   const fs::path own = work / storage::WorkName(lease);
   std::vector<fs::path> earlier;
   std::error_code none;  // without an earlier attempt this one begins anew
   for (const auto& entry : fs::directory_iterator(work, none)) {
-    if (entry.path() != own && storage::JobOfWorkName(entry.path().filename().string()) == lease.job_id) {
+    const bool is_of_units = entry.path() == UnitsFolder(dir, lease.job_id);
+    if (entry.path() != own && !is_of_units &&
+        storage::JobOfWorkName(entry.path().filename().string()) == lease.job_id) {
       earlier.push_back(entry.path());
     }
   }
@@ -93,45 +98,57 @@ void AdoptEarlierAttempt(const fs::path& work, const storage::Lease& lease) {
   }
 }
 
-// The folder of the map that the flight shows now; empty when it has none.
-Result<fs::path> ShownMap(const WorkerContext& context, const std::string& flight_id) {
+// The map that the flight shows now; 0 when it has none.
+Result<std::int64_t> ShownRevision(const WorkerContext& context, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, context.catalogue.Revisions(flight_id));
-  if (revisions.empty()) return fs::path();
-  return context.dir.Revision(flight_id, *std::max_element(revisions.begin(), revisions.end()));
+  return revisions.empty() ? 0 : *std::max_element(revisions.begin(), revisions.end());
 }
 
-StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const fs::path& out_dir,
-                     Progress& progress) {
+// An earlier attempt may have died between placing a revision and showing it.
+Result<void> SweepUnshown(const WorkerContext& context, const std::string& flight_id) {
+  SKYQUILT_TRY_ASSIGN(const storage::SweepReport swept,
+                      storage::SweepRevisions(context.dir, context.catalogue, flight_id, storage::Now()));
+  for (const std::string& line : swept.moved) LogEvent(line);
+  if (context.blobs.IsFolder()) return {};
+  SKYQUILT_TRY_ASSIGN(const int removed,
+                      storage::SweepRevisionBlobs(context.blobs, context.catalogue, flight_id));
+  if (removed > 0)
+    LogEvent(fmt::format("{} blobs of maps that flight {} does not show were removed", removed, flight_id));
+  return {};
+}
+
+// What the task reads beside the files: the map that is shown, where it is on this machine.
+Result<void> FetchShown(const WorkerContext& context, const std::string& flight_id, LimitedTask& made,
+                        Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevision(context, flight_id));
+  if (shown == 0) return {};
+  const std::string map = storage::RevisionPrefix(flight_id, shown);
+  made.task.previous_dir = context.blobs.FolderOf(map);
+  if (context.blobs.IsFolder()) return {};
+  SKYQUILT_TRY_ASSIGN(FilesInUse of_map, FetchMap(context.blobs, map, progress));
+  if (of_map.size() < 2) made.task.previous_dir.clear();
+  made.in_use.insert(made.in_use.end(), of_map.begin(), of_map.end());
+  return {};
+}
+
+StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
+                     const fs::path& out_dir, Progress& progress) {
   std::error_code error;
   fs::create_directory(out_dir, error);  // below work/, which a data folder that is gone does not have
   if (error) return {OsError("make " + out_dir.string(), error.value())};
-  // An earlier attempt may have died between placing a revision and showing it.
-  const Result<storage::SweepReport> swept =
-      storage::SweepRevisions(context.dir, context.catalogue, lease.flight_id, storage::Now());
+  const Result<void> swept = SweepUnshown(context, lease.flight_id);
   if (!swept) return {swept.error()};
-  for (const std::string& line : swept->moved) LogEvent(line);
-  const Result<storage::Flight> flight = context.catalogue.GetFlight(lease.flight_id);
-  if (!flight) return {flight.error()};
-  const Result<std::vector<storage::StoredFile>> files = context.catalogue.ListFiles(lease.flight_id);
-  if (!files) return {files.error()};
-  const Result<pipeline::MosaicOptions> options = api::ParseJobOptions(lease.options);
-  if (!options) return {options.error()};
-  const Result<fs::path> shown = ShownMap(context, lease.flight_id);
-  if (!shown) return {shown.error()};
-  StitchTask task;
-  task.files_dir = context.dir.Files(lease.flight_id);
-  task.previous_dir = *shown;
-  task.out_dir = out_dir;
-  task.options = lease.options;
-  task.title = flight->name;
-  const storage::PhotoStore store(context.dir);
-  std::int64_t bytes = 0;
-  for (const storage::StoredFile& file : *files) {
-    task.files.push_back({file.name, store.PathOf(lease.flight_id, file.stored_name)});
-    bytes += file.bytes;
+  Result<LimitedTask> made = TaskOf(context, lease.flight_id, lease.options, {}, progress);
+  if (!made) return {made.error()};
+  const Result<void> fetched = FetchShown(context, lease.flight_id, *made, progress);
+  if (!fetched) return {fetched.error()};
+  made->task.out_dir = out_dir;
+  if (cut.step == CutStep::kPutTogether) {
+    const Result<void> parts = FetchParts(context, lease, UnitKind::kRender, *made, progress);
+    if (!parts) return {parts.error()};
+    made->task.renders = cut.renders;
   }
-  const auto count = static_cast<std::int64_t>(files->size());
-  return StitchApart(std::move(task), LimitsOfJob(count, bytes, *options, context.limits), progress);
+  return StitchApart(std::move(made->task), made->limits, progress);
 }
 
 // What a confined process left: plain files with no second name, nothing that leads elsewhere, and one folder
@@ -152,44 +169,59 @@ Result<void> CheckProducts(const fs::path& folder, bool may_hold_frames = true) 
   return {};
 }
 
-// Folders of revisions that the publish retired. The one shown before stays for readers who just looked it
-// up.
+// What the publish retired. The revision shown before stays for readers who just looked it up.
 void RemoveRetired(WorkerContext& context, const std::string& flight_id,
                    const std::vector<std::int64_t>& before) {
   const Result<std::vector<std::int64_t>> after = context.catalogue.Revisions(flight_id);
   if (!after) return;  // the sweep of the next start removes them
   for (const std::int64_t revision : before) {
     if (std::find(after->begin(), after->end(), revision) != after->end()) continue;
-    std::error_code ignored;  // as above
-    fs::remove_all(context.dir.Revision(flight_id, revision), ignored);
+    (void)context.blobs.RemoveBelow(storage::RevisionPrefix(flight_id, revision)).ok();  // as above
   }
+}
+
+// As Publish below; every product is put in its place before anybody is told.
+Result<bool> PublishElsewhere(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
+                              const storage::Revision& revision, Progress& progress) {
+  const std::string prefix = storage::RevisionPrefix(lease.flight_id, revision.revision);
+  Result<bool> published = false;
+  const Result<void> put = PutProducts(context.blobs, made, prefix, progress);
+  if (!put) published = put.error();
+  if (put) published = context.queue.Publish(lease, revision, storage::Now());
+  // Nobody was told. What cannot be removed now, the flight's next job or a sweep removes. Of a catalogue
+  // that did not answer it is not known whom it tells.
+  const bool is_unshown = !put || (published && !*published);
+  if (is_unshown) (void)context.blobs.RemoveBelow(prefix).ok();
+  return published;
 }
 
 // False: the lease was lost, and nothing was shown.
 Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const fs::path& made,
-                     storage::Revision revision) {
+                     storage::Revision revision, Progress& progress) {
   SKYQUILT_TRY(CheckProducts(made));
   SKYQUILT_TRY(SyncTree(made));
   SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> before, context.catalogue.Revisions(lease.flight_id));
   SKYQUILT_TRY_ASSIGN(const std::optional<std::int64_t> number, context.queue.ReserveRevision(lease));
   if (!number) return false;
+  revision.revision = *number;
+  if (!context.blobs.IsFolder()) {
+    SKYQUILT_TRY_ASSIGN(const bool is_shown, PublishElsewhere(context, lease, made, revision, progress));
+    if (is_shown) RemoveRetired(context, lease.flight_id, before);
+    if (is_shown) storage::SweepPreviews(context.dir, lease.flight_id, "");
+    return is_shown;
+  }
   // One rename puts all products in place; the catalogue decides afterwards whether anyone sees them.
   WorkFolder placed(context.dir.Revision(lease.flight_id, *number));
   if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
   SKYQUILT_TRY(Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY));
-  revision.revision = *number;
   Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
+  // Whether it is shown is not known then; if not, the next sweep of its flight takes the folder.
+  if (!published && published.error().code == ErrorCode::kUnavailable) placed.Keep();
   if (!published || !*published) return published;
   placed.Keep();
   RemoveRetired(context, lease.flight_id, before);
   storage::SweepPreviews(context.dir, lease.flight_id, "");
   return true;
-}
-
-// Trouble of the machine may pass; trouble with the input will not.
-bool MayRetry(ErrorCode code) {
-  return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kInternal ||
-         code == ErrorCode::kTimeout;
 }
 
 // What the jobs before took says how long this one will; nothing before the first one. Costs are a comfort: a
@@ -214,19 +246,6 @@ void KeepCost(WorkerContext& context, const storage::Lease& lease, const StitchO
   if (!kept) LogFailure(lease.job_id, "cost", kept.error().detail);
 }
 
-// The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.
-template <typename Tell>
-void TellUntilHeard(const storage::Lease& lease, Tell tell) {
-  constexpr int kTries = 5;
-  for (int attempt = 1; attempt <= kTries; ++attempt) {
-    const Result<bool> written = tell();
-    if (written) return;
-    LogFailure(lease.job_id, "queue", written.error().detail);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  }
-  // Not heard: the lease runs out, and the queue hands the job to the next attempt.
-}
-
 }  // namespace
 
 void RunJob(WorkerContext& context, const storage::Lease& lease) {
@@ -235,20 +254,35 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   std::optional<Error> failure;
   LeaseState state = LeaseState::kHeld;
   {
-    AdoptEarlierAttempt(context.dir.Work(), lease);
+    AdoptEarlierAttempt(context.dir, lease);
     WorkFolder work(context.dir.Work() / storage::WorkName(lease));
+    const CutJob cut = CutOf(context, lease);
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
     JobProgress progress(context.queue, lease, context.is_stopping,
-                         expectation ? SharesOf(*expectation) : UsualShares());
+                         expectation ? SharesOf(*expectation) : UsualShares(), ProgressOf(cut.step));
     try {
-      const StitchedApart made = Stitch(context, lease, work.path(), progress);
+      if (cut.step == CutStep::kLook || cut.step == CutStep::kPlace) {
+        const Result<bool> waits = cut.step == CutStep::kLook ? CutIntoLooks(context, lease, cut)
+                                                              : PlaceAndCut(context, lease, cut, progress);
+        if (waits) {
+          LogEvent(fmt::format("job {} {}", lease.job_id, *waits ? "waits for its parts" : "lost its lease"));
+          return;
+        }
+        failure = waits.error();
+      }
+      const StitchedApart made =
+          failure ? StitchedApart{*failure, false} : Stitch(context, lease, cut, work.path(), progress);
       if (!made.outcome) failure = made.outcome.error();
       if (made.outcome && !progress.IsCancelled()) {
-        const Result<bool> published = Publish(context, lease, work.path(), made.outcome->figures);
+        const Result<bool> published = Publish(context, lease, work.path(), made.outcome->figures, progress);
         if (!published) failure = published.error();
-        if (published && *published) KeepCost(context, lease, *made.outcome);
+        // A map that could not be put in its place is not rendered again.
+        if (!published && !context.blobs.IsFolder() && lease.attempt < storage::kMaxAttempts) work.Keep();
+        // What a part of the work took says nothing of a whole job.
+        if (published && *published && cut.step == CutStep::kWhole) KeepCost(context, lease, *made.outcome);
         if (published) {
           LogEvent(fmt::format("job {} {}", lease.job_id, *published ? "is published" : "lost its lease"));
+          if (*published && cut.step != CutStep::kWhole) RemoveUnits(context, lease);
           return;
         }
       }
@@ -263,14 +297,15 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   if (state == LeaseState::kLost) {
     LogEvent(fmt::format("job {} lost its lease", lease.job_id));
   } else if (state == LeaseState::kCancelRequested) {
-    TellUntilHeard(lease, [&] { return context.queue.Dismiss(lease, storage::Now()); });
+    TellUntilHeard(lease.job_id, [&] { return context.queue.Dismiss(lease, storage::Now()); });
     LogEvent(fmt::format("job {} is cancelled", lease.job_id));
   } else if (context.is_stopping) {
-    TellUntilHeard(lease, [&] { return context.queue.GiveBack(lease, storage::Now()); });
+    TellUntilHeard(lease.job_id, [&] { return context.queue.GiveBack(lease, storage::Now()); });
   } else if (failure) {
     LogFailure(lease.job_id, "job", failure->message + " " + failure->detail);
-    TellUntilHeard(
-        lease, [&] { return context.queue.Fail(lease, *failure, MayRetry(failure->code), storage::Now()); });
+    TellUntilHeard(lease.job_id, [&] {
+      return context.queue.Fail(lease, *failure, MayRetry(failure->code), storage::Now());
+    });
   }
 }
 

@@ -1,27 +1,15 @@
 // RunJob: one leased job from its files to a published revision. The products are made by a confined process
 // (server/jobs/stitch_apart.h) in a folder of the lease's own below work/, of which only plain files are
-// used; they are moved into the flight in one step, and shown only if the lease still holds. In every case
-// the job ends or returns to the queue; the work folder is removed, unless the process died and another
-// attempt continues from it. Blocking; any thread that lives as long.
+// used; they are moved into the flight in one step (where maps lie elsewhere: all of them are put there
+// first), and shown only if the lease still holds. In every case the job ends or returns to the queue; the
+// work folder is removed, unless the process died and another attempt continues from it. Blocking; any thread
+// that lives as long.
 #pragma once
 
-#include <atomic>
-
-#include "server/jobs/job_limits.h"
-#include "storage/catalogue/catalogue.h"
-#include "storage/folder/data_dir.h"
+#include "server/jobs/worker_context.h"
 #include "storage/jobs/job_queue.h"
 
 namespace skyquilt::server {
-
-struct WorkerContext {
-  const storage::DataDir& dir;
-  storage::Catalogue& catalogue;
-  storage::JobQueue& queue;
-  storage::StageCosts& costs;
-  const std::atomic<bool>& is_stopping;
-  GivenLimits limits = {};
-};
 
 void RunJob(WorkerContext& context, const storage::Lease& lease);
 

@@ -5,9 +5,7 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <exception>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -16,50 +14,16 @@
 #include "server/confinement/confined_child.h"
 #include "server/confinement/process_limits.h"
 #include "server/confinement/sandbox.h"
+#include "server/jobs/pipe_progress.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/jobs/stitch_job.h"
+#include "server/units/stitch_unit.h"
 
 namespace skyquilt::server {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-// More often nobody looks.
-constexpr std::chrono::milliseconds kTellEvery{100};
 // A map of the most pixels that are rendered (core/render/plan_mosaic) is smaller.
 constexpr std::int64_t kFileBytes = std::int64_t{1} << 40;
-
-class PipeProgress final : public Progress {
- public:
-  explicit PipeProgress(MessageWriter& writer) : writer_(writer) {}
-
-  void BeginStage(std::string_view stage) override {
-    const std::lock_guard lock(mutex_);
-    sent_ = {};
-    Tell(StageBegun{std::string(stage)});
-  }
-  void Report(double fraction, std::string_view message) override {
-    const std::lock_guard lock(mutex_);
-    const auto now = Clock::now();
-    if (now - sent_ < kTellEvery) return;
-    sent_ = now;
-    Tell(StageProgress{fraction, std::string(message)});
-  }
-  // Who wishes it to end, ends this process.
-  bool IsCancelled() const override { return false; }
-
- private:
-  void Tell(const JobMessage& message) { writer_.Write(ToText(message)); }
-
-  MessageWriter& writer_;
-  std::mutex mutex_;
-  Clock::time_point sent_;
-};
-
-// What SQLite and GDAL put down for a moment.
-void KeepTemporaryFilesIn(const std::filesystem::path& folder) {
-  for (const char* variable : {"TMPDIR", "SQLITE_TMPDIR", "CPL_TMPDIR"}) setenv(variable, folder.c_str(), 1);
-}
 
 // The folder may be that of an attempt that was killed a moment ago and is not quite dead: two must never
 // write into one. Held for the life of this process.
@@ -94,9 +58,20 @@ StitchOutcome OutcomeOf(const pipeline::MosaicReport& report) {
 Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(pipeline::MosaicOptions options, api::ParseJobOptions(task.options));
   options.title = task.title;
+  const UnitFiles units(task.units_dir);
+  if (task.unit) {
+    SKYQUILT_TRY_ASSIGN(UnitDone done,
+                        StitchUnit(task.files, *task.unit, units, task.out_dir, options, progress));
+    return StitchOutcome{.figures = {}, .stages_s = std::move(done.stages_s), .blocks = done.blocks};
+  }
   StitchJobOptions job;
   job.mosaic = std::move(options);
   job.previous_dir = task.previous_dir;
+  if (!task.units_dir.empty()) {
+    job.facts_file = units.Facts();
+    for (int number = 0; number < task.renders; ++number)
+      job.part_dirs.push_back(units.Folder(UnitKind::kRender, number));
+  }
   SKYQUILT_TRY_ASSIGN(const pipeline::MosaicReport report,
                       StitchToDirectory(task.files, job, task.out_dir, progress));
   return OutcomeOf(report);
@@ -110,7 +85,9 @@ Result<StitchOutcome> RunStitchTask(const std::string& text, MessageWriter& writ
   LimitThisProcess(
       {.more_memory_bytes = task.memory_bytes, .more_cpu_s = task.cpu_s, .file_bytes = kFileBytes});
   FileAccess access{.reads = {task.files_dir}, .writes = {task.out_dir}};
-  if (!task.previous_dir.empty()) access.reads.push_back(task.previous_dir);
+  for (const std::filesystem::path& more : {task.previous_dir, task.units_dir}) {
+    if (!more.empty()) access.reads.push_back(more);
+  }
   SKYQUILT_TRY(Confine(std::move(access)));
   PipeProgress progress(writer);
   try {

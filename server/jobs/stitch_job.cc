@@ -13,8 +13,9 @@
 #include "core/pipeline/report/locate.h"
 #include "core/pipeline/report/odm_exports.h"
 #include "core/render/blocks/render_layers.h"
-#include "server/jobs/film_frames.h"
-#include "server/jobs/open_elevation_model.h"
+#include "server/inputs/film_frames.h"
+#include "server/inputs/open_elevation_model.h"
+#include "server/tileset_metadata.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
@@ -38,19 +39,6 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
                  "The folder " + folder.string() + " cannot be made: " + failed.message() + ".", ""};
   }
   return {};
-}
-
-storage::TilesetMetadata MetadataOf(const pipeline::MosaicReport& report) {
-  storage::TilesetMetadata metadata;
-  metadata.name = report.title.empty() ? "Skyquilt map" : report.title;
-  metadata.description =
-      "Orthomosaic of " + std::to_string(report.photos_aligned + report.photos_pose_only) + " aerial photos";
-  metadata.bounds = report.bounds;
-  metadata.min_zoom = report.min_zoom;
-  metadata.max_zoom = report.max_zoom;
-  metadata.tile_size_px = report.tile_size_px;
-  metadata.generator = "Skyquilt";
-  return metadata;
 }
 
 // The tileset in the other formats that were asked for.
@@ -103,7 +91,7 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
                                            options.threads, progress));
   const render::LayerZooms zooms = render::ZoomsOfLayers(built.plan);
   for (std::size_t i = 0; i < sinks.size(); ++i) {
-    storage::TilesetMetadata metadata = MetadataOf(built.report);
+    storage::TilesetMetadata metadata = TilesetMetadataOf(built.report);
     metadata.name += std::string(", ") + render::NameOf(sinks[i].layer);
     metadata.description = "Layer of the map; layers.json says what its colours mean";
     metadata.min_zoom = zooms.min_zoom;
@@ -144,18 +132,26 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
   SKYQUILT_TRY(MakeFolder(out_dir));
   const std::filesystem::path mbtiles = out_dir / "mosaic.mbtiles";
   if (options.is_fresh) ForgetEarlierRuns(out_dir);
-  SKYQUILT_TRY_ASSIGN(auto keeper, storage::MapKeeper::Create(out_dir, options.previous_dir));
+  pipeline::FoundFiles found;
+  storage::MapParts parts;
+  if (!options.facts_file.empty()) {
+    SKYQUILT_TRY_ASSIGN(parts.facts, storage::ReadWholeFile(options.facts_file));
+    SKYQUILT_TRY_ASSIGN(found.digests, pipeline::DigestsOfFacts(parts.facts));
+    parts.folders = options.part_dirs;
+  }
+  SKYQUILT_TRY_ASSIGN(auto keeper,
+                      storage::MapKeeper::Create(out_dir, options.previous_dir, std::move(parts)));
   const flight::FilePhotoSource photos(pipeline::MostDecodeBytes(options.mosaic));
   SKYQUILT_TRY_ASSIGN(const video::FlightFiles given,
                       TakeFilmFrames(files, out_dir, ThreadCount(options.mosaic.threads), progress));
   SKYQUILT_TRY_ASSIGN(const auto elevations, OpenElevationModel(options.mosaic.dem_path, given.files));
   SKYQUILT_TRY_ASSIGN(pipeline::BuiltMosaic built,
                       pipeline::BuildMosaic(given.files, options.mosaic, photos, *keeper, progress,
-                                            elevations.source.get(), keeper.get()));
+                                            elevations.source.get(), keeper.get(), std::move(found)));
   built.report.warnings.insert(built.report.warnings.end(), given.warnings.begin(), given.warnings.end());
   built.report.warnings.insert(built.report.warnings.end(), elevations.warnings.begin(),
                                elevations.warnings.end());
-  SKYQUILT_TRY(keeper->Publish(MetadataOf(built.report)));
+  SKYQUILT_TRY(keeper->Publish(TilesetMetadataOf(built.report)));
   progress.BeginStage("export");
   pipeline::StageTiming exported_in{"export", 0.0, 0.0};
   {

@@ -27,6 +27,9 @@ struct StitchJobOptions {
   // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder
   // itself.
   std::filesystem::path previous_dir;
+  // What other processes made of the same flight: its facts, and folders with ranges of the map's blocks.
+  std::filesystem::path facts_file = {};  // empty: nothing
+  std::vector<std::filesystem::path> part_dirs = {};
 };
 
 Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::InputFile>& files,

@@ -21,8 +21,12 @@ constexpr std::chrono::seconds kBackoff{1};
 }  // namespace
 
 WorkerPool::WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue,
-                       std::vector<std::string> words)
-    : dir_(std::move(dir)), words_(std::move(words)), queue_(queue), slots_(static_cast<std::size_t>(count)) {
+                       storage::UnitQueue& units, std::vector<std::string> words)
+    : dir_(std::move(dir)),
+      words_(std::move(words)),
+      queue_(queue),
+      units_(units),
+      slots_(static_cast<std::size_t>(count)) {
   if (!draws_previews) return;
   slots_.emplace_back();
   slots_.back().draws_previews = true;
@@ -37,14 +41,14 @@ void WorkerPool::StartMissing() {
 
 void WorkerPool::Start(Slot& slot, int index) {
   // One job a process: whatever memory a job took, the next one finds it given back.
-  slot.name = fmt::format("{}{}-{}-{}", storage::kServedWorkerPrefix, getpid(), index, ++starts_);
+  slot.name = fmt::format("{}{}-{}-{}", queue_.served_prefix(), getpid(), index, ++starts_);
   slot.started = Clock::now();
   std::vector<std::string> words = {"worker",  "--data",   dir_.root().string(),     "--name",
                                     slot.name, "--parent", std::to_string(getpid()), "--jobs",
                                     "1"};
   words.insert(words.end(), words_.begin(), words_.end());
   if (slot.draws_previews) words.emplace_back("--previews");
-  const Result<pid_t> started = SpawnSelf(std::move(words));
+  const Result<pid_t> started = SpawnSelf(std::move(words), Secrets::kKept);
   if (!started) {
     LogFailure("-", "worker", "could not be started: " + started.error().detail);
     slot.not_before = Clock::now() + kBackoff;
@@ -71,6 +75,8 @@ void WorkerPool::Ended(Slot& slot, int status) {
   const storage::WorkerEnd end = is_stopping_ ? storage::WorkerEnd::kInterrupted : storage::WorkerEnd::kDied;
   const Result<int> released = queue_.ReleaseWorker(slot.name, end, storage::Now());
   if (!released) LogFailure("-", "worker", released.error().detail);
+  const Result<int> units = units_.ReleaseWorker(slot.name);
+  if (!units) LogFailure("-", "worker", units.error().detail);
   const bool is_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (!is_stopping_ && !is_well) {
     LogFailure("-", "worker",

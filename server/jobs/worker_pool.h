@@ -12,6 +12,7 @@
 
 #include "storage/folder/data_dir.h"
 #include "storage/jobs/job_queue.h"
+#include "storage/jobs/unit_queue.h"
 
 namespace skyquilt::server {
 
@@ -19,7 +20,7 @@ class WorkerPool {
  public:
   // `words`: options that every worker is started with.
   WorkerPool(storage::DataDir dir, int count, bool draws_previews, storage::JobQueue& queue,
-             std::vector<std::string> words = {});
+             storage::UnitQueue& units, std::vector<std::string> words = {});
 
   // Starts what should run and does not; one that died young waits a little. Called at the start, and now and
   // then.
@@ -46,6 +47,7 @@ class WorkerPool {
   storage::DataDir dir_;
   const std::vector<std::string> words_;
   storage::JobQueue& queue_;
+  storage::UnitQueue& units_;
   std::vector<Slot> slots_;
   int starts_ = 0;
   bool is_stopping_ = false;

@@ -62,9 +62,9 @@ class PreviewApart::Session {
   bool is_shown_;
 };
 
-PreviewApart::PreviewApart(const storage::DataDir& dir, storage::Previews& previews,
-                           const PhotoLimits& limits)
-    : dir_(dir), previews_(previews), limits_(limits) {}
+PreviewApart::PreviewApart(const storage::DataDir& dir, storage::BlobStore& blobs,
+                           storage::Previews& previews, const PhotoLimits& limits)
+    : dir_(dir), blobs_(blobs), previews_(previews), limits_(limits) {}
 PreviewApart::~PreviewApart() = default;
 
 void PreviewApart::EndIdle() {
@@ -93,17 +93,38 @@ Result<PreviewApart::Session*> PreviewApart::SessionOf(const std::string& flight
   EndIdle();
   const fs::path folder = dir_.Flight(flight_id) / (preview ? preview->folder : storage::NewPreviewFolder());
   std::error_code error;
-  fs::create_directory(folder, error);
+  // Of a flight that lies elsewhere there may be nothing here yet; else one without a folder is gone.
+  if (blobs_.IsFolder()) {
+    fs::create_directory(folder, error);
+  } else {
+    fs::create_directories(folder, error);
+  }
   if (error) return Error{ErrorCode::kIo, "The folder of a preview cannot be made.", error.message()};
   Result<std::unique_ptr<ConfinedChild>> child = ConfinedChild::Start({"preview-confined"});
   if (!child) {
     if (!preview) fs::remove(folder, error);
     return child.error();
   }
-  const PreviewPlace place{dir_.Files(flight_id), folder, limits_.memory_bytes};
+  const PreviewPlace place{blobs_.FolderOf(storage::FilesPrefix(flight_id)), folder, limits_.memory_bytes};
   (*child)->Tell(ToText(place));  // one that does not listen does not answer either
   auto session = std::make_unique<Session>(*std::move(child), folder, preview.has_value());
   return (sessions_[flight_id] = std::move(session)).get();
+}
+
+Result<std::vector<storage::LocalBlob>> PreviewApart::Fetch(const std::string& flight_id,
+                                                            const PreviewRequest& request) {
+  std::vector<storage::LocalBlob> photos;
+  if (blobs_.IsFolder()) return photos;
+  for (const auto* files : {&request.fresh, &request.tried}) {
+    for (const StoredFile& file : *files) {
+      Result<storage::LocalBlob> photo = blobs_.Local(storage::FilesPrefix(flight_id) + file.stored_name);
+      // One that is gone was taken out a moment ago; whoever draws finds no such file.
+      if (!photo && photo.error().code == ErrorCode::kNotFound) continue;
+      if (!photo) return photo.error();
+      photos.push_back(*std::move(photo));
+    }
+  }
+  return photos;
 }
 
 PreviewApart::Answer PreviewApart::Exchange(Session& session, const PreviewRequest& request) const {
@@ -188,6 +209,7 @@ Result<bool> PreviewApart::Step() {
   while (true) {
     SKYQUILT_TRY_ASSIGN(std::optional<Preview> preview, previews_.Find(work.flight_id));
     request.preview = std::move(preview);
+    SKYQUILT_TRY_ASSIGN(const std::vector<storage::LocalBlob> photos, Fetch(work.flight_id, request));
     SKYQUILT_TRY_ASSIGN(Session* const session, SessionOf(work.flight_id, request.preview));
     Answer answer = Exchange(*session, request);
     if (answer.drawn) {

@@ -11,10 +11,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "server/confinement/confined_child.h"
 #include "server/preview/preview_messages.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/previews.h"
 #include "storage/folder/data_dir.h"
 
@@ -28,7 +30,9 @@ struct PhotoLimits {
 
 class PreviewApart {
  public:
-  PreviewApart(const storage::DataDir& dir, storage::Previews& previews, const PhotoLimits& limits);
+  // `blobs`: where the photos lie; the previews themselves are files of this machine's data folder.
+  PreviewApart(const storage::DataDir& dir, storage::BlobStore& blobs, storage::Previews& previews,
+               const PhotoLimits& limits);
   ~PreviewApart();
 
   // Draws a few of the photos that wait. False: none waited.
@@ -49,8 +53,11 @@ class PreviewApart {
   Result<void> Show(const storage::PreviewWork& work, const PreviewRequest& request,
                     const PreviewDrawn& drawn);
   void EndIdle();
+  // The photos of a request on this machine, kept for as long as the answer lives.
+  Result<std::vector<storage::LocalBlob>> Fetch(const std::string& flight_id, const PreviewRequest& request);
 
   storage::DataDir dir_;
+  storage::BlobStore& blobs_;
   storage::Previews& previews_;
   const PhotoLimits limits_;
   std::map<std::string, std::unique_ptr<Session>> sessions_;  // by flight

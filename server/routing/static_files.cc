@@ -14,6 +14,7 @@
 #include "api/http/problem.h"
 #include "api/http/target.h"
 #include "core/base/try.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::server {
 namespace {
@@ -36,12 +37,13 @@ constexpr std::array<std::pair<std::string_view, const char*>, 14> kTypes = {{
 }};
 
 // Scripts and styles from here alone; tiles and previews of dropped photos as blob and data; a basemap from
-// where the operator says.
-std::string ContentSecurityPolicy(const std::string& basemap_origin) {
+// where the operator says. Pages of others may frame the bare map, which changes nothing, and nothing else.
+std::string ContentSecurityPolicy(const std::string& basemap_origin, bool may_be_framed) {
   const std::string basemap = basemap_origin.empty() ? "" : " " + basemap_origin;
   return "default-src 'self'; connect-src 'self'" + basemap + "; img-src 'self' data: blob:" + basemap +
          "; worker-src 'self' blob:; style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none';"
-         " form-action 'self'; frame-ancestors 'self'";
+         " form-action 'self'; frame-ancestors " +
+         (may_be_framed ? "*" : "'none'");
 }
 
 constexpr std::array kPageFolders = {"src", "styles", "vendor", "images", "fonts"};
@@ -68,6 +70,11 @@ bool IsOfThePage(const std::vector<std::string>& segments) {
   return !name.ends_with(".json") && !name.ends_with(".txt");
 }
 
+// "/embed/FLIGHT": one document for all flights.
+bool IsBareMap(const std::vector<std::string>& segments) {
+  return segments.size() == 2 && segments.front() == "embed" && storage::IsId(segments.back());
+}
+
 // Changes with the file; links are not followed.
 std::optional<std::string> EtagOf(const std::filesystem::path& path) {
   struct stat status {};
@@ -80,6 +87,8 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   const Error missing{ErrorCode::kNotFound, "There is nothing at this address.", ""};
   SKYQUILT_TRY_ASSIGN(api::Target target, api::ParseTarget(request.path));
   std::vector<std::string> segments = std::move(target.segments);
+  const bool is_bare_map = IsBareMap(segments);
+  if (is_bare_map) segments = {"embed.html"};
   if (segments.empty()) segments = {"index.html"};
   const char* type = TypeOf(segments.back());
   if (type == nullptr || !IsOfThePage(segments)) return missing;
@@ -100,7 +109,7 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   if (as_gzip) sent->headers.Add("Content-Encoding", "gzip");
   if (gzip_etag) sent->headers.Add("Vary", "Accept-Encoding");
   sent->headers.Add("Cache-Control", "no-cache");
-  sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origin));
+  sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origin, is_bare_map));
   return sent;
 }
 

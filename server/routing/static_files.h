@@ -1,7 +1,9 @@
-// ServePage: the web page's own files, from one folder: index.html at "/", and the files in it by name. Only
+// ServePage: the web page's own files, from one folder: index.html at "/",
+// embed.html, the bare map, at "/embed/FLIGHT", and the files in it by name. Only
 // file types that a page needs, never a hidden file, a link, or anything of the build (package.json,
 // node_modules). Where NAME.gz lies beside NAME (the build makes it), clients that accept gzip get that.
-// Answers carry the page's Content-Security-Policy. Any thread.
+// Answers carry the page's Content-Security-Policy, which lets pages of other sites frame the bare map alone.
+// Any thread.
 #pragma once
 
 #include <filesystem>

@@ -13,6 +13,11 @@ namespace {
 constexpr std::chrono::milliseconds kDeliveryPause{500};
 constexpr int kAtOnce = 20;
 
+bool MayTell(const Result<bool>& taken) {
+  if (!taken) LogFailure("-", "webhook", taken.error().detail);
+  return taken && *taken;
+}
+
 }  // namespace
 
 WebhookSender::WebhookSender(api::Service& service, bool may_go_private)
@@ -46,13 +51,13 @@ void WebhookSender::TellAllDue() {
   const auto due = service_.webhooks.Due(service_.db.ages().Now(), kAtOnce);
   if (!due) return LogFailure("-", "webhook", due.error().detail);
   for (const storage::Delivery& delivery : *due) {
-    Tell(delivery);
+    if (MayTell(service_.webhooks.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
     if (IsEnded()) return;
   }
   const auto of_tasks = service_.node_deliveries.Due(service_.db.ages().Now(), kAtOnce);
   if (!of_tasks) return LogFailure("-", "webhook", of_tasks.error().detail);
   for (const storage::NodeDelivery& delivery : *of_tasks) {
-    Tell(delivery);
+    if (MayTell(service_.node_deliveries.Take(delivery, service_.db.ages().Now()))) Tell(delivery);
     if (IsEnded()) return;
   }
 }

@@ -32,7 +32,7 @@ Flight FlightFrom(const Statement& row) {
   return flight;
 }
 
-Result<Flight> ReadFlight(SqliteDb& db, const std::string& id) {
+Result<Flight> ReadFlight(SqlConnection& db, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(Statement query,
                       db.Prepare(std::string(kFlightColumns) + "WHERE f.id=? AND f.deleted_us IS NULL"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Step());
@@ -40,7 +40,7 @@ Result<Flight> ReadFlight(SqliteDb& db, const std::string& id) {
   return FlightFrom(query);
 }
 
-Result<bool> Exists(SqliteDb& db, std::string_view sql, std::string_view first,
+Result<bool> Exists(SqlConnection& db, std::string_view sql, std::string_view first,
                     std::string_view second = {}) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
   query.Bind(1, first);
@@ -48,23 +48,30 @@ Result<bool> Exists(SqliteDb& db, std::string_view sql, std::string_view first,
   return query.Step();
 }
 
-Result<void> RequireFlight(SqliteDb& db, const std::string& id) {
+Result<void> RequireFlight(SqlConnection& db, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(const bool known, Exists(db, kIsThere, id));
   if (!known) return NoSuchFlight(id);
   return {};
 }
 
-Result<void> RequireNotRunning(SqliteDb& db, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(const bool running,
-                      Exists(db, "SELECT 1 FROM job WHERE flight_id=? AND state='running'", flight_id));
-  if (running) {
+Result<void> RequireNotRunning(SqlConnection& db, const std::string& flight_id) {
+  // A waiting job that is locked cannot begin before this transaction ends.
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db.Prepare(std::string("SELECT state FROM job WHERE flight_id=? AND state IN"
+                                             " ('accepted','running')") +
+                                 db.ForShare()));
+  query.Bind(1, flight_id);
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) break;
+    if (query.ColumnText(0) != "running") continue;
     return Error{ErrorCode::kConflict,
                  "This flight is being stitched. Cancel its job or wait for its end, then try again.", ""};
   }
   return {};
 }
 
-Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const StoredFile& file, Time now) {
+Result<void> InsertFile(SqlConnection& db, const std::string& flight_id, const StoredFile& file, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
       db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
@@ -76,7 +83,7 @@ Result<void> InsertFile(SqliteDb& db, const std::string& flight_id, const Stored
       .Run();
 }
 
-Result<std::vector<std::string>> UploadsOf(SqliteDb& db, const std::string& flight_id) {
+Result<std::vector<std::string>> UploadsOf(SqlConnection& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM upload WHERE flight_id=?"));
   return query.Bind(1, flight_id).AllText();
 }
@@ -151,8 +158,9 @@ Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::st
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(std::string(kFlightColumns) +
-                  "WHERE (?1 IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2"));
+      db->Prepare(
+          std::string(kFlightColumns) +
+          "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2"));
   if (cursor) {
     query.Bind(1, *cursor);
   } else {
@@ -197,22 +205,26 @@ Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::strin
 }
 
 Result<void> Catalogue::DeleteFlight(const std::string& id) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM flight WHERE id=?"));
-  SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", id));
-  if (!known) return NoSuchFlight(id);
-  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads, UploadsOf(*db, id));
-  // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight:
-  // the record only tells a repair of a lost catalogue not to bring the flight back.
-  if (records_) (void)records_->Deleting(id, Now()).ok();
-  const Result<void> done = remove.Bind(1, id).Run();
-  if (!done && records_) (void)records_->Change(id, {}).ok();
-  if (!done) return done.error();
-  if (!records_) return {};
-  (void)records_->Deleted(id, Now()).ok();
-  // Its resumable uploads went with it; bytes that stay here, the next start moves to lost/.
-  for (const std::string& upload : uploads) unlink((records_->dir().Uploads() / upload).c_str());
-  return {};
+  return db_.Again([&]() -> Result<void> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, id));
+    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM flight WHERE id=?"));
+    SKYQUILT_TRY_ASSIGN(const bool known, Exists(*db, "SELECT 1 FROM flight WHERE id=?", id));
+    if (!known) return NoSuchFlight(id);
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::string> uploads, UploadsOf(*db, id));
+    // What the record cannot take (a full disk, the one thing that deleting mends) must not keep the flight:
+    // the record only tells a repair of a lost catalogue not to bring the flight back.
+    if (records_) (void)records_->Deleting(id, Now()).ok();
+    Result<void> done = remove.Bind(1, id).Run();
+    if (done) done = transaction.Commit();
+    if (!done && records_) (void)records_->Change(id, {}).ok();
+    if (!done) return done.error();
+    if (!records_) return {};
+    (void)records_->Deleted(id, Now()).ok();
+    // Its resumable uploads went with it; bytes that stay here, the next start moves to lost/.
+    for (const std::string& upload : uploads) unlink((records_->dir().Uploads() / upload).c_str());
+    return {};
+  });
 }
 
 Result<bool> Catalogue::HasFlight(const std::string& id) const {
@@ -227,76 +239,89 @@ Result<std::vector<std::string>> Catalogue::FlightIds() const {
 }
 
 Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredFile& file, Time now) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY(RequireFlight(*db, flight_id));
-  AddedFile added;
-  {
-    SKYQUILT_TRY_ASSIGN(Statement old,
-                        db->Prepare("SELECT stored_name FROM file WHERE flight_id=? AND name=?"));
-    SKYQUILT_TRY_ASSIGN(const bool row, old.Bind(1, flight_id).Bind(2, file.name).Step());
-    added.replaced = row;
-    if (row) added.replaced_stored_name = old.ColumnText(0);
-  }
-  if (added.replaced) {
-    SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
-    SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?"));
-    SKYQUILT_TRY(remove.Bind(1, flight_id).Bind(2, file.name).Run());
-  }
-  SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
-  SKYQUILT_TRY(Record(flight_id, file, now));
-  SKYQUILT_TRY(transaction.Commit());
-  if (added.replaced && records_)
-    (void)records_->RemoveFile(flight_id, added.replaced_stored_name).ok();  // as below
-  return added;
+  return db_.Again([&]() -> Result<AddedFile> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    SKYQUILT_TRY(RequireFlight(*db, flight_id));
+    AddedFile added;
+    {
+      SKYQUILT_TRY_ASSIGN(Statement old,
+                          db->Prepare("SELECT stored_name FROM file WHERE flight_id=? AND name=?"));
+      SKYQUILT_TRY_ASSIGN(const bool row, old.Bind(1, flight_id).Bind(2, file.name).Step());
+      added.replaced = row;
+      if (row) added.replaced_stored_name = old.ColumnText(0);
+    }
+    if (added.replaced) {
+      SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
+      SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?"));
+      SKYQUILT_TRY(remove.Bind(1, flight_id).Bind(2, file.name).Run());
+    }
+    SKYQUILT_TRY(InsertFile(*db, flight_id, file, now));
+    SKYQUILT_TRY(Record(flight_id, file, now));
+    SKYQUILT_TRY(transaction.Commit());
+    if (added.replaced && records_)
+      (void)records_->RemoveFile(flight_id, added.replaced_stored_name).ok();  // as below
+    return added;
+  });
 }
 
 Result<StoredFile> Catalogue::AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file,
                                                    Time now, const std::optional<std::string>& upload_id) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY(RequireFlight(*db, flight_id));
-  StoredFile added = file;
-  for (int number = 2;; ++number) {
-    SKYQUILT_TRY_ASSIGN(const bool taken, Exists(*db, "SELECT 1 FROM file WHERE flight_id=? AND name=?",
-                                                 flight_id, added.name));
-    if (!taken) break;
-    // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
-    // mark.
-    constexpr int kMaxNumbers = 20;
-    added.name = MarkedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
-  }
-  SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
-  SKYQUILT_TRY(Record(flight_id, added, now));
-  if (upload_id) {
-    SKYQUILT_TRY_ASSIGN(Statement update,
-                        db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0"));
-    SKYQUILT_TRY(update.Bind(1, *upload_id).Run());
-    if (db->Changes() == 0)
-      return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  return added;
+  return db_.Again([&]() -> Result<StoredFile> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    SKYQUILT_TRY(RequireFlight(*db, flight_id));
+    StoredFile added = file;
+    for (int number = 2;; ++number) {
+      SKYQUILT_TRY_ASSIGN(const bool taken, Exists(*db, "SELECT 1 FROM file WHERE flight_id=? AND name=?",
+                                                   flight_id, added.name));
+      if (!taken) break;
+      // Thousands of equal names must not cost thousands of look-ups each: then our own unique name is the
+      // mark.
+      constexpr int kMaxNumbers = 20;
+      added.name = MarkedName(file.name, number <= kMaxNumbers ? std::to_string(number) : file.stored_name);
+    }
+    SKYQUILT_TRY(InsertFile(*db, flight_id, added, now));
+    SKYQUILT_TRY(Record(flight_id, added, now));
+    if (upload_id) {
+      SKYQUILT_TRY_ASSIGN(Statement update,
+                          db->Prepare("UPDATE upload SET is_done=1 WHERE id=? AND is_done=0"));
+      SKYQUILT_TRY(update.Bind(1, *upload_id).Run());
+      if (db->Changes() == 0)
+        return Error{ErrorCode::kConflict, "This upload was finished or removed meanwhile.", ""};
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return added;
+  });
 }
 
 Result<StoredFile> Catalogue::RemoveFile(const std::string& flight_id, const std::string& name) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY(RequireFlight(*db, flight_id));
-  SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
-  StoredFile removed;
-  {
-    SKYQUILT_TRY_ASSIGN(
-        Statement remove,
-        db->Prepare("DELETE FROM file WHERE flight_id=? AND name=? RETURNING name, stored_name, bytes"));
-    SKYQUILT_TRY_ASSIGN(const bool row, remove.Bind(1, flight_id).Bind(2, name).Step());
-    if (!row) return Error{ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""};
-    removed = {std::string(remove.ColumnText(0)), std::string(remove.ColumnText(1)), remove.ColumnInt64(2)};
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  // A record that cannot take it (a full disk) still names a file that is about to go, which does no harm.
-  if (records_) (void)records_->RemoveFile(flight_id, removed.stored_name).ok();
-  return removed;
+  return db_.Again([&]() -> Result<StoredFile> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    SKYQUILT_TRY(RequireFlight(*db, flight_id));
+    SKYQUILT_TRY(RequireNotRunning(*db, flight_id));
+    StoredFile removed;
+    Time created;
+    {
+      SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM file WHERE flight_id=? AND name=?"
+                                                        " RETURNING name, stored_name, bytes, created_us"));
+      SKYQUILT_TRY_ASSIGN(const bool row, remove.Bind(1, flight_id).Bind(2, name).Step());
+      if (!row) return Error{ErrorCode::kNotFound, fmt::format("This flight has no file \"{}\".", name), ""};
+      removed = {std::string(remove.ColumnText(0)), std::string(remove.ColumnText(1)), remove.ColumnInt64(2)};
+      created = FromUs(remove.ColumnInt64(3));
+    }
+    // Before the catalogue: a process that dies between the two must not leave a record that brings the file
+    // back. A record that cannot take it (a full disk) still names a file that is about to go, which does no
+    // harm.
+    const bool is_recorded = records_ && records_->RemoveFile(flight_id, removed.stored_name);
+    const Result<void> committed = transaction.Commit();
+    if (!committed) {
+      if (is_recorded) (void)Record(flight_id, removed, created).ok();  // what it would say is not so
+      return committed.error();
+    }
+    return removed;
+  });
 }
 
 Result<std::vector<StoredFile>> FilesOf(Statement& query) {

@@ -39,13 +39,13 @@ std::string FreeName(const std::string& name, const std::string& stored_name,
   return fmt::format("{} ({}){}", stem, stored_name, name.substr(stem.size()));
 }
 
-Result<bool> HasRow(SqliteDb& db, std::string_view sql, std::string_view first) {
+Result<bool> HasRow(SqlConnection& db, std::string_view sql, std::string_view first) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
   return query.Bind(1, first).Step();
 }
 
 // `age`: now, by the AgeClock: the days of a flight in the trash count anew.
-Result<void> InsertFlight(SqliteDb& db, const DiskFlight& flight, const FlightRecord& record, Time age) {
+Result<void> InsertFlight(SqlConnection& db, const DiskFlight& flight, const FlightRecord& record, Time age) {
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
       db.Prepare(
@@ -68,7 +68,7 @@ Result<void> InsertFlight(SqliteDb& db, const DiskFlight& flight, const FlightRe
   return insert.Run();
 }
 
-Result<std::set<std::string>> NamesOf(SqliteDb& db, const std::string& flight_id) {
+Result<std::set<std::string>> NamesOf(SqlConnection& db, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT name FROM file WHERE flight_id=?"));
   query.Bind(1, flight_id);
   std::set<std::string> names;
@@ -79,9 +79,11 @@ Result<std::set<std::string>> NamesOf(SqliteDb& db, const std::string& flight_id
   }
 }
 
-Result<void> InsertFiles(SqliteDb& db, const DiskFlight& flight, const FlightRecord& record,
+Result<void> InsertFiles(SqlConnection& db, const DiskFlight& flight, const FlightRecord& record,
                          EnteredFlight& entered) {
   SKYQUILT_TRY_ASSIGN(std::set<std::string> names, NamesOf(db, flight.id));
+  std::set<std::string> stored;
+  for (const DiskFile& file : flight.files) stored.insert(file.stored_name);
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
       db.Prepare("INSERT INTO file(flight_id,name,bytes,stored_name,created_us) VALUES(?,?,?,?,?)"));
@@ -90,7 +92,11 @@ Result<void> InsertFiles(SqliteDb& db, const DiskFlight& flight, const FlightRec
                         HasRow(db, "SELECT 1 FROM file WHERE stored_name=?", file.stored_name));
     if (is_known) continue;
     const auto recorded = record.files.find(file.stored_name);
-    if (recorded == record.files.end() ? record.is_whole : recorded->second.is_removed) continue;
+    if (recorded == record.files.end()
+            ? record.is_whole
+            : recorded->second.is_removed || stored.contains(recorded->second.replaced_by)) {
+      continue;
+    }
     std::string name = NameByContent(flight.folder / "files" / file.stored_name, file.stored_name);
     Time created = file.changed;
     if (recorded != record.files.end() && CheckFileName(recorded->second.name)) {
@@ -114,9 +120,29 @@ Result<void> InsertFiles(SqliteDb& db, const DiskFlight& flight, const FlightRec
   return {};
 }
 
-Result<void> ShowMap(SqliteDb& db, const std::string& flight_id, const Revision& map) {
+// A catalogue of yesterday still has the files that were removed or replaced since.
+Result<void> ForgetRemovedFiles(SqlConnection& db, const std::string& flight_id, const FlightRecord& record,
+                                EnteredFlight& entered) {
+  SKYQUILT_TRY_ASSIGN(Statement forget,
+                      db.Prepare("DELETE FROM file WHERE flight_id=? AND stored_name=? RETURNING name"));
+  for (const auto& [stored_name, recorded] : record.files) {
+    if (!recorded.is_removed) continue;
+    SKYQUILT_TRY_ASSIGN(const bool was_known, forget.Bind(1, flight_id).Bind(2, stored_name).Step());
+    if (was_known) {
+      entered.notes.push_back(
+          fmt::format("flight {}: {} was removed or replaced later than this catalogue knows", flight_id,
+                      forget.ColumnText(0)));
+    }
+    forget.Reset();
+  }
+  return {};
+}
+
+Result<void> ShowMap(SqlConnection& db, const std::string& flight_id, const Revision& map) {
+  SKYQUILT_TRY_ASSIGN(Statement forget, db.Prepare("DELETE FROM revision WHERE flight_id=? AND revision=?"));
+  SKYQUILT_TRY(forget.Bind(1, flight_id).Bind(2, map.revision).Run());
   SKYQUILT_TRY_ASSIGN(Statement insert,
-                      db.Prepare("INSERT OR REPLACE INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
+                      db.Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
   insert.Bind(1, flight_id).Bind(2, map.revision).Bind(3, ToUs(map.created));
   insert.Bind(4, map.bounds.west_deg).Bind(5, map.bounds.south_deg);
   insert.Bind(6, map.bounds.east_deg).Bind(7, map.bounds.north_deg);
@@ -135,7 +161,7 @@ Result<void> ShowMap(SqliteDb& db, const std::string& flight_id, const Revision&
 }
 
 // The newest map that can be read, unless that is the one which is shown.
-Result<void> ShowNewestMap(SqliteDb& db, const DiskFlight& flight, EnteredFlight& entered) {
+Result<void> ShowNewestMap(SqlConnection& db, const DiskFlight& flight, EnteredFlight& entered) {
   std::int64_t active = 0;
   {
     SKYQUILT_TRY_ASSIGN(Statement query,
@@ -158,7 +184,7 @@ Result<void> ShowNewestMap(SqliteDb& db, const DiskFlight& flight, EnteredFlight
   if (flight.revisions.empty()) return {};
   // A number that lies on disk is never given out again.
   SKYQUILT_TRY_ASSIGN(Statement next,
-                      db.Prepare("UPDATE flight SET next_revision=max(next_revision, ?2) WHERE id=?1"));
+                      db.Prepare("UPDATE flight SET next_revision=?2 WHERE id=?1 AND next_revision<?2"));
   return next.Bind(1, flight.id).Bind(2, flight.revisions.back() + 1).Run();
 }
 
@@ -167,7 +193,7 @@ Result<void> ShowNewestMap(SqliteDb& db, const DiskFlight& flight, EnteredFlight
 Result<EnteredFlight> EnterFlight(CatalogueDb& catalogue, const DiskFlight& flight,
                                   const std::optional<FlightRecord>& record) {
   const auto db = catalogue.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight.id));
   EnteredFlight entered;
   SKYQUILT_TRY_ASSIGN(const bool is_known, HasRow(*db, "SELECT 1 FROM flight WHERE id=?", flight.id));
   const FlightRecord facts = record.value_or(FlightRecord());
@@ -175,6 +201,7 @@ Result<EnteredFlight> EnterFlight(CatalogueDb& catalogue, const DiskFlight& flig
   if (entered.is_new) {
     SKYQUILT_TRY(InsertFlight(*db, flight, facts, catalogue.ages().Now()));
   }
+  SKYQUILT_TRY(ForgetRemovedFiles(*db, flight.id, facts, entered));
   SKYQUILT_TRY(InsertFiles(*db, flight, facts, entered));
   SKYQUILT_TRY(ShowNewestMap(*db, flight, entered));
   SKYQUILT_TRY(transaction.Commit());

@@ -6,9 +6,9 @@ namespace skyquilt::storage {
 
 Result<std::vector<Event>> EventLog::After(std::int64_t seq, const EventFilter& filter, int limit) const {
   const auto db = db_.Read();
-  const char* where = filter.job_id      ? "job_id=?2 AND ?3 IS NULL AND"
-                      : filter.flight_id ? "flight_id=?3 AND ?2 IS NULL AND"
-                                         : "?2 IS NULL AND ?3 IS NULL AND";
+  const char* where = filter.job_id      ? "job_id=?2 AND CAST(?3 AS TEXT) IS NULL AND"
+                      : filter.flight_id ? "flight_id=?3 AND CAST(?2 AS TEXT) IS NULL AND"
+                                         : "CAST(?2 AS TEXT) IS NULL AND CAST(?3 AS TEXT) IS NULL AND";
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Prepare(std::string("SELECT seq, at_us, flight_id, job_id, kind, body FROM event WHERE ") + where +

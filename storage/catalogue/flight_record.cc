@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "storage/tilesets/publish_file.h"
 
@@ -69,8 +70,8 @@ void TakeFlight(const Json& fields, FlightRecord& record) {
   record.is_deleting = false;
 }
 
-// False: it is no line of a record.
-bool TakeLine(const Json& line, FlightRecord& record) {
+// False: it is no line of a record. `newest`: stored names by the user's.
+bool TakeLine(const Json& line, FlightRecord& record, std::map<std::string, std::string>& newest) {
   if (!line.is_object()) return false;
   if (line.contains("flight") && line["flight"].is_object()) {
     TakeFlight(line["flight"], record);
@@ -83,6 +84,8 @@ bool TakeLine(const Json& line, FlightRecord& record) {
     const auto created = NumberOf(line["file"], "created_us");
     if (!stored || !name || !bytes || !created) return false;
     record.files[*stored] = {*name, *bytes, FromUs(*created), false};
+    const std::string before = std::exchange(newest[*name], *stored);
+    if (!before.empty() && before != *stored) record.files[before].replaced_by = *stored;
     return true;
   }
   if (const auto removed = TextOf(line, "removed")) {
@@ -99,6 +102,7 @@ bool TakeLine(const Json& line, FlightRecord& record) {
 
 FlightRecord ParseFlightRecord(std::string_view text) {
   FlightRecord record;
+  std::map<std::string, std::string> newest;
   bool is_first = true;
   bool is_whole = true;
   while (!text.empty()) {
@@ -108,7 +112,7 @@ FlightRecord ParseFlightRecord(std::string_view text) {
     text.remove_prefix(is_torn ? text.size() : end + 1);
     if (line.empty()) continue;
     const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-    const bool is_taken = !json.is_discarded() && TakeLine(json, record);
+    const bool is_taken = !json.is_discarded() && TakeLine(json, record, newest);
     if (is_first) is_whole = is_taken && record.name.has_value();
     if (!is_taken && !is_torn) is_whole = false;
     is_first = false;

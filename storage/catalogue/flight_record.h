@@ -31,6 +31,9 @@ struct RecordedFile {
   std::int64_t bytes = 0;
   Time created;
   bool is_removed = false;  // by the user
+  // The stored name of the next file of this name, which took its place if its bytes are there: a process
+  // that died between the two had no time to say that this one is removed.
+  std::string replaced_by = {};
 };
 
 struct FlightRecord {

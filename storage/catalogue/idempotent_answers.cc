@@ -28,8 +28,12 @@ Result<void> IdempotentAnswers::Keep(const IdempotencyKey& key, const Idempotent
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare("DELETE FROM idempotent_answer WHERE created_us<=?"));
   SKYQUILT_TRY(forget.Bind(1, ToUs(now - kKeptFor)).Run());
-  SKYQUILT_TRY_ASSIGN(Statement insert,
-                      db->Prepare("INSERT OR REPLACE INTO idempotent_answer VALUES(?,?,?,?,?,?,?,?)"));
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db->Prepare(
+          "INSERT INTO idempotent_answer VALUES(?,?,?,?,?,?,?,?) ON CONFLICT(owner,key,route) DO UPDATE SET"
+          " fingerprint=excluded.fingerprint, status=excluded.status, location=excluded.location,"
+          " body=excluded.body, created_us=excluded.created_us"));
   const std::span<const std::uint8_t> fingerprint(
       reinterpret_cast<const std::uint8_t*>(answer.fingerprint.data()), answer.fingerprint.size());
   return insert.Bind(1, key.owner)

@@ -21,6 +21,17 @@ Result<std::vector<NodeDelivery>> NodeDeliveries::Due(Time now, int limit) const
   }
 }
 
+Result<bool> NodeDeliveries::Take(const NodeDelivery& delivery, Time now) {
+  if (!db_.IsShared()) return true;  // there is one server
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE node_delivery SET not_before_us=?3 WHERE uuid=?1 AND job_id=?2"
+                                  " AND not_before_us<=?4"));
+  update.Bind(1, delivery.uuid).Bind(2, delivery.job_id).Bind(3, ToUs(now + kDeliveryTurn));
+  SKYQUILT_TRY(update.Bind(4, ToUs(now)).Run());
+  return db->Changes() > 0;
+}
+
 Result<void> NodeDeliveries::Heard(const NodeDelivery& delivery) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM node_delivery WHERE uuid=? AND job_id=?"));

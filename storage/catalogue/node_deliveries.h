@@ -24,6 +24,8 @@ class NodeDeliveries {
   explicit NodeDeliveries(CatalogueDb& db) : db_(db) {}
 
   Result<std::vector<NodeDelivery>> Due(Time now, int limit) const;
+  // Before it is told. False: another server of the same catalogue has taken it, or it was heard.
+  Result<bool> Take(const NodeDelivery& delivery, Time now);
   // Also of one of which nobody needs to hear any more.
   Result<void> Heard(const NodeDelivery& delivery);
   // Tried again later, as other webhooks are.

@@ -87,7 +87,7 @@ Result<void> NodeTasks::AddNote(const std::string& uuid, const std::string& line
   SKYQUILT_TRY_ASSIGN(
       Statement update,
       db->Prepare(
-          "UPDATE node_task SET notes=notes||?2 WHERE uuid=?1 AND instr(notes,?2)=0 AND length(notes)<65536"));
+          "UPDATE node_task SET notes=notes||?2 WHERE uuid=?1 AND replace(notes,?2,'')=notes AND length(notes)<65536"));
   return update.Bind(1, uuid).Bind(2, line + "\n").Run();
 }
 

@@ -7,49 +7,51 @@
 
 namespace skyquilt::storage {
 Result<std::optional<PreviewWork>> Previews::Claim(int limit) {
-  const auto db = db_.Lock();
-  {
-    // Whoever finds nothing only reads.
-    SKYQUILT_TRY_ASSIGN(Statement look,
-                        db->Prepare("SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
-                                    " WHERE f.preview_state=0 AND t.deleted_us IS NULL)"));
-    SKYQUILT_TRY(look.Step());
-    if (look.ColumnInt64(0) == 0) return std::optional<PreviewWork>();
-  }
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY(
-      db->Exec("UPDATE file SET preview_state=2 WHERE preview_state=0"
-               " AND flight_id IN (SELECT id FROM flight WHERE active_revision IS NOT NULL)"));
-  std::optional<PreviewWork> work;
-  {
-    SKYQUILT_TRY_ASSIGN(
-        Statement choose,
-        db->Prepare(
-            "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
-            " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
-            " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1"));
-    SKYQUILT_TRY_ASSIGN(const bool row, choose.Step());
-    if (row) work = PreviewWork{std::string(choose.ColumnText(0)), {}, {}};
-  }
-  if (work) {
-    constexpr const char* kFiles =
-        "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND preview_state=";
-    SKYQUILT_TRY_ASSIGN(Statement tried, db->Prepare(std::string(kFiles) + "1 ORDER BY created_us, name"));
-    tried.Bind(1, work->flight_id);
-    SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> before, FilesOf(tried));
-    work->tried = std::move(before);
-    SKYQUILT_TRY_ASSIGN(Statement fresh,
-                        db->Prepare(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?"));
-    fresh.Bind(1, work->flight_id).Bind(2, limit);
-    SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> found, FilesOf(fresh));
-    work->fresh = std::move(found);
-    SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?"));
-    for (const StoredFile& file : work->fresh) {
-      SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
+  return db_.Again([&]() -> Result<std::optional<PreviewWork>> {
+    const auto db = db_.Lock();
+    {
+      // Whoever finds nothing only reads.
+      SKYQUILT_TRY_ASSIGN(Statement look,
+                          db->Prepare("SELECT EXISTS(SELECT 1 FROM file f JOIN flight t ON t.id=f.flight_id"
+                                      " WHERE f.preview_state=0 AND t.deleted_us IS NULL)"));
+      SKYQUILT_TRY(look.Step());
+      if (look.ColumnInt64(0) == 0) return std::optional<PreviewWork>();
     }
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  return work;
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+    SKYQUILT_TRY(
+        db->Exec("UPDATE file SET preview_state=2 WHERE preview_state=0"
+                 " AND flight_id IN (SELECT id FROM flight WHERE active_revision IS NOT NULL)"));
+    std::optional<PreviewWork> work;
+    {
+      SKYQUILT_TRY_ASSIGN(
+          Statement choose,
+          db->Prepare(
+              "SELECT f.flight_id FROM file f JOIN flight t ON t.id=f.flight_id"
+              " LEFT JOIN preview p ON p.flight_id=f.flight_id WHERE f.preview_state=0 AND t.deleted_us IS NULL"
+              " ORDER BY coalesce(p.photos,0), f.created_us LIMIT 1"));
+      SKYQUILT_TRY_ASSIGN(const bool row, choose.Step());
+      if (row) work = PreviewWork{std::string(choose.ColumnText(0)), {}, {}};
+    }
+    if (work) {
+      constexpr const char* kFiles =
+          "SELECT name, stored_name, bytes FROM file WHERE flight_id=? AND preview_state=";
+      SKYQUILT_TRY_ASSIGN(Statement tried, db->Prepare(std::string(kFiles) + "1 ORDER BY created_us, name"));
+      tried.Bind(1, work->flight_id);
+      SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> before, FilesOf(tried));
+      work->tried = std::move(before);
+      SKYQUILT_TRY_ASSIGN(Statement fresh,
+                          db->Prepare(std::string(kFiles) + "0 ORDER BY created_us, name LIMIT ?"));
+      fresh.Bind(1, work->flight_id).Bind(2, limit);
+      SKYQUILT_TRY_ASSIGN(std::vector<StoredFile> found, FilesOf(fresh));
+      work->fresh = std::move(found);
+      SKYQUILT_TRY_ASSIGN(Statement mark, db->Prepare("UPDATE file SET preview_state=1 WHERE stored_name=?"));
+      for (const StoredFile& file : work->fresh) {
+        SKYQUILT_TRY(mark.Bind(1, file.stored_name).Run());
+      }
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return work;
+  });
 }
 
 Result<std::optional<Preview>> Previews::Find(const std::string& flight_id) const {

@@ -28,9 +28,12 @@ double JobCost::TotalS() const {
 
 Result<void> StageCosts::Add(const JobCost& cost) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, cost.job_id));
   {
-    SKYQUILT_TRY_ASSIGN(Statement insert, db->Prepare("INSERT OR REPLACE INTO stage_cost VALUES(?,?,?,?)"));
+    SKYQUILT_TRY_ASSIGN(
+        Statement insert,
+        db->Prepare("INSERT INTO stage_cost VALUES(?,?,?,?) ON CONFLICT(job_id,stage) DO UPDATE SET"
+                    " photos=excluded.photos, seconds=excluded.seconds"));
     for (const auto& [stage, seconds] : cost.stages_s) {
       insert.Bind(1, cost.job_id).Bind(2, stage).Bind(3, cost.photos).Bind(4, seconds);
       SKYQUILT_TRY(insert.Run());

@@ -40,33 +40,36 @@ void Trash::Record(const std::string& flight_id, std::optional<Time> trashed) co
 }
 
 Result<void> Trash::Put(const std::string& flight_id, Time now) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  const std::int64_t age = ToUs(db_.ages().Now());
-  {
-    SKYQUILT_TRY_ASSIGN(
-        Statement cancel,
-        db->Prepare(
-            "UPDATE job SET cancel=1, finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
-            " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
-            " WHERE flight_id=?1 AND state IN ('accepted','running')"));
-    SKYQUILT_TRY(cancel.Bind(1, flight_id).Bind(2, ToUs(now)).Run());
-    for (const char* sql : {"DELETE FROM preview WHERE flight_id=?",
-                            "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
-      SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare(sql));
-      SKYQUILT_TRY(forget.Bind(1, flight_id).Run());
+  return db_.Again([&]() -> Result<void> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    const std::int64_t age = ToUs(db_.ages().Now());
+    {
+      SKYQUILT_TRY_ASSIGN(
+          Statement cancel,
+          db->Prepare(
+              "UPDATE job SET cancel=1, finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
+              " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
+              " WHERE flight_id=?1 AND state IN ('accepted','running')"));
+      SKYQUILT_TRY(cancel.Bind(1, flight_id).Bind(2, ToUs(now)).Run());
+      for (const char* sql : {"DELETE FROM preview WHERE flight_id=?",
+                              "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
+        SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare(sql));
+        SKYQUILT_TRY(forget.Bind(1, flight_id).Run());
+      }
+      SKYQUILT_TRY_ASSIGN(
+          Statement put,
+          db->Prepare(
+              "UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL"));
+      SKYQUILT_TRY(put.Bind(1, flight_id).Bind(2, ToUs(now)).Bind(3, age).Run());
+      if (db->Changes() == 0) {
+        return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
+      }
     }
-    SKYQUILT_TRY_ASSIGN(
-        Statement put,
-        db->Prepare("UPDATE flight SET deleted_us=?2, deleted_age_us=?3 WHERE id=?1 AND deleted_us IS NULL"));
-    SKYQUILT_TRY(put.Bind(1, flight_id).Bind(2, ToUs(now)).Bind(3, age).Run());
-    if (db->Changes() == 0) {
-      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
-    }
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  Record(flight_id, now);
-  return {};
+    SKYQUILT_TRY(transaction.Commit());
+    Record(flight_id, now);
+    return {};
+  });
 }
 
 Result<void> Trash::Restore(const std::string& flight_id) {

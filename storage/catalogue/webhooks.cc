@@ -56,6 +56,18 @@ Result<std::vector<Delivery>> Webhooks::Due(Time now, int limit) const {
   }
 }
 
+Result<bool> Webhooks::Take(const Delivery& delivery, Time now) {
+  if (!db_.IsShared()) return true;  // there is one server
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare("UPDATE webhook_delivery SET not_before_us=?3 WHERE webhook_id=?1 AND event_seq=?2"
+                  " AND not_before_us<=?4"));
+  update.Bind(1, delivery.webhook.id).Bind(2, delivery.event_seq).Bind(3, ToUs(now + kDeliveryTurn));
+  SKYQUILT_TRY(update.Bind(4, ToUs(now)).Run());
+  return db->Changes() > 0;
+}
+
 Result<void> Webhooks::Heard(const Delivery& delivery) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Statement remove,

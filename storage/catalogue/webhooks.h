@@ -28,6 +28,8 @@ struct Delivery {
   int attempts = 0;  // that failed
 };
 
+// For as long a message that one server has taken is no other's; longer than a receiver may take to answer.
+inline constexpr std::chrono::minutes kDeliveryTurn{2};
 inline constexpr int kMaxDeliveryAttempts = 8;  // the last one some twenty minutes after the first
 // Until the next attempt, after so many that failed.
 inline std::chrono::seconds DeliveryPause(int attempts) { return std::chrono::seconds{10} * (1 << attempts); }
@@ -41,6 +43,8 @@ class Webhooks {
 
   // Oldest first.
   Result<std::vector<Delivery>> Due(Time now, int limit) const;
+  // Before it is sent. False: another server of the same catalogue has taken it, or it was heard.
+  Result<bool> Take(const Delivery& delivery, Time now);
   Result<void> Heard(const Delivery& delivery);
   // Tried again later, each time after twice as long; given up after kMaxDeliveryAttempts.
   Result<void> NotHeard(const Delivery& delivery, Time now);

@@ -7,7 +7,26 @@
 
 namespace skyquilt::storage {
 
-Result<AgeClock> AgeClock::Open(SqliteDb& db) {
+namespace {
+
+// The shared clock, put forward to now.
+Result<Time> PutForward(SqlConnection& db) {
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db.Prepare("UPDATE age_clock SET age_us=age_us+greatest(0,least(now_us()-seen_us,?)),"
+                                 " seen_us=now_us() RETURNING age_us"));
+  constexpr std::chrono::microseconds kMaxStep = std::chrono::hours(1);
+  SKYQUILT_TRY_ASSIGN(const bool row, update.Bind(1, static_cast<std::int64_t>(kMaxStep.count())).Step());
+  if (!row) return Error{ErrorCode::kCorrupt, "The catalogue has lost its clock. Restore it.", ""};
+  return FromUs(update.ColumnInt64(0));
+}
+
+}  // namespace
+
+Result<AgeClock> AgeClock::Open(SqlConnection& db) {
+  if (db.dialect() == Dialect::kPostgres) {
+    SKYQUILT_TRY_ASSIGN(const Time now, PutForward(db));
+    return AgeClock(now - MachineBoot::Elapsed());
+  }
   const auto read = [&]() -> Result<std::optional<Time>> {
     SKYQUILT_TRY_ASSIGN(Statement query,
                         db.Prepare("SELECT age_us, since_boot_us FROM age_clock WHERE boot_id=?"));
@@ -30,14 +49,22 @@ Result<AgeClock> AgeClock::Open(SqliteDb& db) {
   return AgeClock(**known);
 }
 
-Time AgeClock::Now() const { return at_boot_ + MachineBoot::Elapsed(); }
+Time AgeClock::Now() const { return FromUs(at_boot_us_) + MachineBoot::Elapsed(); }
 
-Result<void> AgeClock::Save(SqliteDb& db) const {
+Result<void> AgeClock::Save(SqlConnection& db) {
+  if (db.dialect() == Dialect::kPostgres) {
+    SKYQUILT_TRY_ASSIGN(const Time now, PutForward(db));
+    at_boot_us_ = ToUs(now - MachineBoot::Elapsed());
+    return {};
+  }
   const std::chrono::microseconds elapsed = MachineBoot::Elapsed();
   SKYQUILT_TRY_ASSIGN(
       Statement update,
       db.Prepare("UPDATE age_clock SET age_us=?1, since_boot_us=?2 WHERE boot_id=?3 AND age_us<?1"));
-  return update.Bind(1, ToUs(at_boot_ + elapsed)).Bind(2, elapsed.count()).Bind(3, MachineBoot::Id()).Run();
+  return update.Bind(1, at_boot_us_ + elapsed.count())
+      .Bind(2, elapsed.count())
+      .Bind(3, MachineBoot::Id())
+      .Run();
 }
 
 }  // namespace skyquilt::storage

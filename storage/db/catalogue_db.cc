@@ -4,7 +4,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <thread>
+
 #include "core/base/try.h"
+#include "storage/db/machine_boot.h"
+#include "storage/db/postgres/postgres_db.h"
+#include "storage/db/postgres/postgres_schema.h"
 #include "storage/db/schema.h"
 
 namespace skyquilt::storage {
@@ -52,7 +57,8 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::Prepare(SqliteDb db, const std
   SKYQUILT_TRY(db.Exec("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"));
   SKYQUILT_TRY(PrepareSchema(db));
   SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(db));
-  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), ages, SpaceReserve(path)));
+  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::make_unique<SqliteDb>(std::move(db)), ages));
+  catalogue->reserve_.emplace(path);
   for (int i = 0; i < readers; ++i) {
     SKYQUILT_TRY_ASSIGN(SqliteDb reader, SqliteDb::Open(path, OpenMode::kReadShared));
     catalogue->idle_readers_.push_back(std::make_unique<SqliteDb>(std::move(reader)));
@@ -84,15 +90,59 @@ Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenExisting(const std::filesy
   return Prepare(std::move(db), path, readers);
 }
 
-std::unique_ptr<SqliteDb> CatalogueDb::TakeReader() {
+Result<std::unique_ptr<CatalogueDb>> CatalogueDb::OpenPostgres(const CataloguePlace& place,
+                                                               const std::string& node, bool may_make,
+                                                               int readers) {
+  auto db = std::make_unique<PostgresDb>(place, PostgresDb::Use::kWrite);
+  SKYQUILT_TRY(PreparePostgres(*db, place, may_make));
+  {
+    SKYQUILT_TRY_ASSIGN(Statement enter,
+                        db->Prepare("INSERT INTO machine VALUES(?1, ?2, now_us()) ON CONFLICT(host) DO UPDATE"
+                                    " SET boot_id=?2, seen_us=now_us()"
+                                    " WHERE machine.boot_id<>?2 OR machine.seen_us<now_us()-86400000000"));
+    SKYQUILT_TRY(enter.Bind(1, MachineBoot::HostName()).Bind(2, MachineBoot::Id()).Run());
+    SKYQUILT_TRY_ASSIGN(Statement forget,
+                        db->Prepare("DELETE FROM machine WHERE seen_us<now_us()-30*86400000000"));
+    SKYQUILT_TRY(forget.Run());
+  }
+  SKYQUILT_TRY_ASSIGN(const AgeClock ages, AgeClock::Open(*db));
+  std::unique_ptr<CatalogueDb> catalogue(new CatalogueDb(std::move(db), ages));
+  catalogue->place_ = place;
+  catalogue->served_prefix_ = kServedWorkerPrefix + node + "-";
+  catalogue->listener_ = std::make_unique<PostgresDb>(place, PostgresDb::Use::kRead);
+  for (int i = 0; i < readers; ++i) {
+    catalogue->idle_readers_.push_back(std::make_unique<PostgresDb>(place, PostgresDb::Use::kRead));
+  }
+  return catalogue;
+}
+
+void CatalogueDb::SetPatience(std::chrono::milliseconds time) {
+  if (!place_) return;
+  static_cast<PostgresDb&>(*Lock()).SetPatience(time);
+  const std::lock_guard lock(readers_mutex_);
+  for (const auto& reader : idle_readers_) static_cast<PostgresDb&>(*reader).SetPatience(time);
+}
+
+void CatalogueDb::WaitForJobs() {
+  constexpr std::chrono::milliseconds kPoll{200};
+  constexpr std::chrono::milliseconds kPollShared{2'000};  // a notice may be lost with its connection
+  if (!listener_) {
+    std::this_thread::sleep_for(kPoll);
+    return;
+  }
+  const Result<bool> heard = static_cast<PostgresDb&>(*listener_).WaitForNotice("jobs", kPollShared);
+  if (!heard) std::this_thread::sleep_for(kPoll);
+}
+
+std::unique_ptr<SqlConnection> CatalogueDb::TakeReader() {
   std::unique_lock lock(readers_mutex_);
   reader_is_back_.wait(lock, [&] { return !idle_readers_.empty(); });
-  std::unique_ptr<SqliteDb> reader = std::move(idle_readers_.back());
+  std::unique_ptr<SqlConnection> reader = std::move(idle_readers_.back());
   idle_readers_.pop_back();
   return reader;
 }
 
-void CatalogueDb::GiveBack(std::unique_ptr<SqliteDb> reader) {
+void CatalogueDb::GiveBack(std::unique_ptr<SqlConnection> reader) {
   const std::lock_guard lock(readers_mutex_);
   idle_readers_.push_back(std::move(reader));
   reader_is_back_.notify_one();

@@ -1,23 +1,34 @@
-// CatalogueDb: the one database of a data folder (catalogue.db: flights, files, revisions, jobs), opened,
-// given its tables where it is new, and shared by Catalogue and JobQueue. Survives kill -9 and power loss
-// (WAL, synchronous FULL). Any thread and any number of processes: within a process users take Lock() for the
-// time of a call that writes, and Read() for one that only reads. Readers wait for no writer, in this process
-// or another: each sees what was committed when its statement began. The file and what SQLite keeps beside it
-// are readable by their owner alone.
+// CatalogueDb: the database of flights, files, revisions and jobs, opened, given its tables where it is new,
+// and shared by Catalogue and JobQueue: the one of a data folder (catalogue.db), or one in PostgreSQL that
+// many machines share. Survives kill -9 and power loss (WAL, synchronous FULL). Any thread and any number of
+// processes: within a process users take Lock() for the time of a call that writes, and Read() for one that
+// only reads. Readers wait for no writer, in this process or another: each sees what was committed when its
+// statement began. The file and what SQLite keeps beside it are readable by their owner alone. A server of
+// PostgreSQL that restarts is kUnavailable for a moment; then all goes on
+// (storage/db/postgres/postgres_db.h).
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
 #include "storage/db/age_clock.h"
+#include "storage/db/postgres/catalogue_place.h"
+#include "storage/db/postgres/server_clock.h"
 #include "storage/db/space_reserve.h"
+#include "storage/db/sql_connection.h"
 #include "storage/db/sqlite_db.h"
 
 namespace skyquilt::storage {
+
+// The names of workers that servers supervise begin so; those of one server with its served_prefix().
+inline constexpr const char* kServedWorkerPrefix = "serve-";
 
 class CatalogueDb {
  public:
@@ -28,17 +39,23 @@ class CatalogueDb {
   // kCorrupt.
   static Result<std::unique_ptr<CatalogueDb>> OpenExisting(const std::filesystem::path& path,
                                                            int readers = 2);
+  // In PostgreSQL. `node`: this server among those of the catalogue, the same after a restart; part of the
+  // names of its workers. Errors: kNotFound (`may_make` is false and there is none), kConflict (another
+  // version), kForbidden, kUnavailable.
+  static Result<std::unique_ptr<CatalogueDb>> OpenPostgres(const CataloguePlace& place,
+                                                           const std::string& node, bool may_make,
+                                                           int readers = 2);
 
   // The connection that writes, for as long as the lock is held.
   class Access {
    public:
-    explicit Access(CatalogueDb& owner) : lock_(owner.mutex_), db_(owner.db_) {}
-    SqliteDb* operator->() const { return &db_; }
-    SqliteDb& operator*() const { return db_; }
+    explicit Access(CatalogueDb& owner) : lock_(owner.mutex_), db_(*owner.db_) {}
+    SqlConnection* operator->() const { return &db_; }
+    SqlConnection& operator*() const { return db_; }
 
    private:
     std::lock_guard<std::mutex> lock_;
-    SqliteDb& db_;
+    SqlConnection& db_;
   };
   Access Lock() { return Access(*this); }
 
@@ -49,12 +66,12 @@ class CatalogueDb {
     ~ReadAccess() { owner_.GiveBack(std::move(db_)); }
     ReadAccess(const ReadAccess&) = delete;
     ReadAccess& operator=(const ReadAccess&) = delete;
-    SqliteDb* operator->() const { return db_.get(); }
-    SqliteDb& operator*() const { return *db_; }
+    SqlConnection* operator->() const { return db_.get(); }
+    SqlConnection& operator*() const { return *db_; }
 
    private:
     CatalogueDb& owner_;
-    std::unique_ptr<SqliteDb> db_;
+    std::unique_ptr<SqlConnection> db_;
   };
   ReadAccess Read() { return ReadAccess(*this); }
 
@@ -63,31 +80,60 @@ class CatalogueDb {
   template <typename Change>
   auto Free(Change change) {
     auto outcome = change();
-    if (outcome || outcome.error().code != ErrorCode::kOutOfSpace || !reserve_.Release()) return outcome;
+    if (outcome || outcome.error().code != ErrorCode::kOutOfSpace || !reserve_ || !reserve_->Release())
+      return outcome;
     return change();
   }
+  // For a change that reads and writes rows which others change as well: where PostgreSQL undid it because
+  // two waited for each other, it is done again. `change` takes the lock itself.
+  template <typename Change>
+  auto Again(Change change) {
+    constexpr int kTries = 10;
+    for (int tries = 1;; ++tries) {
+      auto outcome = change();
+      if (outcome || tries == kTries || !Lock()->WasUndoneByOthers()) return outcome;
+    }
+  }
   // The reserve is whole again, if there is room.
-  void FillReserve() const { reserve_.Fill(); }
+  void FillReserve() const {
+    if (reserve_) reserve_->Fill();
+  }
 
   // By which things grow old.
   const AgeClock& ages() const { return ages_; }
   Result<void> SaveAges() { return ages_.Save(*Lock()); }
 
+  // For processes that have nothing better to do: how long a call waits for a database that cannot be
+  // reached.
+  void SetPatience(std::chrono::milliseconds time);
+  bool IsShared() const { return place_.has_value(); }
+  // By which leases end: `now` by this machine's clock, as the database's shows it. In a data folder the two
+  // are the same.
+  Time SharedTime(Time now, SqlConnection& db) { return place_ ? clock_.At(now, db) : now; }
+  // Prefix of the names of workers that this server supervises: it releases what they held when they die.
+  const std::string& served_prefix() const { return served_prefix_; }
+  // Until there may be a job to claim, a signal, or the end of the time: with PostgreSQL by LISTEN, over a
+  // connection of its own; in a data folder the queue is cheap to look at, and looked at often.
+  void WaitForJobs();
+
  private:
-  CatalogueDb(SqliteDb db, AgeClock ages, SpaceReserve reserve)
-      : db_(std::move(db)), ages_(ages), reserve_(std::move(reserve)) {}
+  CatalogueDb(std::unique_ptr<SqlConnection> db, const AgeClock& ages) : db_(std::move(db)), ages_(ages) {}
   static Result<std::unique_ptr<CatalogueDb>> Prepare(SqliteDb db, const std::filesystem::path& path,
                                                       int readers);
-  std::unique_ptr<SqliteDb> TakeReader();
-  void GiveBack(std::unique_ptr<SqliteDb> reader);
+  std::unique_ptr<SqlConnection> TakeReader();
+  void GiveBack(std::unique_ptr<SqlConnection> reader);
 
   std::mutex mutex_;
-  SqliteDb db_;
+  std::unique_ptr<SqlConnection> db_;
   std::mutex readers_mutex_;
   std::condition_variable reader_is_back_;
-  std::vector<std::unique_ptr<SqliteDb>> idle_readers_;
+  std::vector<std::unique_ptr<SqlConnection>> idle_readers_;
   AgeClock ages_;
-  SpaceReserve reserve_;
+  std::optional<SpaceReserve> reserve_;  // of a data folder
+  std::optional<CataloguePlace> place_;  // in PostgreSQL
+  ServerClock clock_;
+  std::string served_prefix_ = kServedWorkerPrefix;
+  std::unique_ptr<SqlConnection> listener_;
 };
 
 }  // namespace skyquilt::storage

@@ -1,7 +1,9 @@
 #include "storage/db/machine_boot.h"
 
 #include <time.h>
+#include <unistd.h>
 
+#include <array>
 #include <fstream>
 
 #include "core/base/check.h"
@@ -23,6 +25,21 @@ std::chrono::microseconds MachineBoot::Elapsed() {
   timespec time{};
   SKYQUILT_CHECK(clock_gettime(CLOCK_BOOTTIME, &time) == 0, "the kernel has a clock since its start");
   return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_nsec / 1000);
+}
+
+const std::string& MachineBoot::HostName() {
+  static const std::string name = [] {
+    std::array<char, 256> text{};
+    if (gethostname(text.data(), text.size() - 1) != 0) return std::string("unknown");
+    std::string host(text.data());
+    for (char& c : host) {
+      const bool is_plain =
+          (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.';
+      if (!is_plain) c = '_';
+    }
+    return host.empty() ? std::string("unknown") : host;
+  }();
+  return name;
 }
 
 }  // namespace skyquilt::storage

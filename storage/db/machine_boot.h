@@ -12,6 +12,8 @@ struct MachineBoot {
   // of this process's own: every start of it then counts as one of the machine.
   static const std::string& Id();
   static std::chrono::microseconds Elapsed();
+  // The machine's name on the network, of [A-Za-z0-9._] alone.
+  static const std::string& HostName();
 };
 
 }  // namespace skyquilt::storage

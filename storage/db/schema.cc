@@ -10,13 +10,13 @@
 namespace skyquilt::storage {
 
 extern const std::string_view kCatalogueSchema;  // storage/db/schema.sql
-extern const std::string_view kCatalogue13To14;  // storage/db/schema_14.sql
-extern const std::string_view kCatalogue14To15;  // storage/db/schema_15.sql
+extern const std::string_view kCatalogue13To14;  // storage/db/steps/schema_14.sql
+extern const std::string_view kCatalogue14To15;  // storage/db/steps/schema_15.sql
+extern const std::string_view kCatalogue15To16;  // storage/db/steps/schema_16.sql
+extern const std::string_view kCatalogue16To17;  // storage/db/steps/schema_17.sql
 
 namespace {
 
-// Grows with every change of schema.sql. Versions 1 to 12 were those of development before the first release.
-constexpr int kSchemaVersion = 15;
 constexpr int kFirstVersion = 13;
 
 Result<int> CurrentVersion(SqliteDb& db) {
@@ -24,6 +24,8 @@ Result<int> CurrentVersion(SqliteDb& db) {
   SKYQUILT_TRY(query.Step());
   return static_cast<int>(query.ColumnInt64(0));
 }
+
+}  // namespace
 
 Error OtherVersion(int version) {
   return {
@@ -35,8 +37,6 @@ Error OtherVersion(int version) {
             "one and let \"skyquilt data repair\" make the catalogue anew from the flights on disk.",
       fmt::format("schema {} against {}", version, kSchemaVersion)};
 }
-
-}  // namespace
 
 Result<void> PrepareSchema(SqliteDb& db) {
   // Read inside the write lock: another process may be making the tables.
@@ -52,6 +52,12 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version == 13 || version == 14) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue14To15)));
+  }
+  if (version >= 13 && version <= 15) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue15To16)));
+  }
+  if (version >= 13 && version <= 16) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue16To17)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

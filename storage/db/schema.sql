@@ -55,7 +55,8 @@ CREATE TABLE upload(
   is_done INTEGER NOT NULL DEFAULT 0,          -- 1: it is a file of its flight now
   expires_us INTEGER NOT NULL,
   owner TEXT NOT NULL DEFAULT '',              -- id of the token that began it, the only one that may continue it; '' without one
-  concat TEXT NOT NULL DEFAULT ''              -- 'partial', or 'final;' and the parts it was put together from; '' for any other
+  concat TEXT NOT NULL DEFAULT '',             -- 'partial', or 'final;' and the parts it was put together from; '' for any other
+  parts TEXT NOT NULL DEFAULT ''               -- where photos lie elsewhere: '<key>:<bytes>;...' or '=<stored name>'; '' in the folder
 ) STRICT;
 CREATE INDEX upload_of_flight ON upload(flight_id);
 CREATE INDEX upload_expiry ON upload(expires_us);
@@ -107,7 +108,9 @@ CREATE TABLE job(
   expected_low_s REAL,
   expected_high_s REAL,
   interruptions INTEGER NOT NULL DEFAULT 0,    -- claims that ended through no fault of the job: a restart is not an attempt
-  claimed_in TEXT NOT NULL DEFAULT ''          -- the boot its worker was last heard in; '': before the server's start
+  claimed_in TEXT NOT NULL DEFAULT '',         -- the boot its worker was last heard in; '': before the server's start
+  units_from REAL NOT NULL DEFAULT 0,          -- its progress before its units of one kind, and after them
+  units_to REAL NOT NULL DEFAULT 0
 ) STRICT;
 CREATE INDEX job_waiting ON job(priority DESC, id) WHERE state = 'accepted';
 CREATE INDEX job_leased ON job(lease_until_us) WHERE state = 'running';
@@ -115,6 +118,25 @@ CREATE INDEX job_of_flight ON job(flight_id, id);
 CREATE INDEX job_of_owner ON job(owner, attempt_started_us);
 CREATE INDEX job_waiting_of_owner ON job(owner, priority, id) WHERE state = 'accepted';
 CREATE INDEX job_running_of_owner ON job(owner) WHERE state = 'running';
+
+-- The units of jobs that are cut, each for any worker.
+CREATE TABLE unit(
+  job_id TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE,
+  kind TEXT NOT NULL,
+  number INTEGER NOT NULL,
+  items INTEGER NOT NULL,                      -- that all units of this kind share: files, blocks
+  state TEXT NOT NULL CHECK(state IN ('waiting','running','done')),
+  attempts INTEGER NOT NULL DEFAULT 0,
+  lease_until_us INTEGER NOT NULL DEFAULT 0,
+  lease_token INTEGER NOT NULL DEFAULT 0,      -- grows with every claim, as that of a job
+  worker TEXT NOT NULL DEFAULT '',
+  PRIMARY KEY(job_id, kind, number)
+) STRICT;
+CREATE INDEX unit_open ON unit(state) WHERE state <> 'done';
+
+CREATE TRIGGER units_end AFTER UPDATE OF state ON job WHEN NEW.state NOT IN ('accepted','running') BEGIN
+  DELETE FROM unit WHERE job_id = NEW.id;
+END;
 
 -- What the stages of jobs have cost, for predictions.
 CREATE TABLE stage_cost(
@@ -333,6 +355,30 @@ WHEN NEW.kind = 'job' AND json_extract(NEW.body, '$.state') IN ('successful', 'f
   INSERT OR IGNORE INTO node_delivery(uuid, job_id)
     SELECT uuid, NEW.job_id FROM node_task WHERE flight_id = NEW.flight_id AND webhook <> '';
 END;
+
+-- Exports of maps that somebody asked for: the file is exports/<id>.<ending> below the flight's folder, once it is made.
+CREATE TABLE map_export(
+  id TEXT PRIMARY KEY,
+  flight_id TEXT NOT NULL REFERENCES flight(id) ON DELETE CASCADE,
+  revision INTEGER NOT NULL,                   -- the map that it is of
+  request TEXT NOT NULL,                       -- JSON, as it was asked for
+  format TEXT NOT NULL,
+  owner TEXT NOT NULL DEFAULT '',              -- id of the token that asked for it
+  state TEXT NOT NULL CHECK(state IN ('accepted','running','successful','failed')),
+  progress REAL NOT NULL DEFAULT 0,
+  attempts INTEGER NOT NULL DEFAULT 0,
+  lease_until_us INTEGER NOT NULL DEFAULT 0,
+  lease_token INTEGER NOT NULL DEFAULT 0,      -- grows with every claim, as that of a job
+  bytes INTEGER NOT NULL DEFAULT 0,
+  error_code TEXT NOT NULL DEFAULT '',
+  error_message TEXT NOT NULL DEFAULT '',
+  created_us INTEGER NOT NULL,
+  finished_us INTEGER,
+  expires_us INTEGER                           -- by the AgeClock; NULL: it waits or runs
+) STRICT;
+CREATE INDEX map_export_of_flight ON map_export(flight_id, id);
+CREATE INDEX map_export_open ON map_export(id) WHERE state IN ('accepted','running');
+CREATE INDEX map_export_expiry ON map_export(expires_us);
 
 -- The time by which uploads and the trash expire (storage/db/age_clock.h): independent of the machine's clock once it runs.
 CREATE TABLE age_clock(

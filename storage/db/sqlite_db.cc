@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <memory>
 #include <utility>
 
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "storage/db/sqlite_error.h"
+#include "storage/db/sqlite_statement.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -68,7 +70,8 @@ Result<SqliteDb> SqliteDb::Open(const std::filesystem::path& path, OpenMode mode
 
 SqliteDb::~SqliteDb() { sqlite3_close_v2(handle_); }
 
-SqliteDb::SqliteDb(SqliteDb&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+SqliteDb::SqliteDb(SqliteDb&& other) noexcept
+    : SqlConnection(std::move(other)), handle_(std::exchange(other.handle_, nullptr)) {}
 
 SqliteDb& SqliteDb::operator=(SqliteDb&& other) noexcept {
   if (this != &other) {
@@ -92,7 +95,7 @@ Result<Statement> SqliteDb::Prepare(std::string_view sql) {
   const int code = sqlite3_prepare_v3(handle_, sql.data(), static_cast<int>(sql.size()),
                                       SQLITE_PREPARE_PERSISTENT, &handle, nullptr);
   if (code != SQLITE_OK) return SqliteError(code, sql, sqlite3_errmsg(handle_));
-  return Statement(handle);
+  return Statement(std::make_unique<SqliteStatement>(handle));
 }
 
 std::int64_t SqliteDb::Changes() const { return sqlite3_changes64(handle_); }
@@ -106,36 +109,15 @@ Result<void> SqliteDb::Close() {
   return {};
 }
 
-Result<Transaction> Transaction::Begin(SqliteDb& db) {
-  SKYQUILT_TRY(db.Exec("BEGIN IMMEDIATE"));
-  return Transaction(db);
-}
+Result<void> SqliteDb::BeginTransaction(std::string_view /*flight*/) { return Exec("BEGIN IMMEDIATE"); }
+Result<void> SqliteDb::CommitTransaction() { return Exec("COMMIT"); }
 
-Transaction::Transaction(Transaction&& other) noexcept : db_(std::exchange(other.db_, nullptr)) {}
+// After a failed COMMIT SQLite may have rolled back by itself; then this ROLLBACK fails and nothing is lost.
+void SqliteDb::RollbackTransaction() { static_cast<void>(Exec("ROLLBACK")); }
 
-Transaction::~Transaction() {
-  // After a failed COMMIT SQLite may have rolled back by itself; then this ROLLBACK fails and nothing is
-  // lost.
-  if (db_ != nullptr) static_cast<void>(db_->Exec("ROLLBACK"));
-}
-
-Result<void> Transaction::Commit() {
-  SKYQUILT_TRY(db_->Exec("COMMIT"));
-  db_ = nullptr;
-  return {};
-}
-
-Result<UnsyncedCommits> UnsyncedCommits::Begin(SqliteDb& db) {
-  SKYQUILT_TRY(db.Exec("PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0;"));
-  return UnsyncedCommits(db);
-}
-
-UnsyncedCommits::UnsyncedCommits(UnsyncedCommits&& other) noexcept : db_(std::exchange(other.db_, nullptr)) {}
-
-UnsyncedCommits::~UnsyncedCommits() {
-  if (db_ == nullptr) return;
-  const Result<void> synced = db_->Exec("PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=1000;");
-  SKYQUILT_CHECK(synced.ok(), "commits can wait for the disk again");
+Result<void> SqliteDb::SyncCommits(bool on) {
+  return Exec(on ? "PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=1000;"
+                 : "PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=0;");
 }
 
 }  // namespace skyquilt::storage

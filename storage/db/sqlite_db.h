@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "storage/db/statement.h"
+#include "storage/db/sql_connection.h"
 
 struct sqlite3;
 
@@ -23,21 +23,20 @@ enum class OpenMode {
                        // this process's memory, and a page that cannot be read would end it
 };
 
-class SqliteDb {
+class SqliteDb final : public SqlConnection {
  public:
   static Result<SqliteDb> Open(const std::filesystem::path& path, OpenMode mode);
   SqliteDb() = default;
-  ~SqliteDb();
+  ~SqliteDb() override;
   SqliteDb(SqliteDb&& other) noexcept;
   SqliteDb& operator=(SqliteDb&& other) noexcept;
   SqliteDb(const SqliteDb&) = delete;
   SqliteDb& operator=(const SqliteDb&) = delete;
 
-  // One or several statements without parameters; rows are dropped.
-  Result<void> Exec(const std::string& sql);
-  Result<Statement> Prepare(std::string_view sql);
-  // Rows changed by the last INSERT, UPDATE or DELETE.
-  std::int64_t Changes() const;
+  Result<void> Exec(const std::string& sql) override;
+  Result<Statement> Prepare(std::string_view sql) override;
+  std::int64_t Changes() const override;
+  Dialect dialect() const override { return Dialect::kSqlite; }
   std::int64_t LastInsertRowId() const;
   bool is_open() const { return handle_ != nullptr; }
   // Closes now, so that a failure to flush can be seen. Statements must be gone.
@@ -45,40 +44,11 @@ class SqliteDb {
 
  private:
   explicit SqliteDb(sqlite3* handle) : handle_(handle) {}
+  Result<void> BeginTransaction(std::string_view flight) override;
+  Result<void> CommitTransaction() override;
+  void RollbackTransaction() override;
+  Result<void> SyncCommits(bool on) override;
   sqlite3* handle_ = nullptr;
-};
-
-// BEGIN IMMEDIATE now; ROLLBACK at the end of the scope unless Commit was called.
-class Transaction {
- public:
-  static Result<Transaction> Begin(SqliteDb& db);
-  ~Transaction();
-  Transaction(Transaction&& other) noexcept;
-  Transaction& operator=(Transaction&&) = delete;
-  Transaction(const Transaction&) = delete;
-  Transaction& operator=(const Transaction&) = delete;
-  Result<void> Commit();
-
- private:
-  explicit Transaction(SqliteDb& db) : db_(&db) {}
-  SqliteDb* db_;
-};
-
-// While it lives, commits of this connection do not wait for the disk, and leave checkpoints to later ones. A
-// power cut may undo them, last ones first; the end of a process does not, and the file stays whole (WAL).
-// The next commit that waits takes them along. Made and ended outside of transactions.
-class UnsyncedCommits {
- public:
-  static Result<UnsyncedCommits> Begin(SqliteDb& db);
-  ~UnsyncedCommits();
-  UnsyncedCommits(UnsyncedCommits&& other) noexcept;
-  UnsyncedCommits& operator=(UnsyncedCommits&&) = delete;
-  UnsyncedCommits(const UnsyncedCommits&) = delete;
-  UnsyncedCommits& operator=(const UnsyncedCommits&) = delete;
-
- private:
-  explicit UnsyncedCommits(SqliteDb& db) : db_(&db) {}
-  SqliteDb* db_;
 };
 
 }  // namespace skyquilt::storage

@@ -1,10 +1,13 @@
-// Statement: one prepared SQL statement of a SqliteDb. Bind (1-based), Step until false, Reset, use again.
-// Text and blobs are bound without a copy: what they point to must live until Reset or the last Step. Views
-// that ColumnText and ColumnBlob return live until the next Step or Reset. One thread at a time; must not
-// outlive its database. Errors: kOutOfSpace, kCorrupt, kConflict (a constraint), kUnavailable (locked), kIo.
+// Statement: one prepared SQL statement of a SqlConnection. Bind (1-based), Step until false, Reset, use
+// again. Text and blobs are bound without a copy: what they point to must live until Reset or the last Step.
+// Views that ColumnText and ColumnBlob return live until the next Step or Reset. One thread at a time; must
+// not outlive its database. Parameters are written ? or ?1, in every engine. Errors: kOutOfSpace, kCorrupt,
+// kConflict (a constraint), kUnavailable (locked, or the connection was lost), kInvalidArgument (text that
+// the engine cannot store), kIo.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,44 +15,75 @@
 
 #include "core/base/result.h"
 
-struct sqlite3_stmt;
-
 namespace skyquilt::storage {
+
+// What an engine does for a Statement.
+class StatementDriver {
+ public:
+  StatementDriver() = default;
+  virtual ~StatementDriver() = default;
+  StatementDriver(const StatementDriver&) = delete;
+  StatementDriver& operator=(const StatementDriver&) = delete;
+  virtual void BindInt64(int index, std::int64_t value) = 0;
+  virtual void BindDouble(int index, double value) = 0;
+  virtual void BindText(int index, std::string_view value) = 0;
+  virtual void BindBlob(int index, std::span<const std::uint8_t> value) = 0;
+  virtual void BindNull(int index) = 0;
+  virtual Result<bool> Step() = 0;
+  virtual void Reset() = 0;
+  virtual std::int64_t ColumnInt64(int column) const = 0;
+  virtual double ColumnDouble(int column) const = 0;
+  virtual std::string_view ColumnText(int column) const = 0;
+  virtual std::span<const std::uint8_t> ColumnBlob(int column) const = 0;
+  virtual bool IsNull(int column) const = 0;
+};
 
 class Statement {
  public:
   Statement() = default;
-  explicit Statement(sqlite3_stmt* handle) : handle_(handle) {}
-  ~Statement();
-  Statement(Statement&& other) noexcept;
-  Statement& operator=(Statement&& other) noexcept;
-  Statement(const Statement&) = delete;
-  Statement& operator=(const Statement&) = delete;
+  explicit Statement(std::unique_ptr<StatementDriver> driver) : driver_(std::move(driver)) {}
 
-  Statement& Bind(int index, std::int64_t value);
+  Statement& Bind(int index, std::int64_t value) {
+    driver_->BindInt64(index, value);
+    return *this;
+  }
   Statement& Bind(int index, int value) { return Bind(index, static_cast<std::int64_t>(value)); }
-  Statement& Bind(int index, double value);
-  Statement& Bind(int index, std::string_view value);
+  Statement& Bind(int index, double value) {
+    driver_->BindDouble(index, value);
+    return *this;
+  }
+  Statement& Bind(int index, std::string_view value) {
+    driver_->BindText(index, value);
+    return *this;
+  }
   Statement& Bind(int index, const char* value) { return Bind(index, std::string_view(value)); }
-  Statement& Bind(int index, std::span<const std::uint8_t> value);
-  Statement& BindNull(int index);
+  Statement& Bind(int index, std::span<const std::uint8_t> value) {
+    driver_->BindBlob(index, value);
+    return *this;
+  }
+  Statement& BindNull(int index) {
+    driver_->BindNull(index);
+    return *this;
+  }
 
   // True: a row is there. False: done.
-  Result<bool> Step();
+  Result<bool> Step() { return driver_->Step(); }
   // The first column of all rows that are left.
   Result<std::vector<std::string>> AllText();
   // Steps to the end, drops any rows and resets: for statements that write.
   Result<void> Run();
-  void Reset();
+  void Reset() {
+    if (driver_) driver_->Reset();
+  }
 
-  std::int64_t ColumnInt64(int column) const;
-  double ColumnDouble(int column) const;
-  std::string_view ColumnText(int column) const;
-  std::span<const std::uint8_t> ColumnBlob(int column) const;
-  bool IsNull(int column) const;
+  std::int64_t ColumnInt64(int column) const { return driver_->ColumnInt64(column); }
+  double ColumnDouble(int column) const { return driver_->ColumnDouble(column); }
+  std::string_view ColumnText(int column) const { return driver_->ColumnText(column); }
+  std::span<const std::uint8_t> ColumnBlob(int column) const { return driver_->ColumnBlob(column); }
+  bool IsNull(int column) const { return driver_->IsNull(column); }
 
  private:
-  sqlite3_stmt* handle_ = nullptr;
+  std::unique_ptr<StatementDriver> driver_;
 };
 
 }  // namespace skyquilt::storage

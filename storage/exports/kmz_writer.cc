@@ -17,6 +17,7 @@
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/exports/tile_walk.h"
 #include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/stream_file.h"
 
@@ -110,46 +111,6 @@ std::string Kml(const std::string& name, const std::string& content) {
          Escaped(name) + "</name>\n" + content + "</Document></kml>\n";
 }
 
-// All tiles, the coarsest first.
-class TileWalk {
- public:
-  static Result<TileWalk> Of(SqliteDb& db) {
-    SKYQUILT_TRY_ASSIGN(
-        auto rows,
-        db.Prepare(
-            "SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles ORDER BY zoom_level, tile_column, "
-            "tile_row"));
-    return TileWalk(std::move(rows));
-  }
-  // False: no more.
-  Result<bool> Next() {
-    Result<bool> more = rows_.Step();
-    if (!more || !*more) return more;
-    const std::int64_t zoom = rows_.ColumnInt64(0);
-    const auto side = std::int64_t{1} << std::clamp<std::int64_t>(zoom, 0, geo::kMaxZoom);
-    SKYQUILT_TRY_ASSIGN(const auto tile,
-                        geo::TileId::Make(zoom, rows_.ColumnInt64(1), side - 1 - rows_.ColumnInt64(2)));
-    tile_ = tile;
-    return true;
-  }
-  const geo::TileId& tile() const { return tile_; }
-  std::string_view bytes() const {
-    const auto blob = rows_.ColumnBlob(3);
-    return {reinterpret_cast<const char*>(blob.data()), blob.size()};
-  }
-
- private:
-  explicit TileWalk(Statement rows) : rows_(std::move(rows)) {}
-  Statement rows_;
-  geo::TileId tile_;
-};
-
-Result<std::int64_t> CountTiles(SqliteDb& db) {
-  SKYQUILT_TRY_ASSIGN(auto count, db.Prepare("SELECT count(*) FROM tiles"));
-  SKYQUILT_TRY(count.Step());
-  return count.ColumnInt64(0);
-}
-
 // A tile's picture, and links to what is below it.
 Result<std::string> KmlOf(const geo::TileId& tile, std::string_view extension, MbtilesReader& tiles) {
   std::string links;
@@ -200,8 +161,9 @@ Result<void> WriteKmz(const std::filesystem::path& mbtiles, const std::filesyste
     if (!more) break;
     const std::string_view bytes = walk.bytes();
     if (bytes.starts_with("RIFF")) {
-      return Error{ErrorCode::kUnprocessable, "KML viewers show no WebP; leave out --kmz or --format webp",
-                   ""};
+      return Error{
+          ErrorCode::kUnprocessable,
+          "KML viewers show no WebP, of which the tiles of this map are; take another format than KMZ", ""};
     }
     const std::string_view extension = bytes.starts_with("\x89PNG") ? "png" : "jpg";
     SKYQUILT_TRY_ASSIGN(const std::string kml, KmlOf(walk.tile(), extension, *tiles));

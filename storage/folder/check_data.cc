@@ -58,11 +58,15 @@ void CompareMaps(const std::string& flight_id, const std::vector<std::int64_t>& 
 
 }  // namespace
 
-Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db) {
+Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db, BlobStore* blobs) {
   const Catalogue catalogue(db);
   SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
   std::map<std::string, DiskFlight> disk;
-  for (DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
+  std::vector<DiskFlight> found_flights = FlightsOnDisk(dir.Flights());
+  if (blobs != nullptr && !blobs->IsFolder()) {
+    SKYQUILT_TRY_ASSIGN(found_flights, FlightsInBlobs(*blobs));
+  }
+  for (DiskFlight& flight : found_flights) {
     std::string id = flight.id;
     disk.emplace(std::move(id), std::move(flight));
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/folder/data_dir.h"
 #include "storage/folder/lost_folder.h"
@@ -24,6 +25,7 @@ struct DataCheck {
   bool IsWell() const { return missing.empty() && unknown.empty() && lost.empty(); }
 };
 
-Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db);
+// `blobs`: where photos and maps lie; absent: in the data folder.
+Result<DataCheck> CheckData(const DataDir& dir, CatalogueDb& db, BlobStore* blobs = nullptr);
 
 }  // namespace skyquilt::storage

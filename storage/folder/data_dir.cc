@@ -19,6 +19,21 @@ namespace skyquilt::storage {
 
 std::string RevisionFolderName(std::int64_t revision) { return fmt::format("r{}", revision); }
 
+std::string FlightPrefix(const std::string& flight_id) {
+  SKYQUILT_CHECK(IsId(flight_id), "an unchecked id came near a key");
+  return "flights/" + flight_id + "/";
+}
+
+std::string FilesPrefix(const std::string& flight_id) { return FlightPrefix(flight_id) + "files/"; }
+
+std::string RevisionPrefix(const std::string& flight_id, std::int64_t revision) {
+  return FlightPrefix(flight_id) + RevisionFolderName(revision) + "/";
+}
+
+std::string UnitsFolderName(const std::string& job_id) { return "units-" + job_id; }
+
+bool IsUnitsFolder(const std::string& name) { return name.starts_with("units-"); }
+
 DataDir DataDir::At(const std::filesystem::path& root, const std::string& id) {
   return {std::filesystem::absolute(root).lexically_normal(), id};
 }

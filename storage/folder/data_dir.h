@@ -4,10 +4,13 @@
 //   flights/<id>/flight.jsonl       the flight's record: its facts and the user's file names
 //   flights/<id>/files/<ours>       uploaded bytes, under names we made
 //   flights/<id>/r<revision>/       a finished map: mosaic.mbtiles, mosaic.tif, report.json, photos.geojson
+//   flights/<id>/exports/<ours>.tif exports of maps, for a day
 //   uploads/                        resumable uploads that are not complete
 //   incoming/                       uploads in progress
 //   work/                           jobs in progress, and what is being deleted
 //   lost/<time>/                    files that belonged to nothing, under the path they had
+//   blobs.json, cache/              where photos and maps lie elsewhere (serve --blobs): where, and what of
+//                                   them was fetched; flights/<id>/ has no files and no maps then
 // Temporary names below incoming/ and work/ carry the folder's id: only those are removed after a crash. A
 // value.
 #pragma once
@@ -41,6 +44,8 @@ class DataDir {
   std::filesystem::path Incoming() const { return root_ / "incoming"; }
   std::filesystem::path Work() const { return root_ / "work"; }
   std::filesystem::path Lost() const { return root_ / "lost"; }
+  std::filesystem::path Cache() const { return root_ / "cache"; }
+  std::filesystem::path BlobsMarker() const { return root_ / "blobs.json"; }
 
   // A new name for something temporary below incoming/ or work/, such as "upload-<folder's id>-<new id>".
   std::string NewTemporaryName(const std::string& kind) const;
@@ -56,6 +61,8 @@ class DataDir {
 // Kinds of temporary names.
 inline constexpr const char* kUploadKind = "upload";
 inline constexpr const char* kUnpackKind = "unpack";
+inline constexpr const char* kExportKind = "export";
+inline constexpr const char* kImportKind = "import";
 inline constexpr const char* kDeletedKind = "deleted";
 
 // Holds the data folder for one server or one repair at a time: a lock on the folder itself, since a file in
@@ -78,5 +85,14 @@ class DataDirLock {
 
 // Names a revision folder, "r7".
 std::string RevisionFolderName(std::int64_t revision);
+
+// The same places as keys of blobs (storage/blobs): "flights/<id>/", "flights/<id>/files/",
+// "flights/<id>/r7/".
+std::string FlightPrefix(const std::string& flight_id);
+std::string FilesPrefix(const std::string& flight_id);
+std::string RevisionPrefix(const std::string& flight_id, std::int64_t revision);
+// Parts of a flight that is cut into units, "units-<job>", until the job has ended.
+std::string UnitsFolderName(const std::string& job_id);
+bool IsUnitsFolder(const std::string& name);
 
 }  // namespace skyquilt::storage

@@ -8,15 +8,16 @@
 
 namespace skyquilt::storage {
 
-Result<DataDirWatch> DataDirWatch::Begin(const DataDir& dir) {
+Result<DataDirWatch> DataDirWatch::Begin(const DataDir& dir, bool has_catalogue) {
   DataDirWatch watch;
   const std::filesystem::path wal = dir.Catalogue().string() + "-wal";
-  const std::vector<std::pair<std::filesystem::path, const char*>> paths = {
-      {dir.root(), "data folder"},
-      {dir.Flights(), "folder of flights in the data folder"},
-      {dir.Catalogue(), "catalogue in the data folder"},
-      // Holds the latest changes for as long as the catalogue is open.
-      {wal, "catalogue's log (catalogue.db-wal) in the data folder"}};
+  std::vector<std::pair<std::filesystem::path, const char*>> paths = {
+      {dir.root(), "data folder"}, {dir.Flights(), "folder of flights in the data folder"}};
+  if (has_catalogue) {
+    paths.emplace_back(dir.Catalogue(), "catalogue in the data folder");
+    // Holds the latest changes for as long as the catalogue is open.
+    paths.emplace_back(wal, "catalogue's log (catalogue.db-wal) in the data folder");
+  }
   for (const auto& [path, what] : paths) {
     struct stat status {};
     if (stat(path.c_str(), &status) != 0) {

@@ -17,7 +17,8 @@ namespace skyquilt::storage {
 class DataDirWatch {
  public:
   // While the catalogue is open.
-  static Result<DataDirWatch> Begin(const DataDir& dir);
+  // `has_catalogue`: it lies in the folder.
+  static Result<DataDirWatch> Begin(const DataDir& dir, bool has_catalogue = true);
   // kUnavailable, saying what is gone.
   Result<void> Check() const;
 

@@ -17,6 +17,19 @@ namespace {
 constexpr int kFormat = 1;
 constexpr std::size_t kMaxMarkerBytes = 4096;
 
+Result<std::string> ReadMarkerText(const DataDir& dir) {
+  std::ifstream file(dir.Marker(), std::ios::binary);
+  std::string text(kMaxMarkerBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad() || !file.is_open()) {
+    return Error{ErrorCode::kIo,
+                 "The file " + dir.Marker().string() + " cannot be read. Does it belong to another user?",
+                 ""};
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
 }  // namespace
 
 Result<std::string> ParseMarker(std::string_view text) {
@@ -41,36 +54,35 @@ Result<std::optional<std::string>> ReadMarker(const DataDir& dir) {
     }
     return std::optional<std::string>();
   }
-  std::ifstream file(dir.Marker(), std::ios::binary);
-  std::string text(kMaxMarkerBytes, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad() || !file.is_open()) {
-    return Error{ErrorCode::kIo,
-                 "The file " + dir.Marker().string() + " cannot be read. Does it belong to another user?",
-                 ""};
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  SKYQUILT_TRY_ASSIGN(const std::string text, ReadMarkerText(dir));
   const Result<std::string> id = ParseMarker(text);
   if (!id) return Error{id.error().code, dir.root().string() + ": " + id.error().message, id.error().detail};
   return std::optional<std::string>(*id);
 }
 
-Result<void> WriteMarker(const DataDir& dir, const std::string& id) {
+Result<void> WriteMarker(const DataDir& dir, const std::string& id, bool is_shared) {
   return WriteFileAtomically(
       dir.Marker(),
       fmt::format(
-          "{{\"format\": {}, \"id\": \"{}\", \"about\": \"Data folder of a Skyquilt server. Keep this file.\"}}\n",
-          kFormat, id));
+          "{{\"format\": {}, \"id\": \"{}\", {}\"about\": \"Data folder of a Skyquilt server. Keep this file.\"}}\n",
+          kFormat, id, is_shared ? "\"catalogue\": \"postgresql\", " : ""));
 }
 
-Result<std::optional<std::string>> CatalogueId(SqliteDb& db) {
+bool HasSharedCatalogue(const DataDir& dir) {
+  const Result<std::string> text = ReadMarkerText(dir);
+  const auto json =
+      text ? nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false) : nlohmann::json();
+  return json.is_object() && json.value("catalogue", nlohmann::json()) == "postgresql";
+}
+
+Result<std::optional<std::string>> CatalogueId(SqlConnection& db) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare("SELECT id FROM data_dir"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
   if (!row) return std::optional<std::string>();
   return std::optional<std::string>(query.ColumnText(0));
 }
 
-Result<void> SetCatalogueId(SqliteDb& db, const std::string& id) {
+Result<void> SetCatalogueId(SqlConnection& db, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
       db.Prepare("INSERT INTO data_dir(one, id) VALUES(1, ?) ON CONFLICT(one) DO UPDATE SET id=excluded.id"));

@@ -1,6 +1,6 @@
 // The marker of a data folder, skyquilt-data.json, and the same id in the catalogue: a folder is ours only
-// where the two agree. The marker says {"format": 1, "id": "<26 characters>"}; it is written once, when the
-// folder becomes ours. Any thread.
+// where the two agree. The marker says {"format": 1, "id": "<26 characters>"}, and "catalogue": "postgresql"
+// too where the catalogue is not in the folder; it is written once, when the folder becomes ours. Any thread.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "storage/db/sqlite_db.h"
+#include "storage/db/sql_connection.h"
 #include "storage/folder/data_dir.h"
 
 namespace skyquilt::storage {
@@ -18,10 +18,12 @@ Result<std::string> ParseMarker(std::string_view text);
 
 // The id of the folder; absent where it has no marker. Errors: kCorrupt, kConflict, kIo.
 Result<std::optional<std::string>> ReadMarker(const DataDir& dir);
-Result<void> WriteMarker(const DataDir& dir, const std::string& id);
+Result<void> WriteMarker(const DataDir& dir, const std::string& id, bool is_shared = false);
+// Whether a folder's marker says that its catalogue is in PostgreSQL.
+bool HasSharedCatalogue(const DataDir& dir);
 
 // The id of the folder that a catalogue belongs to; absent in one of a version without markers.
-Result<std::optional<std::string>> CatalogueId(SqliteDb& db);
-Result<void> SetCatalogueId(SqliteDb& db, const std::string& id);
+Result<std::optional<std::string>> CatalogueId(SqlConnection& db);
+Result<void> SetCatalogueId(SqlConnection& db, const std::string& id);
 
 }  // namespace skyquilt::storage

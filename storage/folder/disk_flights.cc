@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "core/base/try.h"
@@ -101,6 +102,32 @@ std::vector<DiskFlight> FlightsOnDisk(const fs::path& flights_folder) {
   std::sort(flights.begin(), flights.end(),
             [](const DiskFlight& a, const DiskFlight& b) { return a.id < b.id; });
   return flights;
+}
+
+bool IsRevisionFolder(const std::string& name) { return RevisionOfName(name).has_value(); }
+
+Result<std::vector<DiskFlight>> FlightsInBlobs(BlobStore& blobs) {
+  constexpr std::string_view kFlights = "flights/";
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> all, blobs.List(std::string(kFlights)));
+  std::map<std::string, DiskFlight> flights;
+  for (const BlobInfo& blob : all) {
+    const fs::path key = blob.key.substr(kFlights.size());  // <id>/files/<ours> or <id>/r7/mosaic.mbtiles
+    const std::string id = key.begin()->string();
+    if (!IsId(id)) continue;
+    DiskFlight& flight = flights[id];
+    flight.id = id;
+    const std::string folder = key.parent_path().filename().string(), name = key.filename().string();
+    const auto number = RevisionOfName(folder);
+    if (folder == "files" && IsId(name))
+      flight.files.push_back({name, blob.bytes, std::chrono::floor<std::chrono::microseconds>(blob.changed)});
+    if (number && name == "mosaic.mbtiles") flight.revisions.push_back(*number);
+  }
+  std::vector<DiskFlight> found;
+  for (auto& [id, flight] : flights) {
+    std::sort(flight.revisions.begin(), flight.revisions.end());
+    found.push_back(std::move(flight));
+  }
+  return found;
 }
 
 Result<Revision> RevisionOnDisk(const fs::path& revision_folder, std::int64_t number) {

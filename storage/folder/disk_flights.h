@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/db/clock.h"
 
@@ -32,6 +33,11 @@ std::vector<DiskFlight> FlightsOnDisk(const std::filesystem::path& flights_folde
 inline bool HoldsAnything(const DiskFlight& flight) {
   return !flight.files.empty() || !flight.revisions.empty();
 }
+
+// The same of flights whose files and maps lie in blobs. Errors: those of the blobs.
+Result<std::vector<DiskFlight>> FlightsInBlobs(BlobStore& blobs);
+// "r7": a name that a revision's folder has.
+bool IsRevisionFolder(const std::string& name);
 
 // What a finished map says of itself. Errors: kNotFound, kCorrupt (its tiles cannot be read).
 Result<Revision> RevisionOnDisk(const std::filesystem::path& revision_folder, std::int64_t number);

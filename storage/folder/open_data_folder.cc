@@ -15,6 +15,7 @@
 #include "storage/db/ids.h"
 #include "storage/folder/data_marker.h"
 #include "storage/folder/disk_flights.h"
+#include "storage/folder/shared_catalogue.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
@@ -65,8 +66,13 @@ Result<std::unique_ptr<CatalogueDb>> MakeCatalogue(const DataDir& dir, const std
 }
 
 // Errors with what to do about them.
-Result<std::unique_ptr<CatalogueDb>> OpenCatalogue(const DataDir& dir, int readers = 2) {
-  Result<std::unique_ptr<CatalogueDb>> db = CatalogueDb::OpenExisting(dir.Catalogue(), readers);
+Result<std::unique_ptr<CatalogueDb>> OpenCatalogue(const DataDir& dir, const CataloguePlace& place,
+                                                   int readers = 2) {
+  Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogueOf(dir, place, readers);
+  if (place.IsPostgres()) {
+    if (db || db.error().code != ErrorCode::kNotFound) return db;
+    return Error{db.error().code, db.error().message + " " + RepairAdvice(dir, place), db.error().detail};
+  }
   if (!db && db.error().code == ErrorCode::kNotFound) {
     return Error{
         ErrorCode::kConflict,
@@ -84,6 +90,7 @@ Result<std::unique_ptr<CatalogueDb>> OpenCatalogue(const DataDir& dir, int reade
 }  // namespace
 
 Result<void> CheckWhole(const DataDir& dir, CatalogueDb& db) {
+  if (db.IsShared()) return {};  // its server sees to that
   const auto access = db.Lock();
   SKYQUILT_TRY_ASSIGN(Statement query, access->Prepare("PRAGMA quick_check(1)"));
   const Result<bool> row = query.Step();
@@ -118,27 +125,32 @@ Result<std::map<std::string, KnownFlight>> KnownFlights(CatalogueDb& db) {
   }
 }
 
-// Files that the flight's record knows and the catalogue does not.
-int UnknownFiles(const DiskFlight& flight, const KnownFlight& known) {
-  std::vector<std::string> unknown;
+// Files that the flight's record knows and the catalogue does not. `is_elsewhere`: they are not on the disk.
+int UnknownFiles(const DiskFlight& flight, const KnownFlight& known, bool is_elsewhere) {
+  std::set<std::string> unknown;
   for (const DiskFile& file : flight.files) {
-    if (!known.stored_names.contains(file.stored_name)) unknown.push_back(file.stored_name);
+    if (!known.stored_names.contains(file.stored_name)) unknown.insert(file.stored_name);
   }
-  if (unknown.empty()) return 0;
+  if (unknown.empty() && !is_elsewhere) return 0;
   const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight.folder);
   if (!record || !*record) return 0;
-  return static_cast<int>(std::count_if(unknown.begin(), unknown.end(), [&](const std::string& name) {
-    const auto found = (*record)->files.find(name);
-    return found != (*record)->files.end() && !found->second.is_removed;
-  }));
+  int count = 0;
+  for (const auto& [stored_name, file] : (*record)->files) {
+    const bool is_there =
+        is_elsewhere ? !known.stored_names.contains(stored_name) : unknown.contains(stored_name);
+    if (is_there && !file.is_removed) ++count;
+  }
+  return count;
 }
 
 // No crash leaves a flight with files that the catalogue never heard of (it is in the catalogue before its
 // first file, and its record says so when it is deleted), nor a map with a number that was not given out, nor
 // two files in records that are not in the catalogue (one is recorded at a time, just before it is
 // committed). A catalogue from an older backup does, and what it does not know would be taken for lost.
-Result<void> CheckIsLatest(const DataDir& dir, CatalogueDb& db) {
+Result<void> CheckIsLatest(const DataDir& dir, const CataloguePlace& place, CatalogueDb& db) {
   SKYQUILT_TRY_ASSIGN(const auto known, KnownFlights(db));
+  std::error_code none;
+  const bool is_elsewhere = fs::exists(dir.BlobsMarker(), none);  // then the records alone tell
   int flights = 0, files = 0, maps = 0;
   for (const DiskFlight& flight : FlightsOnDisk(dir.Flights())) {
     const auto found = known.find(flight.id);
@@ -146,10 +158,10 @@ Result<void> CheckIsLatest(const DataDir& dir, CatalogueDb& db) {
       maps += static_cast<int>(
           std::count_if(flight.revisions.begin(), flight.revisions.end(),
                         [&](std::int64_t revision) { return revision >= found->second.next_revision; }));
-      files += UnknownFiles(flight, found->second);
+      files += UnknownFiles(flight, found->second, is_elsewhere);
       continue;
     }
-    if (!HoldsAnything(flight)) continue;
+    if (!HoldsAnything(flight) && UnknownFiles(flight, {}, is_elsewhere) == 0) continue;
     const Result<std::optional<FlightRecord>> record = ReadFlightRecord(flight.folder);
     if (record && *record && ((*record)->is_deleted || (*record)->is_deleting)) continue;
     ++flights;
@@ -160,7 +172,7 @@ Result<void> CheckIsLatest(const DataDir& dir, CatalogueDb& db) {
       fmt::format(
           "The catalogue {} is older than what is on disk, or of another folder: {} flights, {} files of "
           "other flights and {} maps on disk are not in it. {}",
-          dir.Catalogue().string(), flights, files, maps, RepairAdvice(dir)),
+          NameOfCatalogue(dir, place), flights, files, maps, RepairAdvice(dir, place)),
       ""};
 }
 
@@ -179,6 +191,15 @@ Result<int> WriteMissingRecords(const DataDir& dir, CatalogueDb& db) {
   return written;
 }
 
+Result<OpenedDataFolder> MakeNewBesideShared(const DataDir& at, const CataloguePlace& place, int readers) {
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, MakeSharedCatalogue(at, place, readers));
+  SKYQUILT_TRY_ASSIGN(const std::string id, IdForNewFolder(*db, place.has_files_elsewhere));
+  SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), id));
+  SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(dir));
+  SKYQUILT_TRY(WriteMarker(dir, id, /*is_shared=*/true));
+  return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), std::move(db), {}};
+}
+
 Result<OpenedDataFolder> MakeNew(const DataDir& at, int readers) {
   const std::string id = NewId();
   SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(at.root(), id));
@@ -191,11 +212,11 @@ Result<OpenedDataFolder> MakeNew(const DataDir& at, int readers) {
 
 }  // namespace
 
-std::string RepairAdvice(const DataDir& dir) {
+std::string RepairAdvice(const DataDir& dir, const CataloguePlace& place) {
   return fmt::format(
-      "Put back a good copy of it, or run \"skyquilt data repair --data {}\", which makes the catalogue anew "
+      "Put back a good copy of it, or run \"skyquilt data repair --data {}{}\", which makes the catalogue anew "
       "from the flights on disk. Nothing was changed or removed.",
-      dir.root().string());
+      dir.root().string(), place.IsPostgres() ? " --catalogue " + place.url : "");
 }
 
 Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
@@ -229,11 +250,13 @@ Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
   }
   survey.exists = true;
   survey.is_new = true;
-  const std::set<fs::path> folders = {dir.Flights(), dir.Uploads(), dir.Incoming(), dir.Work(), dir.Lost()};
+  const std::set<fs::path> folders = {dir.Flights(), dir.Uploads(), dir.Incoming(),
+                                      dir.Work(),    dir.Lost(),    dir.Cache()};
   const std::set<std::string> files = {
-      "skyquilt-data.json",   "skyquilt-data.json.tmp", "catalogue.db",     "catalogue.db-wal",
-      "catalogue.db-shm",     "catalogue.db-reserve",   "catalogue.db.new", "catalogue.db.new-reserve",
-      "catalogue.db.new-wal", "catalogue.db.new-shm",   "server.lock"};
+      "blobs.json",       "blobs.json.tmp",           "skyquilt-data.json",   "skyquilt-data.json.tmp",
+      "catalogue.db",     "catalogue.db-wal",         "catalogue.db-shm",     "catalogue.db-reserve",
+      "catalogue.db.new", "catalogue.db.new-reserve", "catalogue.db.new-wal", "catalogue.db.new-shm",
+      "server.lock"};
   for (const auto& entry : fs::directory_iterator(dir.root(), error)) {
     const std::string name = entry.path().filename().string();
     if (name == "lost+found") continue;  // what a file system makes at its root
@@ -253,7 +276,7 @@ Result<FolderSurvey> SurveyFolder(const DataDir& dir) {
   return survey;
 }
 
-Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers) {
+Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers, const CataloguePlace& place) {
   const DataDir at = DataDir::At(root);
   SKYQUILT_TRY_ASSIGN(const FolderSurvey survey, SurveyFolder(at));
   Result<std::optional<std::string>> marker = ReadMarker(at);
@@ -261,15 +284,16 @@ Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers) {
     return Error{ErrorCode::kCorrupt, marker.error().message + " " + RepairAdvice(at), ""};
   }
   if (!marker) return marker.error();
-  if (!*marker && survey.is_new) return MakeNew(at, readers);
+  if (!*marker && survey.is_new)
+    return place.IsPostgres() ? MakeNewBesideShared(at, place, readers) : MakeNew(at, readers);
   if (!*marker && !survey.has_catalogue && !survey.has_flights) {
     FolderSurvey others = survey;
     if (others.strangers.empty()) others.strangers = {"flights, uploads or work that are not Skyquilt's"};
     return OfOthers(at, others);
   }
   SKYQUILT_TRY_ASSIGN(DataDirLock lock, DataDirLock::Take(at));
-  Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at, readers);
-  if (!db && !*marker && !survey.has_flights && db.error().code != ErrorCode::kIo) {
+  Result<std::unique_ptr<CatalogueDb>> db = OpenCatalogue(at, place, readers);
+  if (!db && !place.IsPostgres() && !*marker && !survey.has_flights && db.error().code != ErrorCode::kIo) {
     FolderSurvey others = survey;  // a catalogue.db of another program
     others.strangers.push_back("catalogue.db");
     return OfOthers(at, others);
@@ -280,29 +304,41 @@ Result<OpenedDataFolder> OpenDataFolder(const fs::path& root, int readers) {
   if (*marker && owner && **marker != *owner) {
     return Error{ErrorCode::kConflict,
                  fmt::format("The catalogue {} belongs to another data folder ({} instead of {}). {}",
-                             at.Catalogue().string(), *owner, **marker, RepairAdvice(at)),
+                             NameOfCatalogue(at, place), *owner, **marker, RepairAdvice(at, place)),
                  ""};
   }
-  SKYQUILT_TRY(CheckIsLatest(at, **db));
+  if (!place.IsOfManyFolders()) {
+    SKYQUILT_TRY(CheckIsLatest(at, place, **db));
+  }
   std::vector<std::string> notes;
   const std::string id = *marker ? **marker : owner ? *owner : NewId();
   if (!owner) {
     SKYQUILT_TRY(SetCatalogueId(*(*db)->Lock(), id));
   }
   if (!*marker) {
-    SKYQUILT_TRY(WriteMarker(at, id));
+    SKYQUILT_TRY(WriteMarker(at, id, place.IsPostgres()));
     notes.push_back("the data folder had no marker; its catalogue knows the flights in it, so it got one");
   }
   SKYQUILT_TRY_ASSIGN(DataDir dir, DataDir::Open(root, id));
-  SKYQUILT_TRY_ASSIGN(const int written, WriteMissingRecords(dir, **db));
+  int written = 0;
+  if (!place.IsOfManyFolders()) {
+    SKYQUILT_TRY_ASSIGN(written, WriteMissingRecords(dir, **db));
+  }
   if (written > 0)
     notes.push_back(fmt::format("{} flights of an earlier version got their record, flight.jsonl", written));
   return OpenedDataFolder{std::move(dir), std::optional(std::move(lock)), *std::move(db), std::move(notes)};
 }
 
-Result<OpenedDataFolder> JoinDataFolder(const fs::path& root) {
+Result<OpenedDataFolder> JoinDataFolder(const fs::path& root, const CataloguePlace& place) {
   const DataDir at = DataDir::At(root);
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> marker, ReadMarker(at));
+  if (!marker && place.IsOfManyFolders()) {
+    SKYQUILT_TRY_ASSIGN(const FolderSurvey survey, SurveyFolder(at));
+    if (!survey.is_new) return OfOthers(at, survey);
+    SKYQUILT_TRY_ASSIGN(OpenedDataFolder made, MakeNewBesideShared(at, place, 2));
+    made.lock.reset();
+    return made;
+  }
   if (!marker) {
     return Error{
         ErrorCode::kNotFound,
@@ -310,20 +346,20 @@ Result<OpenedDataFolder> JoinDataFolder(const fs::path& root) {
             " is not a data folder of Skyquilt: it has no skyquilt-data.json. Start a server on it to make one.",
         ""};
   }
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, OpenCatalogue(at));
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, OpenCatalogue(at, place));
   SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*db->Lock()));
   if (owner != marker) {
-    return Error{ErrorCode::kConflict, "The catalogue belongs to another data folder. " + RepairAdvice(at),
-                 ""};
+    return Error{ErrorCode::kConflict,
+                 "The catalogue belongs to another data folder. " + RepairAdvice(at, place), ""};
   }
   return OpenedDataFolder{DataDir::At(root, *marker), std::nullopt, std::move(db), {}};
 }
 
-Result<OpenedDataFolder> OpenOrJoinDataFolder(const fs::path& root) {
+Result<OpenedDataFolder> OpenOrJoinDataFolder(const fs::path& root, const CataloguePlace& place) {
   const DataDir at = DataDir::At(root);
   const Result<std::optional<std::string>> marker = ReadMarker(at);
-  if (marker && *marker && !DataDirLock::Take(at)) return JoinDataFolder(root);
-  return OpenDataFolder(root);
+  if (marker && *marker && !DataDirLock::Take(at)) return JoinDataFolder(root, place);
+  return OpenDataFolder(root, 2, place);
 }
 
 }  // namespace skyquilt::storage

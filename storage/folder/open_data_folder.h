@@ -5,7 +5,8 @@
 //   catalogue of a version without markers    adopted, where it knows the flights on disk
 //   catalogue missing, empty, damaged, of another folder, or older than the flights on disk
 //                                             kConflict or kCorrupt, naming "skyquilt data repair"
-// Each message says what to do. Nothing is ever removed. Other errors: kIo, kOutOfSpace.
+// With a catalogue in PostgreSQL (CataloguePlace) the same is asked of that one; a catalogue.db beside it is
+// left alone. Each message says what to do. Nothing is ever removed. Other errors: kIo, kOutOfSpace.
 #pragma once
 
 #include <filesystem>
@@ -28,15 +29,18 @@ struct OpenedDataFolder {
 };
 
 // For its one server. kConflict also where another has it. `readers`: as of CatalogueDb::Open.
-Result<OpenedDataFolder> OpenDataFolder(const std::filesystem::path& root, int readers = 2);
-// For a process beside the server, which made the folder what it is: nothing is made or adopted.
-Result<OpenedDataFolder> JoinDataFolder(const std::filesystem::path& root);
+Result<OpenedDataFolder> OpenDataFolder(const std::filesystem::path& root, int readers = 2,
+                                        const CataloguePlace& place = {});
+// For a process beside the server, which made the folder what it is: nothing is made or adopted, but a new
+// folder for a machine of its own where files lie elsewhere.
+Result<OpenedDataFolder> JoinDataFolder(const std::filesystem::path& root, const CataloguePlace& place = {});
 // As its server where there is none at the moment, else beside it.
-Result<OpenedDataFolder> OpenOrJoinDataFolder(const std::filesystem::path& root);
+Result<OpenedDataFolder> OpenOrJoinDataFolder(const std::filesystem::path& root,
+                                              const CataloguePlace& place = {});
 
 // "Run "skyquilt data repair --data DIR"...": what helps where the catalogue and the flights do not agree.
-std::string RepairAdvice(const DataDir& dir);
-// kCorrupt where the catalogue's pages do not fit together.
+std::string RepairAdvice(const DataDir& dir, const CataloguePlace& place = {});
+// kCorrupt where the pages of a catalogue in the folder do not fit together.
 Result<void> CheckWhole(const DataDir& dir, CatalogueDb& db);
 
 struct FolderSurvey {

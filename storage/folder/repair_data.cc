@@ -15,6 +15,7 @@
 #include "storage/folder/disk_flights.h"
 #include "storage/folder/lost_folder.h"
 #include "storage/folder/open_data_folder.h"
+#include "storage/folder/shared_catalogue.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -60,6 +61,24 @@ Result<std::unique_ptr<CatalogueDb>> TakeCatalogue(const DataDir& dir, std::opti
     report.lines.push_back("a new catalogue was made; tokens and webhooks are to be added again");
   }
   if (!marker) marker = NewId();
+  SKYQUILT_TRY(SetCatalogueId(*db->Lock(), *marker));
+  return db;
+}
+
+// One that is another folder's is never taken over: its flights are elsewhere.
+Result<std::unique_ptr<CatalogueDb>> TakeSharedCatalogue(const DataDir& dir,
+                                                         std::optional<std::string>& marker,
+                                                         const CataloguePlace& place) {
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, MakeSharedCatalogue(dir, place));
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> owner, CatalogueId(*db->Lock()));
+  if (owner && marker && *owner != *marker) {
+    return Error{
+        ErrorCode::kConflict,
+        "The catalogue in the database of --catalogue belongs to another data folder. Give that folder with "
+        "--data, or another database or schema. Nothing was changed.",
+        ""};
+  }
+  if (!marker) marker = owner ? owner : NewId();
   SKYQUILT_TRY(SetCatalogueId(*db->Lock(), *marker));
   return db;
 }
@@ -135,7 +154,7 @@ Result<void> Enter(const DataDir& dir, CatalogueDb& db, const DiskFlight& flight
 
 }  // namespace
 
-Result<RepairReport> RepairData(const fs::path& root, Time now) {
+Result<RepairReport> RepairData(const fs::path& root, Time now, const CataloguePlace& place) {
   const DataDir at = DataDir::At(root);
   SKYQUILT_TRY_ASSIGN(const FolderSurvey survey, SurveyFolder(at));
   if (!survey.exists) {
@@ -143,6 +162,7 @@ Result<RepairReport> RepairData(const fs::path& root, Time now) {
                  "There is no folder " + at.root().string() + ". Give the data folder with --data.", ""};
   }
   Result<std::optional<std::string>> read = ReadMarker(at);
+  if (read && *read && !place.IsPostgres() && HasSharedCatalogue(at)) return WantsItsCatalogue(at);
   const bool is_damaged = !read && read.error().code == ErrorCode::kCorrupt;
   if (!read && !is_damaged) return read.error();
   std::optional<std::string> marker = is_damaged ? std::nullopt : *read;
@@ -159,8 +179,10 @@ Result<RepairReport> RepairData(const fs::path& root, Time now) {
   RepairReport report;
   LostFolder lost(at, now);
   if (is_damaged) report.lines.push_back(lost.Take(at.Marker(), "is damaged"));
-  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, TakeCatalogue(at, marker, lost, report));
-  SKYQUILT_TRY(WriteMarker(at, *marker));
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<CatalogueDb> db, place.IsPostgres()
+                                                           ? TakeSharedCatalogue(at, marker, place)
+                                                           : TakeCatalogue(at, marker, lost, report));
+  SKYQUILT_TRY(WriteMarker(at, *marker, place.IsPostgres()));
   SKYQUILT_TRY_ASSIGN(const DataDir dir, DataDir::Open(at.root(), *marker));
   SKYQUILT_TRY(BringBackAll(dir, report));
   for (const DiskFlight& flight : FlightsOnDisk(dir.Flights())) {

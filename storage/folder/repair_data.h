@@ -17,6 +17,7 @@
 
 #include "core/base/result.h"
 #include "storage/db/clock.h"
+#include "storage/db/postgres/catalogue_place.h"
 
 namespace skyquilt::storage {
 
@@ -29,6 +30,7 @@ struct RepairReport {
 };
 
 // Errors: kNotFound, kConflict (not a data folder of ours, or a server uses it), kOutOfSpace, kIo.
-Result<RepairReport> RepairData(const std::filesystem::path& root, Time now);
+Result<RepairReport> RepairData(const std::filesystem::path& root, Time now,
+                                const CataloguePlace& place = {});
 
 }  // namespace skyquilt::storage

@@ -1,6 +1,7 @@
 #include "storage/folder/sweep.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <string>
 #include <system_error>
@@ -9,11 +10,15 @@
 #include "core/base/try.h"
 #include "storage/db/ids.h"
 #include "storage/folder/lost_folder.h"
+#include "storage/jobs/map_exports.h"
 
 namespace skyquilt::storage {
 namespace {
 
 namespace fs = std::filesystem;
+
+// What this server writes below incoming/.
+constexpr const char* kIncomingKinds[] = {kUploadKind, kUnpackKind, kExportKind, kImportKind};
 
 std::vector<fs::path> EntriesOf(const fs::path& folder) {
   std::vector<fs::path> entries;
@@ -38,7 +43,7 @@ bool IsPreviewName(const std::string& name) {
 Result<void> TakeUnknown(const DataDir& dir, const Catalogue& catalogue, const std::string& flight_id,
                          LostFolder& lost, SweepReport& report) {
   SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> known, catalogue.Revisions(flight_id));
-  std::set<std::string> keep = {"files", kFlightRecordName};
+  std::set<std::string> keep = {"files", kFlightRecordName, kExportsFolder};
   for (const std::int64_t revision : known) keep.insert(RevisionFolderName(revision));
   for (const fs::path& entry : EntriesOf(dir.Flight(flight_id))) {
     const std::string name = entry.filename().string();
@@ -118,7 +123,9 @@ Result<SweepReport> Sweep(const DataDir& dir, const Catalogue& catalogue, const 
   report.Add(work);
   for (const fs::path& entry : EntriesOf(dir.Incoming())) {
     const std::string name = entry.filename().string();
-    if (dir.IsTemporaryName(kUploadKind, name) || dir.IsTemporaryName(kUnpackKind, name)) {
+    const bool is_ours = std::any_of(std::begin(kIncomingKinds), std::end(kIncomingKinds),
+                                     [&](const char* kind) { return dir.IsTemporaryName(kind, name); });
+    if (is_ours) {
       report.removed += RemoveAll(entry);
     } else {
       report.moved.push_back(lost.Take(entry, "is no upload of this server"));

@@ -2,8 +2,11 @@
 // token.
 #include <fmt/format.h>
 
+#include <thread>
+
 #include "core/base/try.h"
 #include "storage/db/machine_boot.h"
+#include "storage/jobs/claim_in_postgres.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/job_turns.h"
 #include "storage/jobs/lost_leases.h"
@@ -15,57 +18,81 @@ constexpr const char* kHeld = " WHERE id=? AND lease_token=? AND state='running'
 
 std::int64_t LeaseEnd(Time now) { return ToUs(now + kLeaseTime); }
 
-Result<LeaseState> ReadLease(SqliteDb& db, const Lease& lease) {
+Result<LeaseState> ReadLease(SqlConnection& db, const Lease& lease) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(std::string("SELECT cancel FROM job") + kHeld));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, lease.job_id).Bind(2, lease.token).Step());
   if (!row) return LeaseState::kLost;
   return query.ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
 }
 
-}  // namespace
-
-Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time now) {
-  const auto db = db_.Lock();
-  {
-    // An idle worker only reads; the write lock is taken when there is something to take.
-    SKYQUILT_TRY_ASSIGN(
-        Statement look,
-        db->Prepare("SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
-                    " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)"));
-    SKYQUILT_TRY(look.Bind(1, ToUs(now)).Step());
-    if (look.ColumnInt64(0) == 0) return std::optional<Lease>();
+// Hours of work must not end with a restart of the database: what may be said twice is, for a minute.
+template <typename Call>
+auto Patiently(const CatalogueDb& db, Call call) {
+  constexpr std::chrono::minutes kPatience{1};
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (true) {
+    auto outcome = call();
+    const bool may_pass = !outcome && outcome.error().code == ErrorCode::kUnavailable;
+    if (!db.IsShared() || !may_pass || std::chrono::steady_clock::now() > end) return outcome;
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
-  // A claim that a power cut undoes leaves the job waiting, as it should be: its worker is gone as well.
-  SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(*db));
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  SKYQUILT_TRY(SettleLostLeases(*db, now));
-  std::optional<Lease> lease;
-  {
-    SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(*db, now));
-    if (!next) {
-      SKYQUILT_TRY(transaction.Commit());
-      return std::optional<Lease>();
-    }
-    SKYQUILT_TRY_ASSIGN(
-        Statement claim,
-        db->Prepare(
-            "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
-            " lease_until_us=?2, started_us=coalesce(started_us,?3), attempt_started_us=?3, stage='', progress=0,"
-            " message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts"));
-    claim.Bind(1, worker).Bind(2, LeaseEnd(now)).Bind(3, ToUs(now)).Bind(4, *next).Bind(5, MachineBoot::Id());
-    SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());
-    if (row) {
-      lease = Lease{std::string(claim.ColumnText(0)), std::string(claim.ColumnText(1)),
-                    std::string(claim.ColumnText(2)), claim.ColumnInt64(3),
-                    static_cast<int>(claim.ColumnInt64(4))};
-    }
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  return lease;
 }
 
-Result<LeaseState> JobQueue::Renew(const Lease& lease, Time now) {
+}  // namespace
+
+Result<std::optional<Lease>> JobQueue::Claim(std::string_view worker, Time by_machine) {
+  return db_.Again([&]() -> Result<std::optional<Lease>> {
+    const auto db = db_.Lock();
+    const Time now = db_.SharedTime(by_machine, *db);
+    if (db_.IsShared()) return ClaimInPostgres(*db, worker, now);
+    {
+      // An idle worker only reads; the write lock is taken when there is something to take.
+      SKYQUILT_TRY_ASSIGN(
+          Statement look,
+          db->Prepare("SELECT EXISTS(SELECT 1 FROM job WHERE state='accepted' AND not_before_us<=?1)"
+                      " OR EXISTS(SELECT 1 FROM job WHERE state='running' AND lease_until_us<?1)"));
+      SKYQUILT_TRY(look.Bind(1, ToUs(now)).Step());
+      if (look.ColumnInt64(0) == 0) return std::optional<Lease>();
+    }
+    // A claim that a power cut undoes leaves the job waiting, as it should be: its worker is gone as well.
+    SKYQUILT_TRY_ASSIGN(const UnsyncedCommits unsynced, UnsyncedCommits::Begin(*db));
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+    SKYQUILT_TRY(SettleLostLeases(*db, now));
+    std::optional<Lease> lease;
+    {
+      SKYQUILT_TRY_ASSIGN(const std::optional<std::string> next, NextJob(*db, now));
+      if (!next) {
+        SKYQUILT_TRY(transaction.Commit());
+        return std::optional<Lease>();
+      }
+      SKYQUILT_TRY_ASSIGN(
+          Statement claim,
+          db->Prepare(
+              "UPDATE job SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
+              " lease_until_us=?2, started_us=coalesce(started_us,?3), "
+              " attempt_started_us=CASE worker WHEN 'units' THEN attempt_started_us ELSE ?3 END,"
+              " stage=CASE worker WHEN 'units' THEN stage ELSE '' END,"
+              " progress=CASE worker WHEN 'units' THEN progress ELSE 0 END, message='', claimed_in=?5 WHERE id=?4 RETURNING id, flight_id, options, lease_token, attempts"));
+      claim.Bind(1, worker)
+          .Bind(2, LeaseEnd(now))
+          .Bind(3, ToUs(now))
+          .Bind(4, *next)
+          .Bind(5, MachineBoot::Id());
+      SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());
+      if (row) {
+        lease = Lease{std::string(claim.ColumnText(0)), std::string(claim.ColumnText(1)),
+                      std::string(claim.ColumnText(2)), claim.ColumnInt64(3),
+                      static_cast<int>(claim.ColumnInt64(4))};
+      }
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return lease;
+  });
+}
+
+Result<LeaseState> JobQueue::Renew(const Lease& lease, Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(Statement update,
                       db->Prepare(std::string("UPDATE job SET lease_until_us=?3, claimed_in=?4") +
                                   " WHERE id=?1 AND lease_token=?2 AND state='running'"));
@@ -111,12 +138,13 @@ Result<LeaseState> JobQueue::ReportProgress(const Lease& lease, const JobProgres
   return ReadLease(*db, lease);
 }
 
-Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_retry, Time now) {
+Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_retry, Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   Result<Statement> update = db->Prepare(
       "UPDATE job SET"
-      " state=CASE WHEN cancel=1 THEN 'dismissed' WHEN ?3 AND attempts<max_attempts THEN 'accepted' ELSE 'failed' END,"
-      " finished_us=CASE WHEN ?3 AND attempts<max_attempts AND cancel=0 THEN NULL ELSE ?4 END,"
+      " state=CASE WHEN cancel=1 THEN 'dismissed' WHEN ?3=1 AND attempts<max_attempts THEN 'accepted' ELSE 'failed' END,"
+      " finished_us=CASE WHEN ?3=1 AND attempts<max_attempts AND cancel=0 THEN NULL ELSE ?4 END,"
       " not_before_us=?4+attempts*2000000, error_code=CASE cancel WHEN 1 THEN NULL ELSE ?5 END,"
       " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?6 END"
       " WHERE id=?1 AND lease_token=?2 AND state='running'");
@@ -132,8 +160,9 @@ Result<bool> JobQueue::Fail(const Lease& lease, const Error& error, bool may_ret
   return db->Changes() > 0;
 }
 
-Result<bool> JobQueue::Dismiss(const Lease& lease, Time now) {
+Result<bool> JobQueue::Dismiss(const Lease& lease, Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(
       Statement update,
       db->Prepare(
@@ -142,8 +171,9 @@ Result<bool> JobQueue::Dismiss(const Lease& lease, Time now) {
   return db->Changes() > 0;
 }
 
-Result<bool> JobQueue::GiveBack(const Lease& lease, Time now) {
+Result<bool> JobQueue::GiveBack(const Lease& lease, Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(
       Statement update,
       db->Prepare(
@@ -155,6 +185,10 @@ Result<bool> JobQueue::GiveBack(const Lease& lease, Time now) {
 }
 
 Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease) {
+  return Patiently(db_, [&] { return ReserveOnce(lease); });  // a number that nobody hears of is left out
+}
+
+Result<std::optional<std::int64_t>> JobQueue::ReserveOnce(const Lease& lease) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(
       Statement update,
@@ -171,39 +205,48 @@ Result<std::optional<std::int64_t>> JobQueue::ReserveRevision(const Lease& lease
 }
 
 Result<bool> JobQueue::Publish(const Lease& lease, const Revision& revision, Time now) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  {
-    SKYQUILT_TRY_ASSIGN(
-        Statement end,
-        db->Prepare(
-            "UPDATE job SET state='successful', progress=1, stage='done', message='', finished_us=?3, "
-            "error_code=NULL,"
-            " error_message=NULL WHERE id=?1 AND lease_token=?2 AND state='running'"));
-    SKYQUILT_TRY(end.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
-    if (db->Changes() == 0) return false;
-    SKYQUILT_TRY_ASSIGN(Statement insert,
-                        db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
-    insert.Bind(1, lease.flight_id).Bind(2, revision.revision).Bind(3, ToUs(now));
-    insert.Bind(4, revision.bounds.west_deg).Bind(5, revision.bounds.south_deg);
-    insert.Bind(6, revision.bounds.east_deg).Bind(7, revision.bounds.north_deg);
-    insert.Bind(8, revision.min_zoom).Bind(9, revision.max_zoom).Bind(10, revision.gsd_m);
-    insert.Bind(11, revision.photos_total).Bind(12, revision.photos_aligned);
-    insert.Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);
-    insert.Bind(15, revision.first_capture).Bind(16, revision.last_capture);
-    SKYQUILT_TRY(insert.Run());
-    // The one shown until now stays readable for whoever looked it up a moment ago; older ones go.
-    SKYQUILT_TRY_ASSIGN(Statement forget,
-                        db->Prepare("DELETE FROM revision WHERE flight_id=?1 AND revision<>?2 AND"
-                                    " revision IS NOT (SELECT active_revision FROM flight WHERE id=?1)"));
-    SKYQUILT_TRY(forget.Bind(1, lease.flight_id).Bind(2, revision.revision).Run());
-    SKYQUILT_TRY_ASSIGN(Statement end_preview, db->Prepare("DELETE FROM preview WHERE flight_id=?"));
-    SKYQUILT_TRY(end_preview.Bind(1, lease.flight_id).Run());
-    SKYQUILT_TRY_ASSIGN(Statement activate, db->Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1"));
-    SKYQUILT_TRY(activate.Bind(1, lease.flight_id).Bind(2, revision.revision).Run());
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  return true;
+  return Patiently(db_, [&] { return PublishOnce(lease, revision, now); });
+}
+
+Result<bool> JobQueue::PublishOnce(const Lease& lease, const Revision& revision, Time by_machine) {
+  return db_.Again([&]() -> Result<bool> {
+    const auto db = db_.Lock();
+    const Time now = db_.SharedTime(by_machine, *db);
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, lease.flight_id));
+    {
+      SKYQUILT_TRY_ASSIGN(
+          Statement end,
+          db->Prepare(
+              "UPDATE job SET state='successful', progress=1, stage='done', message='', finished_us=?3, "
+              "error_code=NULL,"
+              " error_message=NULL WHERE id=?1 AND lease_token=?2 AND state='running'"));
+      SKYQUILT_TRY(end.Bind(1, lease.job_id).Bind(2, lease.token).Bind(3, ToUs(now)).Run());
+      if (db->Changes() == 0) return false;
+      SKYQUILT_TRY_ASSIGN(Statement insert,
+                          db->Prepare("INSERT INTO revision VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"));
+      insert.Bind(1, lease.flight_id).Bind(2, revision.revision).Bind(3, ToUs(now));
+      insert.Bind(4, revision.bounds.west_deg).Bind(5, revision.bounds.south_deg);
+      insert.Bind(6, revision.bounds.east_deg).Bind(7, revision.bounds.north_deg);
+      insert.Bind(8, revision.min_zoom).Bind(9, revision.max_zoom).Bind(10, revision.gsd_m);
+      insert.Bind(11, revision.photos_total).Bind(12, revision.photos_aligned);
+      insert.Bind(13, revision.photos_pose_only).Bind(14, revision.photos_left_out);
+      insert.Bind(15, revision.first_capture).Bind(16, revision.last_capture);
+      SKYQUILT_TRY(insert.Run());
+      // The one shown until now stays readable for whoever looked it up a moment ago; older ones go.
+      SKYQUILT_TRY_ASSIGN(
+          Statement forget,
+          db->Prepare("DELETE FROM revision WHERE flight_id=?1 AND revision<>?2 AND"
+                      " revision IS DISTINCT FROM (SELECT active_revision FROM flight WHERE id=?1)"));
+      SKYQUILT_TRY(forget.Bind(1, lease.flight_id).Bind(2, revision.revision).Run());
+      SKYQUILT_TRY_ASSIGN(Statement end_preview, db->Prepare("DELETE FROM preview WHERE flight_id=?"));
+      SKYQUILT_TRY(end_preview.Bind(1, lease.flight_id).Run());
+      SKYQUILT_TRY_ASSIGN(Statement activate,
+                          db->Prepare("UPDATE flight SET active_revision=?2 WHERE id=?1"));
+      SKYQUILT_TRY(activate.Bind(1, lease.flight_id).Bind(2, revision.revision).Run());
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return true;
+  });
 }
 
 }  // namespace skyquilt::storage

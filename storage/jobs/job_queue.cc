@@ -29,7 +29,7 @@ Result<std::vector<Job>> JobsOf(Statement& query) {
   }
 }
 
-Result<Job> ReadJob(SqliteDb& db, const std::string& id) {
+Result<Job> ReadJob(SqlConnection& db, const std::string& id) {
   SKYQUILT_TRY_ASSIGN(Statement query,
                       db.Prepare(std::string(kJobColumns) + "FROM job WHERE id=? AND " + kOfFlightThere));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, id).Step());
@@ -51,46 +51,49 @@ std::string JobOfWorkName(const std::string& work_name) {
   return dash == std::string::npos ? std::string() : work_name.substr(0, dash);
 }
 
-Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& options, Time now,
+Result<Job> JobQueue::Add(const std::string& flight_id, const std::string& options, Time by_machine,
                           const JobTurn& turn) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
-  Job job;
-  job.id = NewId();
-  job.flight_id = flight_id;
-  job.options = options;
-  job.created = now;
-  job.priority = turn.priority;
-  {
-    SKYQUILT_TRY_ASSIGN(
-        Statement look,
-        db->Prepare("SELECT (SELECT count(*) FROM flight WHERE id=?1 AND deleted_us IS NULL),"
-                    " (SELECT count(*) FROM job WHERE flight_id=?1 AND state IN ('accepted','running'))"));
-    SKYQUILT_TRY(look.Bind(1, flight_id).Step());
-    if (look.ColumnInt64(0) == 0) {
-      return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
+  return db_.Again([&]() -> Result<Job> {
+    const auto db = db_.Lock();
+    const Time now = db_.SharedTime(by_machine, *db);
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    Job job;
+    job.id = NewId();
+    job.flight_id = flight_id;
+    job.options = options;
+    job.created = now;
+    job.priority = turn.priority;
+    {
+      SKYQUILT_TRY_ASSIGN(
+          Statement look,
+          db->Prepare("SELECT (SELECT count(*) FROM flight WHERE id=?1 AND deleted_us IS NULL),"
+                      " (SELECT count(*) FROM job WHERE flight_id=?1 AND state IN ('accepted','running'))"));
+      SKYQUILT_TRY(look.Bind(1, flight_id).Step());
+      if (look.ColumnInt64(0) == 0) {
+        return Error{ErrorCode::kNotFound, fmt::format("There is no flight {}.", flight_id), ""};
+      }
+      if (look.ColumnInt64(1) != 0) {
+        return Error{
+            ErrorCode::kConflict,
+            "This flight has a job that is not finished. Cancel it or wait for its end, then try again.", ""};
+      }
+      SKYQUILT_TRY_ASSIGN(
+          Statement insert,
+          db->Prepare("INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
+                      " VALUES(?,?,?,'accepted',?,?,?,?)"));
+      const Result<void> inserted = insert.Bind(1, job.id)
+                                        .Bind(2, flight_id)
+                                        .Bind(3, options)
+                                        .Bind(4, ToUs(now))
+                                        .Bind(5, kMaxAttempts)
+                                        .Bind(6, turn.priority)
+                                        .Bind(7, turn.owner)
+                                        .Run();
+      if (!inserted) return inserted.error();
     }
-    if (look.ColumnInt64(1) != 0) {
-      return Error{
-          ErrorCode::kConflict,
-          "This flight has a job that is not finished. Cancel it or wait for its end, then try again.", ""};
-    }
-    SKYQUILT_TRY_ASSIGN(
-        Statement insert,
-        db->Prepare("INSERT INTO job(id,flight_id,options,state,created_us,max_attempts,priority,owner)"
-                    " VALUES(?,?,?,'accepted',?,?,?,?)"));
-    const Result<void> inserted = insert.Bind(1, job.id)
-                                      .Bind(2, flight_id)
-                                      .Bind(3, options)
-                                      .Bind(4, ToUs(now))
-                                      .Bind(5, kMaxAttempts)
-                                      .Bind(6, turn.priority)
-                                      .Bind(7, turn.owner)
-                                      .Run();
-    if (!inserted) return inserted.error();
-  }
-  SKYQUILT_TRY(transaction.Commit());
-  return job;
+    SKYQUILT_TRY(transaction.Commit());
+    return job;
+  });
 }
 
 Result<Job> JobQueue::Get(const std::string& id) const {
@@ -101,10 +104,11 @@ Result<Job> JobQueue::Get(const std::string& id) const {
 Result<std::vector<Job>> JobQueue::List(const std::optional<std::string>& flight_id, int limit) const {
   const auto db = db_.Read();
   // Two statements, so that each has its index.
-  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare(std::string(kJobColumns) +
-                                                   (flight_id ? "FROM job WHERE flight_id=?1 AND "
-                                                              : "FROM job WHERE ?1 IS NULL AND ") +
-                                                   kOfFlightThere + " ORDER BY id DESC LIMIT ?2"));
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(std::string(kJobColumns) +
+                                  (flight_id ? "FROM job WHERE flight_id=?1 AND "
+                                             : "FROM job WHERE CAST(?1 AS TEXT) IS NULL AND ") +
+                                  kOfFlightThere + " ORDER BY id DESC LIMIT ?2"));
   if (flight_id) {
     query.Bind(1, *flight_id);
   } else {
@@ -147,19 +151,21 @@ Result<int> JobQueue::CountUnfinished(int most) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare("SELECT (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='running' LIMIT ?1))"
-                  " + (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='accepted' LIMIT ?1))"));
+      db->Prepare("SELECT (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='running' LIMIT ?1) AS few)"
+                  " + (SELECT count(*) FROM (SELECT 1 FROM job WHERE state='accepted' LIMIT ?1) AS few)"));
   SKYQUILT_TRY(query.Bind(1, most).Step());
   return std::min(most, static_cast<int>(query.ColumnInt64(0)));
 }
 
-Result<Job> JobQueue::Cancel(const std::string& id, Time now) {
+Result<Job> JobQueue::Cancel(const std::string& id, Time by_machine) {
   const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE job SET cancel=1,"
-                                  " finished_us=CASE state WHEN 'accepted' THEN ?2 ELSE finished_us END,"
-                                  " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
-                                  " WHERE id=?1 AND state IN ('accepted','running')"));
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare("UPDATE job SET cancel=1,"
+                  " finished_us=CASE WHEN state='accepted' OR worker='units' THEN ?2 ELSE finished_us END,"
+                  " state=CASE WHEN state='accepted' OR worker='units' THEN 'dismissed' ELSE state END"
+                  " WHERE id=?1 AND state IN ('accepted','running')"));
   SKYQUILT_TRY(update.Bind(1, id).Bind(2, ToUs(now)).Run());
   const bool changed = db->Changes() > 0;
   Result<Job> job = ReadJob(*db, id);
@@ -178,8 +184,9 @@ Result<void> JobQueue::Remove(const std::string& id) {
   return {};
 }
 
-Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time now) const {
+Result<std::vector<JobQueue::LiveLease>> JobQueue::LiveLeases(Time by_machine) const {
   const auto db = db_.Read();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Prepare("SELECT flight_id, id, lease_token FROM job WHERE state='running' AND lease_until_us>=?"));

@@ -3,8 +3,9 @@
 // that a worker that slept past its lease can change nothing (fencing). A job whose worker died is handed out
 // again, three times at most; one whose worker was cut off by a restart of the server or the machine loses no
 // attempt by it, but ten of those end it too. Survives kill -9 of anyone. Any thread, any number of
-// processes. Time is given by the caller. Errors: kNotFound, kConflict (the flight has an unfinished job; the
-// job is finished), kOutOfSpace, kUnavailable.
+// processes, and in PostgreSQL any number of machines. Time is given by the caller, by its machine's clock;
+// what is stored and compared is the database's (CatalogueDb::SharedTime). Errors: kNotFound, kConflict (the
+// flight has an unfinished job; the job is finished), kOutOfSpace, kUnavailable.
 #pragma once
 
 #include <chrono>
@@ -26,8 +27,6 @@ inline constexpr std::chrono::seconds kLeaseTime{15};
 inline constexpr int kMaxAttempts = 3;
 // By restarts. More than a machine sees by chance while it works on one job.
 inline constexpr int kMaxInterruptions = 10;
-// Prefix of the names of workers that a server supervises: it releases what they held when they die.
-inline constexpr const char* kServedWorkerPrefix = "serve-";
 
 enum class JobState { kAccepted, kRunning, kSuccessful, kFailed, kDismissed };
 const char* JobStateName(JobState state);
@@ -130,13 +129,19 @@ class JobQueue {
 
   // Publishing, in two steps around the move of the files. Absent or false: the lease was lost.
   Result<std::optional<std::int64_t>> ReserveRevision(const Lease& lease);
+  // Where the catalogue is shared, tries for a minute while its database cannot be reached.
   Result<bool> Publish(const Lease& lease, const Revision& revision, Time now);
 
   // A worker process ended: what it held waits for its next attempt now rather than at the lease's end.
   // Answers how many jobs it held.
   Result<int> ReleaseWorker(const std::string& worker, WorkerEnd end, Time now);
-  // A server starts: what workers of earlier servers held was interrupted. Answers how many jobs.
+  // A server starts: what workers of earlier servers held was interrupted; where servers share the catalogue,
+  // what those of this one held. Answers how many jobs.
   Result<int> TakeUpAfterRestart(Time now);
+  // What the names of this server's workers begin with.
+  const std::string& served_prefix() const { return db_.served_prefix(); }
+  // Until there may be a job to claim.
+  void WaitForJobs() { db_.WaitForJobs(); }
   // Flights that a live lease may be publishing into, with the lease as "<job>-<token>".
   struct LiveLease {
     std::string flight_id;
@@ -147,6 +152,8 @@ class JobQueue {
   Result<std::vector<std::string>> UnfinishedJobs() const;
 
  private:
+  Result<std::optional<std::int64_t>> ReserveOnce(const Lease& lease);
+  Result<bool> PublishOnce(const Lease& lease, const Revision& revision, Time now);
   CatalogueDb& db_;
 };
 

@@ -2,6 +2,8 @@
 // thread.
 #pragma once
 
+#include <cstdint>
+
 #include "storage/db/statement.h"
 #include "storage/jobs/job_queue.h"
 
@@ -11,6 +13,9 @@ inline constexpr const char* kJobColumns =
     "SELECT id, flight_id, options, state, stage, progress, message, attempts, cancel, error_code, "
     "error_message,"
     " created_us, started_us, attempt_started_us, finished_us, priority, expected_s, expected_low_s, expected_high_s ";
+
+// A job that waits for its units has this worker, "units", and a lease that never ends by itself.
+inline constexpr std::int64_t kUnitsLeaseUs = std::int64_t{1} << 53;
 
 Job JobFrom(const Statement& row);
 

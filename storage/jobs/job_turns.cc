@@ -26,7 +26,7 @@ void KeepFirst(Turn turn, std::optional<Turn>& first) {
 }
 
 // Jobs under a live lease, by owner. As many rows as there are workers.
-Result<std::map<std::string, std::int64_t>> RunningByOwner(SqliteDb& db, Time now) {
+Result<std::map<std::string, std::int64_t>> RunningByOwner(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db.Prepare(
@@ -40,7 +40,7 @@ Result<std::map<std::string, std::int64_t>> RunningByOwner(SqliteDb& db, Time no
   }
 }
 
-Result<std::string> FirstOf(SqliteDb& db, const std::string& owner, std::int64_t priority, Time now) {
+Result<std::string> FirstOf(SqlConnection& db, const std::string& owner, std::int64_t priority, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db.Prepare(
@@ -52,8 +52,8 @@ Result<std::string> FirstOf(SqliteDb& db, const std::string& owner, std::int64_t
 
 // Of the jobs that wait. Along the index: by priority, then whose turn is longest ago, then who came first.
 // Within a priority an owner with nothing running goes first; the others follow by how much each has running.
-Result<std::optional<Turn>> FirstWaiting(SqliteDb& db, const std::map<std::string, std::int64_t>& running,
-                                         Time now) {
+Result<std::optional<Turn>> FirstWaiting(SqlConnection& db,
+                                         const std::map<std::string, std::int64_t>& running, Time now) {
   struct Busy {
     std::int64_t running = 0;
     std::int64_t last_us = 0;
@@ -95,7 +95,7 @@ Result<std::optional<Turn>> FirstWaiting(SqliteDb& db, const std::map<std::strin
 }
 
 // Of the jobs whose leases ran out: as many at most as there were workers.
-Result<void> AddAbandoned(SqliteDb& db, const std::map<std::string, std::int64_t>& running, Time now,
+Result<void> AddAbandoned(SqlConnection& db, const std::map<std::string, std::int64_t>& running, Time now,
                           std::optional<Turn>& first) {
   SKYQUILT_TRY_ASSIGN(
       Statement query,
@@ -114,7 +114,7 @@ Result<void> AddAbandoned(SqliteDb& db, const std::map<std::string, std::int64_t
 
 }  // namespace
 
-Result<std::optional<std::string>> NextJob(SqliteDb& db, Time now) {
+Result<std::optional<std::string>> NextJob(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(const auto running, RunningByOwner(db, now));
   std::optional<Turn> first;
   SKYQUILT_TRY(AddAbandoned(db, running, now, first));

@@ -9,11 +9,11 @@
 
 #include "core/base/result.h"
 #include "storage/db/clock.h"
-#include "storage/db/sqlite_db.h"
+#include "storage/db/sql_connection.h"
 
 namespace skyquilt::storage {
 
 // Absent: nothing waits, or nothing that may begin already.
-Result<std::optional<std::string>> NextJob(SqliteDb& db, Time now);
+Result<std::optional<std::string>> NextJob(SqlConnection& db, Time now);
 
 }  // namespace skyquilt::storage

@@ -11,9 +11,12 @@ namespace {
 // A machine's clock that was ahead and has been set back leaves leases and pauses that would last for days.
 constexpr std::chrono::hours kAbsurdlyFar{1};
 
+// Whose name begins with ?2.
+constexpr const char* kOfServed = "substr(worker,1,length(?2))=?2";
+
 }  // namespace
 
-Result<void> SettleLostLeases(SqliteDb& db, Time now) {
+Result<void> SettleLostLeases(SqlConnection& db, Time now) {
   SKYQUILT_TRY_ASSIGN(
       Statement dismiss,
       db.Prepare(
@@ -21,14 +24,17 @@ Result<void> SettleLostLeases(SqliteDb& db, Time now) {
   SKYQUILT_TRY(dismiss.Bind(1, ToUs(now)).Run());
   // A server releases at once what a worker of its own held that died. Where such a lease runs out, the
   // server is gone as well.
+  // Where many machines share the catalogue, a start of a machine that is none's present one has ended.
+  const bool is_shared = db.dialect() == Dialect::kPostgres;
   SKYQUILT_TRY_ASSIGN(
       Statement interrupt,
       db.Prepare(std::string("UPDATE job SET") + kInterrupt +
-                 "WHERE state='running' AND lease_until_us<?1 AND (claimed_in<>?2 OR worker GLOB ?3)"));
-  SKYQUILT_TRY(interrupt.Bind(1, ToUs(now))
-                   .Bind(2, MachineBoot::Id())
-                   .Bind(3, std::string(kServedWorkerPrefix) + "*")
-                   .Run());
+                 "WHERE state='running' AND lease_until_us<?1 AND worker<>'units' AND (" +
+                 (is_shared ? "claimed_in NOT IN (SELECT boot_id FROM machine)" : "claimed_in<>?3") + " OR " +
+                 kOfServed + ")"));
+  interrupt.Bind(1, ToUs(now)).Bind(2, kServedWorkerPrefix);
+  if (!is_shared) interrupt.Bind(3, MachineBoot::Id());
+  SKYQUILT_TRY(interrupt.Run());
   SKYQUILT_TRY_ASSIGN(
       Statement fail,
       db.Prepare("UPDATE job SET state='failed', finished_us=?1, error_code='internal', error_message=?2"
@@ -39,8 +45,9 @@ Result<void> SettleLostLeases(SqliteDb& db, Time now) {
       .Run();
 }
 
-Result<int> JobQueue::ReleaseWorker(const std::string& worker, WorkerEnd end, Time now) {
+Result<int> JobQueue::ReleaseWorker(const std::string& worker, WorkerEnd end, Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(
       Statement update,
       db->Prepare(
@@ -52,21 +59,26 @@ Result<int> JobQueue::ReleaseWorker(const std::string& worker, WorkerEnd end, Ti
   return static_cast<int>(db->Changes());
 }
 
-Result<int> JobQueue::TakeUpAfterRestart(Time now) {
+Result<int> JobQueue::TakeUpAfterRestart(Time by_machine) {
   const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   int released = 0;
   {
     SKYQUILT_TRY_ASSIGN(Statement served, db->Prepare(std::string("UPDATE job SET") + kInterrupt +
-                                                      "WHERE state='running' AND worker GLOB ?2"));
-    SKYQUILT_TRY(served.Bind(1, ToUs(now)).Bind(2, std::string(kServedWorkerPrefix) + "*").Run());
+                                                      "WHERE state='running' AND " + kOfServed));
+    SKYQUILT_TRY(served.Bind(1, ToUs(now)).Bind(2, db_.served_prefix()).Run());
     released = static_cast<int>(db->Changes());
-    // Workers of others may live and renew; of those that do not, nobody knows what ended them.
+    // Workers of others may live and renew; of those that do not, nobody knows what ended them. Other servers
+    // of a shared catalogue go on, and know.
     SKYQUILT_TRY_ASSIGN(
         Statement others,
         db->Prepare(
-            "UPDATE job SET claimed_in='', lease_until_us=CASE WHEN lease_until_us>?2 THEN ?1-1 ELSE lease_until_us END"
-            " WHERE state='running'"));
+            db_.IsShared()
+                ? "UPDATE job SET worker='', lease_until_us=?1-1 WHERE state='running' AND lease_until_us>?2 AND worker<>'units'"
+                : "UPDATE job SET claimed_in='',"
+                  " lease_until_us=CASE WHEN lease_until_us>?2 THEN ?1-1 ELSE lease_until_us END"
+                  " WHERE state='running' AND worker<>'units'"));
     SKYQUILT_TRY(others.Bind(1, ToUs(now)).Bind(2, ToUs(now + kAbsurdlyFar)).Run());
     SKYQUILT_TRY_ASSIGN(
         Statement waiting,

@@ -1,11 +1,11 @@
 // What becomes of a job whose worker is gone: another attempt where the worker died while others went on
 // living, none where the machine or the server was taken from under it. Called with the write lock held.
-// Errors: as SqliteDb.
+// Errors: as SqlConnection.
 #pragma once
 
 #include "core/base/result.h"
 #include "storage/db/clock.h"
-#include "storage/db/sqlite_db.h"
+#include "storage/db/sql_connection.h"
 #include "storage/jobs/job_queue.h"
 
 namespace skyquilt::storage {
@@ -24,6 +24,6 @@ static_assert(kMaxInterruptions == 10, "the statement above names it");
 
 // Leases that ran out: of jobs whose user wished to cancel, of claims that a restart cut off, and of the last
 // attempt.
-Result<void> SettleLostLeases(SqliteDb& db, Time now);
+Result<void> SettleLostLeases(SqlConnection& db, Time now);
 
 }  // namespace skyquilt::storage

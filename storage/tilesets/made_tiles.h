@@ -27,7 +27,8 @@ struct MadeTileKey {
   geo::TileId tile;
   image::PictureFormat format = image::PictureFormat::kPng;
   int scale = 1;
-  int cut_px = 0;  // side of a tile that was cut from a larger one; 0: it was not
+  int cut_px = 0;    // side of a tile that was cut from a larger one; 0: it was not
+  int whole_px = 0;  // longer side of a small picture of the whole map, no tile; 0: a tile
 
   std::string Text() const;
 };

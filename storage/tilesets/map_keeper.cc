@@ -43,6 +43,7 @@ struct MapKeeper::State {
   SqliteDb db;
   Statement keep, remember;
   std::vector<std::unique_ptr<EarlierMap>> earlier;  // the most recent first
+  std::string facts_of_parts;
   std::int64_t tiles = 0;
   int uncommitted = 0;
   bool is_published = false;
@@ -79,7 +80,8 @@ MapKeeper::~MapKeeper() {
   RemoveMap(LeftOverMap(state_->folder));
 }
 
-Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, const fs::path& previous) {
+Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, const fs::path& previous,
+                                                     MapParts parts) {
   auto state = std::make_unique<State>();
   state->folder = folder;
   SetMapAside(folder);
@@ -89,6 +91,8 @@ Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, con
     // One that cannot be read is as good as none: everything is rendered anew.
     if (auto earlier = OpenEarlierMap(paths, is_finished)) state->earlier.push_back(*std::move(earlier));
   };
+  state->facts_of_parts = std::move(parts.facts);
+  for (const fs::path& part : parts.folders) look(FinishedMap(part), true);
   look(LeftOverMap(folder), false);
   look(FinishedMap(previous.empty() ? folder : previous), true);
   SKYQUILT_TRY_ASSIGN(auto writer, MbtilesWriter::Create(folder / "mosaic.mbtiles"));
@@ -218,6 +222,7 @@ Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, con
 
 const std::string& MapKeeper::Recall() const {
   static const std::string kNothing;
+  if (!state_->facts_of_parts.empty()) return state_->facts_of_parts;
   for (const auto& earlier : state_->earlier) {
     if (!earlier->facts.empty()) return earlier->facts;
   }

@@ -14,6 +14,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "core/pyramid/map_memory.h"
 #include "core/pyramid/tile_sink.h"
@@ -21,11 +23,19 @@
 
 namespace skyquilt::storage {
 
+// What other processes made of this very map: its facts, and folders with ranges of its blocks, each as a
+// keeper published it.
+struct MapParts {
+  std::string facts;  // empty: none
+  std::vector<std::filesystem::path> folders;
+};
+
 class MapKeeper final : public pyramid::MapMemory, public pyramid::TileSink {
  public:
   // `previous`: folder of a finished map of the same flight; empty: none but what is in `folder`.
   static Result<std::unique_ptr<MapKeeper>> Create(const std::filesystem::path& folder,
-                                                   const std::filesystem::path& previous);
+                                                   const std::filesystem::path& previous,
+                                                   MapParts parts = {});
   ~MapKeeper() override;
   // What the finished map in a folder remembers of its flight. Errors: kNotFound (no map, or none with a
   // memory).

@@ -17,7 +17,7 @@
 
 namespace skyquilt::storage {
 
-class MbtilesReader final : public TileSource {
+class MbtilesReader final : public MapTiles {
  public:
   static Result<std::shared_ptr<MbtilesReader>> Open(const std::filesystem::path& path);
   ~MbtilesReader() override;
@@ -25,7 +25,7 @@ class MbtilesReader final : public TileSource {
   Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override;
   Result<std::string> Load(FoundTile tile) override;
 
-  const std::map<std::string, std::string>& metadata() const { return metadata_; }
+  const std::map<std::string, std::string>& metadata() const override { return metadata_; }
 
  private:
   struct Connection;

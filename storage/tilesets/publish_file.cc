@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 namespace skyquilt::storage {
@@ -49,6 +50,16 @@ Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_
   file.close();
   if (!file) return FileError("cannot write", temporary, errno != 0 ? errno : EIO);
   return PublishFile(temporary, path);
+}
+
+Result<std::string> ReadWholeFile(const std::filesystem::path& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file.is_open() && errno == ENOENT)
+    return Error{ErrorCode::kNotFound, "There is no file " + path.string(), ""};
+  std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad() || !file.is_open()) return FileError("cannot read", path, errno != 0 ? errno : EIO);
+  return bytes;
 }
 
 }  // namespace skyquilt::storage

@@ -19,5 +19,7 @@ Result<void> SyncFolder(const std::filesystem::path& folder);
 Result<void> PublishFile(const std::filesystem::path& temporary, const std::filesystem::path& path);
 // Writes `bytes` under a temporary name and publishes it.
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
+// Of a file written so. Errors: kNotFound, kIo.
+Result<std::string> ReadWholeFile(const std::filesystem::path& path);
 
 }  // namespace skyquilt::storage

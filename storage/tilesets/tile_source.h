@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -21,8 +22,17 @@ class TileSource {
   virtual ~TileSource() = default;
   // Absent: it has no such tile.
   virtual Result<std::optional<FoundTile>> Find(const geo::TileId& tile) = 0;
+  // True: Find reads no more than a page or two of a file that is open.
+  virtual bool IsAtHand(const geo::TileId&) const { return true; }
   // The bytes of a tile that Find answered.
   virtual Result<std::string> Load(FoundTile tile) = 0;
+};
+
+// A finished map, or a layer of one: immutable, and it says what it is.
+class MapTiles : public TileSource {
+ public:
+  // As MBTiles names them.
+  virtual const std::map<std::string, std::string>& metadata() const = 0;
 };
 
 }  // namespace skyquilt::storage

@@ -5,15 +5,39 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/try.h"
+#include "storage/pmtiles/pmtiles_reader.h"
+#include "storage/tilesets/mbtiles_reader.h"
 
 namespace skyquilt::storage {
 
 namespace {
 
-Result<Tileset> OpenTileset(const std::string& flight_id, const Revision& revision,
-                            const std::filesystem::path& folder) {
+// A tileset that is a file in the cache, which keeps it for as long as it is read.
+class FetchedTiles final : public MapTiles {
+ public:
+  FetchedTiles(LocalBlob file, std::shared_ptr<MbtilesReader> reader)
+      : file_(std::move(file)), reader_(std::move(reader)) {}
+  Result<std::optional<FoundTile>> Find(const geo::TileId& tile) override { return reader_->Find(tile); }
+  Result<std::string> Load(FoundTile tile) override { return reader_->Load(std::move(tile)); }
+  const std::map<std::string, std::string>& metadata() const override { return reader_->metadata(); }
+
+ private:
+  LocalBlob file_;
+  std::shared_ptr<MbtilesReader> reader_;
+};
+
+Result<std::shared_ptr<MapTiles>> OpenFetched(BlobStore& blobs, const std::string& key) {
+  SKYQUILT_TRY_ASSIGN(LocalBlob file, blobs.Local(key));
+  SKYQUILT_TRY_ASSIGN(std::shared_ptr<MbtilesReader> reader, MbtilesReader::Open(file.path));
+  return std::shared_ptr<MapTiles>(std::make_shared<FetchedTiles>(std::move(file), std::move(reader)));
+}
+
+// In the data folder.
+Result<Tileset> OpenHere(const std::string& flight_id, const Revision& revision,
+                         const std::filesystem::path& folder) {
   Tileset tileset{flight_id, revision, nullptr, {}};
   for (const render::MapLayer layer : render::kMapLayers) {
     Result<std::shared_ptr<MbtilesReader>> reader =
@@ -30,7 +54,35 @@ Result<Tileset> OpenTileset(const std::string& flight_id, const Revision& revisi
   return tileset;
 }
 
+// The map by ranges; layers are small and come whole.
+Result<Tileset> OpenElsewhere(const std::string& flight_id, const Revision& revision,
+                              const std::shared_ptr<BlobStore>& blobs,
+                              const std::shared_ptr<PmtilesMemory>& memory) {
+  const std::string prefix = RevisionPrefix(flight_id, revision.revision);
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> products, blobs->List(prefix));
+  const auto has = [&](const std::string& name) {
+    return std::any_of(products.begin(), products.end(),
+                       [&](const BlobInfo& product) { return product.key == prefix + name; });
+  };
+  Tileset tileset{flight_id, revision, nullptr, {}};
+  for (const render::MapLayer layer : render::kMapLayers) {
+    if (!has(render::LayerFileName(layer))) continue;
+    SKYQUILT_TRY_ASSIGN(tileset.layers[layer], OpenFetched(*blobs, prefix + render::LayerFileName(layer)));
+  }
+  if (has("mosaic.pmtiles")) {
+    SKYQUILT_TRY_ASSIGN(tileset.reader, PmtilesReader::Open(blobs, prefix + "mosaic.pmtiles", memory));
+  } else {
+    SKYQUILT_TRY_ASSIGN(tileset.reader, OpenFetched(*blobs, prefix + "mosaic.mbtiles"));
+  }
+  return tileset;
+}
+
 }  // namespace
+
+TilesetCache::TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs)
+    : dir_(std::move(dir)),
+      catalogue_(catalogue),
+      blobs_(blobs == nullptr || blobs->IsFolder() ? nullptr : std::move(blobs)) {}
 
 Result<std::shared_ptr<const Tileset>> TilesetCache::Get(const std::string& flight_id) {
   const auto now = std::chrono::steady_clock::now();
@@ -63,7 +115,9 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
         return found->second.tileset;
       }
     }
-    Result<Tileset> opened = OpenTileset(flight_id, *revision, dir_.Revision(flight_id, revision->revision));
+    Result<Tileset> opened =
+        blobs_ != nullptr ? OpenElsewhere(flight_id, *revision, blobs_, memory_)
+                          : OpenHere(flight_id, *revision, dir_.Revision(flight_id, revision->revision));
     if (!opened) {
       if (opened.error().code == ErrorCode::kNotFound && attempt < kTries) continue;
       return opened.error();
@@ -84,7 +138,10 @@ Result<std::shared_ptr<const Tileset>> TilesetCache::Refresh(const std::string& 
 
 bool TilesetCache::IsOpen(const std::string& flight_id) const {
   const std::lock_guard lock(mutex_);
-  return entries_.contains(flight_id);
+  const auto found = entries_.find(flight_id);
+  if (found == entries_.end()) return false;
+  // Where opening a newer revision means waiting for the network, only what need not be looked up is open.
+  return blobs_ == nullptr || std::chrono::steady_clock::now() - found->second.checked < kFreshFor / 2;
 }
 
 void TilesetCache::Forget(const std::string& flight_id) {

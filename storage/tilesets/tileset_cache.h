@@ -1,7 +1,8 @@
 // TilesetCache: the tileset that a flight shows now, opened once and kept while it is used. What a request
 // gets it may hold to its end: a newer revision never changes an older one. Another process publishes, so the
-// catalogue is read again after kFreshFor, and every time for a flight without a map. Any thread.
-// Errors: kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
+// catalogue is read again after kFreshFor, and every time for a flight without a map. A map in the data
+// folder is read from its MBTiles, one that lies elsewhere from its PMTiles by ranges. Any thread. Errors:
+// kNotFound (no such flight, or it has no map yet), kCorrupt, kUnavailable, kIo.
 #pragma once
 
 #include <chrono>
@@ -14,9 +15,11 @@
 
 #include "core/base/result.h"
 #include "core/render/map_layer.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/folder/data_dir.h"
-#include "storage/tilesets/mbtiles_reader.h"
+#include "storage/pmtiles/lru_memory.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
 
@@ -24,8 +27,8 @@ namespace skyquilt::storage {
 struct Tileset {
   std::string flight_id;
   Revision revision;
-  std::shared_ptr<MbtilesReader> reader;
-  std::map<render::MapLayer, std::shared_ptr<MbtilesReader>> layers;  // those that the map has
+  std::shared_ptr<MapTiles> reader;
+  std::map<render::MapLayer, std::shared_ptr<MapTiles>> layers;  // those that the map has
 };
 
 class TilesetCache {
@@ -33,9 +36,11 @@ class TilesetCache {
   static constexpr std::chrono::milliseconds kFreshFor{100};
   static constexpr std::size_t kMaxOpen = 256;
 
-  TilesetCache(DataDir dir, Catalogue& catalogue) : dir_(std::move(dir)), catalogue_(catalogue) {}
+  // `blobs`: where maps lie; absent: in the data folder.
+  TilesetCache(DataDir dir, Catalogue& catalogue, std::shared_ptr<BlobStore> blobs = nullptr);
   Result<std::shared_ptr<const Tileset>> Get(const std::string& flight_id);
-  // True: Get opens no file, unless a newer revision was published a moment ago.
+  // True: Get opens no file, unless a newer revision was published a moment ago; of a map that lies elsewhere
+  // also not then.
   bool IsOpen(const std::string& flight_id) const;
   // The flight was deleted here: gone for the next request.
   void Forget(const std::string& flight_id);
@@ -51,6 +56,8 @@ class TilesetCache {
 
   DataDir dir_;
   Catalogue& catalogue_;
+  const std::shared_ptr<BlobStore> blobs_;
+  const std::shared_ptr<PmtilesMemory> memory_ = std::make_shared<PmtilesMemory>();
   mutable std::mutex mutex_;
   std::unordered_map<std::string, Entry> entries_;
 };

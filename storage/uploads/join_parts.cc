@@ -103,8 +103,9 @@ Result<void> UploadSpool::EnterJoined(const SpooledUpload& joined,
   SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
-      db->Prepare("INSERT INTO upload(id,flight_id,name,metadata,length,byte_offset,expires_us,owner,concat)"
-                  " VALUES(?1,?2,?3,?4,?5,?5,?6,?7,?8)"));
+      db->Prepare(
+          "INSERT INTO upload(id,flight_id,name,metadata,length,byte_offset,expires_us,owner,concat,parts)"
+          " VALUES(?1,?2,?3,?4,?5,?5,?6,?7,?8,?9)"));
   SKYQUILT_TRY(insert.Bind(1, joined.id)
                    .Bind(2, joined.flight_id)
                    .Bind(3, joined.name)
@@ -113,6 +114,7 @@ Result<void> UploadSpool::EnterJoined(const SpooledUpload& joined,
                    .Bind(6, ToUs(joined.expires))
                    .Bind(7, joined.owner)
                    .Bind(8, joined.concat)
+                   .Bind(9, joined.parts)
                    .Run());
   for (const SpooledUpload& part : parts) {
     SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE id=?"));
@@ -159,7 +161,13 @@ Result<SpooledUpload> UploadSpool::Join(const SpooledUpload& wish, const std::ve
   if (joined.offset > kMaxFileBytes)
     return Error{ErrorCode::kTooLarge, "The parts together are larger than the server takes.", ""};
   SKYQUILT_TRY(store_.CheckSpace(joined.offset));
-  Result<void> done = CopyParts(complete, PathOf(joined.id));
+  Result<void> done;
+  if (IsElsewhere()) {
+    // Their chunks are its chunks.
+    for (const SpooledUpload& part : complete) joined.parts += part.parts;
+  } else {
+    done = CopyParts(complete, PathOf(joined.id));
+  }
   if (done) done = EnterJoined(joined, complete);
   if (!done) {
     unlink(PathOf(joined.id).c_str());

@@ -6,14 +6,19 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "storage/blobs/folder_blobs.h"
 #include "storage/db/ids.h"
+#include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
@@ -96,8 +101,14 @@ Result<void> CheckFileName(std::string_view name) {
   return {};
 }
 
-Upload::Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder)
-    : fd_(fd), temporary_(std::move(temporary)), folder_(std::move(folder)), stored_name_(NewId()) {}
+Upload::Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder,
+               std::shared_ptr<BlobStore> elsewhere, std::string prefix)
+    : fd_(fd),
+      temporary_(std::move(temporary)),
+      folder_(std::move(folder)),
+      stored_name_(NewId()),
+      elsewhere_(std::move(elsewhere)),
+      prefix_(std::move(prefix)) {}
 
 Upload::~Upload() {
   if (fd_ >= 0) close(fd_);
@@ -109,7 +120,9 @@ Upload::Upload(Upload&& other) noexcept
       bytes_(other.bytes_),
       temporary_(std::exchange(other.temporary_, {})),
       folder_(std::move(other.folder_)),
-      stored_name_(std::move(other.stored_name_)) {}
+      stored_name_(std::move(other.stored_name_)),
+      elsewhere_(std::move(other.elsewhere_)),
+      prefix_(std::move(other.prefix_)) {}
 
 Upload& Upload::operator=(Upload&& other) noexcept {
   std::swap(fd_, other.fd_);
@@ -117,6 +130,8 @@ Upload& Upload::operator=(Upload&& other) noexcept {
   std::swap(temporary_, other.temporary_);
   std::swap(folder_, other.folder_);
   std::swap(stored_name_, other.stored_name_);
+  std::swap(elsewhere_, other.elsewhere_);
+  std::swap(prefix_, other.prefix_);
   return *this;
 }
 
@@ -138,6 +153,7 @@ Result<std::string> Upload::Finish() {
   if (bytes_ == 0) {
     return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
   }
+  if (elsewhere_ != nullptr) return FinishElsewhere();
   if (fsync(fd_) != 0) return OsError("fsync " + temporary_.string(), errno);
   close(std::exchange(fd_, -1));
   const std::filesystem::path published = folder_ / stored_name_;
@@ -153,6 +169,17 @@ Result<std::string> Upload::Finish() {
   SKYQUILT_TRY(SyncStored(folder_));
   return stored_name_;
 }
+
+Result<std::string> Upload::FinishElsewhere() {
+  close(std::exchange(fd_, -1));
+  SKYQUILT_TRY(elsewhere_->Put(prefix_ + stored_name_, temporary_));
+  unlink(std::exchange(temporary_, {}).c_str());  // what stays the sweep removes
+  return stored_name_;
+}
+
+PhotoStore::PhotoStore(DataDir dir, std::shared_ptr<BlobStore> blobs)
+    : dir_(std::move(dir)),
+      blobs_(blobs != nullptr ? std::move(blobs) : std::make_shared<FolderBlobs>(dir_.root())) {}
 
 Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
   if (declared_bytes > kMaxFileBytes) {
@@ -170,8 +197,12 @@ Result<void> PhotoStore::CheckSpace(std::int64_t declared_bytes) const {
 }
 
 Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::filesystem::path& path) const {
-  SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
   const std::string stored_name = NewId();
+  if (!blobs_->IsFolder()) {
+    SKYQUILT_TRY(blobs_->Put(FilesPrefix(flight_id) + stored_name, path));
+    return stored_name;
+  }
+  SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
   const std::filesystem::path stored = dir_.Files(flight_id) / stored_name;
   if (link(path.c_str(), stored.c_str()) != 0) return OsError("link " + stored.string(), errno);
   SKYQUILT_TRY(SyncStored(dir_.Files(flight_id)));
@@ -180,22 +211,55 @@ Result<std::string> PhotoStore::Adopt(const std::string& flight_id, const std::f
 
 Result<Upload> PhotoStore::Begin(const std::string& flight_id, std::int64_t declared_bytes) const {
   SKYQUILT_TRY(CheckSpace(declared_bytes));
-  SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
+  const bool is_here = blobs_->IsFolder();
+  if (is_here) {
+    SKYQUILT_TRY(MakeFilesFolder(dir_, flight_id));
+  }
   const std::filesystem::path folder = dir_.Files(flight_id);
   const std::filesystem::path temporary = dir_.Incoming() / dir_.NewTemporaryName(kUploadKind);
   const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
   if (fd < 0) return OsError("open " + temporary.string(), errno);
-  return Upload(fd, temporary, folder);
+  return Upload(fd, temporary, folder, is_here ? nullptr : blobs_, FilesPrefix(flight_id));
 }
 
 std::filesystem::path PhotoStore::PathOf(const std::string& flight_id, const std::string& stored_name) const {
   SKYQUILT_CHECK(IsId(stored_name), "an unchecked name came near a path");
-  return dir_.Files(flight_id) / stored_name;
+  return blobs_->FolderOf(FilesPrefix(flight_id)) / stored_name;
+}
+
+Result<LocalBlob> PhotoStore::Fetch(const std::string& flight_id, const std::string& stored_name) const {
+  // In the data folder it is opened by whoever wants it, and says then whether it is there.
+  if (blobs_->IsFolder()) return LocalBlob{PathOf(flight_id, stored_name), nullptr};
+  SKYQUILT_CHECK(IsId(stored_name), "an unchecked name came near a key");
+  return blobs_->Local(FilesPrefix(flight_id) + stored_name);
+}
+
+Result<std::vector<LocalBlob>> PhotoStore::FetchAll(const std::string& flight_id,
+                                                    const std::vector<StoredFile>& files) const {
+  constexpr int kFetchedSideBySide = 8;
+  std::vector<LocalBlob> fetched(files.size());
+  std::vector<std::optional<Error>> failures(files.size());
+  std::atomic<bool> has_failed = false;
+  ParallelFor(files.size(), blobs_->IsFolder() ? 1 : kFetchedSideBySide, [&](std::size_t i) {
+    if (has_failed) return;
+    Result<LocalBlob> one = Fetch(flight_id, files[i].stored_name);
+    if (one) {
+      fetched[i] = *std::move(one);
+    } else {
+      failures[i] = one.error();
+      has_failed = true;
+    }
+  });
+  for (const std::optional<Error>& failure : failures) {
+    if (failure) return *failure;
+  }
+  return fetched;
 }
 
 void PhotoStore::Remove(const std::string& flight_id, const std::string& stored_name) const {
-  // A file that stays (a failing disk) the next start moves to lost/.
-  unlink(PathOf(flight_id, stored_name).c_str());
+  SKYQUILT_CHECK(IsId(stored_name), "an unchecked name came near a path");
+  // A file that stays (a failing disk, a store that is away) a later sweep moves to lost/.
+  (void)blobs_->Remove(FilesPrefix(flight_id) + stored_name).ok();
 }
 
 void PhotoStore::RemoveFlight(const std::string& flight_id) const {
@@ -205,6 +269,7 @@ void PhotoStore::RemoveFlight(const std::string& flight_id) const {
   std::error_code ignored;
   std::filesystem::rename(dir_.Flight(flight_id), trash, ignored);
   std::filesystem::remove_all(trash, ignored);
+  if (!blobs_->IsFolder()) (void)RemoveFlightBlobs(*blobs_, flight_id).ok();  // as the header says
 }
 
 }  // namespace skyquilt::storage

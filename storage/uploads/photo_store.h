@@ -1,18 +1,21 @@
 // PhotoStore: the uploaded bytes. An upload streams into incoming/, is fsynced and renamed to a name of ours
-// below the flight; the name the user gave is data and never a path. What was not finished is removed when
-// the Upload goes out of scope, and by Sweep after a crash: its name says that it is temporary and ours. Any
-// thread; one Upload is used by one thread at a time. Errors: kInvalidArgument (a name that is a path),
-// kUnprocessable (no bytes), kTooLarge, kOutOfSpace, kIo.
+// below the flight (where photos lie elsewhere: put there); the name the user gave is data and never a path.
+// What was not finished is removed when the Upload goes out of scope, and by Sweep after a crash: its name
+// says that it is temporary and ours. Any thread; one Upload is used by one thread at a time. Errors:
+// kInvalidArgument (a name that is a path), kUnprocessable (no bytes), kTooLarge, kOutOfSpace, kIo, and those
+// of the blobs.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
 #include "storage/folder/data_dir.h"
 
@@ -39,17 +42,23 @@ class Upload {
 
  private:
   friend class PhotoStore;
-  Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder);
+  // `elsewhere` with a prefix for keys: where it goes instead of `folder`.
+  Upload(int fd, std::filesystem::path temporary, std::filesystem::path folder,
+         std::shared_ptr<BlobStore> elsewhere, std::string prefix);
+  Result<std::string> FinishElsewhere();
   int fd_ = -1;
   std::int64_t bytes_ = 0;
   std::filesystem::path temporary_;  // empty once published
   std::filesystem::path folder_;
   std::string stored_name_;
+  std::shared_ptr<BlobStore> elsewhere_;
+  std::string prefix_;
 };
 
 class PhotoStore {
  public:
-  explicit PhotoStore(DataDir dir) : dir_(std::move(dir)) {}
+  // `blobs`: where photos lie; absent: in the data folder.
+  explicit PhotoStore(DataDir dir, std::shared_ptr<BlobStore> blobs = nullptr);
 
   // `declared_bytes`: 0 when unknown.
   Result<Upload> Begin(const std::string& flight_id, std::int64_t declared_bytes) const;
@@ -57,14 +66,23 @@ class PhotoStore {
   Result<void> CheckSpace(std::int64_t declared_bytes) const;
   // A second name for a file of ours, in the flight's folder and durable; answers the stored name.
   Result<std::string> Adopt(const std::string& flight_id, const std::filesystem::path& path) const;
+  // Where the file lies in the data folder, or to where it is fetched.
   std::filesystem::path PathOf(const std::string& flight_id, const std::string& stored_name) const;
+  // The file on this machine, fetched where it lies elsewhere.
+  Result<LocalBlob> Fetch(const std::string& flight_id, const std::string& stored_name) const;
+  // The same of several, side by side.
+  Result<std::vector<LocalBlob>> FetchAll(const std::string& flight_id,
+                                          const std::vector<StoredFile>& files) const;
   void Remove(const std::string& flight_id, const std::string& stored_name) const;
-  // Files and maps of a flight that the catalogue no longer knows.
+  // Files and maps of a flight that the catalogue no longer knows. What cannot be removed now, because its
+  // place is away, SweepBlobs removes later.
   void RemoveFlight(const std::string& flight_id) const;
   const DataDir& dir() const { return dir_; }
+  BlobStore& blobs() const { return *blobs_; }
 
  private:
   DataDir dir_;
+  std::shared_ptr<BlobStore> blobs_;
 };
 
 }  // namespace skyquilt::storage

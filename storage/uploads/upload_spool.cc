@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kSyncEveryBytes = std::int64_t{16} << 20;
 
 constexpr const char* kUploadColumns =
-    "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner, concat FROM upload ";
+    "SELECT id, flight_id, name, metadata, length, byte_offset, is_done, expires_us, owner, concat, parts FROM upload ";
 
 // To a flight in the trash nothing is added; when it comes back, its uploads do.
 constexpr const char* kUploadOfFlightThere =
@@ -45,6 +45,7 @@ SpooledUpload UploadFrom(const Statement& row) {
   upload.expires = FromUs(row.ColumnInt64(7));
   upload.owner = row.ColumnText(8);
   upload.concat = row.ColumnText(9);
+  upload.parts = row.ColumnText(10);
   return upload;
 }
 
@@ -91,9 +92,12 @@ Result<SpooledUpload> UploadSpool::Create(const SpooledUpload& wish, Time now) {
   SpooledUpload upload = wish;
   upload.id = NewId();
   upload.expires = now + kUploadLifetime;
-  const int fd = open(PathOf(upload.id).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
-  if (fd < 0) return WriteError("open " + PathOf(upload.id).string());
-  close(fd);
+  if (!IsElsewhere()) {
+    const int fd =
+        open(PathOf(upload.id).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
+    if (fd < 0) return WriteError("open " + PathOf(upload.id).string());
+    close(fd);
+  }
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
@@ -142,7 +146,13 @@ Result<std::unique_ptr<UploadSpool::Append>> UploadSpool::Begin(const std::strin
                  fmt::format("The upload is at offset {}, not {}.", upload.offset, offset), ""};
   }
   int fd = -1;
-  if (!upload.is_done) {
+  fs::path temporary;
+  if (!upload.is_done && IsElsewhere()) {
+    const DataDir& dir = store_.dir();
+    temporary = dir.Incoming() / dir.NewTemporaryName(kUploadKind);
+    fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
+    if (fd < 0) return WriteError("open " + temporary.string());
+  } else if (!upload.is_done) {
     fd = open(PathOf(id).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
     if (fd < 0) return WriteError("open " + PathOf(id).string());
     // Behind the offset there may be bytes that never were promised.
@@ -152,7 +162,8 @@ Result<std::unique_ptr<UploadSpool::Append>> UploadSpool::Begin(const std::strin
       return error;
     }
   }
-  std::unique_ptr<Append> append(new Append(*this, turn, std::move(upload), fd, all_or_nothing));
+  std::unique_ptr<Append> append(
+      new Append(*this, turn, std::move(upload), fd, all_or_nothing, std::move(temporary)));
   turn->writer = append.get();
   return append;
 }
@@ -187,6 +198,7 @@ Result<void> UploadSpool::MakeFile(SpooledUpload& upload) const {
   if (upload.offset == 0) {
     return Error{ErrorCode::kUnprocessable, "The file is empty. Was it copied completely from the card?", ""};
   }
+  if (IsElsewhere()) return MakeFileElsewhere(upload);
   SKYQUILT_TRY_ASSIGN(const std::string stored, store_.Adopt(upload.flight_id, PathOf(upload.id)));
   const Result<StoredFile> added = catalogue_.AddFileUnderFreeName(
       upload.flight_id, {upload.name, stored, upload.offset}, Now(), upload.id);
@@ -211,6 +223,7 @@ Result<void> UploadSpool::Remove(const std::string& id, Time now) {
     SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM upload WHERE id=?"));
     SKYQUILT_TRY(remove.Bind(1, id).Run());
   }
+  RemoveChunks(upload->parts);
   unlink(PathOf(id).c_str());  // what stays is removed with the expired
   return {};
 }
@@ -237,6 +250,7 @@ Result<std::vector<SpooledUpload>> UploadSpool::FinishComplete(Time now) {
 }
 
 Result<int> UploadSpool::RemoveExpired(Time now) {
+  if (IsElsewhere()) return RemoveExpiredElsewhere(now);
   std::vector<std::string> over;
   {
     const auto db = db_.Lock();
@@ -280,13 +294,14 @@ Result<void> UploadSpool::TakeOver(Turn& turn, Time now) {
 }
 
 UploadSpool::Append::Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd,
-                            bool all_or_nothing)
+                            bool all_or_nothing, fs::path temporary)
     : spool_(spool),
       turn_(std::move(turn)),
       upload_(std::move(upload)),
       written_(upload_.offset),
       fd_(fd),
-      all_or_nothing_(all_or_nothing) {}
+      all_or_nothing_(all_or_nothing),
+      temporary_(std::move(temporary)) {}
 
 UploadSpool::Append::~Append() {
   {
@@ -295,10 +310,12 @@ UploadSpool::Append::~Append() {
     if (turn_->writer == this) (void)UploadSpool::TakeOver(*turn_, spool_.db_.ages().Now()).ok();
   }
   if (fd_ >= 0) close(fd_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());  // what stays the sweep removes
 }
 
 Result<void> UploadSpool::Append::Sync(Time now) {
   if (written_ == upload_.offset) return {};
+  if (!temporary_.empty()) return SyncElsewhere(now);
   if (fdatasync(fd_) != 0) return WriteError("sync " + spool_.PathOf(upload_.id).string());
   SKYQUILT_TRY(spool_.SaveOffset(upload_.id, written_, now));
   upload_.offset = written_;
@@ -321,7 +338,7 @@ Result<void> UploadSpool::Append::Write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
     const ssize_t wrote = write(fd_, bytes.data(), bytes.size());
     if (wrote < 0 && errno == EINTR) continue;
-    if (wrote < 0) return WriteError("write " + spool_.PathOf(upload_.id).string());
+    if (wrote < 0) return WriteError("write " + upload_.id);
     written_ += wrote;
     bytes = bytes.subspan(static_cast<std::size_t>(wrote));
   }

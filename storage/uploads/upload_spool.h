@@ -1,10 +1,11 @@
 // UploadSpool: uploads that go on after a break of either side. Bytes are appended to a file below uploads/;
 // what the catalogue calls the offset has been fsynced, so that even a power cut loses nothing that was
-// promised. A complete upload becomes a file of its flight in one transaction. A part of an upload has no
-// flight and stays until it is joined with the others, or expires. One writer at a time: whoever comes later
-// takes over (its predecessor's connection is dead as a rule). Any thread. Errors: kNotFound (no such upload
-// or flight, or expired), kConflict (another offset; taken over by another request), kTooLarge, kOutOfSpace,
-// kUnprocessable, kIo.
+// promised. Where photos lie elsewhere, so do these bytes (storage/uploads/upload_chunks), and any machine
+// goes on with an upload that another began. A complete upload becomes a file of its flight in one
+// transaction. A part of an upload has no flight and stays until it is joined with the others, or expires.
+// One writer at a time: whoever comes later takes over (its predecessor's connection is dead as a rule). Any
+// thread. Errors: kNotFound (no such upload or flight, or expired), kConflict (another offset; taken over by
+// another request), kTooLarge, kOutOfSpace, kUnprocessable, kIo.
 #pragma once
 
 #include <chrono>
@@ -38,6 +39,7 @@ struct SpooledUpload {
   Time expires;
   std::string owner;               // id of the token that began it; empty without one
   std::string concat;              // kPartOfUpload, or what it was joined from, or empty
+  std::string parts;               // where photos lie elsewhere: its bytes (upload_chunks.h)
   std::optional<StoredFile> file;  // what it became, in the answer to whoever completed it
 
   bool IsPart() const { return concat == kPartOfUpload; }
@@ -73,7 +75,7 @@ class UploadSpool {
 
   // Makes files of the uploads that were complete when a server died. At the start.
   Result<std::vector<SpooledUpload>> FinishComplete(Time now);
-  // Expired uploads, with what is left of finished ones.
+  // Expired uploads, with what is left of finished ones; where photos lie elsewhere also what nobody lists.
   Result<int> RemoveExpired(Time now);
   // Files of no upload that the catalogue knows. At the start, when none is being made.
   Result<std::vector<std::filesystem::path>> StrayFiles() const;
@@ -90,6 +92,12 @@ class UploadSpool {
   Result<SpooledUpload> Read(const std::string& id, Time now) const;
   Result<void> SaveOffset(const std::string& id, std::int64_t offset, Time now) const;
   Result<void> MakeFile(SpooledUpload& upload) const;
+  bool IsElsewhere() const { return !store_.blobs().IsFolder(); }
+  // The rest of the class where photos lie elsewhere (elsewhere_uploads.cc).
+  Result<void> SaveChunk(SpooledUpload& upload, std::int64_t offset, const std::string& part, Time now) const;
+  Result<void> MakeFileElsewhere(SpooledUpload& upload) const;
+  void RemoveChunks(const std::string& parts) const;
+  Result<int> RemoveExpiredElsewhere(Time now) const;
   std::filesystem::path PathOf(const std::string& id) const;
   Result<std::optional<SpooledUpload>> JoinedBefore(const SpooledUpload& wish, Time now) const;
   Result<std::vector<SpooledUpload>> CompleteParts(const std::vector<std::string>& parts, Time now) const;
@@ -121,8 +129,11 @@ class UploadSpool::Append {
 
  private:
   friend class UploadSpool;
-  Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd, bool all_or_nothing);
+  // `temporary`: the file behind `fd`, where it is only on its way elsewhere.
+  Append(UploadSpool& spool, std::shared_ptr<Turn> turn, SpooledUpload upload, int fd, bool all_or_nothing,
+         std::filesystem::path temporary);
   Result<void> Sync(Time now);
+  Result<void> SyncElsewhere(Time now);
 
   UploadSpool& spool_;
   std::shared_ptr<Turn> turn_;
@@ -130,6 +141,7 @@ class UploadSpool::Append {
   std::int64_t written_;  // offset of the next byte
   int fd_;
   bool all_or_nothing_;
+  std::filesystem::path temporary_;  // bytes from the catalogue's offset on; empty in the data folder
 };
 
 }  // namespace skyquilt::storage

@@ -275,6 +275,7 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
           {"{layer}", "map"},
           {"{style}", "default"},
           {"{asset}", "all.zip"},
+          {"{export}", w.job},
           {"{process}", "stitch"}};
       for (const auto& [name, value] : values) {
         for (std::size_t found = text.find(name); found != std::string::npos; found = text.find(name)) {

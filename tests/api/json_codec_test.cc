@@ -66,6 +66,21 @@ TEST(FlightJson, SaysWhenThePhotosWereTakenWhereThatIsKnown) {
   EXPECT_EQ(captured()["last"], "2015-10-27T09:40:12-04:00");
 }
 
+TEST(FlightJson, SaysWhetherTheMapHasAPlaceOnEarth) {
+  FlightView view;
+  view.flight.options = "{}";
+  const auto georeferenced = [&] { return json::parse(FlightJson(view, storage::Now()))["georeferenced"]; };
+  EXPECT_TRUE(georeferenced().is_null());
+  view.revision.emplace();
+  view.revision->bounds = {-0.001, -0.002, 0.001, 0.002};
+  EXPECT_EQ(georeferenced(), false);
+  for (const geo::LatLonBounds& bounds :
+       {geo::LatLonBounds{7.4, 46.9, 7.5, 47.0}, {-0.01, 51.4, 0.01, 51.5}, {6.7, -0.01, 6.8, 0.01}}) {
+    view.revision->bounds = bounds;
+    EXPECT_EQ(georeferenced(), true) << bounds.west_deg;
+  }
+}
+
 TEST(FlightJson, SurvivesNamesThatAreNotText) {
   FlightView view;
   view.flight.name = "\xff<img onerror=x>\x01";

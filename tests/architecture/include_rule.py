@@ -20,14 +20,15 @@ CORE_VALUES = {
 }
 LIBRARIES = {
     r"boost/": {"server"},
-    r"curl/": {"server/webhooks", "server/client"},
+    r"curl/": {"server/webhooks", "server/client", "storage/blobs"},
     r"sqlite3\.h": {"storage"},
+    r"(libpq-fe|libpq/|postgres_ext)": {"storage/db/postgres"},
     r"(gdal|cpl_|ogr)": {"storage"},
     r"opencv2/": {"core/alignment", "core/render", "core/pyramid", "core/simulate", "core/video", "core/flight/photos/photo_decoder.cc"},
     r"lib(av|sws)": {"core/video"},
     r"ceres/": {"core/poses", "core/alignment"},
 }
-HEAVY_IN_HEADERS = re.compile(r"^(boost/|curl/|opencv2/|ceres/|nlohmann/|CLI/|gdal|sqlite3\.h)")
+HEAVY_IN_HEADERS = re.compile(r"^(boost/|curl/|opencv2/|ceres/|nlohmann/|CLI/|gdal|sqlite3\.h|libpq)")
 # Templates of cost functions, included by the one solver file they are written for; coroutines, by the two files of a connection.
 HEAVY_HEADERS_ALLOWED = {"core/alignment/adjustment/residuals.h", "server/http/connection.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)

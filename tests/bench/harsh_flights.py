@@ -9,9 +9,14 @@ import pathlib
 import random
 import shutil
 import subprocess
+import sys
 
 import cv2
 import numpy
+
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+sys.path += [str(TESTS / "e2e"), str(TESTS / "e2e" / "command_line")]
+import control_test
 
 
 def exif(photos, *arguments):
@@ -110,6 +115,17 @@ def without_focal(folder):
 def without_positions(folder):
     """What a camera on a kite records: the time, the focal length, nothing of where."""
     exif(folder / "photos", "-XMP:all=", "-GPS:all=")
+
+
+def control_alone(folder):
+    """No position, but six surveyed points on the ground, marked in every photo that sees them."""
+    truth = truth_of(folder)
+    centers = numpy.array([photo["camera_center_in_enu"][:2] for photo in truth["photos"]])
+    south_west, north_east = centers.min(0), centers.max(0)
+    shares = [(0.1, 0.1), (0.9, 0.15), (0.5, 0.5), (0.15, 0.9), (0.9, 0.85), (0.5, 0.05)]
+    marked = control_test.gcp_list(truth, [tuple(south_west + (north_east - south_west) * share) for share in shares])
+    without_positions(folder)
+    (folder / "photos" / "gcp_list.txt").write_text(marked)
 
 
 def without_records(folder):
@@ -272,6 +288,7 @@ HARSH = {
     "climb": ([[*XMP, "--height", "100"], *([*XMP, "--height", height] for height in ("20", "30", "45", "67"))], climbing),
     "no_positions": ([XMP], without_positions),
     "no_positions_windy": ([[*XMP, "--tilt-deg", "12", "--yaw", "any"]], without_positions),
+    "control_alone": ([XMP], control_alone),
     "no_records": ([XMP], without_records),
     "feet": ([XMP], heights_in_feet),
     "late_positions": ([XMP], late_positions),

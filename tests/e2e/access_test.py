@@ -10,7 +10,7 @@ import time
 import unittest
 import zipfile
 
-from server_support import BINARY, ServerTestCase, wait_until
+from server_support import BINARY, ServerTestCase, catalogue_words, kept_of_flights, wait_until
 
 AS_JSON = {"Content-Type": "application/json"}
 TUS = {"Tus-Resumable": "1.0.0"}
@@ -18,11 +18,11 @@ TUS = {"Tus-Resumable": "1.0.0"}
 
 class AccessCase(ServerTestCase):
     def token(self, name, *options):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *options], check=True, capture_output=True, text=True)
+        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True)
         return {"Authorization": f"Bearer {made.stdout.strip()}"}
 
     def revoke(self, name):
-        subprocess.run([BINARY, "token", "revoke", name, "--data", self.data], check=True)
+        subprocess.run([BINARY, "token", "revoke", name, "--data", self.data, *catalogue_words(self.data)], check=True)
 
     def new_flight(self, server, who):
         status, _, body = server.request("POST", "/api/v1/flights", "{}", {**AS_JSON, **who})
@@ -113,8 +113,9 @@ class Quotas(AccessCase):
         self.assertEqual((status, b"10.0 kB" in body), (413, True), body)
         _, _, listed = server.request("GET", files, headers=small)
         self.assertEqual(json.loads(listed), {"files": []})
-        stored = sum(path.stat().st_size for folder in ("incoming", "flights", "uploads")
-                     for path in pathlib.Path(self.data, folder).rglob("*") if path.is_file())
+        stored = sum(path.stat().st_size for path in kept_of_flights(self.data).values())
+        stored += sum(path.stat().st_size for folder in ("incoming", "uploads")
+                      for path in pathlib.Path(self.data, folder).rglob("*") if path.is_file())
         self.assertLessEqual(stored, 10_000)
         # What a resumable upload has so far counts too, until it ends.
         self.assertEqual(server.request("DELETE", upload, headers={**small, **TUS})[0], 204)
@@ -176,6 +177,7 @@ class OneFlight(AccessCase):
         made = json.loads(body)
         self.assertEqual(status, 201, body)
         self.assertEqual(made["page"], f"/#/flights/{flight}?token={made['token']}")
+        self.assertEqual(made["embed"], f"/embed/{flight}#token={made['token']}")
         share = {"Authorization": f"Bearer {made['token']}"}
         self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/a.jpg", b"abc", owner)[0], 201)
         _, _, listed = server.request("GET", "/api/v1/flights", headers=share)
@@ -209,10 +211,10 @@ class OneFlight(AccessCase):
         flight = self.new_flight(server, admin)
         share = self.token("guest", "--flight", flight, "--expires", "30d")
         wait_until(lambda: server.request("GET", f"/api/v1/flights/{flight}", headers=share)[0] == 200, "the token opens nothing")
-        listed = subprocess.run([BINARY, "token", "list", "--data", self.data], check=True, capture_output=True, text=True).stdout
+        listed = subprocess.run([BINARY, "token", "list", "--data", self.data, *catalogue_words(self.data)], check=True, capture_output=True, text=True).stdout
         self.assertRegex(listed, rf"guest .*ends .*only flight {flight}")
         for wrong in (["--flight", "0" * 26], ["--flight", flight, "--scope", "upload"], ["--expires", "soon"]):
-            refused = subprocess.run([BINARY, "token", "add", "wrong", "--data", self.data, *wrong], capture_output=True, text=True)
+            refused = subprocess.run([BINARY, "token", "add", "wrong", "--data", self.data, *catalogue_words(self.data), *wrong], capture_output=True, text=True)
             self.assertNotEqual(refused.returncode, 0, wrong)
             self.assertNotEqual(refused.stderr + refused.stdout, "", wrong)
 

@@ -12,7 +12,7 @@ import threading
 import unittest
 import zipfile
 
-from server_support import ServerTestCase, limits_of, wait_until
+from server_support import ServerTestCase, limits_of, photos_of, wait_until
 
 
 def zip_of(*entries, method=zipfile.ZIP_STORED):
@@ -110,8 +110,7 @@ class Archives(ServerTestCase):
         self.assertLessEqual(sum(self.listed().values()), 2000)
         self.assertEqual(self.server.garbage(), [])
         flight = self.files.split("/")[4]
-        on_disk = list((self.server.data / "flights" / flight / "files").iterdir())
-        self.assertEqual(len(on_disk), len(self.listed()))
+        self.assertEqual(len(photos_of(self.server.data, flight)), len(self.listed()))
 
     def unpacker(self):
         """The process that unpacks, once there is one."""
@@ -146,7 +145,7 @@ class Archives(ServerTestCase):
         self.assertEqual(self.listed(), before)
         self.assertEqual(self.server.garbage(), [])
         flight = self.files.split("/")[4]
-        self.assertEqual(len(list((self.server.data / "flights" / flight / "files").iterdir())), len(before))
+        self.assertEqual(len(photos_of(self.server.data, flight)), len(before))
 
     def test_a_digest_is_checked(self):
         digest = lambda content: {"Content-Digest": f"sha-256=:{base64.b64encode(hashlib.sha256(content).digest()).decode()}:"}

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import unittest
 
-from server_support import BINARY, ServerTestCase, wait_until
+from server_support import BINARY, ServerTestCase, catalogue_words, wait_until
 
 
 @unittest.skipIf(shutil.which("curl") is None, "needs curl")
@@ -50,7 +50,7 @@ class CurlSlips(ServerTestCase):
         self.assertEqual(json.loads(done.stdout)["flight"]["file_count"], 2, done.stdout)
 
     def test_a_wrong_token_is_told_from_none(self):
-        subprocess.run([BINARY, "token", "add", "one", "--data", self.server.data], check=True, capture_output=True)
+        subprocess.run([BINARY, "token", "add", "one", "--data", self.server.data, *catalogue_words(self.server.data)], check=True, capture_output=True)
         wait_until(lambda: self.server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")
         none = self.curl(self.server, "/api/v1/flights")
         wrong = self.curl(self.server, "/api/v1/flights", "-H", "Authorization: Bearer sq_mistyped")

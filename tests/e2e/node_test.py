@@ -13,7 +13,7 @@ import zipfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
 from control_test import gcp_list  # noqa: E402
 from sharing_test import Receiver  # noqa: E402
-from server_support import BINARY, DATA, ServerTestCase, wait_until  # noqa: E402
+from server_support import BINARY, DATA, ServerTestCase, catalogue_words, kept_of_flights, storage_words, wait_until  # noqa: E402
 
 BOUNDARY = "node-test-boundary"
 FORM = {"Content-Type": f"multipart/form-data; boundary={BOUNDARY}"}
@@ -319,13 +319,13 @@ class Node(ServerTestCase):
         self.assertEqual(answer, {"success": True})
         told = self.ask(server, "GET", f"/task/{uuid}/info")
         self.assertEqual((told["status"], told["options"]), ({"code": 10}, options))
-        subprocess.run([BINARY, "worker", "--data", self.data, "--once"], check=True, capture_output=True)
+        subprocess.run([BINARY, "worker", "--data", self.data, *storage_words(self.data), "--until-empty"], check=True, capture_output=True)
         self.wait(server, uuid, 40)
         self.assertEqual(self.ask(server, "POST", "/task/remove", f"uuid={uuid}"), {"success": True})
         self.assertEqual(self.ask(server, "GET", "/task/list"), [])
         [removed] = server.json("GET", "/api/v1/trash")[1]["flights"]
         self.assertEqual(server.request("DELETE", f"/api/v1/trash/{removed['id']}")[0], 204)
-        self.assertEqual(list((server.data / "flights").iterdir()), [])
+        self.assertEqual(kept_of_flights(server.data), {})
 
 
 if __name__ == "__main__":

@@ -298,8 +298,8 @@ class RandomKills(ServerTestCase):
         for flight in page["flights"]:
             where = f"/api/v1/flights/{flight['id']}"
             _, listed = self.server.json("GET", where + "/files")
-            files = sorted(digest(self.server.request("GET", f"{where}/files/{urllib.parse.quote(file['name'])}")[2])
-                           for file in listed["files"])
+            files = {file["name"]: digest(self.server.request("GET", f"{where}/files/{urllib.parse.quote(file['name'])}")[2])
+                     for file in listed["files"]}
             status, _, map_bytes = self.server.request("GET", where + "/download.mbtiles")
             seen[flight["id"]] = (files, digest(map_bytes) if status == 200 else None)
         return seen
@@ -325,11 +325,11 @@ class RandomKills(ServerTestCase):
                 # Whether it starts or refuses, it removes nothing.
                 process = subprocess.Popen([BINARY, "serve", "--data", self.data, "--listen", "127.0.0.1:0", "--workers", "0"],
                                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-                try:
-                    process.wait(timeout=3)
-                except subprocess.TimeoutExpired:
+                said = process.stdout.readline()
+                if "http://" in said:  # it serves: three seconds to do harm
+                    time.sleep(3)
                     process.terminate()
-                said = process.communicate(timeout=60)[0]
+                said += process.communicate(timeout=60)[0]
                 if kind != "an hour old":
                     self.assertIn("skyquilt data repair", said)
                 self.assertEqual(self.inventory(), on_disk, f"a photo or map is gone: {said}")

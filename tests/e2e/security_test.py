@@ -6,12 +6,12 @@ import subprocess
 import time
 import unittest
 
-from server_support import BINARY, ServerTestCase, wait_until
+from server_support import BINARY, ServerTestCase, catalogue_words, storage_words, wait_until
 
 
 class Security(ServerTestCase):
     def make_token(self, name, scope):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, "--scope", scope], check=True,
+        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), "--scope", scope], check=True,
                               capture_output=True, text=True)
         return made.stdout.strip()
 
@@ -50,13 +50,13 @@ class Security(ServerTestCase):
             self.assertNotIn(token, server.errors())
             catalogue = b"".join(path.read_bytes() for path in pathlib.Path(self.data).glob("catalogue.db*"))
             self.assertNotIn(token.encode(), catalogue)
-        subprocess.run([BINARY, "token", "revoke", "read", "--data", self.data], check=True)
+        subprocess.run([BINARY, "token", "revoke", "read", "--data", self.data, *catalogue_words(self.data)], check=True)
         wait_until(lambda: server.request("GET", flights, headers=self.bearer(read))[0] == 401, "a revoked token goes on")
-        listed = subprocess.run([BINARY, "token", "list", "--data", self.data], check=True, capture_output=True, text=True)
+        listed = subprocess.run([BINARY, "token", "list", "--data", self.data, *catalogue_words(self.data)], check=True, capture_output=True, text=True)
         self.assertEqual([line.split()[0] for line in listed.stdout.splitlines()], ["upload", "admin"])
 
     def test_others_are_let_in_only_with_a_token_or_a_word(self):
-        asked = [BINARY, "serve", "--data", self.data, "--listen", "0.0.0.0:0", "--workers", "0"]
+        asked = [BINARY, "serve", "--data", self.data, *storage_words(self.data), "--listen", "0.0.0.0:0", "--workers", "0"]
         self.assertIn("token add", self.refusal("--listen", "0.0.0.0:0", "--workers", "0"))
         self.make_token("one", "read")
         server = subprocess.Popen(asked, stdout=subprocess.PIPE, text=True)

@@ -4,7 +4,7 @@ import json
 import socket
 import unittest
 
-from server_support import ServerTestCase, path_of, tile_of
+from server_support import ServerTestCase, kept_of_flights, path_of, tile_of
 
 
 class Flow(ServerTestCase):
@@ -103,7 +103,7 @@ class Flow(ServerTestCase):
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight['id']}")[0], 204)
         self.assertEqual(server.request("GET", flight["tilejson"])[0], 404)
         self.assertEqual(server.request("DELETE", f"/api/v1/trash/{flight['id']}")[0], 204)
-        self.assertEqual(list((server.data / "flights").iterdir()), [])
+        self.assertEqual(kept_of_flights(server.data), {})
 
     def test_bad_files_leave_the_rest_of_the_flight_intact(self):
         server = self.serve()

@@ -1,4 +1,5 @@
 """What the server's end-to-end tests share: the real binary on a free port, plain HTTP, a simulated flight."""
+import contextlib
 import http.client
 import json
 import os
@@ -6,6 +7,7 @@ import pathlib
 import re
 import shutil
 import signal
+import sqlite3
 import subprocess
 import tempfile
 import time
@@ -13,11 +15,67 @@ import unittest
 import urllib.parse
 
 import contract
+import s3_store
 
 BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
 # Real flights and logs, not part of the repository: tests that want them skip where they are not.
 DATA = pathlib.Path(os.environ.get("SKYQUILT_DATA", pathlib.Path(__file__).parents[2] / ".." / "shared" / "data"))
+# With the URL of a PostgreSQL server (tests/support/postgres_server.py) every data folder has its catalogue there.
+POSTGRES = os.environ.get("SKYQUILT_TEST_POSTGRES")
+# With the address of a bucket and its folder (cluster/both_stores.py) its photos and maps lie there.
+BLOBS = os.environ.get("SKYQUILT_TEST_BLOBS")
+BLOBS_FOLDER = os.environ.get("SKYQUILT_TEST_BLOBS_FOLDER")
 PATIENCE_S = 240  # machines that test are slow and shared; nothing here measures time
+
+
+def name_elsewhere(data):
+    """What a data folder is called in PostgreSQL and in the store."""
+    return "e" + "".join(f"_{c.lower()}" if c.isupper() else c for c in str(data) if c.isalnum())[-40:]
+
+
+def catalogue_words(data):
+    """Options that say where the catalogue of a data folder lies; none where it lies in the folder."""
+    return [] if POSTGRES is None else ["--catalogue", f"{POSTGRES}&schema={name_elsewhere(data)}"]
+
+
+def storage_words(data):
+    """The same, and where its photos and maps lie: for servers and workers."""
+    return catalogue_words(data) + ([] if BLOBS is None else ["--blobs", BLOBS + name_elsewhere(data)])
+
+
+def kept_of_flights(data):
+    """The files that are kept of flights, wherever they lie, by their names below flights/."""
+    folder = pathlib.Path(data, "flights")
+    kept = {str(path.relative_to(folder)): path for path in s3_store.files_below(folder)}
+    if BLOBS is not None:
+        below = f"{name_elsewhere(data)}/flights/"
+        objects = s3_store.objects_in(pathlib.Path(BLOBS_FOLDER))
+        kept.update({key.removeprefix(below): path for key, path in objects.items() if key.startswith(below)})
+    return kept
+
+
+def photos_of(data, flight):
+    """The uploaded files of a flight."""
+    return [path for name, path in kept_of_flights(data).items() if name.startswith(f"{flight}/files/")]
+
+
+def parts_of(data, flight):
+    """What there is of a flight: its files and its maps, without the record that a catalogue in the folder wants."""
+    parts = {name.split("/")[1] for name in kept_of_flights(data) if name.startswith(f"{flight}/")}
+    return sorted(parts - {"flight.jsonl"})
+
+
+def in_catalogue(data, sql, *values):
+    """The rows of a statement in the catalogue of a data folder, wherever it lies; values take the place of question marks."""
+    if POSTGRES is None:
+        with contextlib.closing(sqlite3.connect(pathlib.Path(data, "catalogue.db"), timeout=30, isolation_level=None)) as catalogue:
+            return catalogue.execute(sql, values).fetchall()
+    for value in values:
+        sql = sql.replace("?", "'" + str(value).replace("'", "''") + "'", 1)
+    said = subprocess.run(["psql", "-X", "-q", "-A", "-t", "-d", POSTGRES, "-c", f'SET search_path TO "{name_elsewhere(data)}"', "-c", sql],
+                          check=True, stdout=subprocess.PIPE, text=True).stdout
+    return [tuple(int(value) if value.lstrip("-").isdigit() else value for value in line.split("|"))
+            for line in said.splitlines()]
 
 
 class Server:
@@ -27,7 +85,7 @@ class Server:
         self.data = pathlib.Path(data)
         self.log = tempfile.NamedTemporaryFile("w+", suffix=".log")
         self.process = subprocess.Popen(
-            [BINARY, "serve", "--data", str(data), "--listen", listen, *arguments],
+            [BINARY, "serve", "--data", str(data), "--listen", listen, *storage_words(data), *arguments],
             stdout=subprocess.PIPE, stderr=self.log, text=True)
         line = self.process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
@@ -210,7 +268,7 @@ class ServerTestCase(unittest.TestCase):
 
     def refusal(self, *arguments):
         """What `skyquilt serve` says when it does not start."""
-        refused = subprocess.run([BINARY, "serve", "--data", self.data, *arguments], capture_output=True, text=True, timeout=60)
+        refused = subprocess.run([BINARY, "serve", "--data", self.data, *storage_words(self.data), *arguments], capture_output=True, text=True, timeout=60)
         self.assertNotEqual(refused.returncode, 0)
         return refused.stderr
 

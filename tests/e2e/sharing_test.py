@@ -14,7 +14,7 @@ import time
 import unittest
 from unittest import mock
 
-from server_support import BINARY, ServerTestCase, path_of, wait_until
+from server_support import BINARY, ServerTestCase, catalogue_words, path_of, wait_until
 
 
 class Receiver(http.server.ThreadingHTTPServer):
@@ -43,7 +43,7 @@ class Receiver(http.server.ThreadingHTTPServer):
 
 class Sharing(ServerTestCase):
     def make_token(self, name, *options):
-        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *options], check=True, capture_output=True, text=True)
+        made = subprocess.run([BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True)
         return {"Authorization": f"Bearer {made.stdout.strip()}"}
 
     def test_a_token_takes_what_it_may(self):

@@ -14,7 +14,7 @@ import time
 import unittest
 
 from npm_clients import install_clients, script
-from server_support import BINARY, Server, ServerTestCase, wait_until
+from server_support import BINARY, BLOBS, Server, ServerTestCase, catalogue_words, photos_of, wait_until
 
 MIB = 1 << 20
 VERSION = {"Tus-Resumable": "1.0.0"}
@@ -49,7 +49,7 @@ class Tus(ServerTestCase):
         return server
 
     def stored(self, flight):
-        return [path for path in (pathlib.Path(self.data) / "flights" / flight / "files").iterdir()]
+        return photos_of(self.data, flight)
 
     def test_tus_js_client_gets_300_mb_through_two_kills(self):
         if self.clients is None:
@@ -88,7 +88,7 @@ class Tus(ServerTestCase):
         for guarded in (False, True):
             token = []
             if guarded:
-                made = subprocess.run([BINARY, "token", "add", "tus", "--scope", "upload", "--data", self.data], check=True,
+                made = subprocess.run([BINARY, "token", "add", "tus", "--scope", "upload", "--data", self.data, *catalogue_words(self.data)], check=True,
                                       capture_output=True, text=True)
                 token = [made.stdout.strip()]
                 server.stop()
@@ -119,7 +119,7 @@ class Tus(ServerTestCase):
             self.assertEqual(server.request("PATCH", places[-1], part, {**CHUNK, "Upload-Offset": "0"})[0], 204)
         server.kill()
         server = self.start()
-        self.assertEqual(self.stored(flight["id"]) if (pathlib.Path(self.data) / "flights" / flight["id"] / "files").is_dir() else [], [])
+        self.assertEqual(self.stored(flight["id"]), [])
         final = {**VERSION, "Upload-Metadata": metadata(flight["id"]), "Upload-Concat": "final;" + " ".join(places)}
         status, headers, _ = server.request("POST", "/api/v1/uploads", headers=final)
         self.assertEqual(status, 201)
@@ -180,11 +180,13 @@ class Tus(ServerTestCase):
         with socket.create_connection(("127.0.0.1", server.port)) as silent:
             silent.sendall((f"PATCH {place} HTTP/1.1\r\nHost: localhost\r\nTus-Resumable: 1.0.0\r\nUpload-Offset: 0\r\n"
                             "Content-Type: application/offset+octet-stream\r\nContent-Length: 10\r\n\r\n01234").encode())
-            spooled = pathlib.Path(self.data, "uploads", place.rsplit("/", 1)[1])
-            wait_until(lambda: spooled.stat().st_size == 5, "what came is not kept")
-            status, headers, _ = server.request("HEAD", place, headers=VERSION)
-            self.assertEqual((status, headers["Upload-Offset"]), (200, "5"))
-            status, _, _ = server.request("PATCH", place, b"56789", {**CHUNK, "Upload-Offset": "5"})
+            offset = lambda: int(server.request("HEAD", place, headers=VERSION)[1]["Upload-Offset"])
+            if BLOBS is None:  # a store gets pieces of some size, the rest of one is sent again
+                spooled = pathlib.Path(self.data, "uploads", place.rsplit("/", 1)[1])
+                wait_until(lambda: spooled.stat().st_size == 5, "what came is not kept")
+                self.assertEqual(offset(), 5)
+            begun = offset()
+            status, _, _ = server.request("PATCH", place, b"0123456789"[begun:], {**CHUNK, "Upload-Offset": str(begun)})
             self.assertEqual(status, 204)
         [stored] = self.stored(flight["id"])
         self.assertEqual(stored.read_bytes(), b"0123456789")

@@ -96,12 +96,29 @@ StitchOutcome Outcome() {
 }
 
 TEST(JobMessages, ComeAsTheyWereSent) {
-  const StitchTask task{{{"DJI \xff.jpg", "/d/f/1"}}, "/d/f", "", "/d/w", "{\"quality\":80}", "Field", 5, 6};
+  const StitchTask task{.files = {{"DJI \xff.jpg", "/d/f/1"}},
+                        .files_dir = "/d/f",
+                        .previous_dir = "",
+                        .out_dir = "/d/w",
+                        .options = "{\"quality\":80}",
+                        .title = "Field",
+                        .units_dir = "/d/u",
+                        .unit = UnitToDo{UnitKind::kRender, 2, 7, 900, 0},
+                        .renders = 7,
+                        .memory_bytes = 5,
+                        .cpu_s = 6};
   const Result<StitchTask> told = ParseTask(ToText(task));
   ASSERT_TRUE(told);
   EXPECT_EQ(told->files[0].path, "/d/f/1");
   EXPECT_EQ(told->options, task.options);
   EXPECT_EQ(told->memory_bytes, 5);
+  EXPECT_EQ(told->units_dir, "/d/u");
+  EXPECT_EQ(told->renders, 7);
+  ASSERT_TRUE(told->unit);
+  EXPECT_EQ(told->unit->kind, UnitKind::kRender);
+  EXPECT_EQ(told->unit->number, 2);
+  EXPECT_EQ(told->unit->count, 7);
+  EXPECT_EQ(told->unit->blocks, 900);
   const auto outcome = ParseJobMessage(ToText(JobMessage(Outcome())));
   ASSERT_TRUE(outcome);
   const auto& made = std::get<StitchOutcome>(*outcome);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "storage/catalogue/event_log.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::server {
@@ -68,6 +69,22 @@ TEST_F(JobProgressTest, WritesStageAndFractionThatNeverGoBack) {
   EXPECT_TRUE(Eventually([&] { return queue_.Get(job_)->message == "unknown stage"; }));
   EXPECT_EQ(queue_.Get(job_)->progress, reached);
   EXPECT_FALSE(progress.IsCancelled());
+}
+
+TEST_F(JobProgressTest, TellsOfEveryStageHoweverShort) {
+  JobProgress progress(queue_, lease_, is_stopping_);
+  progress.BeginStage("read");
+  progress.BeginStage("align");
+  progress.Report(1.0, "all pairs");
+  progress.BeginStage("render");
+  ASSERT_TRUE(Eventually([&] { return queue_.Get(job_)->stage == "render"; }));
+  std::string told;
+  const auto events = storage::EventLog(*db_).After(0, {flight_, std::nullopt}, 100);
+  ASSERT_TRUE(events);
+  for (const storage::Event& event : *events) told += event.body;
+  for (const char* word : {"\"read\"", "\"align\"", "\"render\""}) {
+    EXPECT_NE(told.find(word), std::string::npos) << word << " in " << told;
+  }
 }
 
 TEST_F(JobProgressTest, SeesTheWishToCancel) {

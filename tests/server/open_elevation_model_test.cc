@@ -1,6 +1,6 @@
 // Which elevation model a flight is given, and that a bad one among its files costs a warning and not the
 // map.
-#include "server/jobs/open_elevation_model.h"
+#include "server/inputs/open_elevation_model.h"
 
 #include <gdal_priv.h>
 #include <gmock/gmock.h>

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "tests/storage/scratch_dir.h"
 
@@ -14,8 +17,8 @@ class PageTest : public testing::Test {
   PageTest() {
     std::filesystem::create_directories(dir_.path() / "src");
     std::filesystem::create_directories(dir_.path() / "node_modules" / "x");
-    for (const char* name : {"index.html", "style.css", "package.json", "src/main.js", "src/.secret.js",
-                             "src/a.exe", "node_modules/x/a.js", "../outside.js"}) {
+    for (const char* name : {"index.html", "embed.html", "style.css", "package.json", "src/main.js",
+                             "src/.secret.js", "src/a.exe", "node_modules/x/a.js", "../outside.js"}) {
       std::ofstream(dir_.path() / name) << name;
     }
     std::filesystem::create_symlink("/etc/passwd", dir_.path() / "src" / "link.js");
@@ -39,6 +42,26 @@ TEST_F(PageTest, ServesThePageWithItsTypeAndPolicy) {
   EXPECT_NE(index.headers.Find("Content-Security-Policy").find("default-src 'self'"), std::string_view::npos);
   EXPECT_EQ(Get("/src/main.js").headers.Find("Content-Type"), "text/javascript; charset=utf-8");
   EXPECT_EQ(Get("/style.css", std::string(Get("/style.css").headers.Find("ETag"))).status, 304);
+}
+
+TEST_F(PageTest, LetsOthersFrameTheBareMapAlone) {
+  const auto ancestors = [](const api::Response& response) {
+    const std::string policy(response.headers.Find("Content-Security-Policy"));
+    return policy.substr(std::min(policy.size(), policy.find("frame-ancestors")));
+  };
+  const std::string flight(26, 'a');
+  const api::Response bare = Get("/embed/" + flight);
+  EXPECT_EQ(bare.status, 200);
+  EXPECT_EQ(bare.headers.Find("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_EQ(ancestors(bare), "frame-ancestors *");
+  for (const char* path : {"/", "/index.html", "/embed.html", "/src/main.js"}) {
+    EXPECT_EQ(ancestors(Get(path)), "frame-ancestors 'none'") << path;
+  }
+  const std::vector<std::string> others = {"/embed", "/embed/" + flight + "x", "/embed/main.js",
+                                           "/embed/" + flight + "/main.js"};
+  for (const std::string& path : others) {
+    EXPECT_EQ(Get(path).status, 404) << path;
+  }
 }
 
 TEST_F(PageTest, SendsTheGzipBesideAFileToWhomTakesIt) {

@@ -9,6 +9,7 @@
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/tokens.h"
 #include "storage/jobs/job_queue.h"
+#include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -17,7 +18,7 @@ namespace {
 class CatalogueReadersTest : public testing::Test {
  protected:
   CatalogueReadersTest()
-      : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db", 3)), catalogue_(*db_), queue_(*db_) {}
+      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db", 3)), catalogue_(*db_), queue_(*db_) {}
 
   ScratchDir dir_;
   std::unique_ptr<CatalogueDb> db_;
@@ -27,8 +28,10 @@ class CatalogueReadersTest : public testing::Test {
 
 TEST_F(CatalogueReadersTest, WaitForNoWriterOfAnotherProcess) {
   const std::string flight = catalogue_.AddFlight("field", "{}", Now())->id;
-  auto other = SqliteDb::Open(dir_.path() / "catalogue.db", OpenMode::kReadWriteCreate);
-  ASSERT_TRUE(other->Exec("BEGIN IMMEDIATE; UPDATE flight SET name='unsaid'"));
+  const auto others = *OpenTestCatalogue(dir_.path() / "catalogue.db");
+  const auto other = others->Lock();
+  ASSERT_TRUE(other->Exec(std::string(TestsPostgres() ? "BEGIN" : "BEGIN IMMEDIATE") +
+                          "; UPDATE flight SET name='unsaid'"));
   EXPECT_EQ(catalogue_.GetFlight(flight)->name, "field");
   EXPECT_TRUE(queue_.Count());
   EXPECT_TRUE(Tokens(*db_).Known());

@@ -6,6 +6,7 @@
 
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
+#include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -13,7 +14,7 @@ namespace {
 
 class CatalogueTest : public testing::Test {
  protected:
-  CatalogueTest() : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")), catalogue_(*db_) {}
+  CatalogueTest() : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_) {}
   ScratchDir dir_;
   std::unique_ptr<CatalogueDb> db_;
   Catalogue catalogue_;
@@ -22,7 +23,7 @@ class CatalogueTest : public testing::Test {
 TEST_F(CatalogueTest, RemembersAFlightAcrossOpenings) {
   const std::string id = catalogue_.AddFlight("'; DROP TABLE flight; --", "{\"gsd_m\":0.1}", Now())->id;
   ASSERT_TRUE(catalogue_.AddFile(id, {"a.jpg", NewId(), 100}, Now()));
-  const auto again = *CatalogueDb::Open(dir_.path() / "catalogue.db");
+  const auto again = *OpenTestCatalogue(dir_.path() / "catalogue.db");
   const auto flight = Catalogue(*again).GetFlight(id);
   ASSERT_TRUE(flight);
   EXPECT_EQ(flight->name, "'; DROP TABLE flight; --");

@@ -6,6 +6,7 @@
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/tilesets/preview_tiles.h"
+#include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -14,7 +15,7 @@ namespace {
 class PreviewsTest : public testing::Test {
  protected:
   PreviewsTest()
-      : db_(*CatalogueDb::Open(dir_.path() / "catalogue.db")),
+      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")),
         catalogue_(*db_),
         queue_(*db_),
         previews_(*db_) {}
@@ -28,7 +29,7 @@ class PreviewsTest : public testing::Test {
     ASSERT_TRUE(catalogue_.AddFile(flight, {name, NewId(), 10}, Now()));
   }
   Preview Edition(const std::string& flight, std::int64_t edition, std::int64_t photos) {
-    return {flight, "preview-a", edition, photos, 12, 20, {1, 2, 3, 4}, {1, 2, 2, 3}};
+    return {flight, "preview-a", edition, photos, 12, 20, {1, 2, 3, 4}, {1.5, 2.5, 2.25, 3.5}};
   }
   void PublishMap(const std::string& flight) {
     ASSERT_TRUE(queue_.Add(flight, "{}", Now()));
@@ -74,7 +75,7 @@ TEST_F(PreviewsTest, SaysWhereEachEditionChangedAndEndsWithTheMap) {
   for (const Event& event : *events) {
     if (event.kind != "preview") continue;
     ++told;
-    EXPECT_NE(event.body.find("\"changed\":[1.0,2.0,2.0,3.0]"), std::string::npos) << event.body;
+    EXPECT_NE(event.body.find("\"changed\":[1.5,2.5,2.25,3.5]"), std::string::npos) << event.body;
   }
   EXPECT_EQ(told, 2);
   PublishMap(flight);

@@ -122,6 +122,68 @@ TEST(RepairData, CompletesACatalogueFromAnOlderBackup) {
   ExpectAllBack(scratch.path(), sample);
 }
 
+// A backup from before a file was removed and another replaced: neither comes back, whether its bytes are
+// gone or not.
+TEST(RepairData, LeavesOutWhatWasRemovedSinceTheBackup) {
+  ScratchDir scratch;
+  const fs::path copy = scratch.path().string() + ".copy";
+  std::string flight, removed;
+  {
+    auto opened = OpenDataFolder(scratch.path());
+    Catalogue catalogue(*opened->db, FlightRecords(opened->dir));
+    flight = catalogue.AddFlight("field", "{}", Now())->id;
+    Store(*opened, catalogue, flight, "a.jpg");
+    removed = Store(*opened, catalogue, flight, "more.zip");
+    Store(*opened, catalogue, flight, "replaced.jpg");
+    auto statement = opened->db->Lock()->Prepare("VACUUM INTO ?");
+    ASSERT_TRUE(statement->Bind(1, copy.string()).Run());
+    ASSERT_TRUE(catalogue.RemoveFile(flight, "more.zip"));
+    Store(*opened, catalogue, flight, "replaced.jpg");
+  }
+  fs::remove(scratch.path() / "catalogue.db-wal");
+  fs::copy_file(copy, scratch.path() / "catalogue.db", fs::copy_options::overwrite_existing);
+  fs::remove(copy);
+  const auto repaired = RepairData(scratch.path(), Now());
+  ASSERT_TRUE(repaired) << repaired.error().message;
+  EXPECT_TRUE(fs::exists(scratch.path() / "flights" / flight / "files" /
+                         removed));  // it is never repair that deletes
+  auto opened = OpenDataFolder(scratch.path());
+  ASSERT_TRUE(opened) << opened.error().message;
+  std::vector<std::string> names;
+  const auto files = *Catalogue(*opened->db).ListFiles(flight);
+  for (const StoredFile& file : files) names.push_back(file.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"a.jpg", "replaced.jpg"}));
+}
+
+// Killed after the catalogue took a file's successor and before the record could say that the first one is
+// removed.
+TEST(RepairData, TakesTheLaterOfTwoFilesOfOneName) {
+  ScratchDir scratch;
+  std::string flight, first, second;
+  {
+    auto opened = OpenDataFolder(scratch.path());
+    const FlightRecords records(opened->dir);
+    Catalogue catalogue(*opened->db, records);
+    flight = catalogue.AddFlight("field", "{}", Now())->id;
+    first = Store(*opened, catalogue, flight, "a.jpg");
+    second = Store(*opened, catalogue, flight, "b.jpg");
+    ASSERT_TRUE(records.AddFile(flight, second, {"a.jpg", 17, Now(), false}));
+  }
+  const auto names_after_repair = [&] {
+    fs::remove(scratch.path() / "catalogue.db");
+    EXPECT_TRUE(RepairData(scratch.path(), Now()));
+    std::vector<std::string> names;
+    auto opened = OpenDataFolder(scratch.path());
+    const auto files = *Catalogue(*opened->db).ListFiles(flight);
+    for (const StoredFile& file : files) names.push_back(file.name + " " + file.stored_name);
+    return names;
+  };
+  EXPECT_EQ(names_after_repair(), std::vector<std::string>{"a.jpg " + second});
+  // The successor never came to be: what was accepted before is not lost.
+  fs::remove(scratch.path() / "flights" / flight / "files" / second);
+  EXPECT_EQ(names_after_repair(), std::vector<std::string>{"a.jpg " + first});
+}
+
 TEST(RepairData, BringsBackWhatWentToLost) {
   ScratchDir scratch;
   const Sample sample = Fill(scratch.path());

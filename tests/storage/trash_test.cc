@@ -7,6 +7,7 @@
 #include "storage/catalogue/previews.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/uploads/upload_spool.h"
+#include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
 namespace skyquilt::storage {
@@ -16,7 +17,7 @@ class TrashTest : public testing::Test {
  protected:
   TrashTest()
       : data_(*DataDir::Open(dir_.path())),
-        db_(*CatalogueDb::Open(data_.Catalogue())),
+        db_(*OpenTestCatalogue(data_.Catalogue())),
         catalogue_(*db_),
         queue_(*db_),
         store_(data_),

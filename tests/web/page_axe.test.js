@@ -11,15 +11,23 @@ for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
     test(`axe finds no fault in any view on a ${screen} in the ${colorScheme} scheme`, options, async () => {
       const opened = await setUp({ upload_ms: 400, job_ms: 20_000 }, { ...context, colorScheme, reducedMotion: 'reduce' });
       const { page, mock } = opened;
+      await page.click('summary');
+      await assertAccessible(page, 'home without flights');
       const flight = mock.seedReady('Meadow');
       await page.reload();
-      await page.waitForSelector('.flights li');
-      await page.click('summary');
+      await page.waitForSelector('.overview-mark');
       await assertAccessible(page, 'home');
       await page.goto(`${mock.url}#/flights/${flight.id}`);
       await mapIdle(page);
       await page.waitForSelector('#report');
       await assertAccessible(page, 'map');
+      await page.click('#flight-download');
+      await assertAccessible(page, 'downloads');
+      await page.keyboard.press('Escape');
+      await page.click('#flight-qgis');
+      await page.waitForSelector('#qgis-file');
+      await assertAccessible(page, 'QGIS');
+      await page.keyboard.press('Escape');
       await page.click('#flight-move');
       await page.click('#place-centre');
       await page.keyboard.type('46.8');

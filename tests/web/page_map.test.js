@@ -9,7 +9,7 @@ import { screenshotPixels } from './support/pixels.js';
 const { setUp } = usePages();
 
 test('measuring by keyboard gives the true distance', options, async () => {
-  const opened = await setUp();
+  const opened = await setUp({}, { locale: 'en-GB' });
   const { page, mock } = opened;
   const flight = mock.seedReady('Meadow');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -29,7 +29,7 @@ test('measuring by keyboard gives the true distance', options, async () => {
 });
 
 test('an area after a distance starts anew, and an outline that crosses itself has none', options, async () => {
-  const opened = await setUp();
+  const opened = await setUp({}, { locale: 'en-GB' });
   const { page, mock } = opened;
   const flight = mock.seedReady('Meadow');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
@@ -37,7 +37,7 @@ test('an area after a distance starts anew, and an outline that crosses itself h
   const add = async (/** @type {[number, number][]} */ places) => {
     for (const place of places) {
       await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
-      await page.click('text=Add centre point');
+      await page.click('text=Add centre');
     }
   };
   const points = () => page.evaluate(async () => {
@@ -67,7 +67,9 @@ test('settings for other programs are saved and the download sizes are told', op
   const { page, mock } = opened;
   const flight = mock.seedReady('Meadow & "brook"');
   await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await page.click('#flight-download');
   await page.waitForFunction(() => /4\s*B,/.test(document.querySelector('.download small')?.textContent ?? ''));
+  await page.keyboard.press('Escape');
   const download = page.waitForEvent('download');
   await page.click('text=Settings for QGIS');
   const file = await download;

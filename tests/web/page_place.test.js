@@ -40,24 +40,24 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     const flight = mock.seedReady('Meadow');
     await page.goto(`${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#report');
-    assert.match(await page.innerText('#result-verdict'), /not georeferenced\. Its size and north are guessed/);
+    assert.match(await page.innerText('#result-verdict'), /Not georeferenced\. Scale and north are guesses/);
     assert.equal(await page.locator('#flight-move').count(), 0);
     await openTool(opened, flight);
-    assert.match(await page.innerText('#place-step'), /Click something on the map/);
+    assert.match(await page.innerText('#place-step'), /Click a feature on the map/);
     await assertAccessible(page, 'beginning of placing');
 
     const first = await clickMap(page, flight, -0.0006, -0.0004);
     assert.equal(await page.evaluate(() => document.activeElement?.id), 'place-is-1');
     assert.ok(await page.isDisabled('#place-go'));
     await page.keyboard.type('46.8, seven');
-    await page.waitForSelector('.place-fault:has-text("not read as a place")');
+    await page.waitForSelector('.place-fault:has-text("not coordinates")');
     assert.equal(await page.getAttribute('#place-is-1', 'aria-invalid'), 'true');
     await assertAccessible(page, 'place that cannot be read');
     await page.fill('#place-is-1', '46°48′00″N 7°06′00″E');
     await page.keyboard.press('Enter');
     assert.equal(await page.locator('.place-said.place-fault').count(), 0);
     assert.match(await page.innerText('#place-card'), /= 46\.8000000, 7\.1000000/);
-    assert.match(await page.innerText('#place-step'), /click a second point as well/);
+    assert.match(await page.innerText('#place-step'), /add a second point/);
     assert.ok(await page.isDisabled('#place-go'), 'one point says nothing of size and north');
 
     // Too near, then far.
@@ -71,7 +71,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     await page.fill('#place-is-2', '46,8008 7,1016');
     await page.keyboard.press('Enter');
     assert.equal(await page.evaluate(() => document.activeElement?.id), 'place-go');
-    assert.match(await page.innerText('#place-effect'), /moves by .* turns .* times as large/);
+    assert.match(await page.innerText('#place-effect'), /moves by .* rotates .* is scaled by/);
     await assertAccessible(page, 'two points');
 
     // Nothing lies over anything else, nor outside of the window.
@@ -101,7 +101,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     }, [flight.place.lat, flight.place.lon]);
     assert.ok(Math.abs(flight.place.lat - 46.8) < 0.01, 'the mock has moved it');
     assert.equal(await page.locator('.point-mark').count(), 0);
-    assert.doesNotMatch(await page.innerText('#result-verdict'), /not georeferenced/);
+    assert.doesNotMatch(await page.innerText('#result-verdict'), /Not georeferenced/);
     await assertQuiet(opened);
   });
 }
@@ -228,7 +228,7 @@ test('who may not change a flight is not offered to move it', options, async () 
     await page.goto(`${mock.url}#/flights/${flight.id}`);
     await page.waitForSelector('#report');
     assert.equal(await page.locator('#flight-place, #flight-move').count(), 0);
-    assert.equal(/not georeferenced/.test(await page.innerText('#result-verdict')), is_unplaced);
+    assert.equal(/Not georeferenced/.test(await page.innerText('#result-verdict')), is_unplaced);
     await mapIdle(page);
     await assertQuiet(opened);
   }

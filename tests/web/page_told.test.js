@@ -44,8 +44,8 @@ test('a map with photos left out or placed by record alone is amber and says so;
     await page.waitForSelector('#result-verdict');
     assert.equal(await page.getAttribute('#result-verdict', 'class'), `result-verdict result-${is_whole ? 'good' : 'amber'}`);
     const text = (await page.textContent('#result-verdict')) ?? '';
-    if (is_whole) assert.match(text, /All 18 photos are on the map and aligned.*±\d/);
-    else assert.match(text, /1 of 19 photos was left out.*2 photos were placed by their recorded position alone/);
+    if (is_whole) assert.match(text, /Ready to use.*±\d.*All 18 photos are aligned/);
+    else assert.match(text, /1 of 19 photos was left out.*2 photos were placed by their recorded position only/);
     // What was noted of single photos, and how it was made, are for who looks for it.
     assert.doesNotMatch(await page.innerText('#report .callout'), /46 m/);
     assert.equal(await page.innerText('#photo-notes'), '1 note on a single photo');
@@ -69,12 +69,12 @@ test('flights show when they were flown, by the clock of the place', options, as
   await page.reload();
   await page.waitForSelector('.flights li');
   const facts = await page.locator('.flight-facts').allTextContents();
-  assert.match(facts[1], /^27 Oct 2015 · 19 photos.*uploaded 12 May 2026$/);
-  assert.match(facts[0], /^19 photos.*uploaded 12 May 2026$/);
+  // The one whose photos know no time lies by its upload.
+  assert.deepEqual(facts.map((text) => text.replaceAll('\u00a0', ' ')), ['uploaded 12 May 2026', '19 photos · 1.73 cm/px', '27 Oct 2015', '19 photos · 1.73 cm/px']);
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector('#report');
   assert.match((await page.textContent('.flight-head .flight-facts')) ?? '', /27 Oct 2015/);
-  assert.match((await page.textContent('#report')) ?? '', /Taken27 Oct 2015, 19:50\s*–\s*20:10 \(UTC−4\)/);
+  assert.match((await page.textContent('#report')) ?? '', /Captured27 Oct 2015, 19:50\s*–\s*20:10 \(UTC−4\)/);
   await mapIdle(page);
   await page.goto(`${mock.url}#/flights/${other.id}`);
   await page.waitForSelector('#report');
@@ -99,7 +99,7 @@ test('a guest who only reads is offered nothing that would be refused', options,
   await assertAccessible(page, 'home of a guest');
   await page.setInputFiles('#files-input', photoFiles(2));
   await page.waitForSelector('.note-error');
-  assert.match((await page.textContent('.note-error')) ?? '', /for viewing/);
+  assert.match((await page.textContent('.note-error')) ?? '', /view-only/);
   assert.equal(mock.flights.size, 1);
   await page.goto(`${mock.url}#/flights/${flight.id}`);
   await page.waitForSelector('#report');
@@ -126,5 +126,59 @@ test('addresses for other programs never carry a token that may change things: o
   await page.waitForSelector('.address');
   for (const address of await page.locator('.address input').all()) assert.match(await address.inputValue(), new RegExp(`token=${flight.shares[0].token}$`));
   assert.ok(!(await page.innerHTML('#map-addresses')).includes('sq_upload'));
+  await assertQuiet(opened);
+});
+
+test('the panel says what counts first, and what to do with the map', options, async () => {
+  const opened = await setUp({ is_whole: true });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  // The camera's name is in the first bytes of a photo.
+  await page.route('**/files/DJI_0001.JPG*', (route) => route.fulfill({ body: photoFiles(1)[0].buffer, contentType: 'image/jpeg' }));
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.waitForFunction(() => /CameraFC300S/.test(document.querySelector('#report')?.textContent ?? ''));
+  const terms = await page.locator('#report > .facts dt').allTextContents();
+  assert.deepEqual(terms, ['Captured', 'Area', 'Resolution', 'Camera', 'Photos placed']);
+  assert.match((await page.innerText('#result-verdict')).replace(/\s+/g, ' '), /^Ready to use\. Estimated horizontal accuracy ±\d+ cm \(1σ, median of all photos\), not verified with check points\./);
+  assert.equal(await page.locator('#processing-details').getAttribute('open'), null);
+  assert.deepEqual(await page.locator('.flight-actions > *').evaluateAll((all) => all.map(({ id }) => id)), ['flight-share', 'flight-download', 'flight-qgis']);
+  await page.click('#flight-download');
+  assert.deepEqual(await page.locator('.download span').allTextContents(), ['GeoTIFF', 'MBTiles', 'PMTiles', 'All files']);
+  await page.keyboard.press('Escape');
+  await page.click('#flight-qgis');
+  assert.equal(await page.getAttribute('#qgis-file', 'href'), `/connect/${flight.id}/qgis.qlr`);
+  assert.match(await page.innerText('#qgis-body'), /Drag it.*QGIS/);
+  await assertQuiet(opened);
+});
+
+test('QGIS is given a token of its own where the server asks for one', options, async () => {
+  const opened = await setUp({ has_tokens: true });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.click('#flight-qgis');
+  await page.click('#qgis-body #links-make');
+  await page.waitForSelector('#qgis-file');
+  assert.equal(await page.getAttribute('#qgis-file', 'href'), `/connect/${flight.id}/qgis.qlr?token=${flight.shares[0].token}`);
+  await assertQuiet(opened);
+});
+
+test('of an imported map nothing is offered that takes its photos', options, async () => {
+  const opened = await setUp({ is_whole: true });
+  const { page, mock } = opened;
+  const [imported, own] = [mock.seedReady('Imported', 0), mock.seedReady('Own')];
+  for (const flight of [imported, own]) flight.error = { code: 'internal', message: 'The job stopped.' };
+  for (const flight of [imported, own]) {
+    await page.goto(`${mock.url}#/flights/${flight.id}`);
+    await page.waitForSelector('#failure');
+    await mapIdle(page);
+    await page.waitForSelector('#report');
+    const is_own = flight === own ? 1 : 0;
+    assert.equal(await page.locator('#start-job').count(), is_own, flight.name);
+    assert.equal(await page.locator('#flight-move').count(), is_own, flight.name);
+    assert.equal(await page.locator('#flight-download').count(), 1);
+  }
   await assertQuiet(opened);
 });

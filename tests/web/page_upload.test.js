@@ -90,7 +90,7 @@ test('dropped photos become a map, its photos open by click, and the flight can 
 
   await page.click('#flight-delete');
   await page.waitForSelector('.note-action');
-  assert.equal(await page.locator('.flights li').count(), 0);
+  await page.waitForSelector('.flights li', { state: 'detached' });
   await page.click('.note-action');
   await page.waitForSelector('.flights li');
   assert.equal(mock.flights.size, 1);

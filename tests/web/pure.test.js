@@ -111,9 +111,11 @@ test('a map is called good only when every photo is aligned and it lies where it
   const words = (/** @type {object} */ photos, /** @type {object} */ more = {}, radius_m = 0.28) =>
     resultWords(/** @type {any} */ ({ photos: { total: 9, aligned: 9, pose_only: 0, left_out: 0, ...photos }, ...more }), /** @type {any} */ ({ features: [{ properties: { error_radius_m: radius_m } }] }));
   assert.equal(words({}).grade, 'good');
-  assert.match(words({}).sentences.join(' '), /All 9 photos.*\u00b128\u00a0cm \(1\u03c3/);
+  assert.match(words({}).sentences.join(' '), /All 9 photos are aligned/);
+  assert.match(words({}).accuracy, /horizontal accuracy \u00b128\u00a0cm \(1\u03c3.*check points/);
   assert.deepEqual([words({ aligned: 8, left_out: 1 }).grade, words({ aligned: 8, pose_only: 1 }).grade, words({}, {}, 35.3).grade], ['amber', 'amber', 'amber']);
-  assert.match(words({}, {}, 35.3).sentences.join(' '), /far from where it belongs.*\u00b135\u00a0m/);
+  assert.match(words({}, {}, 35.3).sentences.join(' '), /far from its true position/);
+  assert.match(words({}, {}, 35.3).accuracy, /\u00b135\u00a0m/);
   assert.match(words({ aligned: 0, pose_only: 9 }).sentences.join(' '), /No photo could be aligned/);
   assert.equal(words({}, { is_placed: false }).grade, 'bad');
   assert.doesNotMatch(words({}, { is_placed: false }).sentences.join(' '), /\u00b1/);

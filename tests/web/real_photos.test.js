@@ -40,6 +40,7 @@ async function assertMeasures(page, url, id) {
     await page.evaluate((center) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center }), end);
     await page.keyboard.press('Enter');
   }
+  await page.selectOption('#units', 'metric');
   const [, number] = (await page.textContent('#measure-result')).match(/^([\d.]+)\sm/);
   const want_m = metresBetween(ends[0], ends[1]);
   assert.ok(Math.abs(Number(number) - want_m) < want_m * 0.006 + 0.01, `${number} for ${want_m} m`);  // a sphere against the ellipsoid
@@ -128,10 +129,12 @@ test('a real flight goes from the drop to the map, and every tool on it says wha
     await page.waitForSelector('#map-above', { state: 'detached' });
 
     const download = page.waitForEvent('download');
-    await page.click('.download');
+    await page.click('#flight-download');
+    await page.click('.download[href*="mbtiles"]');
     const saved = join(folder, 'saved.mbtiles');
     await (await download).saveAs(saved);
     assert.equal(readFileSync(saved).subarray(0, 15).toString(), 'SQLite format 3');
+    await page.keyboard.press('Escape');
 
     const count = async () => (await (await fetch(`${server.url}api/v1/flights`)).json()).flights.length;
     await page.click('#flight-delete');

@@ -90,7 +90,7 @@ test('a map without any position comes to its place by two clicks', { skip: miss
   const { page, context, foreign_requests, console_errors } = await openPage(browser, server.url);
   try {
     const id = await makeMap(page, server.url);
-    assert.match(await page.innerText('#result-verdict'), /not georeferenced/);
+    assert.match(await page.innerText('#result-verdict'), /Not georeferenced/);
     const before = await get(server.url, `flights/${id}`);
     assert.ok(Math.abs(before.bounds[0]) < 0.1 && Math.abs(before.bounds[1]) < 0.1, `${before.bounds} is near 0, 0`);
     const shown = await cameras(server.url, id);
@@ -122,7 +122,7 @@ test('a map without any position comes to its place by two clicks', { skip: miss
     assert.equal(report.is_placed, true);
     assert.match(report.warnings.join(' '), /placed by hand, by 2 places/);
     assert.equal(await page.locator('#flight-place').count(), 0);
-    assert.doesNotMatch(await page.innerText('#result-verdict'), /not georeferenced/);
+    assert.doesNotMatch(await page.innerText('#result-verdict'), /Not georeferenced/);
     assert.deepEqual(foreign_requests, []);
     assert.deepEqual(console_errors, []);
   } finally {

@@ -336,8 +336,10 @@ test('dropped photos become a map on the real server, even when it is killed in 
     await assertOpensAtItsPixel(page, server.url, id);
 
     const download = page.waitForEvent('download');
-    await page.click('.download');
+    await page.click('#flight-download');
+    await page.click('.download[href*="mbtiles"]');
     assert.match((await download).suggestedFilename(), /\.mbtiles$/);
+    await page.keyboard.press('Escape');
     await assertGdalSeesTheSame(page, server.url, id, flight.bounds);
 
     await page.click('#flight-delete');

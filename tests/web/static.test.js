@@ -16,7 +16,7 @@ test('the types agree', options, () => {
 });
 
 test('the markup is valid', options, () => {
-  const result = run('html-validate/bin/html-validate.mjs', 'index.html');
+  const result = run('html-validate/bin/html-validate.mjs', 'index.html', 'embed.html');
   assert.equal(result.status, 0, result.stdout + result.stderr);
 });
 
@@ -28,16 +28,17 @@ const filesBelow = (folder) =>
                 (entry.isDirectory() ? filesBelow(join(folder, entry.name)) : [join(folder, entry.name)]));
 
 test('nothing in the page names another host', () => {
-  const files = ['index.html', 'style.css', ...['src', 'styles'].flatMap((f) => filesBelow(f))];
+  const files = ['index.html', 'embed.html', 'style.css', ...['src', 'styles'].flatMap((f) => filesBelow(f))];
   for (const file of files) {
-    const text = readFileSync(join(web_root, file), 'utf8').replaceAll('http://www.w3.org/2000/svg', '');
+    const text = readFileSync(join(web_root, file), 'utf8').replace(/http:\/\/www\.(w3\.org\/2000\/svg|opengis\.net\/kml\/2\.2)/g, '');
     assert.doesNotMatch(text, /https?:\/\/[a-z]/i, file);
   }
 });
 
 test('no script or style is inline, so that a strict content policy holds', () => {
-  const html = readFileSync(join(web_root, 'index.html'), 'utf8');
-  assert.doesNotMatch(html, /<style|style=|\son[a-z]+=|<script(?![^>]*src=)/i);
+  for (const file of ['index.html', 'embed.html']) {
+    assert.doesNotMatch(readFileSync(join(web_root, file), 'utf8'), /<style|style=|\son[a-z]+=|<script(?![^>]*src=)/i, file);
+  }
 });
 
 test('the page names every module that it starts with, so that none waits for another to be read', () => {
@@ -45,10 +46,19 @@ test('the page names every module that it starts with, so that none waits for an
     const code = readFileSync(join(web_root, path), 'utf8').replace(/\/\*[^]*?\*\//g, '');
     return [...code.matchAll(/^(?:import|export)\s[^;]*?from '([^']+)'/gm)].map((match) => posix.join(posix.dirname(path), match[1]));
   };
-  const needed = new Set(importsOf('src/main.js'));
-  for (const path of needed) if (path.startsWith('src/')) for (const next of importsOf(path)) needed.add(next);
-  const named = [...readFileSync(join(web_root, 'index.html'), 'utf8').matchAll(/rel="modulepreload" href="([^"]+)"/g)].map((match) => match[1]);
-  assert.deepEqual(named, [...needed].sort());
+  const neededBy = (/** @type {string} */ start) => {
+    const needed = new Set(importsOf(start));
+    for (const path of needed) if (path.startsWith('src/')) for (const next of importsOf(path)) needed.add(next);
+    return needed;
+  };
+  const namedIn = (/** @type {string} */ html) => [...html.matchAll(/rel="modulepreload" href="([^"]+)"/g)].map((match) => match[1]);
+  const [at_once, later] = readFileSync(join(web_root, 'index.html'), 'utf8').split('<template id="open-parts">');
+  const first = neededBy('src/main.js');
+  assert.deepEqual(namedIn(at_once), [...first].sort());
+  const opening = neededBy('src/open_parts.js').add('src/open_parts.js');
+  assert.deepEqual(namedIn(later), [...opening].filter((path) => !first.has(path)).sort());
+  // The bare map lies one folder deeper.
+  assert.deepEqual(namedIn(readFileSync(join(web_root, 'embed.html'), 'utf8')), [...neededBy('src/embed/embed.js')].sort().map((path) => `../${path}`));
 });
 
 test('the lockfile names no registry', () => {

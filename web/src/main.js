@@ -1,59 +1,111 @@
-// Wires the page together: the address decides what is open, the list is kept fresh, files start uploads.
+// Wires the page together: the address decides what is open, the list is kept fresh, files start uploads. What an open
+// flight needs is loaded when one is opened.
 /** @import { Flight } from './shared/types.js' */
+/** @import { FlightView } from './flight/flight_view.js' */
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
 import { takeSharedToken } from './shared/access.js';
 import { announce, showError, showNote } from './shared/announce.js';
-import { createFlight, getFlight, getTrash, listFiles, listFlights, renameFlight } from './shared/api.js';
-import { deleteWithUndo, removeForGood, restore } from './flight/deletions.js';
-import { askName, askWhereTo } from './shared/dialogs.js';
-import { byId, put } from './shared/dom.js';
-import { dropZone } from './upload/drop_zone.js';
-import { glanceAtPhoto, kHeadBytes } from './upload/exif_reader.js';
-import { flightList, mayChange } from './flight/flight_list.js';
-import { FlightView } from './flight/flight_view.js';
+import { createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, renameFlight } from './shared/api.js';
+import { byId, h, loadStyle, put } from './shared/dom.js';
+import { mayChange } from './flight/flight_words.js';
+import { placeOf } from './home/overview_view.js';
+import { flightList } from './home/flight_list.js';
+import { overviewMap } from './home/overview_map.js';
 import { clipName } from './shared/format.js';
 import { icon } from './shared/icons.js';
 import { go, watchRoute } from './shared/router.js';
-import { showShareDialog } from './flight/share_dialog.js';
-import { mayUpload } from './shared/own_access.js';
-import { bottomSheet } from './shared/sheet.js';
-import { Stage } from './map/stage.js';
 import { strings } from './shared/strings.js';
-import { trashList } from './flight/trash_list.js';
-import { isUploading, startUpload, uploadOf } from './upload/uploads.js';
-import { welcomeView } from './upload/welcome.js';
+import { dropZone } from './upload/drop_zone.js';
+import { isUploading, uploadOf } from './upload/running_uploads.js';
 
 takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
 addEventListener('hashchange', () => {
   if (takeSharedToken()) location.reload();
 });
-const stage = new Stage();
 const panel_body = byId('panel-body');
-const sheet = bottomSheet(() => stage.resize());
+const welcome = byId('welcome');
 /** @type {FlightView|null} */
 let open_view = null;
 
 const pickers = dropZone((selection) => void takeFiles(selection));
-const list = flightList({ rename, remove: (flight) => void remove(flight) });
-const trash = trashList({
-  restore: (flight) => void restore(flight, () => void refreshList()),
-  remove: (flight) => void removeForGood(flight, () => void refreshList()),
+const list = flightList({
+  rename,
+  remove: (flight) => void remove(flight).catch(showError),
+  on_shown: (flights) => overview.show(flights),
+  on_point: (flight) => overview.point(flight?.id ?? ''),
 });
-list.element.append(trash.element);
-byId('welcome').append(welcomeView(pickers));
+const overview = overviewMap({ on_point: list.point });
+const bar_button = (/** @type {string} */ id, /** @type {string} */ label, /** @type {() => void} */ run) =>
+  h('button', { type: 'button', class: 'text-button', id, on: { click: run } }, label);
+const drop_bar = h(
+  'p',
+  { class: 'drop-bar', id: 'drop-bar', hidden: true },
+  icon('upload'),
+  h('span', { class: 'drop-bar-hint' }, strings.drop.anywhere),
+  bar_button('bar-folder', strings.drop.folder, pickers.choose_folder),
+  bar_button('bar-files', strings.drop.files, pickers.choose_files),
+);
+const list_end = h('div', { class: 'list-end' });
+list.element.prepend(drop_bar, h('p', { class: 'reads-only muted', id: 'reads-only' }, strings.welcome.guest_lead));
+list.element.append(list_end);
 put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
 byId('new-flight').addEventListener('click', pickers.choose_folder);
+
+/** @typedef {Awaited<ReturnType<typeof loadParts>>} Parts */
+/** @type {Promise<Parts>|null} */
+let asked_parts = null;
+/** @type {Parts|null} */
+let parts = null;
+
+/** What an open flight needs, with its styles. */
+async function loadParts() {
+  const files = /** @type {DocumentFragment} */ (/** @type {HTMLTemplateElement} */ (byId('open-parts')).content.cloneNode(true));
+  const styles = [...files.querySelectorAll('link[rel="stylesheet"]:not([media])')].map(
+    (link) => new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, resolve))),
+  );
+  document.head.append(files);
+  const [module] = await Promise.all([import('./open_parts.js'), ...styles]);
+  const stage = new module.Stage();
+  return { ...module, stage, sheet: module.bottomSheet(() => stage.resize()) };
+}
+
+/** @returns {Promise<Parts>} */
+async function needParts() {
+  try {
+    parts = await (asked_parts ??= loadParts());
+    return parts;
+  } catch (error) {
+    asked_parts = null;  // the next click tries again
+    console.debug(error);
+    throw new Error(strings.errors.unreachable);
+  }
+}
+// Who points at a flight is about to open it.
+list.element.addEventListener('pointerenter', () => void needParts().catch(() => undefined), { once: true });
+
+/** The large part of the home view: where the flights are, or how to make the first. @param {Flight[]} flights */
+function showLargePart(flights) {
+  if (!flights.some(placeOf)) void showWelcome().catch(showError);
+  else if (!overview.element.isConnected) put(welcome, overview.element);
+}
+
+async function showWelcome() {
+  if (welcome.querySelector('.welcome-inner')) return;
+  const [{ welcomeView }] = await Promise.all([import('./home/welcome.js'), loadStyle('styles/welcome.css')]);
+  put(welcome, welcomeView(pickers));
+}
 
 // A guest who only reads is offered nothing that the server would refuse.
 void mayUpload().then((may) => document.body.toggleAttribute('data-reads-only', !may));
 
 /** @param {Flight} flight */
 async function rename(flight) {
-  const name = await askName(flight.name);
-  if (!name) return;
   try {
+    const { askName } = await needParts();
+    const name = await askName(flight.name);
+    if (!name) return;
     const renamed = await renameFlight(flight.id, clipName(name));
     if (open_view?.id === flight.id && open_view.flight) {
       open_view.flight.name = renamed.name;
@@ -67,6 +119,7 @@ async function rename(flight) {
 
 /** @param {Flight} flight */
 async function remove(flight) {
+  const { deleteWithUndo } = await needParts();
   if (!(await deleteWithUndo(flight, () => void refreshList()))) return;
   focus_list = true;
   if (open_view?.id === flight.id) {
@@ -91,6 +144,7 @@ async function takeFiles(selection) {
       showNote(strings.access.reads_only, { is_error: true });
       return;
     }
+    const { askWhereTo, startUpload } = await needParts();
     const open = open_view?.flight && mayChange(open_view.flight) ? open_view.flight : null;
     let id = open?.id ?? '';
     if (open && open.state !== 'empty' && !uploadOf(open.id) && !(await isRest(open, selection))) {
@@ -121,6 +175,7 @@ async function isRest(flight, selection) {
 
 /** By the day its first photo was taken, as the camera's clock had it; else by that of the oldest file. @param {Selection} selection */
 async function defaultName({ chosen }) {
+  const { glanceAtPhoto, kHeadBytes } = await needParts();
   const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
   const { taken_s } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null };
   const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
@@ -131,31 +186,36 @@ async function defaultName({ chosen }) {
 function show(route) {
   const keeps_view = route.view !== 'home' && open_view?.id === route.id;
   document.body.dataset.view = route.view === 'home' ? 'home' : 'flight';
-  byId('welcome').hidden = route.view !== 'home';
+  welcome.hidden = route.view !== 'home';
   if (!keeps_view) {
     open_view?.close();
     open_view = null;
   }
   if (route.view === 'home') {
-    stage.hide();
+    open_turn += 1;
+    parts?.stage.hide();
     document.title = 'Skyquilt';
     put(panel_body, list.element);
     focusList();
     void refreshList();
     return;
   }
-  stage.endCompare();
-  void openFlight(route);
+  parts?.stage.endCompare();
+  void openFlight(route).catch(showError);
 }
 
+let open_turn = 0;
 /** @param {Extract<Route, {id: string}>} route */
 async function openFlight(route) {
+  const turn = (open_turn += 1);
+  const { FlightView, showShareDialog, sheet, stage } = await needParts();
+  if (turn !== open_turn) return;
   if (!open_view) {
     stage.prepare();
     const had_focus = document.activeElement !== document.body;
     open_view = new FlightView(route.id, stage, {
       rename,
-      remove: (flight) => void remove(flight),
+      remove: (flight) => void remove(flight).catch(showError),
       share: showShareDialog,
       add_photos: pickers.choose_folder,
       show_map: sheet.close,
@@ -180,17 +240,45 @@ async function openFlight(route) {
   }
 }
 
+/** @type {ReturnType<typeof import('./home/trash_list.js').trashList>|null} */
+let trash = null;
+/** The trash lies below the list: asked for when one gets there. It fails alone. */
+async function refreshTrash() {
+  try {
+    const { flights } = await getTrash();
+    if (!trash) {
+      const { trashList } = await import('./home/trash_list.js');
+      trash ??= trashList({
+        restore: (flight) => void needParts().then(({ restore }) => restore(flight, () => void refreshList())).catch(showError),
+        remove: (flight) => void needParts().then(({ removeForGood }) => removeForGood(flight, () => void refreshList())).catch(showError),
+      });
+      list_end.append(trash.element);
+    }
+    trash.update(flights);
+  } catch (error) {
+    console.debug('no trash', error);
+    trash?.update([]);
+  }
+}
+const isAtEnd = () => list_end.isConnected && list_end.getBoundingClientRect().top < innerHeight;
+addEventListener('scroll', () => {
+  if (!trash && has_list && isAtEnd()) void refreshTrash();
+}, { capture: true, passive: true });
+
+let has_list = false;
 let list_timer = 0;
 /** Loads the list, and again soon while something is happening to a flight. */
 async function refreshList() {
   clearTimeout(list_timer);
   let delay_ms = 30_000;
   try {
-    // The list does not wait for the trash, nor fail with it.
-    void getTrash().then((kept) => trash.update(kept.flights), () => trash.update([]));
     const flights = await listFlights();
+    drop_bar.hidden = flights.length === 0;
     list.update(flights);
+    showLargePart(flights);
     document.body.toggleAttribute('data-has-flights', flights.length > 0);
+    has_list = true;
+    if (trash || isAtEnd()) void refreshTrash();
     if (flights.some(({ state, id }) => state === 'queued' || state === 'processing' || uploadOf(id))) delay_ms = 2000;
   } catch (error) {
     list.update(null, `${strings.errors.list} ${error instanceof Error ? error.message : ''}`);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -60,7 +61,8 @@ class Round {
         first_correction_(first_point_ + kPointSize * (problem.tracks.size() + problem.soft_tracks.size() +
                                                        problem.control.size())),
         first_readout_(first_correction_ + kCorrectionSize * problem.photos.size()),
-        state_(first_readout_ + kReadoutSize * problem.lenses.size(), 0.0) {}
+        state_(first_readout_ + kReadoutSize * problem.lenses.size(), 0.0),
+        starts_(problem.photos.size()) {}
 
   void Solve(std::vector<Eigen::Vector3d>& line_bias, BundleSummary& summary) {
     for (int l = 0; l < bundle_.lines; ++l) Eigen::Map<Eigen::Vector3d>(Bias(l)) = line_bias[l];
@@ -243,21 +245,37 @@ class Round {
       ceres_.AddResidualBlock(
           MakeTurningReprojectionCost(photo.cam_from_enu, photo.readout_motion, photo.readout_doubt, lens,
                                       seen.pixel_in_image, seen.sigma_px),
-          new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens),
-          Correction(seen.photo));
+          TieLoss(), Pose(seen.photo), point, Lens(photo.lens), Correction(seen.photo));
       return;
     }
     if (FindsReadoutOf(photo)) {
-      ceres_.AddResidualBlock(
-          MakeRollingReprojectionCost(photo.cam_from_enu, photo.readout_motion, *photo.velocity_in_enu_mps,
-                                      lens, seen.pixel_in_image, seen.sigma_px),
-          new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens), Readout(photo.lens));
+      ceres_.AddResidualBlock(MakeRollingReprojectionCost(StartAt(seen), *photo.velocity_in_enu_mps,
+                                                          seen.pixel_in_image, seen.sigma_px),
+                              TieLoss(), Pose(seen.photo), point, Lens(photo.lens), Readout(photo.lens));
       return;
     }
-    ceres_.AddResidualBlock(MakeReprojectionCost(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion,
-                                                                   seen.pixel_in_image.y(), lens.height_px),
-                                                 lens, seen.pixel_in_image, seen.sigma_px),
-                            new ceres::CauchyLoss(kLossSigmas), Pose(seen.photo), point, Lens(photo.lens));
+    ceres_.AddResidualBlock(MakeReprojectionCost(StartAt(seen), seen.pixel_in_image, seen.sigma_px),
+                            TieLoss(), Pose(seen.photo), point, Lens(photo.lens));
+  }
+
+  // Of the whole photo where that is one, of the observation's row where the camera turned.
+  std::shared_ptr<const CameraStart> StartAt(const Observation& seen) {
+    const BundlePhoto& photo = bundle_.photos[seen.photo];
+    const camera::Intrinsics& lens = recorded_[photo.lens];
+    if (!photo.readout_motion.turns_rad.empty()) {
+      return StartOf(camera::PoseAtRow(photo.cam_from_enu, photo.readout_motion, seen.pixel_in_image.y(),
+                                       lens.height_px),
+                     {}, lens);
+    }
+    std::shared_ptr<const CameraStart>& start = starts_[seen.photo];
+    if (!start) start = StartOf(photo.cam_from_enu, photo.readout_motion, lens);
+    return start;
+  }
+
+  // One for all observations.
+  ceres::LossFunction* TieLoss() {
+    if (tie_loss_ == nullptr) tie_loss_ = new ceres::CauchyLoss(kLossSigmas);
+    return tie_loss_;
   }
 
   void AddPriors(std::size_t i) {
@@ -355,6 +373,8 @@ class Round {
   // allocator put things would change the last digits from run to run.
   std::size_t first_lens_, first_bias_, position_bias_, first_point_, first_correction_, first_readout_;
   std::vector<double> state_;
+  std::vector<std::shared_ptr<const CameraStart>> starts_;  // by photo, each made when it is first needed
+  ceres::LossFunction* tie_loss_ = nullptr;                 // owned by ceres_
   ceres::Problem ceres_;
   ceres::ParameterBlockOrdering* ordering_ = nullptr;
 };

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 
 #include "core/alignment/adjustment/residuals.h"
 
@@ -39,37 +40,36 @@ struct Turn {
 
 class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, kLensSize> {
  public:
-  ReprojectionCost(const geo::Rigid3& start, const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
-                   double sigma_px)
-      : start_rotation_(start.rotation.toRotationMatrix()),
-        start_center_in_enu_(start.TargetOriginInSource()),
-        focal_in_sigmas_(lens.focal_x_px / sigma_px, lens.focal_y_px / sigma_px),
-        center_less_pixel_px_(lens.center_x_px - pixel.x(), lens.center_y_px - pixel.y()),
-        k3_(lens.k3),
-        sigma_px_(sigma_px) {}
+  ReprojectionCost(std::shared_ptr<const CameraStart> start, const Eigen::Vector2d& pixel, double sigma_px)
+      : start_(std::move(start)), pixel_(pixel), sigma_px_(sigma_px) {}
 
   bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
     const double* pose = parameters[0];
     const double* lens = parameters[2];
+    const CameraStart& start = *start_;
     const Turn turn(Eigen::Vector3d(pose[0], pose[1], pose[2]));
-    const Eigen::Vector3d center_in_enu = start_center_in_enu_ + Eigen::Vector3d(pose[3], pose[4], pose[5]);
-    const Eigen::Matrix3d cam_from_enu = turn.rotation * start_rotation_;
+    const Eigen::Vector3d center_in_enu =
+        start.center_in_enu + RowShare() * start.shift_in_enu_m + Eigen::Vector3d(pose[3], pose[4], pose[5]);
+    const Eigen::Matrix3d cam_from_enu = turn.rotation * start.cam_from_enu;
     const Eigen::Vector3d in_cam =
         cam_from_enu * (Eigen::Map<const Eigen::Vector3d>(parameters[1]) - center_in_enu);
     if (in_cam.z() < kMinDepthM) return false;
     const double x = in_cam.x() / in_cam.z(), y = in_cam.y() / in_cam.z();
     const double k1 = lens[3], k2 = lens[4], p1 = lens[5], p2 = lens[6];
     const double r2 = x * x + y * y;
-    const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3_));
+    const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * start.lens.k3));
     const Eigen::Vector2d bent(x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
                                y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y);
-    const Eigen::Vector2d focal = std::exp(lens[0]) * focal_in_sigmas_;
+    const Eigen::Vector2d focal = std::exp(lens[0]) * Eigen::Vector2d(start.lens.focal_x_px / sigma_px_,
+                                                                      start.lens.focal_y_px / sigma_px_);
+    const Eigen::Vector2d center_less_pixel_px(start.lens.center_x_px - pixel_.x(),
+                                               start.lens.center_y_px - pixel_.y());
     const Eigen::Vector2d shift(lens[1], lens[2]);
     Eigen::Map<Eigen::Vector2d>{residuals} =
-        focal.cwiseProduct(bent) + (center_less_pixel_px_ + shift) / sigma_px_;
+        focal.cwiseProduct(bent) + (center_less_pixel_px + shift) / sigma_px_;
     if (jacobians == nullptr) return true;
 
-    const double steeper = k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3_);  // of `radial` by r2
+    const double steeper = k1 + r2 * (2.0 * k2 + 3.0 * r2 * start.lens.k3);  // of `radial` by r2
     const double both = 2.0 * (x * y * steeper + p1 * x + p2 * y);
     Eigen::Matrix2d bent_by_flat;
     bent_by_flat << radial + 2.0 * x * x * steeper + 2.0 * p1 * y + 6.0 * p2 * x, both, both,
@@ -98,11 +98,12 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, 
     return true;
   }
 
+  double RowShare() const { return camera::RowShare(pixel_.y(), start_->lens.height_px); }
+
  private:
-  const Eigen::Matrix3d start_rotation_;  // cam_from_enu
-  const Eigen::Vector3d start_center_in_enu_;
-  const Eigen::Vector2d focal_in_sigmas_, center_less_pixel_px_;
-  const double k3_, sigma_px_;
+  const std::shared_ptr<const CameraStart> start_;
+  const Eigen::Vector2d pixel_;
+  const double sigma_px_;
 };
 
 class TurningReprojectionCost final
@@ -116,7 +117,7 @@ class TurningReprojectionCost final
         row_from_middle_(motion.TurnAt(share_).toRotationMatrix()),
         start_rotation_(start.rotation.toRotationMatrix()),
         start_center_in_enu_(start.TargetOriginInSource() + share_ * motion.shift_in_enu_m),
-        of_row_(geo::Rigid3{}, lens, pixel, sigma_px) {}
+        of_row_(StartOf(geo::Rigid3{}, {}, lens), pixel, sigma_px) {}
 
   bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
     const double* pose = parameters[0];
@@ -166,11 +167,11 @@ class TurningReprojectionCost final
 
 class RollingReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSize, 3, kLensSize, 1> {
  public:
-  RollingReprojectionCost(const geo::Rigid3& start, const camera::RowMotion& motion,
-                          const Eigen::Vector3d& velocity_in_enu_mps, const camera::Intrinsics& lens,
-                          const Eigen::Vector2d& pixel, double sigma_px)
-      : center_by_readout_(camera::RowShare(pixel.y(), lens.height_px) * velocity_in_enu_mps),
-        of_row_(camera::PoseAtRow(start, motion, pixel.y(), lens.height_px), lens, pixel, sigma_px) {}
+  RollingReprojectionCost(std::shared_ptr<const CameraStart> start,
+                          const Eigen::Vector3d& velocity_in_enu_mps, const Eigen::Vector2d& pixel,
+                          double sigma_px)
+      : of_row_(std::move(start), pixel, sigma_px),
+        center_by_readout_(of_row_.RowShare() * velocity_in_enu_mps) {}
 
   bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
     Eigen::Matrix<double, kPoseSize, 1> pose =
@@ -191,18 +192,23 @@ class RollingReprojectionCost final : public ceres::SizedCostFunction<2, kPoseSi
   }
 
  private:
-  const Eigen::Vector3d center_by_readout_;
   const ReprojectionCost of_row_;
+  const Eigen::Vector3d center_by_readout_;
 };
 
 }  // namespace
 
-ceres::CostFunction* MakeRollingReprojectionCost(const geo::Rigid3& start_cam_from_enu,
-                                                 const camera::RowMotion& motion,
+std::shared_ptr<const CameraStart> StartOf(const geo::Rigid3& cam_from_enu, const camera::RowMotion& motion,
+                                           const camera::Intrinsics& lens) {
+  return std::make_shared<const CameraStart>(CameraStart{cam_from_enu.rotation.toRotationMatrix(),
+                                                         cam_from_enu.TargetOriginInSource(),
+                                                         motion.shift_in_enu_m, lens});
+}
+
+ceres::CostFunction* MakeRollingReprojectionCost(std::shared_ptr<const CameraStart> start,
                                                  const Eigen::Vector3d& velocity_in_enu_mps,
-                                                 const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
-                                                 double sigma_px) {
-  return new RollingReprojectionCost(start_cam_from_enu, motion, velocity_in_enu_mps, lens, pixel, sigma_px);
+                                                 const Eigen::Vector2d& pixel, double sigma_px) {
+  return new RollingReprojectionCost(std::move(start), velocity_in_enu_mps, pixel, sigma_px);
 }
 
 ceres::CostFunction* MakeTurningReprojectionCost(const geo::Rigid3& start_cam_from_enu,
@@ -212,10 +218,9 @@ ceres::CostFunction* MakeTurningReprojectionCost(const geo::Rigid3& start_cam_fr
   return new TurningReprojectionCost(start_cam_from_enu, motion, doubt, lens, pixel, sigma_px);
 }
 
-ceres::CostFunction* MakeReprojectionCost(const geo::Rigid3& start_cam_from_enu,
-                                          const camera::Intrinsics& lens, const Eigen::Vector2d& pixel,
-                                          double sigma_px) {
-  return new ReprojectionCost(start_cam_from_enu, lens, pixel, sigma_px);
+ceres::CostFunction* MakeReprojectionCost(std::shared_ptr<const CameraStart> start,
+                                          const Eigen::Vector2d& pixel, double sigma_px) {
+  return new ReprojectionCost(std::move(start), pixel, sigma_px);
 }
 
 }  // namespace skyquilt::alignment

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "core/alignment/adjustment/reprojection_cost.h"
@@ -91,8 +92,9 @@ std::optional<Resected> Resect(const camera::Intrinsics& lens, const ChainedPhot
   double pose[kPoseSize] = {};
   double as_recorded[kLensSize] = {0.0, 0.0, 0.0, lens.k1, lens.k2, lens.p1, lens.p2};
   ceres::Problem problem;
+  const std::shared_ptr<const CameraStart> camera = StartOf(start, {}, lens);
   for (auto& [pixel, point] : seen) {
-    problem.AddResidualBlock(MakeReprojectionCost(start, lens, pixel, 1.0), nullptr, pose, point.data(),
+    problem.AddResidualBlock(MakeReprojectionCost(camera, pixel, 1.0), nullptr, pose, point.data(),
                              as_recorded);
     problem.SetParameterBlockConstant(point.data());
   }

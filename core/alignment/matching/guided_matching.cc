@@ -190,7 +190,7 @@ std::vector<KeypointMatch> MatchOnGround(const GroundView& first, const GroundVi
     const BestTwo& back = of_second[forth.index];
     if (back.index != i) continue;
     if (forth.best > max_ratio * forth.second || back.best > max_ratio * back.second) continue;
-    matches.push_back({i, forth.index});
+    matches.push_back(MatchOf(i, forth.index));
   }
   return matches;
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -34,10 +35,16 @@ struct MatchWindow {
   int max_features = std::numeric_limits<int>::max();
 };
 
+// Half the size of two ints: a flight of thousands holds tens of millions.
 struct KeypointMatch {
-  int first = 0;   // keypoint of the first photo
-  int second = 0;  // keypoint of the second
+  std::uint16_t first = 0;   // keypoint of the first photo
+  std::uint16_t second = 0;  // keypoint of the second
 };
+inline constexpr int kMaxKeypoints = 1 << 16;  // of a photo
+
+inline KeypointMatch MatchOf(int first, int second) {
+  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
+}
 
 // What a search needs of one photo.
 struct GroundView {

@@ -65,6 +65,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     std::vector<KeypointMatch> matches = MatchOnGround(projected.views[i], projected.views[j], {}, window);
     if (!pass.fit_motion) {
       if (static_cast<int>(matches.size()) < pass.min_matches) return;
+      matches.shrink_to_fit();
       found[p] = VerifiedPair{i, j, {}, std::move(matches), 0.0};
       return;
     }

@@ -132,6 +132,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
   VerifiedPair pair;
   pair.second_from_first = best;
   double square = 0.0;
+  pair.matches.reserve(inliers.size());  // no more: all pairs of a flight are kept
   for (const int k : inliers) {
     pair.matches.push_back(matches[k]);
     square += std::norm(places[k].second - best * places[k].first);

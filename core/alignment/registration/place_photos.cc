@@ -154,6 +154,30 @@ std::optional<double> FoundHeightM(const AlignedFlight& flight) {
   return Median(std::move(cameras_m)) - Median(std::move(ground_m));
 }
 
+// Of each photo the angle off the vertical under which it sees most points that it shares with others.
+void FindTiedLooks(const std::vector<Track>& tracks, const std::vector<int>& component,
+                   AlignedFlight& flight) {
+  constexpr std::size_t kFewestTied = 10;
+  constexpr double kTiedShare = 0.9;  // the outermost are few, and may be wrong
+  std::vector<std::vector<double>> looks(flight.photos.size());
+  for (const Track& track : tracks) {
+    for (const Observation& seen : track.observations) {
+      if (component[seen.photo] < 0) continue;
+      const Eigen::Vector3d down =
+          flight.photos[seen.photo].cam_from_enu.TargetOriginInSource() - track.point_in_enu;
+      looks[seen.photo].push_back(std::atan2(down.head<2>().norm(), down.z()));
+    }
+  }
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    flight.photos[i].tied_look_rad = 0.0;
+    if (looks[i].size() < kFewestTied) continue;
+    const auto outer =
+        looks[i].begin() + static_cast<std::ptrdiff_t>(kTiedShare * static_cast<double>(looks[i].size() - 1));
+    std::nth_element(looks[i].begin(), outer, looks[i].end());
+    flight.photos[i].tied_look_rad = *outer;
+  }
+}
+
 void TellAssumptions(const poses::PosedFlight& posed, int aligned, AlignedFlight& flight) {
   const std::optional<double> found_m = FoundHeightM(flight);
   if (!found_m) {
@@ -300,6 +324,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                                     [&](const Observation& one) { return component[one.photo] >= 0; });
     if (good >= 2) flight.tie_points_in_enu.push_back(track.point_in_enu);
   }
+  if (report.components > 0) FindTiedLooks(*input.ground_tracks, component, flight);
   TellAssumptions(posed, report.aligned, flight);
   const std::vector<char> is_far = LeaveOutFarAway(flight);
   for (std::size_t i = 0; i < is_far.size(); ++i) {

@@ -35,12 +35,12 @@ bool HasLost(const LegEvidence& evidence) {
          static_cast<double>(evidence.Lost()) <= kMaxLostShare * static_cast<double>(evidence.readable);
 }
 
-int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, int threads,
+int TakeInLost(const WeighedLeg& leg, const std::vector<Track>& tracks, const Relief& relief, int threads,
                poses::PosedFlight& posed, MatchingInput& input, MatchedFlight& linked, BundleProblem& problem,
                std::vector<char>& by_images) {
   const std::vector<char> is_tied = TiedPhotos(leg);
   const std::vector<RegisteredLost> found =
-      RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records}, threads);
+      RegisterLost({leg.features, &input.views, &is_tied, &tracks, leg.records, &relief}, threads);
   if (found.empty()) return 0;
   const std::vector<GroundPrior> recorded = MakeGroundPriors(posed, MakeMatchingInput(posed));
   for (const RegisteredLost& one : found) {

@@ -104,8 +104,12 @@ std::vector<VerifiedPair> LinksOf(const std::vector<Pairing>& pairings, const st
   return links;
 }
 
+// What keypoints of aligned photos stand for: tracks alone, or the ground where they are none's.
+enum class PointsOf { kTracks, kTracksAndGround };
+
 std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<PointOfPixel>& points,
-                                     const std::vector<int>& partners, double median_height_m, int lost) {
+                                     const std::vector<int>& partners, double median_height_m, int lost,
+                                     PointsOf points_of) {
   const PhotoFeatures& features = *(*input.features)[static_cast<std::size_t>(lost)];
   std::vector<PointObservation> observations;
   std::vector<Pairing> pairings;
@@ -118,11 +122,15 @@ std::optional<RegisteredLost> Resect(const LostInput& input, const std::vector<P
     for (const KeypointMatch& match : MatchDescriptors(features, *other, options)) {
       const Keypoint& seen = other->keypoints[static_cast<std::size_t>(match.second)];
       const auto point = points[p].find(KeyOf(seen.x_px, seen.y_px));
-      if (point == points[p].end()) continue;
+      Eigen::Vector3d point_in_enu;
+      if (point != points[p].end()) {
+        point_in_enu = (*input.tracks)[static_cast<std::size_t>(point->second)].point_in_enu;
+      } else if (points_of == PointsOf::kTracks ||
+                 !MeetGround((*input.views)[p], *input.relief, {seen.x_px, seen.y_px}, &point_in_enu)) {
+        continue;
+      }
       const Keypoint& keypoint = features.keypoints[static_cast<std::size_t>(match.first)];
-      observations.push_back({{keypoint.x_px, keypoint.y_px},
-                              (*input.tracks)[static_cast<std::size_t>(point->second)].point_in_enu,
-                              features.sigma_px});
+      observations.push_back({{keypoint.x_px, keypoint.y_px}, point_in_enu, features.sigma_px});
       pairings.push_back({partner, match});
     }
   }
@@ -177,7 +185,9 @@ std::vector<RegisteredLost> RegisterLost(const LostInput& input, int threads) {
     const auto i = static_cast<std::size_t>(lost[k]);
     const std::vector<int> partners =
         PartnersOf(input, lost[k], (*input.records)[i].center_in_enu ? std::vector<int>() : alike[i]);
-    found[k] = Resect(input, points, partners, median_height_m, lost[k]);
+    for (const PointsOf points_of : {PointsOf::kTracks, PointsOf::kTracksAndGround}) {
+      if (!found[k]) found[k] = Resect(input, points, partners, median_height_m, lost[k], points_of);
+    }
   });
   std::vector<RegisteredLost> registered;
   for (std::optional<RegisteredLost>& one : found) {

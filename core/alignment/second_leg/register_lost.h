@@ -1,8 +1,9 @@
 // RegisterLost: photos that an alignment left out, registered against it one by one by resection: their
 // keypoints are matched to those of aligned photos wherever they lie in the picture (no ground window, no
-// recorded pose), and the points those see are what the pose is found from. What is aligned stays as it is.
-// For a few lost photos of a sound alignment; a flight that is mostly lost is placed anew (second_leg.h). The
-// same for any number of threads.
+// recorded pose), and the points those see are what the pose is found from; where these are too few, also
+// where the aligned photos see the ground under their other keypoints. What is aligned stays as it is. For a
+// few lost photos of a sound alignment; a flight that is mostly lost is placed anew (second_leg.h). The same
+// for any number of threads.
 #pragma once
 
 #include <vector>
@@ -21,6 +22,7 @@ struct LostInput {
   const std::vector<char>* is_tied = nullptr;                   // by photo: the alignment
   const std::vector<Track>* tracks = nullptr;                   // in enu, seen by photos of the alignment
   const std::vector<PhotoRecord>* records = nullptr;            // say only which photos may show the same
+  const Relief* relief = nullptr;                               // the ground
 };
 
 struct RegisteredLost {

@@ -5,6 +5,7 @@
 
 #include "core/alignment/adjustment/bundle_setup.h"
 #include "core/alignment/adjustment/tracks.h"
+#include "core/base/large_blocks_apart.h"
 #include "core/base/median.h"
 
 namespace skyquilt::alignment {
@@ -13,6 +14,8 @@ namespace {
 constexpr double kReliefCellGsds = 60.0;
 constexpr double kGroundSigmas = 3.0;        // largest error of an observation of a point on the ground
 constexpr double kResidualWidthPx = 4000.0;  // of a photo, that residuals are told for
+
+constexpr std::size_t kManyPhotos = 500;
 
 double ResidualAtWidth(double rms_px, const poses::PosedFlight& posed) {
   if (posed.photos.empty()) return 0.0;
@@ -39,8 +42,10 @@ WeighedLeg AsWeighed(const ExtractedFlight& extracted, const Leg& leg) {
 }
 
 Leg Adjusted(Leg leg, const BundleOptions& bundle_options, const AlignOptions& options) {
+  if (leg.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
   TrackOptions track_options;
   track_options.observations_per_photo = options.observations_per_photo;
+  leg.problem.tracks = {};  // not both at a time
   leg.problem.tracks = BuildTracks(leg.matched.links, leg.input.features, leg.input.views, track_options);
   std::erase_if(leg.problem.tracks, [&](Track& track) { return !Triangulate(leg.input.views, track); });
   leg.adjusted = AdjustBundle(leg.problem, bundle_options);
@@ -61,6 +66,7 @@ Leg Rematched(Leg leg, const MatchingPass& pass, const AlignOptions& options) {
   leg.matched.pairs =
       OnlyWithinComponents(SelectPairs(leg.input.views, std::vector<double>(count, 0.0), leg.relief, {}),
                            leg.matched.links, count);
+  leg.matched.links = {};  // not both at a time
   leg.matched.links = MatchAndVerify(leg.input, ProjectAllToGround(leg.input, leg.relief, options.threads),
                                      leg.matched.pairs, pass, options.threads);
   return leg;

@@ -122,8 +122,8 @@ Leg AdjustedByRecords(const ExtractedFlight& extracted, Leg leg, bool takes_in_l
   for (int round = 0; round < kMaxLostRounds && takes_in_lost && HasLost(Evidence(extracted, leg)); ++round) {
     leg.input.views = ViewsOf(leg.problem);
     const std::vector<Track> seen = GroundTracks(leg, options);
-    if (TakeInLost(AsWeighed(extracted, leg), seen, options.threads, leg.posed, leg.input, leg.matched,
-                   leg.problem, leg.by_images) == 0) {
+    if (TakeInLost(AsWeighed(extracted, leg), seen, leg.relief, options.threads, leg.posed, leg.input,
+                   leg.matched, leg.problem, leg.by_images) == 0) {
       // Photos just taken in have few points yet, and may be all that the next ones have in common with the
       // rest.
       if (!took_in || is_rematched) break;

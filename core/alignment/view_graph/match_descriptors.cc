@@ -114,7 +114,7 @@ std::vector<KeypointMatch> MatchDescriptors(const PhotoFeatures& first, const Ph
     for (int r = 0; r < kRowsAtOnce && i + r < a.count; ++r) {
       const int j = StandsOut(distances.data() + static_cast<std::size_t>(r) * b.count, b.count,
                               a.square[static_cast<std::size_t>(i + r)], max_ratio2, second);
-      if (j >= 0) forth.push_back({i + r, j});
+      if (j >= 0) forth.push_back(MatchOf(i + r, j));
     }
   }
   // Back again, only for those: the second's view of all of the first.

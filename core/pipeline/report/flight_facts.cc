@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/pipeline/report/cbor_values.h"
 #include "core/pipeline/report/locate.h"
 #include "core/pipeline/report/report_codec.h"
 
@@ -16,31 +17,10 @@ using Cbor = nlohmann::json;
 
 // Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
 // flight should be aligned anew.
-constexpr int kVersion = 5;
-
-Cbor Binary(const void* data, std::size_t bytes) {
-  const auto* first = static_cast<const std::uint8_t*>(data);
-  return Cbor::binary(std::vector<std::uint8_t>(first, first + bytes));
-}
-
-Cbor OfDigest(const Digest& digest) { return Binary(digest.data(), digest.size()); }
-
-Digest ToDigest(const Cbor& json) {
-  const std::vector<std::uint8_t>& bytes = json.get_binary();
-  Digest digest{};
-  if (bytes.size() == digest.size()) std::copy(bytes.begin(), bytes.end(), digest.begin());
-  return digest;
-}
+constexpr int kVersion = 6;
 
 Cbor OfTone(const render::PhotoTone& tone) {
   return {{"gain", tone.gain}, {"vignetting", tone.vignetting.a}};
-}
-
-// Names may be any bytes, which CBOR's text may not.
-Cbor OfText(const std::string& text) { return Binary(text.data(), text.size()); }
-std::string ToText(const Cbor& json) {
-  const std::vector<std::uint8_t>& bytes = json.get_binary();
-  return {bytes.begin(), bytes.end()};
 }
 
 // Reports are kept as text, as report.json has them; bytes of names that are not UTF-8 are replaced there
@@ -75,7 +55,7 @@ Cbor OfAppearance(const MapAppearance& appearance) {
           {"first_row", appearance.grid.first_row},
           {"columns", appearance.grid.columns},
           {"rows", appearance.grid.rows},
-          {"labels", Binary(runs.data(), runs.size() * sizeof(std::int32_t))}};
+          {"labels", CborOfBytes<Cbor>(runs.data(), runs.size() * sizeof(std::int32_t))}};
 }
 
 MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
@@ -118,10 +98,10 @@ FlightFacts Parse(std::string_view bytes) {
   const Cbor json = Cbor::from_cbor(bytes);
   FlightFacts facts;
   if (json.at("version") != kVersion) return facts;
-  facts.options = ToDigest(json.at("options"));
+  facts.options = DigestOfCbor(json.at("options"));
   for (const Cbor& input : json.at("inputs")) {
     facts.inputs.push_back(
-        {{ToText(input.at("name")), ToText(input.at("path"))}, ToDigest(input.at("digest"))});
+        {{TextOfCbor(input.at("name")), TextOfCbor(input.at("path"))}, DigestOfCbor(input.at("digest"))});
   }
   const Result<LocatedMap> located = ParseLocateJson(json.at("locate").get_ref<const std::string&>());
   if (!located) throw Cbor::other_error::create(500, located.error().message, nullptr);
@@ -130,8 +110,8 @@ FlightFacts Parse(std::string_view bytes) {
   facts.flight.ground_z_in_enu_m = json.at("ground_z_m");
   facts.flight.warnings = json.at("warnings").get<std::vector<std::string>>();
   for (const Cbor& left_out : json.at("left_out")) {
-    facts.flight.left_out.push_back(
-        {ToText(left_out.at("name")), left_out.at("code").get<ErrorCode>(), ToText(left_out.at("reason"))});
+    facts.flight.left_out.push_back({TextOfCbor(left_out.at("name")), left_out.at("code").get<ErrorCode>(),
+                                     TextOfCbor(left_out.at("reason"))});
   }
   const Cbor& photos = json.at("photos");
   if (photos.size() != located->cameras.size()) {
@@ -140,16 +120,17 @@ FlightFacts Parse(std::string_view bytes) {
   for (std::size_t i = 0; i < photos.size(); ++i) {
     const LocatedCamera& camera = located->cameras[i];
     alignment::AlignedPhoto photo;
-    photo.photo.name = ToText(photos[i].at("name"));
-    photo.photo.camera_key = ToText(photos[i].at("camera_key"));
+    photo.photo.name = TextOfCbor(photos[i].at("name"));
+    photo.photo.camera_key = TextOfCbor(photos[i].at("camera_key"));
     photo.intrinsics = camera.intrinsics;
     photo.cam_from_enu = camera.cam_from_enu;
     photo.placement = camera.placement;
-    photo.placement_reason = ToText(photos[i].at("reason"));
+    photo.placement_reason = TextOfCbor(photos[i].at("reason"));
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
     photo.readout_motion = camera.readout_motion;
     photo.max_look_rad = photos[i].value("max_look_rad", photo.max_look_rad);
+    photo.tied_look_rad = photos[i].value("tied_look_rad", photo.tied_look_rad);
     const std::vector<std::uint8_t>& jpeg = photos[i].at("thumbnail").get_binary();
     facts.thumbnails.push_back(
         {photo.photo.name, photos[i].at("thumbnail_size").at(0), photos[i].at("thumbnail_size").at(1), jpeg});
@@ -165,6 +146,10 @@ FlightFacts Parse(std::string_view bytes) {
   if (const Cbor& appearance = json.at("look"); !appearance.is_null())
     facts.appearance = ToAppearance(appearance, photos.size());
   return facts;
+}
+
+Error DamagedFacts(const char* detail) {
+  return {ErrorCode::kCorrupt, "What an earlier run remembered of the flight is damaged.", detail};
 }
 
 }  // namespace
@@ -189,32 +174,35 @@ Digest DigestOfPlacing(const MosaicOptions& options) {
 std::string WriteFacts(const FlightFacts& facts) {
   Cbor json;
   json["version"] = kVersion;
-  json["options"] = OfDigest(facts.options);
+  json["options"] = CborOfDigest<Cbor>(facts.options);
   json["inputs"] = Cbor::array();
   for (const NamedDigest& input : facts.inputs) {
-    json["inputs"].push_back({{"name", OfText(input.file.name)},
-                              {"path", OfText(input.file.path.string())},
-                              {"digest", OfDigest(input.digest)}});
+    json["inputs"].push_back({{"name", CborOfText<Cbor>(input.file.name)},
+                              {"path", CborOfText<Cbor>(input.file.path.string())},
+                              {"digest", CborOfDigest<Cbor>(input.digest)}});
   }
   json["locate"] = LocateJson(facts.flight, facts.ground);
   json["ground_z_m"] = facts.flight.ground_z_in_enu_m;
   json["warnings"] = facts.flight.warnings;
   json["left_out"] = Cbor::array();
   for (const flight::LeftOutPhoto& photo : facts.flight.left_out) {
-    json["left_out"].push_back(
-        {{"name", OfText(photo.name)}, {"code", photo.code}, {"reason", OfText(photo.reason)}});
+    json["left_out"].push_back({{"name", CborOfText<Cbor>(photo.name)},
+                                {"code", photo.code},
+                                {"reason", CborOfText<Cbor>(photo.reason)}});
   }
   json["photos"] = Cbor::array();
   for (std::size_t i = 0; i < facts.flight.photos.size(); ++i) {
     const alignment::AlignedPhoto& photo = facts.flight.photos[i];
     const render::Thumbnail& thumbnail = facts.thumbnails[i];
-    json["photos"].push_back({{"name", OfText(photo.photo.name)},
-                              {"camera_key", OfText(photo.photo.camera_key)},
-                              {"reason", OfText(photo.placement_reason)},
-                              {"height_m", photo.height_above_ground_m},
-                              {"max_look_rad", photo.max_look_rad},
-                              {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
-                              {"thumbnail", Binary(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
+    json["photos"].push_back(
+        {{"name", CborOfText<Cbor>(photo.photo.name)},
+         {"camera_key", CborOfText<Cbor>(photo.photo.camera_key)},
+         {"reason", CborOfText<Cbor>(photo.placement_reason)},
+         {"height_m", photo.height_above_ground_m},
+         {"max_look_rad", photo.max_look_rad},
+         {"tied_look_rad", photo.tied_look_rad},
+         {"thumbnail_size", {thumbnail.width_px, thumbnail.height_px}},
+         {"thumbnail", CborOfBytes<Cbor>(thumbnail.jpeg.data(), thumbnail.jpeg.size())}});
   }
   json["height_rule"] = facts.height_rule;
   json["is_placed"] = facts.is_placed;
@@ -231,8 +219,19 @@ Result<FlightFacts> ParseFacts(std::string_view bytes) {
   try {
     return Parse(bytes);
   } catch (const Cbor::exception& broken) {
-    return Error{ErrorCode::kCorrupt, "What an earlier run remembered of the flight is damaged.",
-                 broken.what()};
+    return DamagedFacts(broken.what());
+  }
+}
+
+Result<std::map<std::string, Digest>> DigestsOfFacts(std::string_view bytes) {
+  try {
+    const Cbor json = Cbor::from_cbor(bytes);
+    std::map<std::string, Digest> digests;
+    for (const Cbor& input : json.at("inputs"))
+      digests.emplace(TextOfCbor(input.at("name")), DigestOfCbor(input.at("digest")));
+    return digests;
+  } catch (const Cbor::exception& broken) {
+    return DamagedFacts(broken.what());
   }
 }
 

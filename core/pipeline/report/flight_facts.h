@@ -4,6 +4,7 @@
 // stays. Kept in mosaic.state as CBOR (RFC 8949). A value; any thread. Errors of parsing: kCorrupt.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,5 +58,7 @@ Digest DigestOfPlacing(const MosaicOptions& options);
 
 std::string WriteFacts(const FlightFacts& facts);
 Result<FlightFacts> ParseFacts(std::string_view bytes);
+// Of their inputs, by name. Errors: as ParseFacts.
+Result<std::map<std::string, Digest>> DigestsOfFacts(std::string_view bytes);
 
 }  // namespace skyquilt::pipeline

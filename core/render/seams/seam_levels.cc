@@ -140,9 +140,10 @@ PhotoLevels LevelsOf(std::int32_t photo, const std::vector<LowResView>& views, c
 }  // namespace
 
 std::vector<PhotoLevels> LevelSeams(const std::vector<LowResView>& views, const SeamLabels& labels,
-                                    bool evens_light, int threads) {
+                                    bool evens_light, int threads, const std::vector<char>* wanted) {
   std::vector<PhotoLevels> levels(views.size());
   ParallelFor(views.size(), threads, [&](std::size_t i) {
+    if (wanted != nullptr && !(*wanted)[i]) return;
     levels[i] = LevelsOf(static_cast<std::int32_t>(i), views, labels, evens_light);
   });
   return levels;

@@ -35,8 +35,9 @@ struct PhotoLevels {
   }
 };
 
-// Without evens_light the corrections stay empty.
+// Without evens_light the corrections stay empty. `wanted`, by photo: the others get none; of those that
+// share cells with the wanted ones the views must be there.
 std::vector<PhotoLevels> LevelSeams(const std::vector<LowResView>& views, const SeamLabels& labels,
-                                    bool evens_light, int threads);
+                                    bool evens_light, int threads, const std::vector<char>* wanted = nullptr);
 
 }  // namespace skyquilt::render

@@ -21,6 +21,9 @@ struct SeamOptions {
   bool evens_light = true;
   int threads = 0;
   const KnownLabels* known = nullptr;  // of an earlier run; not used where its cells are of another size
+  // Where all photos are known: only what these blocks of the plan need is worked out; levels of photos that
+  // they do not show stay empty.
+  const std::vector<RenderBlock>* only_blocks = nullptr;
 };
 
 struct SeamMap {

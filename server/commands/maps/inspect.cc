@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/pipeline/inspect_flight.h"
-#include "server/jobs/open_elevation_model.h"
+#include "server/inputs/open_elevation_model.h"
 
 namespace skyquilt::server {
 namespace {

@@ -282,6 +282,23 @@ TEST(AlignFlight, KeepsPhotosItCannotMatchAtTheirPose) {
               6.0);
   }
   EXPECT_NE(aligned->photos[3].placement_reason.find("cut off"), std::string::npos);
+  // Looking straight down a photo is tied as far out as its border, and one without ties nowhere.
+  for (const int i : {0, 1, 2, 4, 5, 7}) {
+    const camera::Intrinsics& lens = aligned->photos[i].intrinsics;
+    const double corner_rad = std::atan(std::hypot(lens.width_px, lens.height_px) / 2.0 / lens.focal_x_px);
+    EXPECT_GT(aligned->photos[i].tied_look_rad, 0.5 * corner_rad);
+    EXPECT_LT(aligned->photos[i].tied_look_rad, corner_rad + 0.05);
+  }
+  for (const int i : {3, 6}) EXPECT_EQ(aligned->photos[i].tied_look_rad, 0.0);
+}
+
+TEST(AlignFlight, LimitsNoLookWhereNothingIsTied) {
+  const simulate::SimulatedFlight truth = SmallTruth(2, 0.0);
+  poses::PosedFlight posed = PosesOf(truth);
+  posed.photos.resize(1);
+  const Outcome outcome = Align(truth, posed);
+  ASSERT_EQ(outcome.flight.photos.size(), 1u);
+  EXPECT_DOUBLE_EQ(outcome.flight.photos[0].tied_look_rad, 0.5 * std::numbers::pi);
 }
 
 TEST(AlignFlight, LiesWhereSurveyedPointsSayAndNamesTheOneThatIsWrong) {

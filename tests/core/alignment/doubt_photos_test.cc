@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 namespace skyquilt::alignment {
 namespace {
 
@@ -82,7 +84,7 @@ struct Overlapping {
   }
   void Verify(int i, int j) {
     VerifiedPair pair{i, j, {}, {}, 0.1};
-    for (int k = 0; k < 300; ++k) pair.matches.push_back({k, k});
+    for (std::uint16_t k = 0; k < 300; ++k) pair.matches.push_back({k, k});
     verified.push_back(pair);
   }
 };

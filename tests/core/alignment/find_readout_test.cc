@@ -106,9 +106,10 @@ TEST(RollingReprojectionCost, ChangesAsItsDerivativesSay) {
   const geo::Rigid3 start = geo::Rigid3::FromRotationAndTargetOrigin(
       Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Eigen::Vector3d(1.0, 0.2, 0.1).normalized())),
       {4.0, -3.0, 60.0});
-  const std::unique_ptr<ceres::CostFunction> cost(MakeRollingReprojectionCost(
-      start, {.shift_in_enu_m = {0.3, 0.1, 0.0}, .turns_rad = {}}, {9.0, 4.0, 0.5},
-      camera::Intrinsics::Centered(2000, 1500, 1400.0), {1200.0, 300.0}, 0.7));
+  const std::unique_ptr<ceres::CostFunction> cost(
+      MakeRollingReprojectionCost(StartOf(start, {.shift_in_enu_m = {0.3, 0.1, 0.0}, .turns_rad = {}},
+                                          camera::Intrinsics::Centered(2000, 1500, 1400.0)),
+                                  {9.0, 4.0, 0.5}, {1200.0, 300.0}, 0.7));
   std::vector<std::vector<double>> values{{0.02, -0.05, 0.3, 0.5, -0.4, 0.8},
                                           {10.0, 6.0, 2.0},
                                           {0.01, 3.0, -2.0, -0.1, 0.05, 0.001, -0.002},

@@ -29,7 +29,8 @@ struct Case {
     lens.k3 = 0.02;
   }
   std::unique_ptr<ceres::CostFunction> Cost() const {
-    return std::unique_ptr<ceres::CostFunction>(MakeReprojectionCost(start, lens, pixel, kSigmaPx));
+    return std::unique_ptr<ceres::CostFunction>(
+        MakeReprojectionCost(StartOf(start, {}, lens), pixel, kSigmaPx));
   }
   Eigen::Vector2d Residual() const {
     Eigen::Vector2d residual;

@@ -58,6 +58,7 @@ class Layers(ServerTestCase):
         least_m, most_m = legends["height"]["range_m"]
         self.assertLessEqual(least_m, most_m)
         self.assertEqual(server.request("GET", f"/api/v1/flights/{flight_id}/thumbnail.png")[2][:4], b"\x89PNG")
+        self.assertEqual(server.request("GET", f"/api/v1/flights/{flight_id}/thumbnail.webp?size=160")[2][8:12], b"WEBP")
 
     def test_a_map_without_them_says_how_to_get_them(self):
         server = self.serve()

@@ -8,9 +8,12 @@ import { createServer } from 'node:http';
 import { dirname, extname, join, normalize } from 'node:path';
 import { setTimeout as delay } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
+import { tilePosition } from '../../../web/src/map/tile_addresses.js';
 import { boundsOf, moveByPairs, photosGeoJson, reportOf } from './mock_flight.js';
+import { answerExports } from './mock_exports.js';
 import { mockTus } from './mock_tus.js';
-import { countrysideTile, encodePng } from './tile_picture.js';
+import { countrysidePicture, countrysideTile, encodePng } from './tile_picture.js';
 
 export const web_root = join(dirname(fileURLToPath(import.meta.url)), '../../../web');
 const max_zoom = 21;
@@ -30,9 +33,9 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean, is_unplaced?: boolean}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean, is_unplaced?: boolean, page_limit?: number}} [options] upload_ms: time each file takes at least;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
- *   every token may do; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
+ *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
  */
 export async function startMockServer(options = {}) {
   const job_ms = options.job_ms ?? 2500;
@@ -114,7 +117,7 @@ export async function startMockServer(options = {}) {
     return {
       id: flight.id, name: flight.name, state, created_at: flight.created_at, file_count: names.length,
       bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
-      bounds: report?.bounds ?? null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
+      bounds: report?.bounds ?? null, georeferenced: report ? report.bounds.some((/** @type {number} */ degrees) => Math.abs(degrees) >= 0.1) : null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
       photos: report?.photos ?? null, captured: flight.ready ? flight.captured : null, gsd_m: report?.gsd_m ?? null,
       tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, may_change: flight.may_change ?? options.scope !== 'read',
     };
@@ -142,8 +145,10 @@ export async function startMockServer(options = {}) {
     const url = new URL(request.url ?? '/', 'http://mock');
     const path = decodeURI(url.pathname);
     const send = (status, body, type = 'application/json', headers = {}) => {
-      const bytes = Buffer.isBuffer(body) ? body : body === null ? Buffer.alloc(0) : Buffer.from(JSON.stringify(body));
-      response.writeHead(status, { 'Content-Type': type, 'Content-Length': bytes.length, ...security_headers, ...headers });
+      const plain = Buffer.isBuffer(body) ? body : body === null ? Buffer.alloc(0) : Buffer.from(JSON.stringify(body));
+      const as_gzip = !Buffer.isBuffer(body) && plain.length > 1000 && /\bgzip\b/.test(String(request.headers['accept-encoding']));
+      const bytes = as_gzip ? gzipSync(plain) : plain;
+      response.writeHead(status, { 'Content-Type': type, 'Content-Length': bytes.length, ...(as_gzip ? { 'Content-Encoding': 'gzip' } : {}), ...security_headers, ...headers });
       response.end(bytes);
     };
     const problem = (status, title, detail) => send(status, { type: 'about:blank', title, status, detail }, 'application/problem+json');
@@ -189,7 +194,7 @@ export async function startMockServer(options = {}) {
     if (path === '/api/v1/flights') {
       const all = [...flights.values()].reverse();
       const start = Number(url.searchParams.get('cursor') ?? 0);
-      const limit = Math.min(3, Number(url.searchParams.get('limit') ?? 50));  // small pages, so that paging is used
+      const limit = Math.min(options.page_limit ?? 3, Number(url.searchParams.get('limit') ?? 50));  // small pages, so that paging is used
       const next = start + limit < all.length ? String(start + limit) : null;
       return send(200, { flights: all.slice(start, start + limit).map(flightJson), next_cursor: next });
     }
@@ -226,25 +231,32 @@ export async function startMockServer(options = {}) {
         return send(200, { photos_readable: photos, photos_placeable: photos, ...flight.verdict });
       }
       if (rest === '/files') return send(200, { files: [...flight.files].map(([name, bytes]) => ({ name, bytes })) });
-      if (rest.startsWith('/files/') && request.method === 'GET') return send(200, countrysideTile(flight.place, 16, 34140, 23150), 'image/png');
+      if (rest.startsWith('/files/') && request.method === 'GET') {
+        const { x, y } = tilePosition(flight.place.lon, flight.place.lat, 18);
+        return send(200, countrysideTile(flight.place, 18, Math.floor(x), Math.floor(y)), 'image/png');
+      }
       if (rest === '/at') {
         const names = [...flight.files.keys()].slice(2, 5);
-        return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60 })) });
+        return send(200, { photos: names.map((name, i) => ({ name, x: 40 + 10 * i, y: 60, off_nadir_deg: [21, 3, 9][i], placement: 'aligned', sigma_m: 0.2 })) });
       }
       if (rest === '/shares' && request.method === 'GET') {
-        return send(200, { needs_token: Boolean(options.has_tokens), shares: flight.shares.map(({ token, page, ...share }) => share) });
+        return send(200, { needs_token: Boolean(options.has_tokens), shares: flight.shares.map(({ token, page, embed, ...share }) => share) });
       }
       if (rest === '/shares' && request.method === 'POST') {
         const { expires_in_days: days } = JSON.parse((await readBody()).toString());
         const token = `sq_${newId()}`;
         const share = { id: newId(), created_at: new Date().toISOString(), expires_at: days ? new Date(Date.now() + days * 86_400_000).toISOString() : null,
-          token, page: `/#/flights/${flight.id}?token=${token}` };
+          token, page: `/#/flights/${flight.id}?token=${token}`, embed: `/embed/${flight.id}#token=${token}` };
         flight.shares.unshift(share);
         return send(201, share);
       }
       if (rest.startsWith('/shares/') && request.method === 'DELETE') {
         flight.shares = flight.shares.filter(({ id }) => id !== rest.slice('/shares/'.length));
         return send(204, null);
+      }
+      if (rest.startsWith('/exports')) {
+        const answer = answerExports(flight, request.method ?? 'GET', rest, request.method === 'POST' ? JSON.parse((await readBody()).toString()) : null);
+        return answer.file ? send(200, answer.file, 'image/tiff') : answer.detail ? problem(answer.status, 'Refused', answer.detail) : send(answer.status, answer.body ?? null);
       }
       if (rest === '/jobs' && request.method === 'POST') {
         const { options: asked = {} } = JSON.parse((await readBody()).toString() || '{}');
@@ -260,13 +272,14 @@ export async function startMockServer(options = {}) {
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
       if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), is_placed: !(options.is_unplaced && !flight.is_placed), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
+      if (rest === '/thumbnail.webp' || rest === '/thumbnail.png') return send(200, countrysidePicture(flight.place), 'image/png');
       if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');
     }
     if ((match = path.match(/^\/tiles\/([^/]+)\.json$/)) && flights.get(match[1])?.ready) {
       const flight = flights.get(match[1]);
       return send(200, {
         tilejson: '3.0.0', tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}?rev=${flight.revision}`], tileSize: 256,
-        minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name,
+        minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name, attribution: flight.attribution,
       });
     }
     if ((match = path.match(/^\/tiles\/([^/]+)\/(\d+)\/(\d+)\/(\d+)(?:\.png)?$/)) && flights.get(match[1])?.ready) {
@@ -274,10 +287,15 @@ export async function startMockServer(options = {}) {
       return send(200, countrysideTile(flights.get(match[1]).place, z, x, y), 'image/png', { 'Cache-Control': 'no-cache' });
     }
     if (path.startsWith('/api/') || path.startsWith('/tiles/')) return problem(404, 'Not found', `There is nothing at ${path}.`);
-    const file = join(web_root, normalize(path === '/' ? '/index.html' : path));
+    const is_bare_map = /^\/embed\/\w+$/.test(path);
+    const page_headers = is_bare_map ? { ...security_headers, 'Content-Security-Policy': security_headers['Content-Security-Policy'].replace(/frame-ancestors .*/, 'frame-ancestors *') } : security_headers;
+    const file = join(web_root, normalize(is_bare_map ? '/embed.html' : path === '/' ? '/index.html' : path));
     if (!file.startsWith(web_root) || !existsSync(file) || !statSync(file).isFile()) return problem(404, 'Not found', path);
-    response.writeHead(200, { 'Content-Type': types[extname(file)] ?? 'application/octet-stream', 'Content-Length': statSync(file).size, ...security_headers });
-    createReadStream(file).pipe(response);
+    // As the server does: what the build compressed is sent so.
+    const as_gzip = existsSync(`${file}.gz`) && /\bgzip\b/.test(String(request.headers['accept-encoding']));
+    const sent = as_gzip ? `${file}.gz` : file;
+    response.writeHead(200, { 'Content-Type': types[extname(file)] ?? 'application/octet-stream', 'Content-Length': statSync(sent).size, ...(as_gzip ? { 'Content-Encoding': 'gzip' } : {}), ...page_headers });
+    createReadStream(sent).pipe(response);
     return undefined;
   });
   await new Promise((resolve) => server.listen(options.port ?? 0, '127.0.0.1', () => resolve(undefined)));

@@ -103,3 +103,19 @@ export function countrysideTile(place, z, x, y) {
   }
   return encodePng(size, size, rgba);
 }
+
+/**
+ * @param {{half_m: number, season: number}} place
+ * @returns {Buffer} PNG of the whole map, small
+ */
+export function countrysidePicture({ half_m, season }) {
+  const [width, height] = [160, 128];
+  const rgba = new Uint8Array(width * height * 4);
+  for (let y = 0; y < height; y += 1) {
+    for (let x = 0; x < width; x += 1) {
+      const colour = ground(((x + 0.5) / width - 0.5) * 2 * half_m, (0.5 - (y + 0.5) / height) * 1.6 * half_m, half_m, season);
+      if (colour) rgba.set([...colour.map((c) => Math.max(0, Math.min(255, c))), 255], (y * width + x) * 4);
+    }
+  }
+  return encodePng(width, height, rgba);
+}

@@ -89,9 +89,10 @@ export function connectFiles(flight, tilejson, template) {
  * Saves a text as a file.
  * @param {string} file
  * @param {string} text
+ * @param {string} [type]
  */
-export function saveText(file, text) {
-  const address = URL.createObjectURL(new Blob([text], { type: 'application/xml' }));
+export function saveText(file, text, type = 'application/xml') {
+  const address = URL.createObjectURL(new Blob([text], { type }));
   const link = document.createElement('a');
   link.href = address;
   link.download = file;

@@ -5,7 +5,8 @@ import { announce, showError, showNote } from '../shared/announce.js';
 import { deleteFlight, getTrash, removeFlight, restoreFlight } from '../shared/api.js';
 import { askToRemove } from '../shared/dialogs.js';
 import { strings } from '../shared/strings.js';
-import { resumeUpload, uploadOf } from '../upload/uploads.js';
+import { uploadOf } from '../upload/running_uploads.js';
+import { resumeUpload } from '../upload/uploads.js';
 
 /**
  * @param {{id: string, name: string}} flight

@@ -4,7 +4,8 @@
 import { announce, showError } from '../shared/announce.js';
 import { ApiError, getFlight, getReport, startJob, startPlacing } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
-import { flightFacts, mayChange, stateChip } from './flight_list.js';
+import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
+import { flightActions } from './flight_actions.js';
 import { followFlight } from './follow_flight.js';
 import { icon } from '../shared/icons.js';
 import { isOver, watchJob } from './job_watch.js';
@@ -14,7 +15,7 @@ import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/strings.js';
 import { forgetUpload } from '../upload/upload_memory.js';
-import { uploadOf } from '../upload/uploads.js';
+import { uploadOf } from '../upload/running_uploads.js';
 import { uploadView } from '../upload/upload_view.js';
 import { waitingView } from './waiting_view.js';
 
@@ -138,7 +139,7 @@ export class FlightView {
           { class: 'head-actions no-print' },
           ...(mayChange(flight)
             ? [
-                button('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
+                !flight.tilejson && button('share', strings.share.action, () => this.actions.share(flight), 'flight-share'),
                 button('upload', strings.drop.more, this.actions.add_photos, 'flight-add'),
                 button('pencil', words.rename, () => this.actions.rename(flight), 'flight-rename'),
                 button('trash', words.remove, () => this.actions.remove(flight), 'flight-delete'),
@@ -147,6 +148,7 @@ export class FlightView {
         ),
       ),
       h('p', { class: 'flight-facts' }, stateChip(flight), ' ', flightFacts(flight)),
+      flight.tilejson && flightActions(flight, this.actions.share, () => this.stage.outlines()),
     );
     if (focused) document.getElementById(focused)?.focus();
   }
@@ -232,6 +234,7 @@ export class FlightView {
 
   /** What can be done after a failure. @param {Flight} flight */
   #waysOn(flight) {
+    if (isImported(flight) && flight.file_count === 0) return [];
     if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), this.#addButton()];
     const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
     change.addEventListener('click', () => {
@@ -313,7 +316,7 @@ export class FlightView {
     const place = (/** @type {HTMLElement} */ opener) => this.#place(flight, found, opener);
     put(
       this.#result,
-      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, mayChange(flight) ? place : null),
+      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, mayChange(flight) && !isImported(flight) ? place : null),
       linksView(flight, shown.tilejson),
     );
     await shown.drawn;

@@ -1,14 +1,12 @@
-// Downloads, and the addresses by which other programs read the map.
+// The addresses by which other programs read the map.
 /** @import { Flight, TileJson } from '../shared/types.js' */
-import { pageToken, readable, withToken } from '../shared/access.js';
+import { pageToken, withToken } from '../shared/access.js';
 import { announce, showError } from '../shared/announce.js';
-import { addShare, downloadPath, downloadSize } from '../shared/api.js';
+import { addShare, ownAccess } from '../shared/api.js';
 import { connectFiles, josmAddress, saveText } from './connect_files.js';
 import { h, put } from '../shared/dom.js';
-import { mayChange } from './flight_list.js';
-import { formatBytes } from '../shared/format.js';
+import { mayChange } from './flight_words.js';
 import { icon } from '../shared/icons.js';
-import { ownAccess } from '../shared/own_access.js';
 import { strings } from '../shared/strings.js';
 import { ownHost } from '../map/tile_addresses.js';
 
@@ -70,20 +68,12 @@ export function addressField(label, address) {
  */
 export function linksView(flight, tilejson) {
   const words = strings.links;
-  const download = (/** @type {'mbtiles'|'tif'} */ kind, /** @type {string} */ name, /** @type {string} */ hint) => {
-    const small = h('small', {}, hint);
-    downloadSize(flight.id, kind).then((bytes) => {
-      if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
-    }, showError);
-    return h('a', { class: 'button download', href: readable(downloadPath(flight.id, kind)), download: '' }, icon('download'), h('span', {}, name, ' ', small));
-  };
   const addresses = h('div', { id: 'map-addresses' });
   void drawAddresses(flight, tilejson, addresses);
   return h(
     'section',
     { class: 'block no-print', 'aria-labelledby': 'links-heading' },
     h('h2', { id: 'links-heading' }, words.heading),
-    h('div', { class: 'downloads' }, download('mbtiles', words.mbtiles, words.mbtiles_hint), download('tif', words.tif, words.tif_hint)),
     addresses,
   );
 }
@@ -93,21 +83,32 @@ export function linksView(flight, tilejson) {
 const made_tokens = new Map();
 
 /**
- * The addresses carry a token where the server asks for one: other programs cannot sign in. The page's own where it
- * only reads, like a guest's; never one that may change things.
+ * Addresses carry a token where the server asks for one: other programs cannot sign in. The page's own where it only
+ * reads, like a guest's; never one that may change things.
+ * @param {Flight} flight
+ * @param {HTMLElement} element shows how to get such a token while there is none
+ * @param {() => Promise<void>} again when there is
+ * @returns {Promise<string|null>} '' where none is needed, null while there is none
+ */
+export async function tokenForPrograms(flight, element, again) {
+  const access = await ownAccess();
+  const asks = access?.needs_token ?? pageToken() !== '';
+  if (!asks) return '';
+  const token = access?.scope === 'read' ? pageToken() : (made_tokens.get(flight.id) ?? '');
+  if (token) return token;
+  put(element, mayChange(flight) ? makeToken(flight, again) : h('p', { class: 'muted' }, strings.links.needs_read_token));
+  return null;
+}
+
+/**
  * @param {Flight} flight
  * @param {TileJson} tilejson
  * @param {HTMLElement} element
  */
 async function drawAddresses(flight, tilejson, element) {
   const words = strings.links;
-  const access = await ownAccess();
-  const asks = access?.needs_token ?? pageToken() !== '';
-  const token = !asks ? '' : access?.scope === 'read' ? pageToken() : (made_tokens.get(flight.id) ?? '');
-  if (asks && !token) {
-    put(element, mayChange(flight) ? makeToken(flight, tilejson, element) : h('p', { class: 'muted' }, words.needs_read_token));
-    return;
-  }
+  const token = await tokenForPrograms(flight, element, () => drawAddresses(flight, tilejson, element));
+  if (token === null) return;
   const template = withToken(ownHost(tilejson.tiles[0]), token);
   const settings = connectFiles(flight, tilejson, template).map(({ label, file, text }) =>
     h('button', { type: 'button', class: 'button small', on: { click: () => saveText(file, text) } }, words.connect(label)),
@@ -122,14 +123,14 @@ async function drawAddresses(flight, tilejson, element) {
   );
 }
 
-/** @param {Flight} flight @param {TileJson} tilejson @param {HTMLElement} element */
-function makeToken(flight, tilejson, element) {
+/** @param {Flight} flight @param {() => Promise<void>} again */
+function makeToken(flight, again) {
   const button = h('button', { type: 'button', class: 'button small', id: 'links-make' }, strings.links.make);
   button.addEventListener('click', async () => {
     button.disabled = true;
     try {
       made_tokens.set(flight.id, (await addShare(flight.id, null)).token);
-      await drawAddresses(flight, tilejson, element);
+      await again();
     } catch (error) {
       button.disabled = false;
       showError(error);

@@ -5,7 +5,7 @@ import { formatCoordinates } from '../map/coordinates.js';
 import { h, put } from '../shared/dom.js';
 import { formatDate, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
-import { openPhoto } from './photo_viewer.js';
+import { openPhotos } from './photo_viewer.js';
 import { strings } from '../shared/strings.js';
 
 /** @param {string} name @param {string} label @param {() => void} run */
@@ -14,9 +14,10 @@ const iconButton = (name, label, run) =>
 
 /**
  * @param {PhotoRecord} record
+ * @param {number|null} off_vertical_deg
  * @returns {[string, string][]}
  */
-function facts(record) {
+function facts(record, off_vertical_deg) {
   const words = strings.photo;
   const known = (/** @type {unknown} */ value) => typeof value === 'number' && Number.isFinite(value);
   const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${Number(value).toFixed(1)}°` : '–');
@@ -24,6 +25,7 @@ function facts(record) {
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
   if (record.reason) rows.push([words.reason, record.reason]);
   if (known(record.error_radius_m)) rows.push([words.error, `± ${formatLength(Number(record.error_radius_m))}`]);
+  if (off_vertical_deg !== null) rows.push([words.view, words.off_vertical(off_vertical_deg)]);
   if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
   if (known(record.camera_height_above_ground_m)) rows.push([words.height, formatLength(Number(record.camera_height_above_ground_m))]);
@@ -32,8 +34,9 @@ function facts(record) {
 }
 
 /**
- * A photo of the card: its record, where its bytes are, and the pixel that shows the place where it is known.
- * @typedef {{record: PhotoRecord, url: string, pixel: {x: number, y: number}|null}} SeenPhoto
+ * A photo of the card: its record, where its bytes are, and, where they are known, the pixel that shows the place and how
+ * far from straight down it looks there.
+ * @typedef {{record: PhotoRecord, url: string, pixel: {x: number, y: number}|null, off_vertical_deg: number|null}} SeenPhoto
  */
 
 /**
@@ -59,7 +62,7 @@ export function photoCard(listener) {
     /** @type {HTMLElement|null} */ (element.querySelector(by > 0 ? '.step-next' : '.step-back'))?.focus();
   };
   const draw = () => {
-    const { record, url, pixel } = photos[shown];
+    const { record, pixel, off_vertical_deg } = photos[shown];
     const back = iconButton('back', words.previous, () => step(-1));
     const next = iconButton('next', words.next, () => step(1));
     back.classList.add('step-back');
@@ -72,8 +75,8 @@ export function photoCard(listener) {
         h('h2', { class: 'card-title' }, h('span', { class: `dot dot-${record.placement}` }), record.name),
         iconButton('close', words.close, close),
       ),
-      h('dl', { class: 'record' }, ...facts(record).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
-      h('button', { type: 'button', class: 'button small', id: 'photo-open', on: { click: () => openPhoto({ name: record.name, url, pixel }) } },
+      h('dl', { class: 'record' }, ...facts(record, off_vertical_deg).map(([term, value]) => h('div', {}, h('dt', {}, term), h('dd', {}, value)))),
+      h('button', { type: 'button', class: 'button small', id: 'photo-open', on: { click: () => openPhotos(photos, shown, (index) => { shown = index; draw(); }) } },
         icon('photo'), pixel ? words.open_here : words.open),
       photos.length > 1 && h('div', { class: 'row between pager' }, back, h('span', { class: 'muted' }, words.of(shown + 1, photos.length)), next),
     );

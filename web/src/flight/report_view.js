@@ -1,12 +1,14 @@
 // What was made and how good it is, in plain words first, then in pictures.
 /** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
+import { photoPath, thumbnailPath } from '../shared/api.js';
 import { h } from '../shared/dom.js';
-import { formatArea, formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
+import { formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { strings } from '../shared/strings.js';
+import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
 import { resultView } from './result_verdict.js';
-import { drawThumbnail } from './thumbnail.js';
+import { glanceAtPhoto } from '../upload/exif_reader.js';
 import { reasonList } from '../upload/upload_view.js';
 
 /**
@@ -33,6 +35,42 @@ const iconButton = (name, label, run, id = '') =>
 /** @param {string} term @param {string} value */
 const fact = (term, value) => h('div', {}, h('dt', {}, term), h('dd', {}, value));
 
+/** In the units that are chosen. @param {number} area_m2 */
+function areaFact(area_m2) {
+  const text = () => areaIn(area_m2, chosenUnits());
+  const row = fact(strings.report.area, text());
+  const update = () => {
+    if (!row.isConnected) units_chosen.removeEventListener('change', update);
+    else /** @type {HTMLElement} */ (row.lastElementChild).textContent = text();
+  };
+  units_chosen.addEventListener('change', update);
+  return row;
+}
+
+// A photo's first bytes hold the name of its camera.
+const kModelBytes = 8192;
+
+/**
+ * The camera's name, when the first photo has told it.
+ * @param {Flight} flight
+ * @param {PhotoCollection|null} photos
+ */
+function cameraFact(flight, photos) {
+  const row = fact(strings.report.camera, '');
+  row.hidden = true;
+  const first = photos?.features.find(({ properties }) => /\.(jpe?g|tiff?|dng)$/i.test(properties.name));
+  if (!first) return row;
+  fetch(photoPath(flight.id, first.properties.name), { headers: { Range: `bytes=0-${kModelBytes - 1}` } })
+    .then(async (response) => {
+      const { camera } = glanceAtPhoto(response.ok ? await response.arrayBuffer() : new ArrayBuffer(0));
+      if (!camera) return;
+      /** @type {HTMLElement} */ (row.lastElementChild).textContent = camera;
+      row.hidden = false;
+    })
+    .catch((error) => console.debug('no camera', error));  // the figures are of use without its name
+  return row;
+}
+
 /**
  * What was noted of one photo alone ("DJI_0001.JPG: ...") is for who looks for it.
  * @param {string[]} warnings
@@ -51,9 +89,7 @@ function sortedWarnings(warnings, photos) {
  * @returns {HTMLElement}
  */
 function mapPicture(flight) {
-  const canvas = h('canvas', { class: 'map-picture', width: 420, height: 420, 'aria-hidden': 'true' });
-  drawThumbnail(flight, canvas).catch((error) => console.debug('no picture of the map', error));
-  return h('div', { class: 'picture print-only' }, canvas);
+  return h('div', { class: 'picture print-only' }, h('img', { class: 'map-picture', src: thumbnailPath(flight, 'print'), alt: '', decoding: 'async', fetchpriority: 'low' }));
 }
 
 /**
@@ -89,9 +125,10 @@ export function reportView(flight, report, photos, place) {
       'dl',
       { class: 'facts' },
       flight.captured && fact(words.taken, formatCaptureTime(flight.captured)),
-      fact(words.photos, `${placed} / ${report.photos.total}`),
+      areaFact(report.area_m2),
       fact(words.gsd, formatGsd(report.gsd_m)),
-      fact(words.area, formatArea(report.area_m2)),
+      cameraFact(flight, photos),
+      fact(words.photos, `${placed} / ${report.photos.total}`),
     ),
     placementBar(report.photos),
     of_flight.length > 0 &&

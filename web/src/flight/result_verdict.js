@@ -1,9 +1,10 @@
 // How good a map is, in a sentence and a colour: green when every photo is aligned, amber when some are left out or lie by
 // their records alone, red when nothing says where the map lies.
-/** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
+/** @import { PhotoCollection, Report } from '../shared/types.js' */
 import { h } from '../shared/dom.js';
 import { formatError } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
+import { isWhole } from './flight_words.js';
 import { strings } from '../shared/strings.js';
 
 /** @typedef {'good'|'amber'|'bad'} Grade */
@@ -14,24 +15,10 @@ const kUsualError_m = 10;
 /** Are the size and the north of an unplaced map guessed? Those that a log gave are not. @param {Report} report */
 export const isGuessed = (report) => report.is_placed === false && report.alignment?.placed_by !== 'records';
 
-/** @param {PhotoCounts|null|undefined} photos @returns {boolean} whether all are aligned */
-export const isWhole = (photos) => !photos || (photos.left_out === 0 && photos.pose_only === 0);
-
-/**
- * The state of a flight with a map, in two or three words.
- * @param {Flight} flight
- * @returns {{text: string, is_whole: boolean}}
- */
-export function readyWords(flight) {
-  const photos = flight.photos;
-  if (!photos || isWhole(photos)) return { text: strings.states.ready, is_whole: true };
-  return { text: photos.left_out > 0 ? strings.states.ready_without(photos.left_out) : strings.states.ready_unaligned(photos.pose_only), is_whole: false };
-}
-
 /**
  * @param {Report} report
  * @param {PhotoCollection|null} photos
- * @returns {{grade: Grade, sentences: string[]}}
+ * @returns {{grade: Grade, accuracy: string, sentences: string[]}} accuracy: '' where it is not known
  */
 export function resultWords(report, photos) {
   const words = strings.report.verdict;
@@ -45,8 +32,8 @@ export function resultWords(report, photos) {
   const is_far_off = radius_m !== null && radius_m > kUsualError_m;
   if (sentences.length === 0) sentences.push(words.good(total));
   if (is_far_off) sentences.push(words.far_off);
-  if (radius_m !== null) sentences.push(words.accuracy(formatError(radius_m)));
-  return { grade: report.is_placed === false ? 'bad' : isWhole(report.photos) && !is_far_off ? 'good' : 'amber', sentences };
+  const accuracy = radius_m === null ? '' : words.accuracy(formatError(radius_m));
+  return { grade: report.is_placed === false ? 'bad' : isWhole(report.photos) && !is_far_off ? 'good' : 'amber', accuracy, sentences };
 }
 
 /** @param {PhotoCollection|null} photos @returns {number|null} metres */
@@ -65,11 +52,11 @@ function medianError(photos) {
  * @returns {HTMLElement}
  */
 export function resultView(report, photos) {
-  const { grade, sentences } = resultWords(report, photos);
+  const { grade, accuracy, sentences } = resultWords(report, photos);
   return h(
     'div',
     { class: `result-verdict result-${grade}`, id: 'result-verdict' },
     icon(grade === 'good' ? 'check' : 'warning'),
-    h('p', {}, sentences.join(' ')),
+    h('div', {}, h('p', {}, h('strong', {}, strings.report.titles[grade]), ' ', accuracy || sentences[0]), (accuracy || sentences.length > 1) && h('p', {}, (accuracy ? sentences : sentences.slice(1)).join(' '))),
   );
 }

@@ -2,6 +2,7 @@
 /** @import { Flight, Share } from '../shared/types.js' */
 import { addShare, listShares, removeShare } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
+import { xmlText } from './connect_files.js';
 import { addressField } from './links_view.js';
 import { strings } from '../shared/strings.js';
 
@@ -10,6 +11,17 @@ const kUsualDays = 30;
 
 /** @param {string} page as the server names it, "/#/flights/..." */
 const absolute = (page) => new URL(page, location.origin).href;
+
+/**
+ * What a website takes to show the map in a frame, at the place that is shown now where the map was moved.
+ * @param {Flight} flight
+ * @param {string} embed as the server names it, "/embed/..."
+ */
+function embedField(flight, embed) {
+  const at = new URLSearchParams(location.hash.split('?')[1] ?? '').get('at');
+  const address = absolute(embed) + (at ? `${embed.includes('#') ? '&' : '#'}at=${at}` : '');
+  return addressField(strings.share.embed, `<iframe src="${xmlText(address)}" title="${xmlText(flight.name)}" width="800" height="500" style="border:0" loading="lazy" allowfullscreen></iframe>`);
+}
 
 /** @param {Flight} flight */
 export function showShareDialog(flight) {
@@ -38,7 +50,7 @@ async function fillIn(flight, body, showFailure) {
   const words = strings.share;
   const { needs_token, shares } = await listShares(flight.id);
   if (!needs_token) {
-    put(body, h('p', {}, words.open), addressField(words.link, absolute(`/#/flights/${flight.id}`)));
+    put(body, h('p', {}, words.open), addressField(words.link, absolute(`/#/flights/${flight.id}`)), embedField(flight, `/embed/${flight.id}`));
     return;
   }
   const again = () => fillIn(flight, body, showFailure).catch(showFailure);
@@ -54,7 +66,7 @@ async function fillIn(flight, body, showFailure) {
     try {
       const share = await addShare(flight.id, choice.value === 'null' ? null : Number(choice.value));
       await again();
-      body.querySelector('#share-made')?.append(h('p', { class: 'muted' }, words.once), addressField(words.link, absolute(share.page)));
+      body.querySelector('#share-made')?.append(h('p', { class: 'muted' }, words.once), addressField(words.link, absolute(share.page)), embedField(flight, share.embed));
     } catch (error) {
       make.disabled = false;
       showFailure(error);

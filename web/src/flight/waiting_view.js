@@ -3,11 +3,12 @@
 /** @import { Flight } from '../shared/types.js' */
 import { getVerdict, listFiles } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
-import { mayChange } from './flight_list.js';
+import { mayChange } from './flight_words.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
 import { whatIsMissing } from '../upload/upload_memory.js';
-import { resumeUpload, stoppedUploadOf } from '../upload/uploads.js';
+import { stoppedUploadOf } from '../upload/running_uploads.js';
+import { resumeUpload } from '../upload/uploads.js';
 import { serverVerdictView } from '../upload/verdict_view.js';
 
 /**

@@ -3,6 +3,7 @@
 /** @import { TileJson } from '../shared/types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { authorization } from '../shared/access.js';
+import { keptChoice } from '../shared/kept.js';
 
 /** @typedef {'none'|'land'|'server'} BasemapKind */
 
@@ -27,15 +28,15 @@ export function offeredBasemap() {
 
 /** @returns {BasemapKind} */
 export function chosenBasemap() {
-  const kept = localStorage.getItem(kKey);
+  const kept = keptChoice(kKey);
   return kept === 'none' || kept === 'server' ? kept : 'land';
 }
 
 /**
- * What the operator wrote is text; the map's attribution control reads markup.
+ * What operators and makers of maps wrote is text; the map's attribution control reads markup.
  * @param {string} text
  */
-function asMarkup(text) {
+export function asMarkup(text) {
   const element = document.createElement('span');
   element.textContent = text;
   return element.innerHTML;

@@ -4,7 +4,7 @@
 /** @import { MapView } from './map_view.js' */
 import { h } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
-import { takenDay } from '../flight/flight_list.js';
+import { takenDay } from '../flight/flight_words.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
 

@@ -111,6 +111,16 @@ export function photoLayers(colour) {
   ];
 }
 
+/** @param {string} id of the source @param {string} colour @returns {LayerSpecification[]} */
+export function ownDataLayers(id, colour) {
+  const of = (/** @type {string} */ kind) => /** @type {any} */ (['==', ['geometry-type'], kind]);
+  return [
+    { id: `${id}-fill`, type: 'fill', source: id, filter: of('Polygon'), paint: { 'fill-color': colour, 'fill-opacity': 0.18 } },
+    { id: `${id}-line`, type: 'line', source: id, filter: ['!', of('Point')], layout: { 'line-join': 'round' }, paint: { 'line-color': colour, 'line-width': 2.5 } },
+    { id: `${id}-point`, type: 'circle', source: id, filter: of('Point'), paint: { 'circle-radius': 5.5, 'circle-color': colour, 'circle-stroke-color': '#ffffff', 'circle-stroke-width': 2 } },
+  ];
+}
+
 /** @returns {LayerSpecification[]} */
 export function measureLayers() {
   return [
@@ -134,13 +144,6 @@ export function measureLayers() {
       source: 'measure',
       filter: ['==', ['geometry-type'], 'LineString'],
       paint: { 'line-color': '#ffe14d', 'line-width': 2.5 },
-    },
-    {
-      id: 'measure-points',
-      type: 'circle',
-      source: 'measure',
-      filter: ['==', ['geometry-type'], 'Point'],
-      paint: { 'circle-radius': 4.5, 'circle-color': '#ffe14d', 'circle-stroke-color': '#10201c', 'circle-stroke-width': 2 },
     },
   ];
 }

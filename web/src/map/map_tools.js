@@ -9,6 +9,7 @@ import { h, put } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
 import { compassNeedle, icon } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
+import { ownDataView } from './own_data_view.js';
 import { strings } from '../shared/strings.js';
 import { ownHost } from './tile_addresses.js';
 
@@ -133,6 +134,7 @@ function layersCard(view) {
     legend,
     h('label', { for: 'basemap', class: 'small-label' }, words.basemap),
     basemap,
+    ownDataView(view),
   );
   return {
     element,

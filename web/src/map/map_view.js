@@ -5,13 +5,15 @@
 /** @import { ColourBy } from './map_style.js' */
 import * as maplibre from '../../vendor/maplibre-gl.mjs';
 import { authorization } from '../shared/access.js';
-import { basemapParts, chosenBasemap } from './basemap.js';
+import { asMarkup, basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
 import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
-import { cameraPoints, emptyStyle, flightPath, groundColour, lineOpacity, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { cameraPoints, emptyStyle, flightPath, groundColour, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
+import { outlineOf } from './outlines.js';
 import { placeMark } from './place_mark.js';
 import { strings } from '../shared/strings.js';
 import { ownHost, tilesIn } from './tile_addresses.js';
+import { chosenUnits } from '../shared/units.js';
 
 maplibre.setWorkerUrl(new URL('../../vendor/maplibre-gl-worker.mjs', import.meta.url).href);
 
@@ -28,6 +30,8 @@ export class MapView {
   overlay = '';
   /** @type {ColourBy} */
   colour_by = 'placement';
+  /** @type {Map<string, import('./outlines.js').Outline>} of the user's own data that lies over the map */
+  own_outlines = new Map();
   opacity = 1;
   shows_footprints = false;  // the map first
   shows_path = false;
@@ -39,6 +43,8 @@ export class MapView {
   #zooms = [0, 0];
   #drawn_from_zoom = 0;
   is_moved = false;  // by the user, since the flight was opened
+  /** @type {maplibre.ScaleControl} */
+  #scale;
 
   /**
    * @param {HTMLElement} container
@@ -58,7 +64,8 @@ export class MapView {
       fadeDuration: 120,
       locale: { 'Map.Title': label },
     });
-    this.map.addControl(new maplibre.ScaleControl({ maxWidth: 130, unit: 'metric' }), 'bottom-left');
+    this.#scale = new maplibre.ScaleControl({ maxWidth: container.clientWidth < 500 ? 80 : 130, unit: chosenUnits() });
+    this.map.addControl(this.#scale, 'bottom-left');
     // Shows whom the sources in sight name: the makers of the basemap.
     this.map.addControl(new maplibre.AttributionControl({ compact: false, customAttribution: [] }), 'bottom-left');
     container.dataset.mapState = 'empty';
@@ -106,6 +113,7 @@ export class MapView {
       tileSize: (tilejson.tileSize ?? 256) / (devicePixelRatio > 1.5 ? 2 : 1),
       minzoom: tilejson.minzoom ?? 0,
       maxzoom: tilejson.maxzoom ?? 22,
+      attribution: asMarkup(tilejson.attribution ?? ''),
       ...(grows ? {} : { bounds }),
     });
     this.#drawn_from_zoom = (tilejson.minzoom ?? 0) - Math.log2(512 / (tilejson.tileSize ?? 256));
@@ -264,16 +272,42 @@ export class MapView {
   }
 
   /**
-   * A mark that can be dragged.
+   * A mark, which can be dragged where that is listened to.
    * @param {HTMLElement} element
    * @param {[number, number]} place
-   * @param {number} above_px that the element stands above it; negative: hangs below it
-   * @param {(place: [number, number]) => void} on_drag
+   * @param {number} above_px that the element stands above it; negative: hangs below it; 0: lies on it
+   * @param {((place: [number, number]) => void)|null} on_drag null: it stays
    */
   addMark(element, place, above_px, on_drag) {
-    const mark = new maplibre.Marker({ element, draggable: true, anchor: above_px < 0 ? 'top' : 'bottom', offset: [0, -above_px] }).setLngLat(place).addTo(this.map);
-    mark.on('drag', () => on_drag(mark.getLngLat().toArray()));
+    const anchor = above_px === 0 ? 'center' : above_px < 0 ? 'top' : 'bottom';
+    const mark = new maplibre.Marker({ element, draggable: on_drag !== null, anchor, offset: [0, -above_px] }).setLngLat(place).addTo(this.map);
+    mark.on('drag', () => on_drag?.(mark.getLngLat().toArray()));
     return mark;
+  }
+
+  /**
+   * Lays a user's own data over the map and its photos.
+   * @param {string} id
+   * @param {string} name of its file
+   * @param {GeoJSON.FeatureCollection} data
+   * @param {string} colour
+   */
+  addOwnData(id, name, data, colour) {
+    const outline = outlineOf(name, data);
+    if (outline) this.own_outlines.set(id, outline);
+    this.map.addSource(id, { type: 'geojson', data });
+    for (const layer of ownDataLayers(id, colour)) this.map.addLayer(layer, this.map.getLayer('measure-fill') ? 'measure-fill' : undefined);
+  }
+
+  /** @param {string} id */
+  removeOwnData(id) {
+    this.own_outlines.delete(id);
+    this.#remove(id, ownDataLayers(id, '').map((layer) => layer.id));
+  }
+
+  /** @param {import('../shared/units.js').Units} units of the scale bar */
+  setUnits(units) {
+    this.#scale.setUnit(units);
   }
 
   /** @param {string} name of a photo; '' for none */

@@ -1,14 +1,20 @@
-// Measuring on the map: a path's length or a polygon's area, by pointer or by keyboard (the map's centre).
+// Measuring on the map: a path's length with that of each part, or an outline's area, by pointer or by keyboard (the
+// map's centre). Points can be dragged; what was done is undone step by step; the result is saved as a file.
 /** @import { LonLat } from './geodesy.js' */
 /** @import { MapView } from './map_view.js' */
+/** @import { Measurement } from './measurement_files.js' */
+/** @import { Units } from '../shared/units.js' */
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
-import { formatArea, formatLength } from '../shared/format.js';
-import { pathLength, polygonArea } from './geodesy.js';
+import { saveText } from '../flight/connect_files.js';
+import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';
 import { measureLayers } from './map_style.js';
+import { measureMarks } from './measure_marks.js';
+import { measurementGeoJson, measurementKml, polygonOf } from './measurement_files.js';
 import { crossesItself } from './ring_crossing.js';
 import { strings } from '../shared/strings.js';
+import { areaIn, chosenUnits, keepUnits, lengthIn } from '../shared/units.js';
 
 /** @typedef {'distance'|'area'} MeasureKind */
 
@@ -36,12 +42,29 @@ export function measureTool(view, listener) {
   let kind = null;
   /** @type {LonLat[]} */
   let places = [];
+  /** @type {LonLat[][]} what the points were before each change */
+  let before = [];
+  /** @type {Units} */
+  let units = chosenUnits();
 
   const title = h('h2', { class: 'card-title' });
   const result = h('output', { class: 'measure-result', id: 'measure-result' });
   const more = h('p', { class: 'muted' });
-  const button = (/** @type {string} */ label, /** @type {() => void} */ run) =>
-    h('button', { type: 'button', class: 'button small', on: { click: run } }, label);
+  const button = (/** @type {string} */ label, /** @type {() => void} */ run, id = '') =>
+    h('button', { type: 'button', class: 'button small', id: id || null, on: { click: run } }, label);
+  const unit_choice = h(
+    'select',
+    { class: 'field units', id: 'units', 'aria-label': words.units, on: { change: () => setUnits(/** @type {Units} */ (unit_choice.value)) } },
+    ...Object.entries(words.unit_names).map(([value, label]) => h('option', { value }, label)),
+  );
+  const undo_button = button(words.undo, () => undo(), 'measure-undo');
+  const saving = h(
+    'div',
+    { class: 'row measure-save' },
+    h('span', { class: 'fine' }, words.save),
+    button('GeoJSON', () => save('geojson'), 'measure-geojson'),
+    button('KML', () => save('kml'), 'measure-kml'),
+  );
   const element = h(
     'section',
     { class: 'measure-card floating', id: 'measure-card', 'aria-label': words.distance, hidden: true },
@@ -49,55 +72,87 @@ export function measureTool(view, listener) {
       'div',
       { class: 'row between card-head' },
       title,
-      h('button', { type: 'button', class: 'icon-button', 'aria-label': words.close, title: words.close, on: { click: () => end() } }, icon('close')),
+      h('div', { class: 'measure-head' }, unit_choice,
+        h('button', { type: 'button', class: 'icon-button', 'aria-label': words.close, title: words.close, on: { click: () => end() } }, icon('close'))),
     ),
     result,
     more,
-    h(
-      'div',
-      { class: 'row' },
-      button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])),
-      button(words.undo, () => {
-        places.pop();
-        draw();
-      }),
-      button(words.clear, () => {
-        places = [];
-        draw();
-      }),
-    ),
+    h('div', { class: 'row' }, button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])), undo_button, button(words.clear, () => change([]))),
+    saving,
   );
   const cross = h('div', { class: 'centre-cross', 'aria-hidden': 'true', hidden: true });
+  const marks = measureMarks(view, {
+    on_grab: () => before.push([...places]),
+    on_move: (index, place) => {
+      places[index] = place;
+      draw(false);
+    },
+    on_drop: () => tell(),
+    on_remove: (index) => change(places.filter((_, i) => i !== index)),
+  });
 
-  const draw = () => {
+  const isCrossing = () => kind === 'area' && places.length > 3 && crossesItself(places);
+  /** @returns {Measurement|null} null while there is nothing to measure */
+  const measured = () => {
+    if (!kind || places.length < (kind === 'area' ? 3 : 2) || isCrossing()) return null;
+    const is_area = kind === 'area';
+    return { name: words[kind], places, length_m: pathLength(is_area ? [...places, places[0]] : places), area_m2: is_area ? polygonArea(places) : null };
+  };
+  const tell = () => {
+    if (isCrossing()) announce(words.crossing);
+    else if (result.textContent) announce(result.textContent);
+  };
+  const draw = (tells = true) => {
     const source = view.map.getSource('measure');
     if (source) /** @type {any} */ (source).setData(drawing(places, kind ?? 'distance'));
+    const is_ring = kind === 'area' && places.length > 2;
+    const ends = is_ring ? [...places, places[0]] : places;
+    marks.show(places, ends.slice(1).map((to, i) => ({ from: ends[i], to, text: lengthIn(geodesicLength(ends[i], to), units) })));
     if (!kind) return;
-    const length = pathLength(kind === 'area' && places.length > 2 ? [...places, places[0]] : places);
-    if (kind === 'distance') {
-      result.textContent = places.length > 1 ? formatLength(length) : '';
-      more.textContent = places.length > 1 ? '' : words.hint;
-    } else {
-      const is_crossing = places.length > 3 && crossesItself(places);
-      result.textContent = places.length > 2 && !is_crossing ? formatArea(polygonArea(places)) : '';
-      more.textContent = is_crossing ? words.crossing : places.length > 2 ? `${words.perimeter} ${formatLength(length)}` : words.hint;
-      more.classList.toggle('amber', is_crossing);
-      if (is_crossing) announce(words.crossing);
-    }
-    if (kind === 'distance') more.classList.remove('amber');
-    if (result.textContent) announce(result.textContent);
+    const found = measured();
+    const is_crossing = isCrossing();
+    result.textContent = !found ? '' : found.area_m2 === null ? lengthIn(found.length_m, units) : areaIn(found.area_m2, units);
+    more.textContent = is_crossing ? words.crossing : !found ? words.hint : found.area_m2 === null ? '' : `${words.perimeter} ${lengthIn(found.length_m, units)}`;
+    more.classList.toggle('amber', is_crossing);
+    saving.hidden = !found;
+    undo_button.disabled = before.length === 0;
+    if (tells) tell();
   };
-
-  /** @param {LonLat} place */
-  const add = (place) => {
-    places.push(place);
+  /** @param {LonLat[]} next */
+  const change = (next) => {
+    before.push([...places]);
+    places = next;
     draw();
+  };
+  const undo = () => {
+    const last = before.pop();
+    if (!last) return;
+    places = last;
+    draw();
+  };
+  /** @param {LonLat} place */
+  const add = (place) => change([...places, place]);
+  /** @param {Units} next */
+  const setUnits = (next) => {
+    units = next;
+    keepUnits(next);
+    view.setUnits(next);
+    draw();
+  };
+  /** @param {'geojson'|'kml'} form */
+  const save = (form) => {
+    const found = measured();
+    if (!found || !kind) return;
+    const file = `${words.file_name[kind]}.${form}`;
+    if (form === 'kml') saveText(file, measurementKml(found), 'application/vnd.google-earth.kml+xml');
+    else saveText(file, measurementGeoJson(found), 'application/geo+json');
   };
 
   const end = () => {
     if (!kind) return;
     kind = null;
     places = [];
+    before = [];
     draw();
     element.hidden = true;
     cross.hidden = true;
@@ -105,15 +160,27 @@ export function measureTool(view, listener) {
     view.map.doubleClickZoom.enable();
     listener.on_change(null);
   };
-  element.addEventListener('keydown', (event) => {
+  const onKey = (/** @type {KeyboardEvent} */ event) => {
+    if (!kind) return;
     if (event.key === 'Escape') end();
-  });
+    const is_undo = event.key === 'Backspace' || (event.key.toLowerCase() === 'z' && (event.ctrlKey || event.metaKey));
+    if (!is_undo) return;
+    event.preventDefault();
+    undo();
+  };
+  element.addEventListener('keydown', onKey);
+  view.map.getCanvasContainer().addEventListener('keydown', onKey);
 
   return {
     element,
     cross,
     add,
     end,
+    /** @returns {import('./outlines.js').Outline|null} the area that is drawn */
+    get outline() {
+      const found = measured();
+      return found && found.area_m2 !== null ? { name: strings.exports.drawn(areaIn(found.area_m2, units)), geometry: polygonOf(found.places) } : null;
+    },
     get kind() {
       return kind;
     },
@@ -125,7 +192,10 @@ export function measureTool(view, listener) {
       }
       // Points of a path are no corners of an outline.
       places = [];
+      before = [];
       kind = next;
+      units = chosenUnits();
+      unit_choice.value = units;
       if (!view.map.getSource('measure')) {
         view.map.addSource('measure', { type: 'geojson', data: drawing([], next) });
         for (const layer of measureLayers()) view.map.addLayer(layer);

@@ -1,11 +1,11 @@
 // The large part of the window: the map of the open flight with everything that floats over it. The map library is
 // loaded when the first map is wanted, so that the first view is light.
-/** @import { Bounds, Flight, PhotoCollection, TileJson } from '../shared/types.js' */
+/** @import { Bounds, Flight, PhotoCollection, Sighting, TileJson } from '../shared/types.js' */
 /** @import { MapView } from './map_view.js' */
 /** @import { PlaceSubject } from './place_tool.js' */
 import { showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
-import { byId, h, put } from '../shared/dom.js';
+import { byId, h, loadStyle, put } from '../shared/dom.js';
 import { go, parseRoute } from '../shared/router.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
 import { mapTools } from './map_tools.js';
@@ -14,7 +14,7 @@ import { placeTool } from './place_tool.js';
 import { photoCard } from '../flight/photo_card.js';
 import { strings } from '../shared/strings.js';
 import { hashWithPlace, placeOfHash } from './view_address.js';
-import { uploadOf } from '../upload/uploads.js';
+import { uploadOf } from '../upload/running_uploads.js';
 
 const kPreview = 'preview';
 
@@ -152,14 +152,23 @@ export class Stage {
     // The server knows lens and ground; without its answer the footprints tell which photos, but not where in them.
     const sightings = await getSightings(flight.id, place.lng, place.lat).catch(() => null);
     if (turn !== this.#place_turn || flight !== this.#flight) return 0;
-    const pixels = new Map((sightings ?? []).map(({ name, x, y }) => [name, { x, y }]));
-    const records = sightings ? view.recordsOf([...pixels.keys()]) : view.photosAt(place);
+    const seen = new Map((sightings ?? []).sort(byQuality).map((sighting) => [sighting.name, sighting]));
+    const records = sightings ? view.recordsOf([...seen.keys()]) : view.photosAt(place);
     const camera = point ? view.cameraAt(point) : null;
     const ordered = camera ? [camera, ...records.filter((record) => record !== camera)] : records;
     this.#parts?.card.show(
-      ordered.map((record) => ({ record, url: photoPath(flight.id, record.name), pixel: pixels.get(record.name) ?? null })),
+      ordered.map((record) => {
+        const sighting = seen.get(record.name);
+        return { record, url: photoPath(flight.id, record.name), pixel: sighting ? { x: sighting.x, y: sighting.y } : null, off_vertical_deg: sighting?.off_nadir_deg ?? null };
+      }),
     );
     return ordered.length;
+  }
+
+  /** Areas that are drawn on the map or laid over it. @returns {import('./outlines.js').Outline[]} */
+  outlines() {
+    const drawn = this.#parts?.measure.outline ?? null;
+    return [...(drawn ? [drawn] : []), ...(this.#view?.own_outlines.values() ?? [])];
   }
 
   /** Room that the tools take from the map. */
@@ -383,11 +392,22 @@ let map_style = null;
 
 /** The library that draws maps, and its style, which lies below the page's own. */
 function loadMapView() {
-  map_style ??= new Promise((resolve) => {
-    const sheet = h('link', { rel: 'stylesheet', href: 'vendor/maplibre-gl.css', on: { load: () => resolve(), error: () => resolve() } });
-    document.head.insertBefore(sheet, document.querySelector('link[rel="stylesheet"]'));
-  });
+  map_style ??= loadStyle('vendor/maplibre-gl.css', document.querySelector('link[rel="stylesheet"]'));
   return Promise.all([import('./map_view.js'), map_style]).then(([module]) => module);
+}
+
+// Views that differ by less than this are as good as each other; then the better placed is.
+const kSameView_deg = 4;
+
+/**
+ * Aligned photos first, then the most vertical views, then those that are placed best.
+ * @param {Sighting} a
+ * @param {Sighting} b
+ */
+function byQuality(a, b) {
+  const rank = (/** @type {Sighting} */ { placement }) => (placement === 'pose_only' ? 1 : 0);
+  const view = (/** @type {Sighting} */ { off_nadir_deg = 0 }) => Math.floor(off_nadir_deg / kSameView_deg);
+  return rank(a) - rank(b) || view(a) - view(b) || (a.sigma_m ?? 0) - (b.sigma_m ?? 0);
 }
 
 /** @param {string} id */

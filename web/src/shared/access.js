@@ -24,7 +24,19 @@ export function takeSharedToken() {
   return true;
 }
 
-const token = () => sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';
+/** @type {string|null} */
+let held = null;
+
+/**
+ * For a page in the frame of another, where the browser may keep nothing: requests carry this token and no other, and
+ * nobody is asked for one.
+ * @param {string} text '' for none
+ */
+export function holdToken(text) {
+  held = text;
+}
+
+const token = () => held ?? sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';
 
 /** @returns {Record<string, string>} headers */
 export const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});
@@ -44,7 +56,7 @@ let is_asking = false;
 
 /** Prompts for a token, stores it and reloads the page. Once at a time. */
 export function askForToken() {
-  if (is_asking) return;
+  if (is_asking || held !== null) return;
   is_asking = true;
   const words = strings.access;
   const input = h('input', { type: 'password', id: 'token-input', class: 'field mono', required: true, autocomplete: 'current-password' });

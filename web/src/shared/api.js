@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Access, Flight, Job, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
+/** @import { Access, Flight, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { askForToken, authorization, readable } from './access.js';
 import { strings } from './strings.js';
 
@@ -86,7 +86,7 @@ export async function listFlights(signal) {
   const flights = [];
   let cursor = '';
   do {
-    const page = await request('GET', `/api/v1/flights?limit=100${cursor}`, undefined, signal);
+    const page = await request('GET', `/api/v1/flights?limit=200${cursor}`, undefined, signal);
     flights.push(...page.flights);
     cursor = page.next_cursor ? `&cursor=${encodeURIComponent(page.next_cursor)}` : '';
   } while (cursor);
@@ -115,7 +115,25 @@ export async function getVerdict(id, signal) {
 }
 
 /** What who asks may do here. @returns {Promise<Access>} */
-export const getAccess = () => request('GET', '/api/v1/access');
+const getAccess = () => request('GET', '/api/v1/access');
+
+/** @type {Promise<Access|null>|null} */
+let asked_access = null;
+
+/** Asked once; what would be refused is not offered. @returns {Promise<Access|null>} null where the server does not say: then everything is offered, and it decides */
+export function ownAccess() {
+  asked_access ??= getAccess().catch(() => {
+    asked_access = null;  // the next who asks tries again
+    return null;
+  });
+  return asked_access;
+}
+
+/** @returns {Promise<boolean>} whether flights can be added */
+export async function mayUpload() {
+  const access = await ownAccess();
+  return access === null || access.scope !== 'read';
+}
 
 /** @param {string} id @param {string} name @returns {Promise<Flight>} */
 export const renameFlight = (id, name) => request('PATCH', flight_path(id), { name });
@@ -194,18 +212,29 @@ export const getLegends = (path) => request('GET', path);
 /** @param {string} id @returns {Promise<{needs_token: boolean, shares: Share[]}>} */
 export const listShares = (id) => request('GET', `${flight_path(id)}/shares`);
 
-/** @param {string} id @param {number|null} days null: it never ends @returns {Promise<Share & {token: string, page: string}>} */
+/** @param {string} id @param {number|null} days null: it never ends @returns {Promise<Share & {token: string, page: string, embed: string}>} */
 export const addShare = (id, days) => request('POST', `${flight_path(id)}/shares`, { expires_in_days: days });
 
 /** @param {string} id @param {string} share its id @returns {Promise<null>} */
 export const removeShare = (id, share) => request('DELETE', `${flight_path(id)}/shares/${encodeURIComponent(share)}`);
 
-/** @param {string} id @param {'mbtiles'|'tif'} kind @returns {string} */
+/**
+ * The whole map as one small picture.
+ * @param {Flight} flight with a map
+ * @param {'list'|'print'} [use] of 15 kB, or as large as there is
+ * @returns {string} another one for each revision
+ */
+export const thumbnailPath = ({ id, revision }, use = 'list') =>
+  readable(`${flight_path(id)}/${use === 'list' ? 'thumbnail.webp?size=320&' : 'thumbnail.png?'}rev=${revision}`);
+
+/** @typedef {'tif'|'mbtiles'|'pmtiles'|'zip'} DownloadKind */
+
+/** @param {string} id @param {DownloadKind} kind @returns {string} */
 export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;
 
 /**
  * @param {string} id
- * @param {'mbtiles'|'tif'} kind
+ * @param {DownloadKind} kind
  * @returns {Promise<number|null>} null when the server does not say
  */
 export async function downloadSize(id, kind) {
@@ -213,3 +242,14 @@ export async function downloadSize(id, kind) {
   const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
   return Number.isFinite(length) ? length : null;
 }
+
+/** @typedef {{format: string, crs?: string, resolution_m?: number, boundary?: GeoJSON.Geometry}} ExportWish */
+
+/** @param {string} id @returns {Promise<MapExport[]>} newest first */
+export const listExports = async (id) => (await request('GET', `${flight_path(id)}/exports`)).exports;
+
+/** @param {string} id @param {ExportWish} wish @returns {Promise<MapExport>} */
+export const startExport = (id, wish) => request('POST', `${flight_path(id)}/exports`, wish);
+
+/** Also one that is still being made. @param {string} id @param {string} made its id @returns {Promise<null>} */
+export const removeExport = (id, made) => request('DELETE', `${flight_path(id)}/exports/${encodeURIComponent(made)}`);

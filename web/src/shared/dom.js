@@ -72,3 +72,14 @@ export function byId(id) {
   if (!element) throw new Error(`index.html lacks #${id}`);
   return element;
 }
+
+/**
+ * Loads a style sheet of the page.
+ * @param {string} href
+ * @param {Element|null} [before] another one, which overrides it
+ * @returns {Promise<void>} also where it cannot be had: what it styles is of use without it
+ */
+export const loadStyle = (href, before = null) =>
+  new Promise((resolve) => {
+    document.head.insertBefore(h('link', { rel: 'stylesheet', href, on: { load: () => resolve(), error: () => resolve() } }), before);
+  });

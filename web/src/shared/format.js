@@ -56,6 +56,12 @@ export function formatLength(metres) {
 }
 
 /**
+ * A round length: "200 m", "1000 km".
+ * @param {number} metres
+ */
+export const formatDistance = (metres) => (metres < 1000 ? `${number(metres < 1 ? 1 : 0).format(metres)}\u00a0m` : `${number(0).format(metres / 1000)}\u00a0km`);
+
+/**
  * An estimate of an error: two digits are all that it is worth.
  * @param {number} metres
  * @returns {string}

@@ -37,6 +37,7 @@
  * @property {number|null} [revision]
  * @property {Job|null} [job]
  * @property {Bounds|null} [bounds]
+ * @property {boolean|null} [georeferenced] false: its map lies nowhere on Earth
  * @property {number|null} [min_zoom]
  * @property {number|null} [max_zoom]
  * @property {PhotoCounts|null} [photos]
@@ -73,6 +74,23 @@
  */
 
 /** @typedef {{id: string, created_at: string, expires_at: string|null}} Share */
+
+/**
+ * A map in another format, coordinate system, area or resolution, made by the server and kept for a day.
+ * @typedef {object} MapExport
+ * @property {string} id
+ * @property {string} format
+ * @property {string|null} crs
+ * @property {number|null} resolution_m
+ * @property {object|null} boundary
+ * @property {boolean} is_current of the map that is shown now
+ * @property {'accepted'|'running'|'successful'|'failed'} state
+ * @property {number} progress 0..1
+ * @property {number|null} bytes
+ * @property {ServerError|null} error
+ * @property {string|null} expires_at
+ * @property {string|null} download address of the file
+ */
 
 /**
  * A deleted flight that can be restored.
@@ -113,6 +131,8 @@
 /**
  * @typedef {object} TileJson
  * @property {string[]} tiles
+ * @property {string} [name]
+ * @property {string} [attribution] whose map it is, where somebody says so
  * @property {number} [minzoom]
  * @property {number} [maxzoom]
  * @property {string} [version] of a preview it begins with "0."
@@ -159,7 +179,7 @@
 
 /**
  * A photo that sees a place, and the pixel that shows it (the centre of the first one is (0, 0)).
- * @typedef {{name: string, x: number, y: number}} Sighting
+ * @typedef {{name: string, x: number, y: number, off_nadir_deg?: number, sigma_m?: number, placement?: 'aligned'|'pose_only'}} Sighting
  */
 
 /**

@@ -1,5 +1,5 @@
-// From what was dropped or chosen to a list of files worth sending. Folders are walked to the bottom; each file is
-// judged by its name and its first bytes, so that a broken card or a stray document is told before anything is sent.
+// From the files that were dropped or chosen to a list of those worth sending. Each is judged by its name and its first
+// bytes, so that a broken card or a stray document is told before anything is sent.
 import { strings } from '../shared/strings.js';
 
 /** @typedef {{file: File, path: string}} FoundFile */
@@ -15,52 +15,6 @@ const kOtherFilms = new Set(['avi', 'mkv', 'lrf', 'lrv', 'ts']);
 // The server unpacks these into the files in them.
 const kArchiveName = /\.(zip|tar|tgz|tar\.gz)$/i;
 const kOtherArchives = new Set(['7z', 'rar', 'gz', 'bz2', 'xz']);
-
-/**
- * All files of a drop. The items must be taken before the first await: the browser empties them afterwards.
- * @param {DataTransfer} transfer
- * @returns {Promise<FoundFile[]>}
- */
-export async function filesOfDrop(transfer) {
-  const roots = [...transfer.items]
-    .filter((item) => item.kind === 'file')
-    .map((item) => ({ entry: item.webkitGetAsEntry?.() ?? null, file: item.getAsFile() }));
-  /** @type {FoundFile[]} */
-  const found = [];
-  for (const { entry, file } of roots) {
-    if (entry) await walk(entry, found);
-    else if (file) found.push({ file, path: file.name });
-  }
-  return found;
-}
-
-/**
- * @param {FileSystemEntry} entry
- * @param {FoundFile[]} found
- */
-async function walk(entry, found) {
-  if (entry.isFile) {
-    const file_entry = /** @type {FileSystemFileEntry} */ (entry);
-    const file = await new Promise((resolve, reject) => file_entry.file(resolve, reject));
-    found.push({ file, path: entry.fullPath.replace(/^\//, '') });
-    return;
-  }
-  const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
-  for (;;) {
-    // readEntries gives at most a hundred at a time and an empty list at the end.
-    const entries = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
-    if (entries.length === 0) return;
-    for (const child of entries) await walk(child, found);
-  }
-}
-
-/**
- * @param {FileList} list of an <input type="file">
- * @returns {FoundFile[]}
- */
-export function filesOfInput(list) {
-  return [...list].map((file) => ({ file, path: file.webkitRelativePath || file.name }));
-}
 
 /**
  * @param {string} name

@@ -1,8 +1,8 @@
-// The whole window takes files: dropped anywhere, or chosen by the buttons of the welcome and of the flight.
-/** @import { Selection } from './drop_files.js' */
+// The whole window takes files: dropped anywhere, or chosen by the buttons of the welcome and of the flight. Folders are
+// walked to the bottom.
+/** @import { FoundFile, Selection } from './drop_files.js' */
 import { showError, showNote } from '../shared/announce.js';
 import { byId, h, put } from '../shared/dom.js';
-import { filesOfDrop, filesOfInput, selectFiles } from './drop_files.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/strings.js';
 
@@ -42,10 +42,11 @@ export function dropZone(on_files) {
     take(filesOfDrop(event.dataTransfer));
   });
 
-  /** @param {Promise<import('./drop_files.js').FoundFile[]>|import('./drop_files.js').FoundFile[]} found */
+  /** @param {Promise<FoundFile[]>|FoundFile[]} found */
   const take = async (found) => {
     const close = showNote(strings.drop.reading, { duration_ms: 600_000 });
     try {
+      const { selectFiles } = await import('./drop_files.js');
       const selection = await selectFiles(await found);
       close();
       if (selection.chosen.length > 0) on_files(selection);
@@ -69,4 +70,50 @@ export function dropZone(on_files) {
   const folder_input = input(true);
   const files_input = input(false);
   return { choose_folder: () => folder_input.click(), choose_files: () => files_input.click() };
+}
+
+/**
+ * All files of a drop. The items must be taken before the first await: the browser empties them afterwards.
+ * @param {DataTransfer} transfer
+ * @returns {Promise<FoundFile[]>}
+ */
+async function filesOfDrop(transfer) {
+  const roots = [...transfer.items]
+    .filter((item) => item.kind === 'file')
+    .map((item) => ({ entry: item.webkitGetAsEntry?.() ?? null, file: item.getAsFile() }));
+  /** @type {FoundFile[]} */
+  const found = [];
+  for (const { entry, file } of roots) {
+    if (entry) await walk(entry, found);
+    else if (file) found.push({ file, path: file.name });
+  }
+  return found;
+}
+
+/**
+ * @param {FileSystemEntry} entry
+ * @param {FoundFile[]} found
+ */
+async function walk(entry, found) {
+  if (entry.isFile) {
+    const file_entry = /** @type {FileSystemFileEntry} */ (entry);
+    const file = await new Promise((resolve, reject) => file_entry.file(resolve, reject));
+    found.push({ file, path: entry.fullPath.replace(/^\//, '') });
+    return;
+  }
+  const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
+  for (;;) {
+    // readEntries gives at most a hundred at a time and an empty list at the end.
+    const entries = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (entries.length === 0) return;
+    for (const child of entries) await walk(child, found);
+  }
+}
+
+/**
+ * @param {FileList} list of an <input type="file">
+ * @returns {FoundFile[]}
+ */
+function filesOfInput(list) {
+  return [...list].map((file) => ({ file, path: file.webkitRelativePath || file.name }));
 }

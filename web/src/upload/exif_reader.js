@@ -45,6 +45,7 @@ function tiffStart(view) {
 class Directory {
   /** @type {Map<number, {type: number, count: number, at: number}>} */
   tags = new Map();
+  next = 0;  // offset of the directory after it, from base; 0 for none
 
   /**
    * @param {DataView} view
@@ -59,6 +60,8 @@ class Directory {
     const start = base + offset;
     if (offset < 8 || start + 2 > view.byteLength) return;
     const count = view.getUint16(start, little);
+    const next_at = start + 2 + count * 12;
+    if (next_at + 4 <= view.byteLength) this.next = view.getUint32(next_at, little);
     for (let i = 0; i < count; i += 1) {
       const at = start + 2 + i * 12;
       if (at + 12 > view.byteLength) return;
@@ -162,4 +165,22 @@ export function glanceAtPhoto(head) {
     }
   }
   return glance;
+}
+
+/**
+ * The small picture that cameras write beside the EXIF.
+ * @param {ArrayBuffer} head the first bytes of a photo
+ * @returns {Blob|null} JPEG; null where there is none in these bytes
+ */
+export function embeddedPicture(head) {
+  const view = new DataView(head);
+  const base = tiffStart(view);
+  if (base < 0 || base + 8 > view.byteLength) return null;
+  const little = view.getUint16(base) === 0x4949;
+  const { next } = new Directory(view, base, view.getUint32(base + 4, little), little);
+  const small = new Directory(view, base, next, little);
+  const [at] = small.numbers(0x0201);
+  const [bytes] = small.numbers(0x0202);
+  if (!(at > 0 && bytes > 3) || base + at + bytes > view.byteLength || view.getUint16(base + at) !== 0xffd8) return null;
+  return new Blob([head.slice(base + at, base + at + bytes)], { type: 'image/jpeg' });
 }

@@ -5,6 +5,7 @@
 /** @import { Verdict } from './verdict.js' */
 import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
+import { held, sessions } from './running_uploads.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/strings.js';
 import { forgetUpload, rememberUpload } from './upload_memory.js';
@@ -153,30 +154,10 @@ function logsFirst(files) {
   return [...files.filter((file) => !isPicture(file)), ...files.filter(isPicture)];
 }
 
-/** @type {Map<string, UploadSession>} */
-const sessions = new Map();
-/** @type {Map<string, UploadSession>} */
-const held = new Map();
-
 // The line is back: nobody waits for the next try.
 addEventListener('online', () => {
   for (const { queue } of sessions.values()) queue.retryNow();
 });
-
-/**
- * @param {string} flight_id
- * @returns {UploadSession|undefined} the upload under way
- */
-export const uploadOf = (flight_id) => sessions.get(flight_id);
-
-/**
- * @param {string} flight_id
- * @returns {UploadSession|undefined} one that was stopped and can go on: this page still has its files
- */
-export const stoppedUploadOf = (flight_id) => held.get(flight_id);
-
-/** @returns {boolean} whether leaving the page would break an upload */
-export const isUploading = () => [...sessions.values()].some(({ queue }) => queue.picture.state === 'running');
 
 /**
  * @param {string} flight_id

@@ -10,7 +10,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr int kMaxKeypoints = 900;
+constexpr int kSceneKeypoints = 900;
 
 double Normal(Sampler& sampler) {
   return std::sqrt(-2.0 * std::log(1.0 - Uniform(sampler))) *
@@ -106,7 +106,7 @@ SyntheticScene MakeScene(const SyntheticOptions& options) {
       const Eigen::Vector3d tip =
           point.at + 0.1 * Eigen::Vector3d(std::cos(point.direction_rad), std::sin(point.direction_rad), 0.0);
       const auto beside = scene.lens.Project(pose * tip);
-      if (!beside || static_cast<int>(features.keypoints.size()) >= kMaxKeypoints) continue;
+      if (!beside || static_cast<int>(features.keypoints.size()) >= kSceneKeypoints) continue;
       const Eigen::Vector2d way = *beside - *seen;
       Keypoint keypoint;
       keypoint.x_px = static_cast<float>(seen->x() + options.noise_px * Normal(sampler));

@@ -1,0 +1,205 @@
+#include "api/exports/exports.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/auth/flight_access.h"
+#include "api/downloads/send_file.h"
+#include "api/flights/flights.h"
+#include "api/http/once.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_codec.h"
+#include "api/json/json_text.h"
+#include "api/shown_map.h"
+#include "core/base/try.h"
+#include "storage/exports/custom/export_request.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::api {
+namespace {
+
+using storage::ExportState;
+using storage::MapExport;
+using Value = nlohmann::ordered_json;
+
+std::string AddressOfExport(const MapExport& made) {
+  return fmt::format("/api/v1/flights/{}/exports/{}", made.flight_id, made.id);
+}
+
+std::string ExportJson(Service& service, const MapExport& made, std::int64_t shown_revision) {
+  const Value request = Value::parse(made.request, nullptr, false);
+  const auto wished = [&](const char* field) {
+    return request.is_object() && request.contains(field) ? request[field] : Value();
+  };
+  const bool is_there = made.state == ExportState::kSuccessful;
+  Value json;
+  json["id"] = made.id;
+  json["flight_id"] = made.flight_id;
+  json["revision"] = made.revision;
+  json["is_current"] = made.revision == shown_revision;
+  json["format"] = made.format;
+  json["crs"] = wished("crs");
+  json["resolution_m"] = wished("resolution_m");
+  json["boundary"] = wished("boundary");
+  json["state"] = storage::NameOf(made.state);
+  json["progress"] = made.progress;
+  json["bytes"] = is_there ? Value(made.bytes) : Value();
+  json["error"] = made.state == ExportState::kFailed
+                      ? Value({{"code", made.error_code}, {"message", made.error_message}})
+                      : Value();
+  json["created_at"] = FormatTime(made.created);
+  json["finished_at"] = made.finished ? Value(FormatTime(*made.finished)) : Value();
+  json["expires_at"] = made.expires ? Value(FormatTime(service.db.ages().OnTheWall(*made.expires))) : Value();
+  json["href"] = AddressOfExport(made);
+  json["download"] = is_there ? Value(AddressOfExport(made) + "/file") : Value();
+  return json.dump(-1, ' ', false, Value::error_handler_t::replace);
+}
+
+// What the map is, as far as exports depend on it.
+Result<storage::MapFacts> FactsOfShownMap(Service& service, const ShownMap& map,
+                                          const std::string& flight_id) {
+  SKYQUILT_TRY_ASSIGN(const auto tileset, service.tilesets.Get(flight_id));
+  SKYQUILT_TRY_ASSIGN(storage::MapFacts facts, storage::FactsOfTileset(tileset->reader->metadata()));
+  facts.gsd_m = tileset->revision.gsd_m;
+  const Result<storage::LocalBlob> report = FetchProduct(service, map, "report.json");
+  if (!report && report.error().code != ErrorCode::kNotFound) return report.error();
+  if (!report) return facts;
+  SKYQUILT_TRY_ASSIGN(const std::string text, storage::ReadWholeFile(report->path));
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (json.is_object() && json.contains("is_placed") && json["is_placed"].is_boolean())
+    facts.is_placed = json["is_placed"].get<bool>();
+  return facts;
+}
+
+Result<std::string> QueueExport(Service& service, const Request& request, const std::string& body,
+                                std::string& address) {
+  const std::string& flight_id = request.Parameter("flight");
+  SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, flight_id));
+  SKYQUILT_TRY(CheckJsonText(body));
+  SKYQUILT_TRY_ASSIGN(const storage::ExportRequest wish, storage::ParseExportRequest(body));
+  SKYQUILT_TRY_ASSIGN(const storage::MapFacts facts, FactsOfShownMap(service, map, flight_id));
+  SKYQUILT_TRY(storage::CheckExport(wish, facts));
+  MapExport wanted;
+  wanted.flight_id = flight_id;
+  wanted.revision = map.revision;
+  wanted.request = nlohmann::json::parse(body).dump();  // so that the same wish is known again
+  wanted.format = storage::NameOf(wish.format);
+  wanted.owner = request.owner;
+  SKYQUILT_TRY_ASSIGN(const MapExport added,
+                      service.db.Again([&] { return service.exports.Add(wanted, storage::Now()); }));
+  address = AddressOfExport(added);
+  return ExportJson(service, added, map.revision);
+}
+
+Response AskForExport(Service& service, const Request& request, const std::string& body) {
+  std::string address;
+  Result<std::string> json = QueueExport(service, request, body, address);
+  if (!json) return Problem(json.error(), request);
+  Response response = Json(202, *std::move(json));
+  response.headers.Add("Location", address);
+  return response;
+}
+
+Result<std::int64_t> ShownRevisionOf(Service& service, const std::string& flight_id) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
+  return flight.active_revision.value_or(0);
+}
+
+Result<std::string> ListExports(Service& service, const std::string& flight_id) {
+  SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> exports, service.exports.List(flight_id));
+  std::vector<std::string> items;
+  for (const MapExport& one : exports) items.push_back(ExportJson(service, one, shown));
+  return JsonObject({{"exports", JsonArray(items)}});
+}
+
+Result<MapExport> FindExport(Service& service, const Request& request) {
+  SKYQUILT_TRY(CheckId(request.Parameter("flight"), "flight"));
+  SKYQUILT_TRY(CheckId(request.Parameter("export"), "export"));
+  return service.exports.Get(request.Parameter("flight"), request.Parameter("export"));
+}
+
+Result<std::string> ShowExport(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
+  SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, found.flight_id));
+  return ExportJson(service, found, shown);
+}
+
+Result<void> RemoveExport(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
+  const bool is_own = !request.owner.empty() && request.owner == found.owner;
+  if (!is_own) SKYQUILT_TRY(CheckMayChange(service, request, found.flight_id));
+  // The row first: whoever makes it sees that it is nobody's, and leaves no file.
+  SKYQUILT_TRY(service.db.Free([&] { return service.exports.Remove(found.id); }));
+  return service.store.blobs().Remove(storage::ExportKey(found));
+}
+
+Result<Response> DownloadExport(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
+  const auto format = storage::ExportFormatOfName(found.format);
+  if (found.state != ExportState::kSuccessful || !format)
+    return Error{ErrorCode::kConflict,
+                 found.HasEnded() ? "This export failed: " + found.error_message
+                                  : "This export is not made yet. Ask its address for its state.",
+                 ""};
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(found.flight_id));
+  SKYQUILT_TRY_ASSIGN(Response sent,
+                      SendBlob(request, service.store.blobs(), storage::ExportKey(found),
+                               storage::ContentTypeOf(*format), fmt::format("\"{}\"", found.id)));
+  if (sent.status != 304)
+    sent.headers.Add("Content-Disposition", Disposition(flight.name, storage::EndingOf(*format)));
+  sent.headers.Add("Cache-Control", "private, max-age=3600");
+  return sent;
+}
+
+Response AnswerExports(const Request& request, Result<std::string> json) {
+  return json ? Json(200, *std::move(json)) : Problem(json.error(), request);
+}
+
+}  // namespace
+
+void AddExportRoutes(Router& router, Service& service) {
+  constexpr const char* kAll = "/api/v1/flights/{flight}/exports";
+  constexpr const char* kOne = "/api/v1/flights/{flight}/exports/{export}";
+  router.AddUpload(
+      Method::kPost, kAll, [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsJson(request))
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the wish as JSON with its header: curl -H 'Content-Type: application/json' -d "
+               "'{\"format\":\"geotiff\"}' ...",
+               ""},
+              request);
+        return CollectBody([&service, request](const std::string& body) {
+          return Once(service, request, body, [&] { return AskForExport(service, request, body); });
+        });
+      });
+  router.Add(Method::kGet, kAll, [&](const Request& request) {
+    return AnswerExports(request, ListExports(service, request.Parameter("flight")));
+  });
+  router.Add(Method::kGet, kOne,
+             [&](const Request& request) { return AnswerExports(request, ShowExport(service, request)); });
+  router.Add(Method::kDelete, kOne, [&](const Request& request) {
+    const Result<void> removed = RemoveExport(service, request);
+    return removed ? NoContent() : Problem(removed.error(), request);
+  });
+  router.Add(Method::kGet, "/api/v1/flights/{flight}/exports/{export}/file", [&](const Request& request) {
+    Result<Response> sent = DownloadExport(service, request);
+    return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
+  });
+}
+
+Result<int> RemoveExpiredExports(Service& service) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> expired, service.exports.Expired());
+  for (const MapExport& one : expired) {
+    // The file first: a row without one says what it is, a file without a row nobody knows.
+    SKYQUILT_TRY(service.store.blobs().Remove(storage::ExportKey(one)));
+    SKYQUILT_TRY(service.exports.Remove(one.id));
+  }
+  return static_cast<int>(expired.size());
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,197 @@
+#include "server/commands/data/data.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "server/commands/data/move_data.h"
+#include "server/commands/fail.h"
+#include "server/usage/catalogue_options.h"
+#include "storage/blobs/open_blobs.h"
+#include "storage/folder/check_data.h"
+#include "storage/folder/data_marker.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
+#include "storage/folder/lost_folder.h"
+#include "storage/folder/open_data_folder.h"
+#include "storage/folder/repair_data.h"
+#include "storage/folder/shared_catalogue.h"
+
+namespace skyquilt::server {
+namespace {
+
+// Exit codes beside 0: 1, it could not be done; 2, check found differences, or purge-lost wants --yes.
+constexpr int kFound = 2;
+
+struct DataOptions {
+  std::string data_dir;
+  std::string catalogue;
+  std::string catalogue_password_file;
+  storage::BlobPlace blobs;
+  bool yes = false;
+};
+
+storage::CataloguePlace PlaceIn(const DataOptions& options) {
+  return PlaceOf("skyquilt data", options.catalogue, options.catalogue_password_file);
+}
+
+// A folder that is ours, kept from servers for as long as the lock lives.
+struct Held {
+  storage::DataDir dir;
+  storage::DataDirLock lock;
+  std::optional<std::string> id;
+};
+
+Held Hold(const DataOptions& options) {
+  const storage::DataDir at = storage::DataDir::At(options.data_dir);
+  const Result<storage::FolderSurvey> survey = storage::SurveyFolder(at);
+  if (!survey) Fail("skyquilt data", survey.error());
+  const Result<std::optional<std::string>> marker = storage::ReadMarker(at);
+  if (!marker && marker.error().code == ErrorCode::kCorrupt) {
+    Fail("skyquilt data",
+         {ErrorCode::kCorrupt, marker.error().message + " " + storage::RepairAdvice(at), ""});
+  }
+  if (!marker) Fail("skyquilt data", marker.error());
+  if (!*marker && !survey->has_flights && !survey->has_catalogue) {
+    Fail("skyquilt data",
+         {ErrorCode::kNotFound,
+          at.root().string() +
+              " is not a data folder of Skyquilt: it has neither skyquilt-data.json nor a catalogue.",
+          ""});
+  }
+  Result<storage::DataDirLock> lock = storage::DataDirLock::Take(at);
+  if (!lock) Fail("skyquilt data", lock.error());
+  return {at, *std::move(lock), *marker};
+}
+
+void PrintLost(const std::vector<storage::LostItem>& lost) {
+  for (const storage::LostItem& item : lost) {
+    fmt::print("  lost/{}: {} files, {:.1f} MB\n", item.folder.filename().string(), item.files,
+               static_cast<double>(item.bytes) / 1e6);
+  }
+}
+
+void PrintLines(const char* head, const std::vector<std::string>& lines) {
+  if (lines.empty()) return;
+  fmt::print("{}: {}\n", head, lines.size());
+  for (const std::string& line : lines) fmt::print("  {}\n", line);
+}
+
+void Check(const DataOptions& options) {
+  const Held held = Hold(options);
+  const storage::CataloguePlace place = PlaceIn(options);
+  const auto unusable = [&](const std::string& why) {
+    fmt::print("The catalogue {} {}. {}\n", storage::NameOfCatalogue(held.dir, place), why,
+               storage::RepairAdvice(held.dir, place));
+    throw CLI::RuntimeError(kFound);
+  };
+  const Result<std::unique_ptr<storage::CatalogueDb>> db = storage::OpenCatalogueOf(held.dir, place);
+  if (!db && db.error().code == ErrorCode::kNotFound) unusable("is missing or empty");
+  if (!db && db.error().code == ErrorCode::kCorrupt) unusable("is damaged");
+  if (!db) Fail("skyquilt data", db.error());
+  if (!storage::CheckWhole(held.dir, **db)) unusable("is damaged");
+  const Result<std::optional<std::string>> owner = storage::CatalogueId(*(*db)->Lock());
+  if (!owner) Fail("skyquilt data", owner.error());
+  if (held.id && *owner && **owner != *held.id) unusable("belongs to another data folder");
+  // Where the folder says that they lie, unless told otherwise.
+  storage::BlobPlace blob_place = options.blobs;
+  const Result<std::optional<std::string>> settled = storage::SettledAt(held.dir);
+  if (!settled) Fail("skyquilt data", settled.error());
+  if (blob_place.address.empty() && *settled) blob_place.address = **settled;
+  const Result<std::shared_ptr<storage::BlobStore>> blobs = storage::OpenBlobs(blob_place, held.dir.root());
+  if (!blobs) Fail("skyquilt data", blobs.error());
+  const Result<storage::DataCheck> check = storage::CheckData(held.dir, **db, blobs->get());
+  if (!check) Fail("skyquilt data", check.error());
+  fmt::print("{}: {} flights, {} files of {:.1f} MB and {} maps in the catalogue\n", held.dir.root().string(),
+             check->flights, check->files, static_cast<double>(check->bytes) / 1e6, check->maps);
+  PrintLines("in the catalogue, but not (whole) on disk", check->missing);
+  PrintLines("on disk, but not in the catalogue", check->unknown);
+  if (!check->lost.empty()) {
+    fmt::print("in lost/, until \"skyquilt data purge-lost\" removes it:\n");
+    PrintLost(check->lost);
+  }
+  if (check->IsWell()) {
+    fmt::print("all is well\n");
+    return;
+  }
+  if (!check->unknown.empty() || !check->lost.empty()) {
+    fmt::print("\"skyquilt data repair --data {}\" brings back what belongs to flights.\n",
+               held.dir.root().string());
+  }
+  throw CLI::RuntimeError(kFound);
+}
+
+void Repair(const DataOptions& options) {
+  const storage::DataDir dir = storage::DataDir::At(options.data_dir);
+  const Result<std::optional<std::string>> settled = storage::SettledAt(dir);
+  if (!settled) Fail("skyquilt data", settled.error());
+  if (*settled) {
+    Fail(
+        "skyquilt data",
+        {ErrorCode::kConflict,
+         fmt::format(
+             "A catalogue is made anew from photos in the folder, and those of {0} lie at {1}. Copy what is "
+             "below {1}flights/ into {0}/flights with any S3 client, remove {2}, and repair then; or put back "
+             "a good copy of the catalogue. Nothing was changed.",
+             dir.root().string(), **settled, dir.BlobsMarker().string()),
+         ""});
+  }
+  const Result<storage::RepairReport> report =
+      storage::RepairData(options.data_dir, storage::Now(), PlaceIn(options));
+  if (!report) Fail("skyquilt data", report.error());
+  for (const std::string& line : report->lines) fmt::print("{}\n", line);
+  fmt::print("{} flights, {} files and {} maps were entered into {} catalogue\n", report->flights,
+             report->files, report->maps, report->made_catalogue ? "a new" : "the");
+}
+
+void Purge(const DataOptions& options) {
+  const Held held = Hold(options);
+  const std::vector<storage::LostItem> lost = storage::ListLost(held.dir);
+  if (lost.empty()) {
+    fmt::print("There is nothing in {}.\n", held.dir.Lost().string());
+    return;
+  }
+  fmt::print("{}:\n", options.yes ? "Removing for good" : "This would be removed for good");
+  PrintLost(lost);
+  if (!options.yes) {
+    fmt::print("Nothing was removed. Say it again with --yes.\n");
+    throw CLI::RuntimeError(kFound);
+  }
+  const Result<void> purged = storage::PurgeLost(held.dir);
+  if (!purged) Fail("skyquilt data", purged.error());
+}
+
+}  // namespace
+
+void AddDataCommand(CLI::App& app) {
+  const auto options = std::make_shared<DataOptions>();
+  CLI::App* command =
+      app.add_subcommand("data", "Check, repair or move the data of a server that is stopped");
+  command->require_subcommand(1);
+  const auto add = [&](const char* name, const char* about, const char* more) {
+    CLI::App* sub = command->add_subcommand(name, about);
+    sub->add_option("--data", options->data_dir, "Data folder of the server")->required();
+    AddCatalogueOptions(*sub, {options->catalogue, options->catalogue_password_file});
+    sub->footer(more);
+    return sub;
+  };
+  add("check", "Compare the catalogue with what is on disk",
+      "Lists what the catalogue knows and the disk lacks, what is on disk and the catalogue does not know, and what lies in "
+      "lost/. Changes nothing.\nExit codes: 0 all is well, 1 it could not be checked, 2 there are differences.")
+      ->callback([options] { Check(*options); });
+  add("repair", "Make the catalogue anew from the flights on disk, or complete it",
+      "A catalogue that is missing, damaged or of another folder is set aside in lost/ and made anew; one that can be used "
+      "is kept and only added to. Flights, photos and maps on disk and in lost/ come back under their names. Nothing is "
+      "removed. Of a catalogue that is lost, tokens, webhooks and jobs are lost with it.")
+      ->callback([options] { Repair(*options); });
+  AddMoveCommand(*command);
+  CLI::App* purge =
+      add("purge-lost", "Remove what lies in lost/, for good",
+          "lost/ holds what the server found in its folder and nothing referred to. Without --yes it is only "
+          "listed (exit code 2).");
+  purge->add_flag("--yes", options->yes, "Remove it");
+  purge->callback([options] { Purge(*options); });
+}
+
+}  // namespace skyquilt::server

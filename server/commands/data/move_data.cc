@@ -1,0 +1,69 @@
+#include "server/commands/data/move_data.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "server/commands/fail.h"
+#include "server/commands/terminal_progress.h"
+#include "storage/blobs/folder_blobs.h"
+#include "storage/blobs/open_blobs.h"
+#include "storage/folder/elsewhere/move_blobs.h"
+#include "storage/folder/open_data_folder.h"
+
+namespace skyquilt::server {
+namespace {
+
+struct MoveOptions {
+  std::string data_dir;
+  std::string from, to;
+  bool remove_source = false;
+};
+
+void Move(const MoveOptions& options) {
+  if (options.from.empty() == options.to.empty()) {
+    Fail("skyquilt data move",
+         {ErrorCode::kInvalidArgument,
+          "Say where to or where from: --to s3://bucket/prefix, or --from s3://bucket/prefix.", ""});
+  }
+  const Result<storage::OpenedDataFolder> opened = storage::OpenDataFolder(options.data_dir, 1);
+  if (!opened) Fail("skyquilt data move", opened.error());
+  const storage::BlobPlace place{options.from + options.to, storage::kUsualCacheBytes};
+  const Result<std::shared_ptr<storage::BlobStore>> far = storage::OpenBlobs(place, opened->dir.root());
+  if (!far) Fail("skyquilt data move", far.error());
+  storage::FolderBlobs near(opened->dir.root());
+  const bool goes_out = options.from.empty();
+  TerminalProgress progress;
+  const Result<storage::MoveReport> moved = storage::MoveBlobs(
+      opened->dir, opened->dir.id(), *opened->db, goes_out ? static_cast<storage::BlobStore&>(near) : **far,
+      goes_out ? **far : static_cast<storage::BlobStore&>(near), options.remove_source, progress);
+  if (!moved) Fail("skyquilt data move", moved.error());
+  fmt::print(
+      "{} files were copied and {} were there already, {:.1f} MB in all; each was read back and is the same\n",
+      moved->copied, moved->there_already, static_cast<double>(moved->bytes) / 1e6);
+  if (moved->removed > 0) fmt::print("{} originals were removed\n", moved->removed);
+  if (moved->removed == 0 && moved->bytes > 0)
+    fmt::print("The originals are still there; the same command with --remove-source removes them.\n");
+  if (goes_out) fmt::print("Start the server with --blobs {}\n", (*far)->Address());
+  if (!goes_out) fmt::print("Start the server without --blobs\n");
+}
+
+}  // namespace
+
+void AddMoveCommand(CLI::App& data) {
+  const auto options = std::make_shared<MoveOptions>();
+  CLI::App* command = data.add_subcommand("move", "Move photos and maps to S3, or back into the folder");
+  command->add_option("--data", options->data_dir, "Data folder of the server")->required();
+  command->add_option("--to", options->to, "Where to: s3://bucket/prefix");
+  command->add_option("--from", options->from, "Where from, back into the folder: s3://bucket/prefix");
+  command->add_flag("--remove-source", options->remove_source,
+                    "Remove the originals once all copies are verified");
+  command->footer(
+      "Each copy is read back and compared with its original. What was cut off goes on where it was when the same command "
+      "is run again. Endpoint, region and keys come from AWS_... variables, a profile or the machine's role.");
+  command->callback([options] { Move(*options); });
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,135 @@
+#include "server/commands/maps/export.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "server/commands/fail.h"
+#include "server/commands/terminal_progress.h"
+#include "server/commands/work_beside.h"
+#include "server/usage/one_of.h"
+#include "storage/exports/custom/export_map.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExportCommand = "skyquilt export";
+
+struct ExportArguments {
+  fs::path map;
+  fs::path out;
+  std::string format;
+  std::string crs;
+  fs::path clip;
+  std::optional<double> resolution_m;
+  int quality = 85;
+  int threads = 0;
+  bool overwrite = false;
+};
+
+[[noreturn]] void RefuseExport(std::string message) {
+  Fail(kExportCommand, {ErrorCode::kInvalidArgument, std::move(message), ""});
+}
+
+storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
+  storage::ExportRequest request;
+  const auto format = arguments.format.empty()
+                          ? storage::ExportFormatOfFile(arguments.out.filename().string())
+                          : storage::ExportFormatOfName(arguments.format);
+  if (!format)
+    RefuseExport(
+        arguments.out.string() +
+        " does not say its format. End its name in .tif, .pmtiles, .mbtiles or .kmz, or say --format.");
+  request.format = *format;
+  request.crs = arguments.crs;
+  if (!request.crs.empty() && request.format != storage::ExportFormat::kGeotiff)
+    RefuseExport(std::string("--crs is for GeoTIFFs; ") + storage::NameOf(request.format) +
+                 " is always in Web Mercator.");
+  request.resolution_m = arguments.resolution_m;
+  if (!arguments.clip.empty()) {
+    const Result<std::string> text = storage::ReadWholeFile(arguments.clip);
+    if (!text) Fail(kExportCommand, text.error());
+    Result<storage::Boundary> boundary = storage::ParseBoundary(*text);
+    if (!boundary) {
+      Error error = boundary.error();
+      error.message = arguments.clip.string() + ": " + error.message;
+      Fail(kExportCommand, error);
+    }
+    request.boundary = *std::move(boundary);
+  }
+  return request;
+}
+
+void Run(const ExportArguments& arguments) {
+  const storage::ExportRequest request = ExportRequestOf(arguments);
+  const Result<storage::ExportSource> source = storage::ExportSourceOf(arguments.map);
+  if (!source) Fail(kExportCommand, source.error());
+  const fs::path out = fs::absolute(arguments.out);
+  std::error_code error;
+  if (fs::equivalent(out, source->mbtiles, error) || fs::equivalent(out, source->cog, error))
+    RefuseExport(out.string() + " is the map itself; choose another name.");
+  CheckOutFile(kExportCommand, out, arguments.overwrite);
+  const WorkBeside work(kExportCommand, out);
+  const Result<void> made = [&] {
+    TerminalProgress progress;
+    return storage::ExportMap(*source, request, work.path(), out, {arguments.quality, arguments.threads},
+                              progress);
+  }();
+  if (!made) Fail(kExportCommand, made.error());
+  fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out, error)) / 1e6);
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app) {
+  const auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = app.add_subcommand(
+      "export", "Write a finished map as one file: another format, coordinate system, area or resolution");
+  command
+      ->add_option("MAP", arguments->map, "Folder that \"stitch\" wrote, or an .mbtiles; it stays as it is")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command
+      ->add_option(
+          "-o,--out", arguments->out,
+          "File to write; its ending says the format: .tif (cloud-optimised GeoTIFF), .pmtiles, .mbtiles, "
+          ".kmz (Google Earth)")
+      ->required();
+  command->add_option("--format", arguments->format, "The format, where the file's ending does not say it")
+      ->check(OneOf({"geotiff", "pmtiles", "mbtiles", "kmz"}));
+  command->add_option(
+      "--crs", arguments->crs,
+      "Coordinate system of a GeoTIFF: \"utm\" (the zone of the map's middle) or a code such as "
+      "EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied");
+  command
+      ->add_option("--clip", arguments->clip,
+                   "GeoJSON file with a polygon (longitude, latitude): what lies outside is left out")
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option(
+          "--resolution", arguments->resolution_m,
+          "Ground that a pixel shows, in metres. A GeoTIFF has it exactly; of tiles the zooms down to it are "
+          "written. Default: the map's own, the finest there is")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--quality", arguments->quality, "JPEG quality of what has to be encoded anew")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--threads", arguments->threads, "Threads; 0 takes all cores")->capture_default_str();
+  command->add_flag("--overwrite", arguments->overwrite, "Replace the file if it is there");
+  command->footer(
+      "\nExample:\n"
+      "  skyquilt export map -o field.tif --crs utm\n"
+      "  skyquilt export map -o parcel.tif --crs EPSG:2056 --clip parcel.geojson --resolution 0.1\n"
+      "  skyquilt export map -o small.pmtiles --resolution 0.25");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

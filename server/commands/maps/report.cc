@@ -1,0 +1,80 @@
+#include "server/commands/maps/report.h"
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "server/commands/fail.h"
+#include "server/commands/terminal_progress.h"
+#include "server/commands/work_beside.h"
+#include "server/reports/map_picture.h"
+#include "server/reports/report_page.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kReportCommand = "skyquilt report";
+
+struct ReportArguments {
+  fs::path map_dir;
+  fs::path out;
+  int picture_px = 1600;
+  bool overwrite = false;
+};
+
+void Run(const ReportArguments& arguments) {
+  const fs::path out = fs::absolute(arguments.out);
+  CheckOutFile(kReportCommand, out, arguments.overwrite);
+  const Result<std::string> report = storage::ReadWholeFile(arguments.map_dir / "report.json");
+  if (!report)
+    Fail(kReportCommand, {ErrorCode::kNotFound,
+                          arguments.map_dir.string() +
+                              " has no report.json. Name the folder that \"skyquilt stitch -o\" wrote.",
+                          ""});
+  const WorkBeside work(kReportCommand, out);
+  const Result<MapPicture> picture = [&] {
+    TerminalProgress progress;
+    return MakeMapPicture(arguments.map_dir, arguments.picture_px, work.path(), progress);
+  }();
+  if (!picture) Fail(kReportCommand, picture.error());
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const Result<std::string> page =
+      ReportPage(*report, *picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now)));
+  if (!page) Fail(kReportCommand, page.error());
+  const Result<void> written = storage::WriteFileAtomically(out, *page);
+  if (!written) Fail(kReportCommand, written.error());
+  fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(page->size()) / 1e6);
+}
+
+}  // namespace
+
+void AddReportCommand(CLI::App& app) {
+  const auto arguments = std::make_shared<ReportArguments>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Write a page about a finished map: picture, scale, accuracy, what was left out");
+  command->add_option("MAP", arguments->map_dir, "Folder that \"stitch\" wrote")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  command->add_option("-o,--out", arguments->out, "HTML file to write: one file, to be mailed or printed")
+      ->required();
+  command->add_option("--picture-px", arguments->picture_px, "Longer side of the map's picture in pixels")
+      ->check(CLI::Range(200, 4000))
+      ->capture_default_str();
+  command->add_flag("--overwrite", arguments->overwrite, "Replace the file if it is there");
+  command->footer(
+      "\nExample:\n"
+      "  skyquilt report map -o report.html");
+  command->callback([arguments] { Run(*arguments); });
+}
+
+}  // namespace skyquilt::server

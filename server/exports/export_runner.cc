@@ -1,0 +1,195 @@
+#include "server/exports/export_runner.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "core/base/try.h"
+#include "server/exports/export_apart.h"
+#include "server/routing/request_log.h"
+#include "storage/exports/custom/export_map.h"
+#include "storage/folder/sweep_exports.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+using storage::MapExport;
+
+constexpr std::chrono::milliseconds kExportPause{500};
+constexpr std::chrono::seconds kBeatEvery{1};
+
+// Gone with all that is in it at the end.
+class ExportFolder {
+ public:
+  explicit ExportFolder(fs::path path) : path_(std::move(path)) {}
+  ~ExportFolder() {
+    std::error_code stays;  // then the sweep of the next start removes it
+    fs::remove_all(path_, stays);
+  }
+  ExportFolder(const ExportFolder&) = delete;
+  ExportFolder& operator=(const ExportFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Error Replaced() {
+  return {ErrorCode::kConflict, "The map was replaced before its export began. Ask for the export again.",
+          ""};
+}
+
+// A second name for a product of the map, so that it stays although the map is replaced meanwhile.
+Result<void> Hold(storage::BlobStore& blobs, const std::string& prefix, const char* name,
+                  const fs::path& folder) {
+  const Result<storage::LocalBlob> product = blobs.Local(prefix + name);
+  if (!product) return product.error().code == ErrorCode::kNotFound ? Replaced() : product.error();
+  if (link(product->path.c_str(), (folder / name).c_str()) == 0) return {};
+  return errno == ENOENT ? Replaced() : storage::FileError("cannot link", product->path, errno);
+}
+
+// What an export will hardly take while it is made: twice the map, and ten times where its pixels lie beside
+// the file without loss meanwhile.
+std::int64_t ExpectedBytes(const fs::path& map_dir, const storage::ExportRequest& request) {
+  std::int64_t bytes = 0;
+  for (const char* name : {"mosaic.mbtiles", "mosaic.tif"}) {
+    std::error_code missing;
+    const std::uintmax_t size = fs::file_size(map_dir / name, missing);
+    if (!missing) bytes = std::max(bytes, static_cast<std::int64_t>(size));
+  }
+  const bool is_warped =
+      request.format == storage::ExportFormat::kGeotiff && (!request.crs.empty() || request.resolution_m);
+  return (is_warped && !request.boundary ? 10 : 2) * bytes;
+}
+
+bool NeedsCog(const storage::ExportRequest& request) {
+  return request.format == storage::ExportFormat::kGeotiff && !request.boundary;
+}
+
+}  // namespace
+
+ExportRunner::ExportRunner(api::Service& service) : service_(service), thread_([this] { Run(); }) {}
+
+ExportRunner::~ExportRunner() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ended_ = true;
+  }
+  end_.notify_all();
+  thread_.join();
+}
+
+bool ExportRunner::IsEnded() {
+  const std::lock_guard lock(mutex_);
+  return is_ended_;
+}
+
+void ExportRunner::Run() {
+  while (!IsEnded()) {
+    Result<std::optional<MapExport>> claimed = std::optional<MapExport>();
+    if (service_.storage_in_place()) claimed = service_.exports.Claim(storage::Now());
+    if (!claimed) LogFailure("-", "exports", claimed.error().detail);
+    if (claimed && *claimed) {
+      Make(**claimed);
+      continue;
+    }
+    std::unique_lock lock(mutex_);
+    end_.wait_for(lock, kExportPause, [this] { return is_ended_; });
+  }
+}
+
+void ExportRunner::Make(const MapExport& claimed) {
+  const storage::DataDir& dir = service_.store.dir();
+  const ExportFolder staging(dir.Incoming() / dir.NewTemporaryName(storage::kExportKind));
+  std::error_code unmade;
+  fs::create_directory(staging.path(), unmade);
+  const auto begun = std::chrono::steady_clock::now();
+  const Result<std::int64_t> made = unmade ? storage::FileError("cannot make", staging.path(), unmade.value())
+                                           : MakeIn(claimed, staging.path());
+  Result<bool> told = false;
+  if (made) {
+    told = service_.exports.Succeed(claimed, *made, storage::Now());
+    // Nobody's by now: it was removed while its file came into place.
+    if (told && !*told) (void)service_.store.blobs().Remove(storage::ExportKey(claimed)).ok();
+    LogEvent(fmt::format("export {}: {} bytes in {:.1f} s", claimed.id, *made,
+                         std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count()));
+  } else if (made.error().code == ErrorCode::kCancelled) {
+    told = service_.exports.GiveBack(claimed);  // one that was removed is nobody's
+  } else {
+    LogFailure(claimed.id, "export", made.error().message + " " + made.error().detail);
+    told = service_.exports.Fail(claimed, made.error(), storage::Now());
+  }
+  if (!told) LogFailure(claimed.id, "export", told.error().detail);
+}
+
+Result<std::int64_t> ExportRunner::MakeIn(const MapExport& claimed, const fs::path& staging) {
+  SKYQUILT_TRY_ASSIGN(const storage::ExportRequest request, storage::ParseExportRequest(claimed.request));
+  const fs::path map_dir = staging / "map", work_dir = staging / "work";
+  std::error_code unmade;
+  if (!fs::create_directory(map_dir, unmade) || !fs::create_directory(work_dir, unmade))
+    return storage::FileError("cannot make", staging, unmade.value());
+  storage::BlobStore& blobs = service_.store.blobs();
+  const std::string prefix = storage::RevisionPrefix(claimed.flight_id, claimed.revision);
+  SKYQUILT_TRY(Hold(blobs, prefix, "mosaic.mbtiles", map_dir));
+  SKYQUILT_TRY(Hold(blobs, prefix, "report.json", map_dir));
+  if (NeedsCog(request)) {
+    // A map without one is exported all the same: it is made from the tiles.
+    const Result<void> held = Hold(blobs, prefix, "mosaic.tif", map_dir);
+    if (!held && held.error().code != ErrorCode::kConflict) return held.error();
+  }
+  const ExportLimits limits;
+  if (FreeBytes(staging) < limits.keep_free_bytes + ExpectedBytes(map_dir, request))
+    return Error{ErrorCode::kOutOfSpace,
+                 "The server's disk has no room for this export. Free some space, or ask for a smaller area.",
+                 ""};
+  ExportTask task;
+  task.map_dir = map_dir;
+  task.work_dir = work_dir;
+  task.out_name = std::string("export.") + storage::EndingOf(request.format);
+  task.request = claimed.request;
+  task.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 2);
+  auto beaten = std::chrono::steady_clock::time_point();
+  SKYQUILT_TRY_ASSIGN(const std::int64_t bytes, ExportApart(task, limits, [&](double fraction) {
+                        if (IsEnded()) return false;
+                        const auto now = std::chrono::steady_clock::now();
+                        if (now - beaten < kBeatEvery) return true;
+                        beaten = now;
+                        // A catalogue that is away for a moment stops nothing: the lease is longer.
+                        const Result<bool> is_ours =
+                            service_.exports.Heartbeat(claimed, fraction, storage::Now());
+                        return !is_ours || *is_ours;
+                      }));
+  SKYQUILT_TRY(Store(claimed, work_dir / task.out_name));
+  return bytes;
+}
+
+Result<void> ExportRunner::Store(const MapExport& claimed, const fs::path& made) {
+  storage::BlobStore& blobs = service_.store.blobs();
+  const std::string key = storage::ExportKey(claimed);
+  if (!blobs.IsFolder()) return blobs.Put(key, made);
+  const fs::path path = blobs.FolderOf(key);
+  std::error_code error;
+  // One level only: a flight that is gone is not made anew.
+  fs::create_directory(path.parent_path(), error);
+  if (!error) fs::rename(made, path, error);
+  if (error) return storage::FileError("cannot store", path, error.value());
+  return storage::SyncFolder(path.parent_path());
+}
+
+Result<void> RecoverExports(api::Service& service) {
+  // Where several servers share the catalogue, the lease says whose server has died.
+  if (!service.db.IsShared()) SKYQUILT_TRY(service.exports.TakeUpAfterRestart());
+  if (!service.store.blobs().IsFolder()) return {};
+  SKYQUILT_TRY_ASSIGN(
+      const std::vector<std::string> moved,
+      storage::SweepExports(service.store.dir(), service.catalogue, service.exports, storage::Now()));
+  for (const std::string& line : moved) LogEvent(line);
+  return {};
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,39 @@
+// ExportRunner: makes the exports that were asked for, one at a time, beside the requests: a thread of its
+// own that claims them and watches over a confined process each (server/exports/export_apart.h). One whose
+// server ends waits for the next; what was removed is stopped within a second. Owned by the main thread.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "api/service.h"
+
+namespace skyquilt::server {
+
+class ExportRunner {
+ public:
+  explicit ExportRunner(api::Service& service);
+  ~ExportRunner();  // what is under way is given back
+  ExportRunner(const ExportRunner&) = delete;
+  ExportRunner& operator=(const ExportRunner&) = delete;
+
+ private:
+  void Run();
+  bool IsEnded();
+  void Make(const storage::MapExport& claimed);
+  Result<std::int64_t> MakeIn(const storage::MapExport& claimed, const std::filesystem::path& staging);
+  Result<void> Store(const storage::MapExport& claimed, const std::filesystem::path& made);
+
+  api::Service& service_;
+  std::mutex mutex_;
+  std::condition_variable end_;
+  bool is_ended_ = false;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+// At the start of a server, before it takes requests: what ran waits again, and files that are no exports of
+// the catalogue go to lost/.
+Result<void> RecoverExports(api::Service& service);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,67 @@
+#include "server/imports/import_map.h"
+
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+#include "core/base/try.h"
+#include "server/imports/import_raster.h"
+#include "server/imports/import_tiles.h"
+#include "server/imports/imported_tileset.h"
+#include "server/tileset_metadata.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/pmtiles_writer.h"
+#include "storage/exports/thumbnail_writer.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kImportThumbnailPx = 512;
+
+bool IsSqlite(const fs::path& file) {
+  std::array<char, 16> head{};
+  std::ifstream(file, std::ios::binary).read(head.data(), head.size());
+  return std::string_view(head.data(), 15) == "SQLite format 3";
+}
+
+}  // namespace
+
+storage::TilesetMetadata MetadataOfImport(const pipeline::MosaicReport& report,
+                                          const std::string& attribution) {
+  storage::TilesetMetadata metadata = TilesetMetadataOf(report);
+  metadata.description = "Imported map";
+  metadata.attribution = attribution;
+  return metadata;
+}
+
+Result<pipeline::MosaicReport> ImportMap(const fs::path& file, const fs::path& out_dir,
+                                         const ImportOptions& options, Progress& progress) {
+  pipeline::MosaicReport report;
+  report.title = options.title;
+  report.height_rule = "none: an imported map";
+  report.warnings = {"This map was imported from " + file.filename().string() +
+                     ". Where it lies and how accurate it is, that file says; no photo was looked at here."};
+  const fs::path mbtiles = out_dir / "mosaic.mbtiles";
+  progress.BeginStage("import");
+  SKYQUILT_TRY(IsSqlite(file) ? ImportTiles(file, mbtiles, report, progress)
+                              : ImportRaster(file, mbtiles, options, report, progress));
+  progress.BeginStage("export");
+  SKYQUILT_TRY(storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress));
+  SKYQUILT_TRY(
+      storage::WriteCog(mbtiles, out_dir / "mosaic.tif", {options.quality, options.threads}, progress));
+  SKYQUILT_TRY(
+      storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kImportThumbnailPx));
+  for (const auto& [name, text] :
+       {std::pair{"photos.geojson", std::string(R"({"type":"FeatureCollection","features":[]})"
+                                                "\n")},
+        std::pair{"report.json", pipeline::ReportJson(report)}}) {
+    SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / name, text));
+  }
+  return report;
+}
+
+}  // namespace skyquilt::server

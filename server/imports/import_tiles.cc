@@ -1,0 +1,195 @@
+#include "server/imports/import_tiles.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/base/try.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
+#include "server/imports/imported_tileset.h"
+#include "storage/exports/custom/export_request.h"
+#include "storage/exports/tile_walk.h"
+#include "storage/tilesets/mbtiles_writer.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr std::int64_t kMaxImportedTiles = 4'000'000;
+constexpr int kMinSidePx = 64, kMaxSidePx = 1024;
+constexpr const char* kTakeAnother = " Take an MBTiles of pictures (PNG, JPEG or WebP), or a GeoTIFF.";
+
+// The file as a person names it, in front of what is wrong with it.
+class Refusals {
+ public:
+  explicit Refusals(const std::filesystem::path& file) : file_(file.string()) {}
+  Error Kind(const std::string& rest) const {
+    return {ErrorCode::kUnsupportedFormat, file_ + " " + rest + kTakeAnother, ""};
+  }
+  Error Damaged(const std::string& rest, const std::string& detail = "") const {
+    return {ErrorCode::kCorrupt, file_ + " " + rest + " Copy or download it again.", detail};
+  }
+
+ private:
+  std::string file_;
+};
+
+using Metadata = std::map<std::string, std::string>;
+
+Result<Metadata> MetadataOf(storage::SqliteDb& db, const Refusals& refusals) {
+  auto query = db.Prepare("SELECT name, value FROM metadata");
+  if (!query) return refusals.Kind("is no MBTiles: it has no table \"metadata\".");
+  Metadata metadata;
+  while (true) {
+    const Result<bool> row = query->Step();
+    if (!row) return refusals.Damaged("is damaged.", row.error().detail);
+    if (!*row) return metadata;
+    metadata.emplace(query->ColumnText(0), query->ColumnText(1));
+  }
+}
+
+std::string ValueOf(const Metadata& metadata, const char* key) {
+  const auto found = metadata.find(key);
+  return found == metadata.end() ? "" : found->second;
+}
+
+Result<void> CheckMetadata(const Metadata& metadata, const Refusals& refusals) {
+  if (ValueOf(metadata, "format") == "pbf")
+    return refusals.Kind("holds vector tiles, which are no pictures.");
+  if (ValueOf(metadata, "scheme") == "xyz")
+    return refusals.Kind("counts its rows from the north (scheme \"xyz\"), which MBTiles does not have.");
+  for (const char* key : {"crs", "srs"}) {
+    const std::string crs = ValueOf(metadata, key);
+    if (!crs.empty() && !crs.ends_with("3857") && !crs.ends_with("900913"))
+      return refusals.Kind("has tiles of " + crs.substr(0, 40) + ", not of Web Mercator.");
+  }
+  return {};
+}
+
+// What the finest zoom covers, and how much of it there is.
+struct FinestTiles {
+  std::int64_t count = 0;
+  geo::Bounds2 merc;
+
+  void Include(const geo::TileId& tile) {
+    const geo::Bounds2 bounds = tile.BoundsInMerc();
+    merc = count++ == 0 ? bounds : geo::Bounds2{merc.min.cwiseMin(bounds.min), merc.max.cwiseMax(bounds.max)};
+  }
+};
+
+class TileTaker {
+ public:
+  TileTaker(storage::MbtilesWriter& writer, const Refusals& refusals)
+      : writer_(writer), refusals_(refusals) {}
+
+  Result<void> Take(const geo::TileId& tile, std::string_view bytes) {
+    const std::string name = fmt::format("{}/{}/{}", tile.z(), tile.x(), tile.y());
+    const auto format = image::PictureFormatOf(bytes);
+    if (!format) return refusals_.Kind(fmt::format("has a tile ({}) that is no PNG, JPEG or WebP.", name));
+    const auto picture = image::DecodePicture(bytes);
+    if (!picture)
+      return refusals_.Damaged(fmt::format("has a damaged tile ({}).", name), picture.error().message);
+    if (side_px_ == 0) {
+      SKYQUILT_TRY(TakeSize(*picture));
+    } else if (picture->width_px != side_px_ || picture->height_px != side_px_) {
+      return refusals_.Kind(fmt::format("has tiles of several sizes, such as {} with {} x {} pixels.", name,
+                                        picture->width_px, picture->height_px));
+    }
+    has_webp_ |= *format == image::PictureFormat::kWebp;
+    has_others_ |= *format != image::PictureFormat::kWebp;
+    if (has_webp_ && has_others_) return refusals_.Kind("mixes WebP with other pictures.");
+    if (tile.z() != zoom_) finest_ = {};
+    zoom_ = tile.z();
+    min_zoom_ = tiles_++ == 0 ? zoom_ : min_zoom_;
+    finest_.Include(tile);
+    return writer_.Put(tile, *format, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  }
+
+  void Tell(pipeline::MosaicReport& report) const {
+    report.bounds = geo::LatLonBoundsFromMerc(finest_.merc);
+    report.min_zoom = min_zoom_;
+    report.max_zoom = zoom_;
+    report.tile_size_px = side_px_;
+    report.tile_count = tiles_;
+    const double ground = geo::GroundMetresPerMercMetre(report.bounds.Middle().lat_deg);
+    const double tile_m = geo::TileSizeInMercM(zoom_) * ground;
+    report.gsd_m = tile_m / side_px_;
+    report.area_m2 = static_cast<double>(finest_.count) * tile_m * tile_m;
+  }
+
+ private:
+  Result<void> TakeSize(const image::RgbaImage& picture) {
+    const bool is_usual = picture.width_px == picture.height_px && picture.width_px >= kMinSidePx &&
+                          picture.width_px <= kMaxSidePx &&
+                          std::has_single_bit(static_cast<unsigned>(picture.width_px));
+    if (!is_usual)
+      return refusals_.Kind(fmt::format("has tiles of {} x {} pixels; 256, 512 and 1024 are known.",
+                                        picture.width_px, picture.height_px));
+    side_px_ = picture.width_px;
+    return {};
+  }
+
+  storage::MbtilesWriter& writer_;
+  const Refusals& refusals_;
+  int side_px_ = 0;
+  bool has_webp_ = false, has_others_ = false;
+  int zoom_ = -1, min_zoom_ = 0;
+  std::int64_t tiles_ = 0;
+  FinestTiles finest_;
+};
+
+// What the file says that it covers, where that fits its tiles.
+void NarrowBounds(const std::string& text, geo::LatLonBounds& bounds) {
+  std::array<double, 4> said{};
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf", &said[0], &said[1], &said[2], &said[3]) != 4) return;
+  const geo::LatLonBounds common = storage::Common(bounds, geo::LatLonBounds::FromArray(said));
+  if (common.west_deg < common.east_deg && common.south_deg < common.north_deg) bounds = common;
+}
+
+}  // namespace
+
+Result<void> ImportTiles(const std::filesystem::path& file, const std::filesystem::path& mbtiles,
+                         pipeline::MosaicReport& report, Progress& progress) {
+  const Refusals refusals(file);
+  auto db = storage::SqliteDb::Open(file, storage::OpenMode::kReadOnlyImmutable);
+  if (!db && db.error().code != ErrorCode::kCorrupt) return db.error();
+  if (!db) return refusals.Damaged("is no MBTiles, or a damaged one.", db.error().detail);
+  SKYQUILT_TRY_ASSIGN(const Metadata metadata, MetadataOf(*db, refusals));
+  SKYQUILT_TRY(CheckMetadata(metadata, refusals));
+  const Result<std::int64_t> count = storage::CountTiles(*db);
+  if (!count)
+    return refusals.Kind("is no MBTiles: its tiles cannot be counted (" + count.error().detail + ").");
+  if (*count == 0) return refusals.Kind("has no tiles.");
+  if (*count > kMaxImportedTiles)
+    return Error{
+        ErrorCode::kTooLarge,
+        fmt::format("{} has {} tiles, more than the {} that are taken. Cut it, or leave out its finest zoom.",
+                    file.string(), *count, kMaxImportedTiles),
+        ""};
+  SKYQUILT_TRY_ASSIGN(const auto writer, storage::MbtilesWriter::Create(mbtiles));
+  TileTaker taker(*writer, refusals);
+  auto walk = storage::TileWalk::Of(*db);
+  if (!walk) return refusals.Damaged("is damaged.", walk.error().detail);
+  for (std::int64_t done = 1;; ++done) {
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The import was cancelled.", ""};
+    const Result<bool> more = walk->Next();
+    if (!more) return refusals.Damaged("is damaged.", more.error().detail + more.error().message);
+    if (!*more) break;
+    SKYQUILT_TRY(taker.Take(walk->tile(), walk->bytes()));
+    progress.Report(static_cast<double>(done) / static_cast<double>(*count), "looking at tiles");
+  }
+  taker.Tell(report);
+  NarrowBounds(ValueOf(metadata, "bounds"), report.bounds);
+  return writer->Publish(MetadataOfImport(report, ValueOf(metadata, "attribution")));
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,40 @@
+#include "server/inputs/open_elevation_model.h"
+
+#include "core/base/try.h"
+#include "core/flight/lists/elevation_model_file.h"
+#include "storage/rasters/geotiff_dem.h"
+
+namespace skyquilt::server {
+namespace {
+
+Result<std::unique_ptr<storage::GeotiffDem>> Open(const std::filesystem::path& path) {
+  SKYQUILT_TRY(flight::CheckTiffDirectories(path));
+  return storage::GeotiffDem::Open(path);
+}
+
+}  // namespace
+
+Result<GivenElevations> OpenElevationModel(const std::string& dem_path,
+                                           const std::vector<flight::InputFile>& files) {
+  GivenElevations given;
+  if (!dem_path.empty()) {
+    SKYQUILT_TRY_ASSIGN(auto opened, Open(dem_path));
+    given.source = std::move(opened);
+    for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
+      given.warnings.push_back(model.name + " is not used: the ground's heights are those of " + dem_path +
+                               ".");
+    }
+    return given;
+  }
+  for (const flight::InputFile& model : flight::ElevationModelsAmong(files)) {
+    auto opened = Open(model.path);
+    if (opened) {
+      given.source = *std::move(opened);
+      return given;
+    }
+    given.warnings.push_back(model.name + " is not used for the ground's heights. " + opened.error().message);
+  }
+  return given;
+}
+
+}  // namespace skyquilt::server

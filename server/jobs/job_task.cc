@@ -1,0 +1,33 @@
+#include "server/jobs/job_task.h"
+
+#include "api/json/job_options.h"
+#include "core/base/try.h"
+#include "core/pipeline/units/flight_cut.h"
+
+namespace skyquilt::server {
+
+Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
+                           const std::string& options, const ShareOfFiles& share, Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, context.catalogue.GetFlight(flight_id));
+  SKYQUILT_TRY_ASSIGN(std::vector<storage::StoredFile> files, context.catalogue.ListFiles(flight_id));
+  SKYQUILT_TRY_ASSIGN(const pipeline::MosaicOptions parsed, api::ParseJobOptions(options));
+  LimitedTask made;
+  std::int64_t bytes = 0;
+  for (const storage::StoredFile& file : files) bytes += file.bytes;
+  made.limits = LimitsOfJob(static_cast<std::int64_t>(files.size()), bytes, parsed, context.limits);
+  const pipeline::UnitRange range = pipeline::RangeOf(static_cast<std::size_t>(share.number),
+                                                      static_cast<std::size_t>(share.count), files.size());
+  files = {files.begin() + static_cast<std::ptrdiff_t>(range.first),
+           files.begin() + static_cast<std::ptrdiff_t>(range.end)};
+  made.task.files_dir = context.blobs.FolderOf(storage::FilesPrefix(flight_id));
+  made.task.options = options;
+  made.task.title = flight.name;
+  for (const storage::StoredFile& file : files)
+    made.task.files.push_back({file.name, made.task.files_dir / file.stored_name});
+  if (!context.blobs.IsFolder()) {
+    SKYQUILT_TRY_ASSIGN(made.in_use, FetchFiles(context.blobs, flight_id, files, progress));
+  }
+  return made;
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,33 @@
+// TaskOf: what a worker asks the confined process that works on a job for: the flight's files, where they are
+// on this machine (fetched, where photos lie elsewhere), the options, and the limits. Blocking. Errors: those
+// of the catalogue and of blobs; kInvalidArgument (the options); kCancelled.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "server/jobs/job_blobs.h"
+#include "server/jobs/job_limits.h"
+#include "server/jobs/job_messages.h"
+#include "server/jobs/worker_context.h"
+
+namespace skyquilt::server {
+
+struct LimitedTask {
+  StitchTask task;    // without folders of its own
+  JobLimits limits;   // of the whole flight
+  FilesInUse in_use;  // what was fetched for it
+};
+
+// One of `count` nearly equal shares of a flight's files, in the order of their names.
+struct ShareOfFiles {
+  int number = 0;
+  int count = 1;
+};
+
+Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,
+                           const std::string& options, const ShareOfFiles& share, Progress& progress);
+
+}  // namespace skyquilt::server

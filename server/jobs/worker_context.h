@@ -1,0 +1,32 @@
+// WorkerContext: what a worker process has to work with, for the time of its life. One thread.
+#pragma once
+
+#include <atomic>
+
+#include "core/pipeline/units/flight_cut.h"
+#include "server/jobs/job_limits.h"
+#include "storage/blobs/blob_store.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/folder/data_dir.h"
+#include "storage/jobs/job_queue.h"
+#include "storage/jobs/unit_queue.h"
+
+namespace skyquilt::server {
+
+// Flights of more files are cut into units that several workers share.
+inline constexpr int kCutAboveFiles = 2000;
+
+struct WorkerContext {
+  const storage::DataDir& dir;
+  storage::BlobStore& blobs;
+  storage::Catalogue& catalogue;
+  storage::JobQueue& queue;
+  storage::StageCosts& costs;
+  storage::UnitQueue& units;
+  const std::atomic<bool>& is_stopping;
+  GivenLimits limits = {};
+  int files_per_unit = static_cast<int>(pipeline::kFilesPerLook);
+  int cut_above_files = kCutAboveFiles;  // 0: no job is cut
+};
+
+}  // namespace skyquilt::server

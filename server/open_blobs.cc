@@ -1,0 +1,15 @@
+#include "server/open_blobs.h"
+
+#include "core/base/try.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
+
+namespace skyquilt::server {
+
+Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir,
+                                                        const storage::BlobPlace& place) {
+  SKYQUILT_TRY_ASSIGN(std::shared_ptr<storage::BlobStore> blobs, storage::OpenBlobs(place, dir.root()));
+  SKYQUILT_TRY(storage::SettleBlobs(dir, dir.id(), *blobs));
+  return blobs;
+}
+
+}  // namespace skyquilt::server

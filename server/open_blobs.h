@@ -1,0 +1,16 @@
+// The place of photos and maps as the operator chose it, settled for this catalogue
+// (storage/folder/elsewhere/settle_blobs). Errors: those of OpenBlobs and SettleBlobs.
+#pragma once
+
+#include <memory>
+
+#include "core/base/result.h"
+#include "storage/blobs/open_blobs.h"
+#include "storage/folder/data_dir.h"
+
+namespace skyquilt::server {
+
+Result<std::shared_ptr<storage::BlobStore>> OpenBlobsOf(const storage::DataDir& dir,
+                                                        const storage::BlobPlace& place);
+
+}  // namespace skyquilt::server

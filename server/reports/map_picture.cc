@@ -1,0 +1,65 @@
+#include "server/reports/map_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "core/base/try.h"
+#include "core/geo/lat_lon.h"
+#include "core/image/picture_codec.h"
+#include "storage/exports/custom/export_map.h"
+#include "storage/exports/thumbnail_writer.h"
+#include "storage/tilesets/mbtiles_reader.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr float kPictureQuality = 82.0F;
+
+double LongerSideM(const geo::LatLonBounds& bounds) {
+  const double height_m = geo::DegToRad(bounds.north_deg - bounds.south_deg) * geo::kWgs84SemiMajorM;
+  const double width_m = geo::DegToRad(bounds.east_deg - bounds.west_deg) * geo::kWgs84SemiMajorM *
+                         std::cos(geo::DegToRad(bounds.Middle().lat_deg));
+  return std::max(height_m, width_m);
+}
+
+}  // namespace
+
+Result<MapPicture> MakeMapPicture(const std::filesystem::path& map, int longer_side_px,
+                                  const std::filesystem::path& work_folder, Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(storage::ExportSource source, storage::ExportSourceOf(map));
+  SKYQUILT_TRY_ASSIGN(const auto reader, storage::MbtilesReader::Open(source.mbtiles));
+  SKYQUILT_TRY_ASSIGN(const storage::MapFacts facts, storage::FactsOfTileset(reader->metadata()));
+  source.is_placed = true;  // a picture has a scale wherever the map lies; the page says what it is worth
+  MapPicture picture;
+  picture.pixel_m = std::max(facts.FinestPixelM(), LongerSideM(facts.bounds) / longer_side_px);
+  storage::ExportRequest request;
+  request.resolution_m = picture.pixel_m;
+  const std::filesystem::path tif = work_folder / "picture.tif", png = work_folder / "picture.png";
+  SKYQUILT_TRY(storage::ExportMap(source, request, work_folder, tif, {}, progress));
+  SKYQUILT_TRY(storage::WriteThumbnail(tif, png, image::kMaxPictureSidePx));
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(png));
+  SKYQUILT_TRY_ASSIGN(const image::RgbaImage pixels, image::DecodePicture(bytes));
+  picture.width_px = pixels.width_px;
+  picture.height_px = pixels.height_px;
+  picture.webp = image::EncodeWebp(image::RowsOf(pixels), kPictureQuality);
+  std::error_code stays;  // the folder's owner removes what is left
+  std::filesystem::remove(tif, stays);
+  std::filesystem::remove(png, stays);
+  return picture;
+}
+
+double ScaleBarM(double most_m) {
+  if (!(most_m > 0.0) || !std::isfinite(most_m)) return 1.0;
+  const double power = std::pow(10.0, std::floor(std::log10(most_m)));
+  for (const double times : {5.0, 2.0}) {
+    if (times * power <= most_m) return times * power;
+  }
+  return power;
+}
+
+}  // namespace skyquilt::server

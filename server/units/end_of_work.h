@@ -1,0 +1,32 @@
+// How a worker tells the queue of an end, and whether another attempt may do better. Any thread.
+#pragma once
+
+#include <chrono>
+#include <string_view>
+#include <thread>
+
+#include "core/base/result.h"
+#include "server/routing/request_log.h"
+
+namespace skyquilt::server {
+
+// Trouble of the machine may pass; trouble with the input will not.
+inline bool MayRetry(ErrorCode code) {
+  return code == ErrorCode::kIo || code == ErrorCode::kUnavailable || code == ErrorCode::kInternal ||
+         code == ErrorCode::kTimeout;
+}
+
+// The end of a job must reach the queue, even when the database is busy or the disk was full a moment ago.
+template <typename Tell>
+void TellUntilHeard(std::string_view job_id, Tell tell) {
+  constexpr int kTries = 5;
+  for (int attempt = 1; attempt <= kTries; ++attempt) {
+    const Result<bool> written = tell();
+    if (written) return;
+    LogFailure(job_id, "queue", written.error().detail);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  // Not heard: the lease runs out, and the queue hands the work to the next attempt.
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,83 @@
+#include "server/units/run_unit.h"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "core/base/try.h"
+#include "server/jobs/job_task.h"
+#include "server/jobs/stitch_apart.h"
+#include "server/routing/request_log.h"
+#include "server/units/cut_job.h"
+#include "server/units/end_of_work.h"
+#include "server/units/unit_heartbeat.h"
+
+namespace skyquilt::server {
+namespace {
+
+Result<UnitKind> KindOf(const storage::UnitLease& unit) {
+  for (const UnitKind kind : {UnitKind::kLook, UnitKind::kRender}) {
+    if (unit.kind == UnitKindName(kind)) return kind;
+  }
+  return Error{ErrorCode::kConflict,
+               "This part of a flight is of a kind that this version of Skyquilt does not know.", unit.kind};
+}
+
+Result<void> Make(const WorkerContext& context, const storage::UnitLease& unit, Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(const UnitKind kind, KindOf(unit));
+  const bool looks = kind == UnitKind::kLook;
+  const ShareOfFiles share = looks ? ShareOfFiles{unit.number, unit.count} : ShareOfFiles{};
+  SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, unit.flight_id, unit.options, share, progress));
+  storage::Lease of_job;
+  of_job.job_id = unit.job_id;
+  of_job.flight_id = unit.flight_id;
+  if (!looks) {
+    SKYQUILT_TRY(FetchParts(context, of_job, UnitKind::kPlace, made, progress));
+  }
+  SKYQUILT_TRY_ASSIGN(made.task.out_dir, MakeOutFolder(context, unit.job_id, kind, unit.number));
+  made.task.unit = UnitToDo{kind, unit.number, unit.count, looks ? 0 : unit.items};
+  const StitchedApart done = StitchApart(std::move(made.task), made.limits, progress);
+  if (!done.outcome) return done.outcome.error();
+  return HandIn(context, unit.flight_id, unit.job_id, kind, unit.number, progress);
+}
+
+std::optional<Error> Work(const WorkerContext& context, const storage::UnitLease& unit, Progress& progress) {
+  try {
+    const Result<void> made = Make(context, unit, progress);
+    if (!made) return made.error();
+    return std::nullopt;
+  } catch (const std::exception& thrown) {
+    return Error{ErrorCode::kInternal, "The worker ran out of memory or another means. It tries again.",
+                 thrown.what()};
+  }
+}
+
+}  // namespace
+
+void RunUnit(WorkerContext& context, const storage::UnitLease& unit) {
+  const std::string name = fmt::format("{} {} of {}", unit.kind, unit.number + 1, unit.count);
+  LogEvent(fmt::format("job {} of flight {}: {} begins", unit.job_id, unit.flight_id, name));
+  std::optional<Error> failure;
+  storage::LeaseState state = storage::LeaseState::kHeld;
+  {
+    UnitHeartbeat heartbeat(context.units, unit, context.is_stopping);
+    failure = Work(context, unit, heartbeat);
+    state = heartbeat.lease_state();
+  }
+  if (state != storage::LeaseState::kHeld) {
+    LogEvent(fmt::format("job {}: {} is cancelled or lost its lease", unit.job_id, name));
+  } else if (failure && context.is_stopping) {
+    TellUntilHeard(unit.job_id, [&] { return context.units.GiveBack(unit); });
+  } else if (failure) {
+    LogFailure(unit.job_id, name, failure->message + " " + failure->detail);
+    TellUntilHeard(unit.job_id, [&] {
+      return context.units.Fail(unit, *failure, MayRetry(failure->code), storage::Now());
+    });
+  } else {
+    TellUntilHeard(unit.job_id, [&] { return context.units.Done(unit); });
+  }
+}
+
+}  // namespace skyquilt::server

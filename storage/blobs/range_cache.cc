@@ -1,0 +1,118 @@
+#include "storage/blobs/range_cache.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <utility>
+
+#include "core/base/try.h"
+
+namespace skyquilt::storage {
+namespace {
+
+// Fewer bytes only at the chunk's end.
+Result<std::string> SliceOf(const LocalBlob& chunk, std::int64_t offset, std::int64_t length) {
+  const int fd = open(chunk.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (fd < 0) return Error{ErrorCode::kNotFound, "A chunk is no longer in the cache.", chunk.path.string()};
+  std::string bytes(static_cast<std::size_t>(length), '\0');
+  ssize_t got = 0;
+  do {
+    got = pread(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+  } while (got < 0 && errno == EINTR);
+  close(fd);
+  if (got < 0) return Error{ErrorCode::kIo, "The server's cache could not be read.", chunk.path.string()};
+  bytes.resize(static_cast<std::size_t>(got));
+  return bytes;
+}
+
+Result<void> WriteChunk(const std::filesystem::path& to, std::string_view bytes) {
+  std::ofstream file(to, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file)
+    return Error{ErrorCode::kOutOfSpace, "The server's disk has no room for its cache.", to.string()};
+  return {};
+}
+
+}  // namespace
+
+std::string RangeCache::ChunkKey(const std::string& key, std::int64_t chunk) {
+  return fmt::format("{}{}{:08}", key, kFolder, chunk);
+}
+
+Result<std::string> RangeCache::Kept(const std::string& key, std::int64_t chunk, std::int64_t from,
+                                     std::int64_t until) {
+  SKYQUILT_TRY_ASSIGN(const LocalBlob kept, cache_.Find(ChunkKey(key, chunk)));
+  return SliceOf(kept, from, until - from);
+}
+
+// Into the cache.
+Result<void> RangeCache::Fetch(const std::string& key, std::int64_t first_chunk, std::int64_t last_chunk) {
+  if (first_chunk == last_chunk) {
+    // One of those who want the same chunk reads it; the others wait for that.
+    const auto fetch = [&](const std::filesystem::path& to) -> Result<void> {
+      SKYQUILT_TRY_ASSIGN(const std::string bytes,
+                          read_(key, first_chunk * kRangeChunkBytes, kRangeChunkBytes));
+      return WriteChunk(to, bytes);
+    };
+    SKYQUILT_TRY(cache_.Get(ChunkKey(key, first_chunk), fetch));
+    return {};
+  }
+  const std::int64_t offset = first_chunk * kRangeChunkBytes;
+  SKYQUILT_TRY_ASSIGN(const std::string bytes,
+                      read_(key, offset, (last_chunk - first_chunk + 1) * kRangeChunkBytes));
+  for (std::int64_t chunk = first_chunk; chunk <= last_chunk; ++chunk) {
+    const auto begin = static_cast<std::size_t>(chunk * kRangeChunkBytes - offset);
+    const std::string_view part =
+        begin < bytes.size() ? std::string_view(bytes).substr(begin, kRangeChunkBytes) : std::string_view();
+    SKYQUILT_TRY(cache_.Get(ChunkKey(key, chunk),
+                            [&](const std::filesystem::path& to) { return WriteChunk(to, part); }));
+  }
+  return {};
+}
+
+Result<std::string> RangeCache::Get(const std::string& key, std::int64_t offset, std::int64_t length) {
+  if (length <= 0) return std::string();
+  const std::int64_t end = offset + length;
+  const std::int64_t first = offset / kRangeChunkBytes;
+  const std::int64_t last = (end - 1) / kRangeChunkBytes;
+  std::string all;
+  std::int64_t missing = -1;  // the first of those that are missing side by side
+  // The part of a chunk that is wanted.
+  const auto slice = [&](std::int64_t chunk) {
+    const std::int64_t begin = chunk * kRangeChunkBytes;
+    return Kept(key, chunk, std::max<std::int64_t>(0, offset - begin),
+                std::min(kRangeChunkBytes, end - begin));
+  };
+  const auto fetch_missing = [&](std::int64_t until) -> Result<void> {
+    if (missing < 0) return {};
+    SKYQUILT_TRY(Fetch(key, missing, until));
+    for (std::int64_t chunk = std::exchange(missing, -1); chunk <= until; ++chunk) {
+      Result<std::string> bytes = slice(chunk);
+      if (!bytes) {
+        // What another pushes out of the cache at this very moment is read past it.
+        const std::int64_t begin = std::max(offset, chunk * kRangeChunkBytes);
+        bytes = read_(key, begin, std::min(end, (chunk + 1) * kRangeChunkBytes) - begin);
+      }
+      if (!bytes) return bytes.error();
+      all += *bytes;
+    }
+    return {};
+  };
+  for (std::int64_t chunk = first; chunk <= last; ++chunk) {
+    const Result<std::string> bytes = slice(chunk);
+    if (!bytes && bytes.error().code != ErrorCode::kNotFound) return bytes.error();
+    if (!bytes && missing < 0) missing = chunk;
+    if (!bytes) continue;
+    SKYQUILT_TRY(fetch_missing(chunk - 1));
+    all += *bytes;
+  }
+  SKYQUILT_TRY(fetch_missing(last));
+  return all;
+}
+
+}  // namespace skyquilt::storage

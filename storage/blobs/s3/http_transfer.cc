@@ -1,0 +1,203 @@
+#include "storage/blobs/s3/http_transfer.h"
+
+#include <curl/curl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "core/base/check.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr std::size_t kMaxHeaders = 200;
+constexpr std::size_t kMaxIdle = 32;
+
+struct EndTransfer {
+  void operator()(CURL* transfer) const { curl_easy_cleanup(transfer); }
+};
+struct EndHeaders {
+  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
+};
+
+using TransferHandle = std::unique_ptr<CURL, EndTransfer>;
+
+// What the callbacks of one exchange share.
+struct UnderWay {
+  const HttpExchange& exchange;
+  CURL* transfer;
+  HttpAnswer answer;
+  std::size_t sent = 0;
+  std::optional<Error> refusal;
+};
+
+std::size_t GiveBytes(char* into, std::size_t size, std::size_t count, void* of) {
+  auto& under_way = *static_cast<UnderWay*>(of);
+  const std::string_view rest = under_way.exchange.body.substr(under_way.sent);
+  const std::size_t given = std::min(size * count, rest.size());
+  std::memcpy(into, rest.data(), given);
+  under_way.sent += given;
+  return given;
+}
+
+// Where a connection broke before the answer, libcurl sends the body again on another.
+int Rewind(void* of, curl_off_t offset, int origin) {
+  auto& under_way = *static_cast<UnderWay*>(of);
+  if (origin != SEEK_SET || offset < 0 || static_cast<std::size_t>(offset) > under_way.exchange.body.size())
+    return CURL_SEEKFUNC_FAIL;
+  under_way.sent = static_cast<std::size_t>(offset);
+  return CURL_SEEKFUNC_OK;
+}
+
+std::size_t TakeBytes(char* bytes, std::size_t size, std::size_t count, void* of) {
+  auto& under_way = *static_cast<UnderWay*>(of);
+  const std::string_view came(bytes, size * count);
+  long status = 0;
+  curl_easy_getinfo(under_way.transfer, CURLINFO_RESPONSE_CODE, &status);
+  if (under_way.exchange.take && status >= 200 && status < 300) {
+    const Result<void> taken = under_way.exchange.take(came);
+    if (taken) return came.size();
+    under_way.refusal = taken.error();
+    return 0;
+  }
+  if (under_way.answer.body.size() + came.size() > under_way.exchange.max_answer_bytes) {
+    under_way.refusal = Error{ErrorCode::kTooLarge, "An answer was larger than it may be.", ""};
+    return 0;
+  }
+  under_way.answer.body.append(came);
+  return came.size();
+}
+
+std::size_t TakeHeaderLine(char* bytes, std::size_t size, std::size_t count, void* of) {
+  auto& headers = static_cast<UnderWay*>(of)->answer.headers;
+  const std::string_view line(bytes, size * count);
+  if (line.starts_with("HTTP/")) headers.clear();  // of another answer before this one: 100 Continue
+  const std::size_t colon = line.find(':');
+  if (colon == std::string_view::npos || headers.size() >= kMaxHeaders) return line.size();
+  std::string name(line.substr(0, colon));
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string_view value = line.substr(colon + 1);
+  while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
+  while (!value.empty() && (value.back() == '\r' || value.back() == '\n' || value.back() == ' '))
+    value.remove_suffix(1);
+  headers[name] = std::string(value);
+  return line.size();
+}
+
+template <typename Value>
+void SetOption(CURL* transfer, CURLoption option, Value value) {
+  SKYQUILT_CHECK(curl_easy_setopt(transfer, option, value) == CURLE_OK,
+                 "this libcurl lacks an option that S3 needs");
+}
+
+std::unique_ptr<curl_slist, EndHeaders> ListOf(const NamedValues& headers) {
+  // Without it libcurl asks before it sends a large body, and waits for those who do not answer that.
+  std::unique_ptr<curl_slist, EndHeaders> list(curl_slist_append(nullptr, "Expect:"));
+  for (const auto& [name, value] : headers) {
+    curl_slist* longer = curl_slist_append(list.get(), fmt::format("{}: {}", name, value).c_str());
+    SKYQUILT_CHECK(longer != nullptr, "out of memory");
+    (void)list.release();
+    list.reset(longer);
+  }
+  return list;
+}
+
+void SetBody(CURL* transfer, UnderWay& under_way) {
+  const HttpExchange& exchange = under_way.exchange;
+  if (exchange.method == "HEAD") {
+    SetOption(transfer, CURLOPT_NOBODY, 1L);
+    return;
+  }
+  if (exchange.method == "PUT") {
+    SetOption(transfer, CURLOPT_UPLOAD, 1L);
+    SetOption(transfer, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(exchange.body.size()));
+  } else if (exchange.method == "POST") {
+    SetOption(transfer, CURLOPT_POST, 1L);
+    SetOption(transfer, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(exchange.body.size()));
+  } else {
+    SetOption(transfer, CURLOPT_HTTPGET, 1L);
+    SetOption(transfer, CURLOPT_CUSTOMREQUEST, exchange.method.c_str());
+  }
+  SetOption(transfer, CURLOPT_READFUNCTION, &GiveBytes);
+  SetOption(transfer, CURLOPT_READDATA, &under_way);
+  SetOption(transfer, CURLOPT_SEEKFUNCTION, &Rewind);
+  SetOption(transfer, CURLOPT_SEEKDATA, &under_way);
+}
+
+}  // namespace
+
+struct HttpTransfers::Idle {
+  std::vector<TransferHandle> handles;
+};
+
+HttpTransfers::HttpTransfers() : idle_(std::make_unique<Idle>()) {
+  static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
+  SKYQUILT_CHECK(started == CURLE_OK, "libcurl does not start");
+}
+
+HttpTransfers::~HttpTransfers() = default;
+
+std::string HttpAnswer::Header(const std::string& name) const {
+  const auto found = headers.find(name);
+  return found == headers.end() ? "" : found->second;
+}
+
+Result<HttpAnswer> HttpTransfers::Perform(const HttpExchange& exchange) {
+  TransferHandle owner;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_->handles.empty()) {
+      owner = std::move(idle_->handles.back());
+      idle_->handles.pop_back();
+    }
+  }
+  if (owner == nullptr) owner.reset(curl_easy_init());
+  CURL* transfer = owner.get();
+  SKYQUILT_CHECK(transfer != nullptr, "out of memory");
+  curl_easy_reset(transfer);  // its connections stay
+  UnderWay under_way{exchange, transfer, {}, 0, std::nullopt};
+  const auto headers = ListOf(exchange.headers);
+  std::array<char, CURL_ERROR_SIZE> said{};
+  SetOption(transfer, CURLOPT_URL, exchange.url.c_str());
+  SetOption(transfer, CURLOPT_PATH_AS_IS, 1L);  // what was signed is what is sent
+  SetOption(transfer, CURLOPT_PROTOCOLS_STR, "http,https");
+  SetOption(transfer, CURLOPT_FOLLOWLOCATION, 0L);
+  SetOption(transfer, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
+  SetOption(transfer, CURLOPT_NOSIGNAL, 1L);
+  SetOption(transfer, CURLOPT_HTTPHEADER, headers.get());
+  SetOption(transfer, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(exchange.connect_patience.count()));
+  SetOption(transfer, CURLOPT_LOW_SPEED_LIMIT, 1L);
+  SetOption(transfer, CURLOPT_LOW_SPEED_TIME, static_cast<long>(exchange.stall_patience.count()));
+  SetOption(transfer, CURLOPT_BUFFERSIZE, 256L << 10);
+  SetOption(transfer, CURLOPT_UPLOAD_BUFFERSIZE, 256L << 10);
+  SetOption(transfer, CURLOPT_WRITEFUNCTION, &TakeBytes);
+  SetOption(transfer, CURLOPT_WRITEDATA, &under_way);
+  SetOption(transfer, CURLOPT_HEADERFUNCTION, &TakeHeaderLine);
+  SetOption(transfer, CURLOPT_HEADERDATA, &under_way);
+  SetOption(transfer, CURLOPT_ERRORBUFFER, said.data());
+  // As OpenSSL's own programs have it.
+  if (const char* trusted = std::getenv("SSL_CERT_FILE")) SetOption(transfer, CURLOPT_CAINFO, trusted);
+  SetBody(transfer, under_way);
+  const CURLcode done = curl_easy_perform(transfer);
+  curl_easy_getinfo(transfer, CURLINFO_RESPONSE_CODE, &under_way.answer.status);
+  if (done == CURLE_OK) {
+    const std::lock_guard lock(mutex_);
+    if (idle_->handles.size() < kMaxIdle) idle_->handles.push_back(std::move(owner));
+    return std::move(under_way.answer);
+  }
+  if (under_way.refusal) return *under_way.refusal;
+  // A server that refuses may close before it has heard all of the body.
+  if (under_way.answer.status >= 400 && done == CURLE_SEND_ERROR) return std::move(under_way.answer);
+  return Error{ErrorCode::kUnavailable,
+               done == CURLE_OPERATION_TIMEDOUT ? "It did not answer in time." : "It did not answer.",
+               said[0] != '\0' ? said.data() : curl_easy_strerror(done)};
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,161 @@
+#include "storage/blobs/s3/sign_request.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <ctime>
+#include <map>
+
+#include "core/base/check.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kAlgorithm = "AWS4-HMAC-SHA256";
+constexpr const char* kUnsignedPayload = "UNSIGNED-PAYLOAD";
+
+std::string Hmac(std::string_view key, std::string_view text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> mac{};
+  unsigned int length = 0;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
+  SKYQUILT_CHECK(HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), bytes, text.size(), mac.data(),
+                      &length) != nullptr,
+                 "OpenSSL has no HMAC-SHA256");
+  return {reinterpret_cast<const char*>(mac.data()), length};
+}
+
+// "20130524T000000Z"
+std::string StampOf(std::chrono::system_clock::time_point now) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  return fmt::format("{:04}{:02}{:02}T{:02}{:02}{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
+                     utc.tm_hour, utc.tm_min, utc.tm_sec);
+}
+
+std::string ScopeOf(const std::string& stamp, const std::string& region) {
+  return fmt::format("{}/{}/s3/aws4_request", stamp.substr(0, 8), region);
+}
+
+std::string Trimmed(std::string_view value) {
+  while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
+  while (!value.empty() && value.back() == ' ') value.remove_suffix(1);
+  return std::string(value);
+}
+
+// Names in lower case, in their order.
+std::map<std::string, std::string> CanonicalHeaders(const NamedValues& headers, const std::string& host) {
+  std::map<std::string, std::string> canonical = {{"host", host}};
+  for (const auto& [name, value] : headers) {
+    std::string lower = name;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    canonical[lower] = Trimmed(value);
+  }
+  return canonical;
+}
+
+std::string NamesOf(const std::map<std::string, std::string>& headers) {
+  std::string names;
+  for (const auto& [name, value] : headers) names += (names.empty() ? "" : ";") + name;
+  return names;
+}
+
+std::string SignatureOf(const RequestToSign& request, const std::map<std::string, std::string>& headers,
+                        const std::string& payload, const S3Credentials& credentials,
+                        const std::string& region, const std::string& stamp) {
+  std::string canonical =
+      fmt::format("{}\n{}\n{}\n", request.method, UriEncode(request.path, true), EncodedQuery(request.query));
+  for (const auto& [name, value] : headers) canonical += fmt::format("{}:{}\n", name, value);
+  canonical += fmt::format("\n{}\n{}", NamesOf(headers), payload);
+  const std::string to_sign =
+      fmt::format("{}\n{}\n{}\n{}", kAlgorithm, stamp, ScopeOf(stamp, region), Sha256Hex(canonical));
+  std::string key = Hmac("AWS4" + credentials.secret_key, stamp.substr(0, 8));
+  for (const std::string_view part : {std::string_view(region), std::string_view("s3"),
+                                      std::string_view("aws4_request"), std::string_view(to_sign)}) {
+    key = Hmac(key, part);
+  }
+  return HexOf({reinterpret_cast<const unsigned char*>(key.data()), key.size()});
+}
+
+}  // namespace
+
+std::string HexOf(std::span<const unsigned char> bytes) {
+  std::string hex;
+  for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
+
+std::string Sha256Hex(std::string_view bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  SKYQUILT_CHECK(EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) == 1,
+                 "OpenSSL has no SHA-256");
+  return HexOf({digest.data(), length});
+}
+
+std::string UriEncode(std::string_view text, bool keeps_slashes) {
+  std::string encoded;
+  for (const unsigned char c : text) {
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                          c == '-' || c == '.' || c == '_' || c == '~' || (c == '/' && keeps_slashes);
+    encoded += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
+  }
+  return encoded;
+}
+
+std::string EncodedQuery(NamedValues query) {
+  for (auto& [name, value] : query) {
+    name = UriEncode(name, false);
+    value = UriEncode(value, false);
+  }
+  std::sort(query.begin(), query.end());
+  std::string text;
+  for (const auto& [name, value] : query)
+    text += fmt::format("{}{}={}", text.empty() ? "" : "&", name, value);
+  return text;
+}
+
+NamedValues SignRequest(const RequestToSign& request, const S3Credentials& credentials,
+                        const std::string& region, std::chrono::system_clock::time_point now) {
+  const std::string stamp = StampOf(now);
+  NamedValues headers = request.headers;
+  headers.emplace_back("x-amz-content-sha256", request.payload_sha256);
+  headers.emplace_back("x-amz-date", stamp);
+  if (!credentials.session_token.empty())
+    headers.emplace_back("x-amz-security-token", credentials.session_token);
+  const auto canonical = CanonicalHeaders(headers, request.host);
+  const std::string signature =
+      SignatureOf(request, canonical, request.payload_sha256, credentials, region, stamp);
+  headers.emplace_back("Authorization", fmt::format("{} Credential={}/{},SignedHeaders={},Signature={}",
+                                                    kAlgorithm, credentials.access_key,
+                                                    ScopeOf(stamp, region), NamesOf(canonical), signature));
+  return headers;
+}
+
+NamedValues PresignRequest(const RequestToSign& request, const S3Credentials& credentials,
+                           const std::string& region, std::chrono::system_clock::time_point now,
+                           std::chrono::seconds lifetime) {
+  const std::string stamp = StampOf(now);
+  const auto canonical = CanonicalHeaders(request.headers, request.host);
+  RequestToSign with_query = request;
+  NamedValues& query = with_query.query;
+  query.emplace_back("X-Amz-Algorithm", kAlgorithm);
+  query.emplace_back("X-Amz-Credential",
+                     fmt::format("{}/{}", credentials.access_key, ScopeOf(stamp, region)));
+  query.emplace_back("X-Amz-Date", stamp);
+  query.emplace_back("X-Amz-Expires", std::to_string(lifetime.count()));
+  if (!credentials.session_token.empty())
+    query.emplace_back("X-Amz-Security-Token", credentials.session_token);
+  query.emplace_back("X-Amz-SignedHeaders", NamesOf(canonical));
+  const std::string signature =
+      SignatureOf(with_query, canonical, kUnsignedPayload, credentials, region, stamp);
+  query.emplace_back("X-Amz-Signature", signature);
+  return query;
+}
+
+}  // namespace skyquilt::storage

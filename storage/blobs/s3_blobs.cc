@@ -1,0 +1,173 @@
+#include "storage/blobs/s3_blobs.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/parallel_for.h"
+#include "core/base/try.h"
+#include "storage/blobs/sha256.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPartsSideBySide = 4;
+constexpr std::int64_t kMaxParts = 9'000;
+
+class InFile {
+ public:
+  explicit InFile(const fs::path& path)
+      : path_(path), fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
+  ~InFile() {
+    if (fd_ >= 0) close(fd_);
+  }
+  InFile(const InFile&) = delete;
+  InFile& operator=(const InFile&) = delete;
+
+  Result<std::string> Read(std::int64_t offset, std::int64_t length) const {
+    if (fd_ < 0) return FileError("cannot open", path_, errno);
+    std::string bytes(static_cast<std::size_t>(length), '\0');
+    for (std::size_t have = 0; have < bytes.size();) {
+      const ssize_t got = pread(fd_, bytes.data() + have, bytes.size() - have,
+                                static_cast<off_t>(offset + static_cast<std::int64_t>(have)));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return FileError("cannot read", path_, got < 0 ? errno : EIO);
+      have += static_cast<std::size_t>(got);
+    }
+    return bytes;
+  }
+
+ private:
+  fs::path path_;
+  int fd_;
+};
+
+// The first error of several threads.
+class FirstError {
+ public:
+  void Keep(Error error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(error);
+  }
+  std::optional<Error> error() const {
+    const std::lock_guard lock(mutex_);
+    return error_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+std::int64_t PartBytesFor(std::int64_t bytes) {
+  return std::max(kSinglePutBytes, (bytes + kMaxParts - 1) / kMaxParts);
+}
+
+Result<void> S3Blobs::Put(const std::string& key, const fs::path& file) {
+  RequireKey(key);
+  SKYQUILT_TRY_ASSIGN(const std::string sha256, Sha256OfFile(file));
+  std::error_code error;
+  const auto bytes = static_cast<std::int64_t>(fs::file_size(file, error));
+  if (error) return FileError("cannot read", file, error.value());
+  if (bytes > kSinglePutBytes) return PutInParts(key, file, bytes, sha256);
+  SKYQUILT_TRY_ASSIGN(const std::string whole, InFile(file).Read(0, bytes));
+  return client_->Put(key, whole, {sha256});
+}
+
+Result<void> S3Blobs::PutInParts(const std::string& key, const fs::path& file, std::int64_t bytes,
+                                 const std::string& sha256) {
+  const InFile source(file);
+  const std::int64_t part_bytes = PartBytesFor(bytes);
+  const auto count = static_cast<std::size_t>((bytes + part_bytes - 1) / part_bytes);
+  SKYQUILT_TRY_ASSIGN(const std::string upload_id, client_->BeginUpload(key, {sha256}));
+  std::vector<UploadedPart> parts(count);
+  FirstError failure;
+  ParallelFor(count, kPartsSideBySide, [&](std::size_t i) {
+    if (failure.error()) return;
+    const std::int64_t offset = static_cast<std::int64_t>(i) * part_bytes;
+    const Result<std::string> part = source.Read(offset, std::min(part_bytes, bytes - offset));
+    if (!part) return failure.Keep(part.error());
+    Result<UploadedPart> put = client_->PutPart(key, upload_id, static_cast<int>(i) + 1, *part);
+    if (!put) return failure.Keep(put.error());
+    parts[i] = *std::move(put);
+  });
+  if (!failure.error()) {
+    const Result<void> completed = client_->Complete(key, upload_id, parts, bytes);
+    if (completed) return {};
+    failure.Keep(completed.error());
+  }
+  (void)client_->Abort(key, upload_id).ok();  // what stays, the store's own rule for begun uploads removes
+  return *failure.error();
+}
+
+Result<void> S3Blobs::PutIfAbsent(const std::string& key, std::string_view bytes) {
+  RequireKey(key);
+  return client_->Put(key, bytes, {Sha256Hex(bytes), true});
+}
+
+Result<std::string> S3Blobs::ReadRange(const std::string& key, std::int64_t offset, std::int64_t length) {
+  RequireKey(key);
+  if (length == 0) return std::string();
+  return client_->Get(key, offset, length);
+}
+
+Result<BlobInfo> S3Blobs::Find(const std::string& key) {
+  RequireKey(key);
+  SKYQUILT_TRY_ASSIGN(const S3Object object, client_->Head(key));
+  return BlobInfo{key, object.bytes, object.changed};
+}
+
+Result<std::vector<BlobInfo>> S3Blobs::List(const std::string& prefix) {
+  std::vector<BlobInfo> blobs;
+  std::string continuation;
+  do {
+    SKYQUILT_TRY_ASSIGN(const ListedPage page, client_->List(prefix, continuation));
+    for (const ListedObject& object : page.objects)
+      blobs.push_back({object.key, object.bytes, object.changed});
+    continuation = page.next;
+  } while (!continuation.empty());
+  return blobs;
+}
+
+Result<void> S3Blobs::Remove(const std::string& key) {
+  RequireKey(key);
+  cache_->Forget(key);
+  ranges_.Forget(key);
+  return client_->Delete(key);
+}
+
+Result<int> S3Blobs::RemoveBelow(const std::string& prefix) {
+  SKYQUILT_CHECK(prefix.ends_with('/') && prefix.size() > 1, "what is removed as a whole is a folder");
+  cache_->ForgetBelow(prefix);
+  int removed = 0;
+  while (true) {
+    // The first page again and again, until it is empty.
+    SKYQUILT_TRY_ASSIGN(const ListedPage page, client_->List(prefix, ""));
+    if (page.objects.empty()) return removed;
+    std::vector<std::string> keys;
+    for (const ListedObject& object : page.objects) keys.push_back(object.key);
+    SKYQUILT_TRY(client_->DeleteAll(keys));
+    removed += static_cast<int>(keys.size());
+  }
+}
+
+Result<LocalBlob> S3Blobs::Local(const std::string& key) {
+  return cache_->Get(key, [&](const fs::path& to) -> Result<void> {
+    SKYQUILT_TRY(client_->GetToFile(key, to));
+    return {};
+  });
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,47 @@
+#include "storage/blobs/sha256.h"
+
+#include <openssl/evp.h>
+
+#include <cerrno>
+#include <fstream>
+
+#include "core/base/check.h"
+#include "storage/blobs/s3/sign_request.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+
+struct Sha256Sum::State {
+  EVP_MD_CTX* context = EVP_MD_CTX_new();
+  ~State() { EVP_MD_CTX_free(context); }
+};
+
+Sha256Sum::Sha256Sum() : state_(std::make_unique<State>()) {
+  SKYQUILT_CHECK(EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) == 1, "OpenSSL has no SHA-256");
+}
+
+Sha256Sum::~Sha256Sum() = default;
+
+void Sha256Sum::Add(std::string_view bytes) { EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()); }
+
+std::string Sha256Sum::Finish() {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int length = 0;
+  EVP_DigestFinal_ex(state_->context, digest, &length);
+  return HexOf({digest, length});
+}
+
+Result<std::string> Sha256OfFile(const std::filesystem::path& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  Sha256Sum sum;
+  std::string slice(std::size_t{1} << 20, '\0');
+  while (file) {
+    file.read(slice.data(), static_cast<std::streamsize>(slice.size()));
+    sum.Add(std::string_view(slice).substr(0, static_cast<std::size_t>(file.gcount())));
+  }
+  if (!file.eof()) return FileError("cannot read", path, errno != 0 ? errno : EIO);
+  return sum.Finish();
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,30 @@
+// SHA-256 of bytes that come one after another, and of files. One thread per sum. Errors: kIo.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace skyquilt::storage {
+
+class Sha256Sum {
+ public:
+  Sha256Sum();
+  ~Sha256Sum();
+  Sha256Sum(const Sha256Sum&) = delete;
+  Sha256Sum& operator=(const Sha256Sum&) = delete;
+  void Add(std::string_view bytes);
+  // In hex; once.
+  std::string Finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+Result<std::string> Sha256OfFile(const std::filesystem::path& path);
+
+}  // namespace skyquilt::storage

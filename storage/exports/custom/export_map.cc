@@ -1,0 +1,143 @@
+#include "storage/exports/custom/export_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+
+#include "core/base/try.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/custom/clip_tileset.h"
+#include "storage/exports/custom/target_crs.h"
+#include "storage/exports/kmz_writer.h"
+#include "storage/exports/pmtiles_writer.h"
+#include "storage/exports/warp_geotiff.h"
+#include "storage/tilesets/mbtiles_reader.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Gone at the end of the scope.
+class ScratchFile {
+ public:
+  explicit ScratchFile(fs::path path) : path_(std::move(path)) {}
+  ~ScratchFile() {
+    std::error_code gone;  // what stays is its folder's owner's to remove
+    fs::remove(path_, gone);
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Result<void> CopyWhole(const fs::path& from, const fs::path& path) {
+  fs::path temporary = path;
+  temporary += ".tmp";
+  std::error_code error;
+  fs::copy_file(from, temporary, fs::copy_options::overwrite_existing, error);
+  if (!error) return PublishFile(temporary, path);
+  const Error failure = FileError("cannot write", temporary, error.value());
+  fs::remove(temporary, error);
+  return failure;
+}
+
+// The pixel of a GeoTIFF, in metres on the ground: as wanted, or the photos', but none finer than is stored.
+double PixelOf(const ExportRequest& request, const MapFacts& map) {
+  return request.resolution_m ? *request.resolution_m : std::max(map.gsd_m, map.FinestPixelM());
+}
+
+Result<void> WriteGeotiff(const fs::path& tiles, const fs::path& cog, const ExportRequest& request,
+                          const MapFacts& map, const fs::path& work_folder, const fs::path& path,
+                          const ExportOptions& options, Progress& progress) {
+  const CogOptions cog_options{options.quality, options.threads};
+  const bool is_as_stored = (request.crs.empty() || request.crs.ends_with(":3857")) && !request.resolution_m;
+  if (is_as_stored) {
+    progress.BeginStage("export");
+    return cog.empty() ? WriteCog(tiles, path, cog_options, progress) : CopyWhole(cog, path);
+  }
+  const ScratchFile made(work_folder / "whole.tif");
+  if (cog.empty()) {
+    progress.BeginStage("gather");
+    SKYQUILT_TRY(WriteCog(tiles, made.path(), cog_options, progress));
+  }
+  const geo::LatLonBounds bounds =
+      request.boundary ? Common(map.bounds, request.boundary->Bounds()) : map.bounds;
+  SKYQUILT_TRY_ASSIGN(const int epsg, EpsgOf(request.crs, map.bounds.Middle()));
+  SKYQUILT_TRY_ASSIGN(const TargetCrs crs, FindTargetCrs(epsg, bounds.Middle()));
+  const double pixel_m = PixelOf(request, map);
+  WarpOptions warp;
+  warp.epsg = epsg;
+  warp.pixel_x = pixel_m * crs.units_per_m_east;
+  warp.pixel_y = pixel_m * crs.units_per_m_north;
+  warp.is_coarser = pixel_m > 1.5 * map.FinestPixelM();
+  // A map across the antimeridian is cut by no such box.
+  if (bounds.east_deg <= 180.0) warp.bounds = bounds;
+  warp.jpeg_quality = options.quality;
+  warp.threads = options.threads;
+  progress.BeginStage("export");
+  return WarpGeotiff(cog.empty() ? made.path() : cog, path, warp, progress);
+}
+
+}  // namespace
+
+Result<void> ExportMap(const ExportSource& source, const ExportRequest& request, const fs::path& work_folder,
+                       const fs::path& path, const ExportOptions& options, Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(const auto reader, MbtilesReader::Open(source.mbtiles));
+  SKYQUILT_TRY_ASSIGN(MapFacts map, FactsOfTileset(reader->metadata()));
+  map.gsd_m = source.gsd_m;
+  map.is_placed = source.is_placed;
+  SKYQUILT_TRY(CheckExport(request, map));
+  const bool is_geotiff = request.format == ExportFormat::kGeotiff;
+  const int zoom = is_geotiff ? map.max_zoom : ZoomOfExport(request, map);
+  const bool is_cut = request.boundary.has_value() || zoom < map.max_zoom;
+  const ScratchFile cut(work_folder / "cut.mbtiles");
+  if (is_cut) {
+    progress.BeginStage("cut");
+    const ClipOptions clip{request.boundary ? &*request.boundary : nullptr, zoom, options.quality};
+    const bool is_all = request.format == ExportFormat::kMbtiles;
+    SKYQUILT_TRY(ClipTileset(source.mbtiles, is_all ? path : cut.path(), clip, progress));
+    if (is_all) return {};
+  }
+  const fs::path tiles = is_cut ? cut.path() : source.mbtiles;
+  if (is_geotiff)
+    return WriteGeotiff(tiles, is_cut ? fs::path() : source.cog, request, map, work_folder, path, options,
+                        progress);
+  progress.BeginStage("export");
+  if (request.format == ExportFormat::kPmtiles) return WritePmtiles(tiles, path, progress);
+  if (request.format == ExportFormat::kKmz) return WriteKmz(tiles, path, progress);
+  return CopyWhole(tiles, path);
+}
+
+Result<ExportSource> ExportSourceOf(const fs::path& map) {
+  std::error_code error;
+  const bool is_folder = fs::is_directory(map, error);
+  ExportSource source;
+  source.mbtiles = is_folder ? map / "mosaic.mbtiles" : map;
+  if (!fs::is_regular_file(source.mbtiles, error))
+    return Error{
+        ErrorCode::kNotFound,
+        map.string() +
+            " holds no finished map (mosaic.mbtiles). Name the folder that \"skyquilt stitch -o\" wrote, "
+            "or an .mbtiles.",
+        ""};
+  const fs::path folder = source.mbtiles.parent_path();
+  if (source.mbtiles.filename() != "mosaic.mbtiles") return source;
+  if (fs::is_regular_file(folder / "mosaic.tif", error)) source.cog = folder / "mosaic.tif";
+  std::ifstream file(folder / "report.json", std::ios::binary);
+  const auto report = nlohmann::json::parse(file, nullptr, false);
+  if (!report.is_object()) return source;
+  const auto gsd = report.find("gsd_m"), placed = report.find("is_placed");
+  if (gsd != report.end() && gsd->is_number()) source.gsd_m = gsd->get<double>();
+  if (placed != report.end() && placed->is_boolean()) source.is_placed = placed->get<bool>();
+  return source;
+}
+
+}  // namespace skyquilt::storage

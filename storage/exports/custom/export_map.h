@@ -1,0 +1,38 @@
+// ExportMap: a finished map as one file, as an ExportRequest wants it. What it takes over from the map
+// (tiles, the whole GeoTIFF) is copied byte for byte; pixels are resampled only for another coordinate system
+// or resolution of a GeoTIFF, and encoded anew only there and on the boundary. Deterministic but for GDAL's
+// version. Temporary files lie in `work_folder` and beside `path` (warp_geotiff.h); `path` is published by
+// rename. Memory: GDAL's caches (some 300 MiB) and a few tiles a thread. Blocking. Errors: those of
+// CheckExport, kIo, kOutOfSpace, kCorrupt, kCancelled.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "storage/exports/custom/export_request.h"
+
+namespace skyquilt::storage {
+
+struct ExportSource {
+  std::filesystem::path mbtiles;
+  std::filesystem::path cog;  // of the same map; empty: made where it is needed
+  double gsd_m = 0.0;         // of its photos; 0: not known
+  bool is_placed = true;
+};
+
+struct ExportOptions {
+  int quality = 85;
+  int threads = 0;  // 0 = all cores
+};
+
+Result<void> ExportMap(const ExportSource& source, const ExportRequest& request,
+                       const std::filesystem::path& work_folder, const std::filesystem::path& path,
+                       const ExportOptions& options, Progress& progress);
+
+// What the folder of a finished map ("skyquilt stitch -o", a revision of the server) or a lone MBTiles gives
+// for it. Errors: kNotFound (no map there).
+Result<ExportSource> ExportSourceOf(const std::filesystem::path& map);
+
+}  // namespace skyquilt::storage

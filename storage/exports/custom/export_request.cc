@@ -1,0 +1,230 @@
+#include "storage/exports/custom/export_request.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/try.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+#include "storage/exports/custom/target_crs.h"
+#include "storage/exports/utm_writer.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using Json = nlohmann::json;
+
+struct FormatWords {
+  ExportFormat format;
+  const char* name;
+  const char* ending;
+  const char* content_type;
+};
+constexpr std::array<FormatWords, 4> kFormats = {{
+    {ExportFormat::kGeotiff, "geotiff", "tif", "image/tiff; application=geotiff; profile=cloud-optimized"},
+    {ExportFormat::kPmtiles, "pmtiles", "pmtiles", "application/vnd.pmtiles"},
+    {ExportFormat::kMbtiles, "mbtiles", "mbtiles", "application/vnd.sqlite3"},
+    {ExportFormat::kKmz, "kmz", "kmz", "application/vnd.google-earth.kmz"},
+}};
+
+constexpr double kCoarsestM = 100'000.0;
+// So much finer than the map is a rounded figure of the map's own.
+constexpr double kFinerTolerance = 0.95;
+
+const FormatWords& WordsOf(ExportFormat format) {
+  return *std::find_if(kFormats.begin(), kFormats.end(),
+                       [&](const auto& one) { return one.format == format; });
+}
+
+Error Refused(std::string message) { return {ErrorCode::kUnprocessable, std::move(message), ""}; }
+
+Result<void> TakeField(const std::string& field, const Json& value, ExportRequest& request,
+                       bool& has_format) {
+  if (field == "format") {
+    const auto format = value.is_string() ? ExportFormatOfName(value.get<std::string>()) : std::nullopt;
+    if (!format)
+      return Refused("The field \"format\" must be \"geotiff\", \"pmtiles\", \"mbtiles\" or \"kmz\".");
+    request.format = *format;
+    has_format = true;
+    return {};
+  }
+  if (value.is_null()) return {};
+  if (field == "crs") {
+    if (!value.is_string())
+      return Refused("The field \"crs\" must be \"utm\" or a code such as \"EPSG:2056\".");
+    request.crs = value.get<std::string>();
+    SKYQUILT_TRY(EpsgOf(request.crs, {}));
+    return {};
+  }
+  if (field == "boundary") {
+    SKYQUILT_TRY_ASSIGN(request.boundary, ParseBoundary(value.dump()));
+    return {};
+  }
+  if (field == "resolution_m") {
+    const double metres = value.is_number() ? value.get<double>() : 0.0;
+    if (!(metres > 0.0 && metres <= kCoarsestM))
+      return Refused(
+          "The field \"resolution_m\" must be the size of a pixel on the ground in metres, above 0.");
+    request.resolution_m = metres;
+    return {};
+  }
+  return Refused(fmt::format("The field \"{}\" is not known.", field.substr(0, 40)));
+}
+
+int NumberOr(const std::map<std::string, std::string>& metadata, const char* key, int fallback) {
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return fallback;
+  int number = fallback;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
+  return number;
+}
+
+// "2.5 cm", "3 m".
+std::string LengthText(double metres) {
+  return metres < 1.0 ? fmt::format("{:.3g} cm", metres * 100.0) : fmt::format("{:.3g} m", metres);
+}
+
+std::string BoundsText(const geo::LatLonBounds& bounds) {
+  return fmt::format("{:.5f},{:.5f} to {:.5f},{:.5f} (latitude, longitude)", bounds.south_deg,
+                     bounds.west_deg, bounds.north_deg, bounds.east_deg);
+}
+
+Result<void> CheckResolution(double metres, const MapFacts& map) {
+  if (metres < map.FinestPixelM() * kFinerTolerance)
+    return Refused(fmt::format(
+        "The map's finest pixels show {} of ground, so that a resolution of {} would add nothing but "
+        "bytes. Leave it out, or ask for {:.4g} m or more.",
+        LengthText(map.FinestPixelM()), LengthText(metres), map.FinestPixelM()));
+  const double height_m = geo::DegToRad(map.bounds.north_deg - map.bounds.south_deg) * geo::kWgs84SemiMajorM;
+  const double width_m = geo::DegToRad(map.bounds.east_deg - map.bounds.west_deg) * geo::kWgs84SemiMajorM *
+                         std::cos(geo::DegToRad(map.bounds.Middle().lat_deg));
+  if (metres > std::max(height_m, width_m))
+    return Refused(
+        fmt::format("A pixel of {} is larger than the map. Ask for a finer resolution.", LengthText(metres)));
+  return {};
+}
+
+}  // namespace
+
+const char* NameOf(ExportFormat format) { return WordsOf(format).name; }
+const char* EndingOf(ExportFormat format) { return WordsOf(format).ending; }
+const char* ContentTypeOf(ExportFormat format) { return WordsOf(format).content_type; }
+
+std::optional<ExportFormat> ExportFormatOfName(std::string_view name) {
+  for (const FormatWords& one : kFormats) {
+    if (name == one.name) return one.format;
+  }
+  return std::nullopt;
+}
+
+std::optional<ExportFormat> ExportFormatOfFile(std::string_view file_name) {
+  std::string ending(file_name.substr(file_name.rfind('.') + 1));
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  if (ending == "tiff") ending = "tif";
+  for (const FormatWords& one : kFormats) {
+    if (ending == one.ending) return one.format;
+  }
+  return std::nullopt;
+}
+
+Result<ExportRequest> ParseExportRequest(std::string_view json) {
+  const Json parsed = Json::parse(json, nullptr, false);
+  if (!parsed.is_object())
+    return Error{ErrorCode::kInvalidArgument,
+                 "Send the wish as a JSON object such as {\"format\":\"geotiff\"}.", ""};
+  ExportRequest request;
+  bool has_format = false;
+  for (const auto& [field, value] : parsed.items())
+    SKYQUILT_TRY(TakeField(field, value, request, has_format));
+  if (!has_format)
+    return Refused("Say the format: \"format\" is \"geotiff\", \"pmtiles\", \"mbtiles\" or \"kmz\".");
+  if (!request.crs.empty() && request.format != ExportFormat::kGeotiff)
+    return Refused(fmt::format("{} is always in Web Mercator; leave out \"crs\", or take a GeoTIFF.",
+                               NameOf(request.format)));
+  return request;
+}
+
+Result<int> EpsgOf(const std::string& crs, const geo::LatLon& middle) {
+  if (crs.empty()) return 3857;
+  if (crs == "utm" || crs == "UTM") {
+    Result<int> zone = UtmEpsg(middle);
+    if (!zone) return Refused("UTM ends at 80 degrees south and 84 north. Give an EPSG code of the region.");
+    return zone;
+  }
+  const std::string_view prefix = crs.starts_with("epsg:") ? "epsg:" : "EPSG:";
+  int code = 0;
+  const char* end = crs.data() + crs.size();
+  const bool is_code = crs.starts_with(prefix) && crs.size() <= prefix.size() + 6;
+  const auto parsed = std::from_chars(crs.data() + (is_code ? prefix.size() : crs.size()), end, code);
+  if (!is_code || parsed.ec != std::errc() || parsed.ptr != end || code < 1)
+    return Refused("The coordinate system must be \"utm\" or a code such as \"EPSG:2056\".");
+  return code;
+}
+
+double MapFacts::PixelM(int zoom) const {
+  return geo::PixelSizeInMercM(zoom, tile_size_px) * geo::GroundMetresPerMercMetre(bounds.Middle().lat_deg);
+}
+
+Result<MapFacts> FactsOfTileset(const std::map<std::string, std::string>& metadata) {
+  MapFacts facts;
+  facts.min_zoom = NumberOr(metadata, "minzoom", -1);
+  facts.max_zoom = NumberOr(metadata, "maxzoom", -1);
+  facts.tile_size_px = NumberOr(metadata, "tile_size", 256);
+  const auto bounds = metadata.find("bounds");
+  std::array<double, 4> box{};
+  const bool has_bounds = bounds != metadata.end() && std::sscanf(bounds->second.c_str(), "%lf,%lf,%lf,%lf",
+                                                                  &box[0], &box[1], &box[2], &box[3]) == 4;
+  facts.bounds = geo::LatLonBounds::FromArray(box);
+  const bool is_sound = has_bounds && facts.min_zoom >= 0 && facts.max_zoom >= facts.min_zoom &&
+                        facts.max_zoom <= geo::kMaxZoom && facts.tile_size_px >= 64 &&
+                        facts.tile_size_px <= 4096 && box[0] < box[2] && box[1] < box[3] &&
+                        std::abs(box[1]) <= 90.0 && std::abs(box[3]) <= 90.0;
+  if (!is_sound)
+    return Error{ErrorCode::kCorrupt,
+                 "The tileset does not say what it covers (bounds, minzoom, maxzoom). Make the map again.",
+                 ""};
+  return facts;
+}
+
+Result<void> CheckExport(const ExportRequest& request, const MapFacts& map) {
+  const bool needs_place = !request.crs.empty() || request.boundary || request.resolution_m;
+  if (needs_place && !map.is_placed)
+    return Refused(
+        "This map is not georeferenced: it has no true place, scale or north, so that a coordinate system, a "
+        "boundary or a resolution would mean nothing. Place it first (\"Place on Earth\" on the page, or "
+        "\"skyquilt place\"), or leave them out.");
+  if (!request.crs.empty()) {
+    SKYQUILT_TRY_ASSIGN(const int epsg, EpsgOf(request.crs, map.bounds.Middle()));
+    SKYQUILT_TRY(FindTargetCrs(epsg, map.bounds.Middle()));
+  }
+  if (request.boundary) {
+    const geo::LatLonBounds common = Common(map.bounds, request.boundary->Bounds());
+    if (common.west_deg >= common.east_deg || common.south_deg >= common.north_deg)
+      return Refused("The boundary lies outside the map, which covers " + BoundsText(map.bounds) + ".");
+  }
+  if (request.resolution_m) SKYQUILT_TRY(CheckResolution(*request.resolution_m, map));
+  return {};
+}
+
+int ZoomOfExport(const ExportRequest& request, const MapFacts& map) {
+  int zoom = map.max_zoom;
+  constexpr double kRounding = 1.001;
+  while (request.resolution_m && zoom > map.min_zoom &&
+         map.PixelM(zoom - 1) <= *request.resolution_m * kRounding)
+    --zoom;
+  return zoom;
+}
+
+geo::LatLonBounds Common(const geo::LatLonBounds& a, const geo::LatLonBounds& b) {
+  return {std::max(a.west_deg, b.west_deg), std::max(a.south_deg, b.south_deg),
+          std::min(a.east_deg, b.east_deg), std::min(a.north_deg, b.north_deg)};
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,31 @@
+// WarpGeotiff: a finished cloud-optimised GeoTIFF once more in another coordinate system or resolution. The
+// pixels are resampled (cubic; averaged where they become larger) and encoded anew, by GDAL, block by block.
+// Itself cloud-optimised. Memory: GDAL's block cache and warp buffer. What it puts down meanwhile lies beside
+// `path`: the pixels without loss, some eight times the bytes of the outcome. Published by rename. Blocking.
+// Errors: kIo, kOutOfSpace, kCancelled.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/geo/lat_lon_bounds.h"
+
+namespace skyquilt::storage {
+
+struct WarpOptions {
+  int epsg = 3857;
+  double pixel_x = 1.0;  // in units of that system
+  double pixel_y = 1.0;
+  bool is_coarser = false;                  // than what is read
+  std::optional<geo::LatLonBounds> bounds;  // absent: of all that is there
+  int jpeg_quality = 85;
+  int threads = 0;  // 0 = all cores
+  const char* message = "writing the GeoTIFF";
+};
+
+Result<void> WarpGeotiff(const std::filesystem::path& cog, const std::filesystem::path& path,
+                         const WarpOptions& options, Progress& progress);
+
+}  // namespace skyquilt::storage

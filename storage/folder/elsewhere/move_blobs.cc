@@ -1,0 +1,167 @@
+#include "storage/folder/elsewhere/move_blobs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/base/parallel_for.h"
+#include "core/base/try.h"
+#include "storage/blobs/sha256.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/folder/disk_flights.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr int kMovedSideBySide = 4;
+
+// What a flight's place holds beside its record and its previews, which stay in the folder.
+bool IsMoved(const std::string& key) {
+  const std::size_t id_end = key.find('/', std::string_view("flights/").size());
+  if (id_end == std::string::npos) return false;
+  const std::string folder = key.substr(id_end + 1, key.find('/', id_end + 1) - id_end - 1);
+  return key.find('/', id_end + 1) != std::string::npos && (folder == "files" || IsRevisionFolder(folder));
+}
+
+Result<std::vector<BlobInfo>> Moved(BlobStore& blobs) {
+  SKYQUILT_TRY_ASSIGN(std::vector<BlobInfo> all, blobs.List("flights/"));
+  std::erase_if(all, [](const BlobInfo& blob) { return !IsMoved(blob.key); });
+  return all;
+}
+
+// A move would hide what is missing: it is said before.
+Result<void> CheckComplete(CatalogueDb& db, const std::vector<BlobInfo>& blobs, const BlobStore& from) {
+  std::set<std::string> keys;
+  for (const BlobInfo& blob : blobs) keys.insert(blob.key);
+  const Catalogue catalogue(db);
+  SKYQUILT_TRY_ASSIGN(const std::vector<std::string> ids, catalogue.FlightIds());
+  for (const std::string& id : ids) {
+    SKYQUILT_TRY_ASSIGN(const std::vector<StoredFile> files, catalogue.ListFiles(id));
+    for (const StoredFile& file : files) {
+      if (keys.contains(FilesPrefix(id) + file.stored_name)) continue;
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{} lacks {}{} ({}). See \"skyquilt data check\"; nothing was moved.",
+                               from.Address(), FilesPrefix(id), file.stored_name, file.name),
+                   ""};
+    }
+    SKYQUILT_TRY_ASSIGN(const std::vector<std::int64_t> revisions, catalogue.Revisions(id));
+    for (const std::int64_t revision : revisions) {
+      if (keys.contains(RevisionPrefix(id, revision) + "mosaic.mbtiles")) continue;
+      return Error{ErrorCode::kNotFound,
+                   fmt::format("{} lacks {}mosaic.mbtiles. See \"skyquilt data check\"; nothing was moved.",
+                               from.Address(), RevisionPrefix(id, revision)),
+                   ""};
+    }
+  }
+  return {};
+}
+
+// As the place gives it back, not as it was sent.
+Result<std::string> SumOf(BlobStore& blobs, const BlobInfo& blob) {
+  constexpr std::int64_t kWindow = std::int64_t{8} << 20;
+  Sha256Sum sum;
+  for (std::int64_t at = 0; at < blob.bytes; at += kWindow) {
+    SKYQUILT_TRY_ASSIGN(const std::string bytes,
+                        blobs.ReadRange(blob.key, at, std::min(kWindow, blob.bytes - at)));
+    sum.Add(bytes);
+  }
+  return sum.Finish();
+}
+
+// True: it was copied; false: it was there.
+Result<bool> MoveOne(const BlobInfo& blob, BlobStore& from, BlobStore& to) {
+  SKYQUILT_TRY_ASSIGN(const std::string sum, SumOf(from, blob));
+  const auto is_there = [&]() -> Result<bool> {
+    const Result<BlobInfo> copy = to.Find(blob.key);
+    if (!copy && copy.error().code == ErrorCode::kNotFound) return false;
+    if (!copy) return copy.error();
+    if (copy->bytes != blob.bytes) return false;
+    SKYQUILT_TRY_ASSIGN(const std::string sum_of_copy, SumOf(to, *copy));
+    return sum_of_copy == sum;
+  };
+  SKYQUILT_TRY_ASSIGN(const bool was_there, is_there());
+  if (was_there) return false;
+  SKYQUILT_TRY_ASSIGN(const LocalBlob local, from.Local(blob.key));
+  SKYQUILT_TRY(to.Put(blob.key, local.path));
+  SKYQUILT_TRY_ASSIGN(const bool is_same, is_there());
+  if (is_same) return true;
+  return Error{
+      ErrorCode::kCorrupt,
+      fmt::format("The copy of {} at {} is not the same as the original. Nothing was removed; run the "
+                  "same command again.",
+                  blob.key, to.Address()),
+      ""};
+}
+
+Result<std::int64_t> RemoveSource(BlobStore& from) {
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> blobs, Moved(from));
+  for (const BlobInfo& blob : blobs) {
+    SKYQUILT_TRY(from.Remove(blob.key));
+  }
+  // Others may have the place now.
+  if (!from.IsFolder()) {
+    SKYQUILT_TRY(from.Remove("skyquilt-data.json"));
+  }
+  return static_cast<std::int64_t>(blobs.size());
+}
+
+}  // namespace
+
+Result<MoveReport> MoveBlobs(const DataDir& dir, const std::string& catalogue_id, CatalogueDb& db,
+                             BlobStore& from, BlobStore& to, bool removes_source, Progress& progress) {
+  SKYQUILT_TRY_ASSIGN(const std::optional<std::string> settled, SettledAt(dir));
+  const std::string lies_at = settled.value_or("");
+  const std::string moves_to = to.IsFolder() ? "" : to.Address();
+  // A move that was done already has only the originals left to remove.
+  const bool is_done = lies_at == moves_to;
+  if (!is_done && lies_at != (from.IsFolder() ? "" : from.Address())) {
+    return Error{ErrorCode::kConflict,
+                 fmt::format("The photos and maps of {} lie at {}, not at {}.", dir.root().string(),
+                             settled ? *settled : dir.root().string(), from.Address()),
+                 ""};
+  }
+  for (BlobStore* place : {&from, &to}) {
+    if (place->IsFolder()) continue;
+    SKYQUILT_TRY(ClaimBlobs(catalogue_id, *place));
+  }
+  MoveReport report;
+  SKYQUILT_TRY_ASSIGN(const std::vector<BlobInfo> blobs, Moved(from));
+  if (!is_done) {
+    SKYQUILT_TRY(CheckComplete(db, blobs, from));
+  }
+  for (const BlobInfo& blob : blobs) report.bytes += blob.bytes;
+  progress.BeginStage("move");
+  std::mutex mutex;
+  std::optional<Error> failure;
+  std::int64_t bytes_done = 0;
+  ParallelFor(blobs.size(), kMovedSideBySide, [&](std::size_t i) {
+    {
+      const std::lock_guard lock(mutex);
+      if (failure) return;
+    }
+    const Result<bool> moved = MoveOne(blobs[i], from, to);
+    const std::lock_guard lock(mutex);
+    if (!moved && !failure) failure = moved.error();
+    if (!moved) return;
+    ++(*moved ? report.copied : report.there_already);
+    bytes_done += blobs[i].bytes;
+    progress.Report(
+        static_cast<double>(bytes_done) / static_cast<double>(std::max<std::int64_t>(1, report.bytes)),
+        fmt::format("{} of {} files, {:.1f} of {:.1f} MB", report.copied + report.there_already, blobs.size(),
+                    static_cast<double>(bytes_done) / 1e6, static_cast<double>(report.bytes) / 1e6));
+  });
+  if (failure) return *failure;
+  SKYQUILT_TRY(SettleAt(dir, moves_to));
+  if (removes_source) {
+    SKYQUILT_TRY_ASSIGN(report.removed, RemoveSource(from));
+  }
+  return report;
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,38 @@
+// SweepBlobs: puts the place of photos and maps in order after crashes, where that is not the data folder
+// (Sweep looks after the folder). Removed is only what is known to be nobody's: blobs of flights whose
+// deletion was begun ("deleted/<flight>" says so until the last of them is gone), and revisions that no
+// flight shows, and parts of large flights whose jobs have ended. Files that are no file of their flight move
+// to lost/<day>/. Blobs of flights that the catalogue does not know stay where they are, and are told of: the
+// catalogue may be an older one. Nothing younger than a day by the store's own clock is touched, so that no
+// clock of ours and no upload under way on another machine matters. Any process; several at once do no harm.
+// Errors: those of blobs and catalogue.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/blobs/blob_store.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/folder/sweep.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::storage {
+
+inline constexpr std::chrono::hours kOrphanAge{24};
+
+Result<SweepReport> SweepBlobs(BlobStore& blobs, const Catalogue& catalogue, const JobQueue& queue, Time now,
+                               std::chrono::seconds orphan_age = kOrphanAge);
+
+// Revisions of one flight that were never shown, or are no longer: at any age. The caller holds the lease of
+// the flight's only job. How many blobs went.
+Result<int> SweepRevisionBlobs(BlobStore& blobs, const Catalogue& catalogue, const std::string& flight_id);
+
+// What time it is where the blobs are: a small one is put and looked at.
+Result<std::chrono::system_clock::time_point> TimeOfStore(BlobStore& blobs);
+
+// All blobs of a flight that the catalogue no longer knows. What fails, or is cut off, SweepBlobs ends.
+Result<void> RemoveFlightBlobs(BlobStore& blobs, const std::string& flight_id);
+
+}  // namespace skyquilt::storage

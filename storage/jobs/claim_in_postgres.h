@@ -1,0 +1,18 @@
+// ClaimInPostgres: JobQueue::Claim where many machines claim at once: one call of claim_job
+// (storage/db/postgres/functions_postgres.sql), which passes over what others are claiming. Leases that ran
+// out are settled first, by one claim at a time; what remains of them waits again like any other job. Errors:
+// kUnavailable, kIo.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "storage/db/sql_connection.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::storage {
+
+// `now`: by the database's clock.
+Result<std::optional<Lease>> ClaimInPostgres(SqlConnection& db, std::string_view worker, Time now);
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,230 @@
+#include "storage/jobs/map_exports.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "core/base/try.h"
+#include "storage/db/ids.h"
+#include "storage/folder/data_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr std::array<const char*, 4> kStates = {"accepted", "running", "successful", "failed"};
+
+constexpr const char* kExportColumns =
+    "e.id, e.flight_id, e.revision, e.request, e.format, e.owner, e.state, e.progress, e.attempts, e.lease_token, "
+    "e.bytes, e.error_code, e.error_message, e.created_us, e.finished_us, e.expires_us";
+
+MapExport ExportOf(const Statement& row) {
+  MapExport made;
+  made.id = row.ColumnText(0);
+  made.flight_id = row.ColumnText(1);
+  made.revision = row.ColumnInt64(2);
+  made.request = row.ColumnText(3);
+  made.format = row.ColumnText(4);
+  made.owner = row.ColumnText(5);
+  for (std::size_t i = 0; i < kStates.size(); ++i) {
+    if (row.ColumnText(6) == kStates[i]) made.state = static_cast<ExportState>(i);
+  }
+  made.progress = row.ColumnDouble(7);
+  made.attempts = static_cast<int>(row.ColumnInt64(8));
+  made.lease_token = row.ColumnInt64(9);
+  made.bytes = row.ColumnInt64(10);
+  made.error_code = row.ColumnText(11);
+  made.error_message = row.ColumnText(12);
+  made.created = FromUs(row.ColumnInt64(13));
+  if (!row.IsNull(14)) made.finished = FromUs(row.ColumnInt64(14));
+  if (!row.IsNull(15)) made.expires = FromUs(row.ColumnInt64(15));
+  return made;
+}
+
+Result<std::vector<MapExport>> AllOf(Statement& query) {
+  std::vector<MapExport> all;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return all;
+    all.push_back(ExportOf(query));
+  }
+}
+
+Result<std::int64_t> CountOpen(SqlConnection& db) {
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db.Prepare("SELECT count(*) FROM map_export WHERE state IN ('accepted','running')"));
+  SKYQUILT_TRY(query.Step());
+  return query.ColumnInt64(0);
+}
+
+Result<std::vector<MapExport>> ListOf(SqlConnection& db, const std::string& flight_id) {
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Prepare(
+          fmt::format("SELECT {} FROM map_export e WHERE e.flight_id=? ORDER BY e.id DESC", kExportColumns)));
+  query.Bind(1, flight_id);
+  return AllOf(query);
+}
+
+}  // namespace
+
+const char* NameOf(ExportState state) { return kStates.at(static_cast<std::size_t>(state)); }
+
+Result<MapExport> MapExports::Add(const MapExport& wish, Time now) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, wish.flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> known, ListOf(*db, wish.flight_id));
+  for (const MapExport& one : known) {
+    if (one.revision == wish.revision && one.request == wish.request && one.state != ExportState::kFailed)
+      return one;
+  }
+  if (known.size() >= static_cast<std::size_t>(kMaxOfFlight))
+    return Error{
+        ErrorCode::kConflict,
+        fmt::format("This flight has {} exports already. Delete one, or wait: each goes a day after it "
+                    "was made.",
+                    known.size()),
+        ""};
+  SKYQUILT_TRY_ASSIGN(const std::int64_t open, CountOpen(*db));
+  if (open >= kMaxOpen)
+    return Error{ErrorCode::kRateLimited, "Too many exports wait on this server. Try again later.", ""};
+  MapExport added = wish;
+  added.id = NewId();
+  added.state = ExportState::kAccepted;
+  added.created = now;
+  SKYQUILT_TRY_ASSIGN(
+      Statement insert,
+      db->Prepare("INSERT INTO map_export(id,flight_id,revision,request,format,owner,state,created_us)"
+                  " VALUES(?,?,?,?,?,?,'accepted',?)"));
+  insert.Bind(1, added.id).Bind(2, added.flight_id).Bind(3, added.revision).Bind(4, added.request);
+  SKYQUILT_TRY(insert.Bind(5, added.format).Bind(6, added.owner).Bind(7, ToUs(now)).Run());
+  SKYQUILT_TRY(transaction.Commit());
+  return added;
+}
+
+Result<MapExport> MapExports::Get(const std::string& flight_id, const std::string& id) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
+                                              " WHERE e.id=? AND e.flight_id=? AND f.deleted_us IS NULL",
+                                              kExportColumns)));
+  query.Bind(1, id).Bind(2, flight_id);
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+  if (!row)
+    return Error{ErrorCode::kNotFound,
+                 "This flight has no such export: it was deleted, or its day is over. Ask for it again.", ""};
+  return ExportOf(query);
+}
+
+Result<std::vector<MapExport>> MapExports::List(const std::string& flight_id) const {
+  const auto db = db_.Read();
+  return ListOf(*db, flight_id);
+}
+
+Result<void> MapExports::Remove(const std::string& id) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement remove, db->Prepare("DELETE FROM map_export WHERE id=?"));
+  return remove.Bind(1, id).Run();
+}
+
+Result<std::optional<MapExport>> MapExports::Claim(Time now) {
+  const auto db = db_.Lock();
+  const Time time = db_.SharedTime(now, *db);
+  while (true) {
+    std::optional<MapExport> next;
+    {
+      SKYQUILT_TRY_ASSIGN(
+          Statement query,
+          db->Prepare(fmt::format("SELECT {} FROM map_export e JOIN flight f ON f.id=e.flight_id"
+                                  " WHERE e.state IN ('accepted','running') AND e.lease_until_us<?"
+                                  " AND f.deleted_us IS NULL ORDER BY e.id LIMIT 1",
+                                  kExportColumns)));
+      query.Bind(1, ToUs(time));
+      SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+      if (!row) return std::optional<MapExport>();
+      next = ExportOf(query);
+    }
+    SKYQUILT_TRY_ASSIGN(
+        Statement claim,
+        db->Prepare("UPDATE map_export SET state='running', progress=0, attempts=attempts+1,"
+                    " lease_token=lease_token+1, lease_until_us=?3 WHERE id=?1 AND lease_token=?2"));
+    claim.Bind(1, next->id).Bind(2, next->lease_token);
+    SKYQUILT_TRY(claim.Bind(3, ToUs(time + kLease)).Run());
+    if (db->Changes() == 0) continue;  // another server was faster
+    next->state = ExportState::kRunning;
+    ++next->lease_token;
+    if (next->attempts++ < kMaxAttempts) return next;
+    SKYQUILT_TRY_ASSIGN(
+        Statement fail,
+        db->Prepare(
+            "UPDATE map_export SET state='failed', error_code='internal', error_message=?2, finished_us=?3,"
+            " expires_us=?4 WHERE id=?1"));
+    fail.Bind(1, next->id)
+        .Bind(2, "The server ended while it made this export, more than once. Ask for it again.");
+    SKYQUILT_TRY(fail.Bind(3, ToUs(now)).Bind(4, ToUs(db_.ages().Now() + kKept)).Run());
+  }
+}
+
+Result<bool> MapExports::Heartbeat(const MapExport& claimed, double progress, Time now) {
+  const auto db = db_.Lock();
+  const Time time = db_.SharedTime(now, *db);
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare("UPDATE map_export SET progress=?3, lease_until_us=?4 WHERE id=?1 AND lease_token=?2"
+                  " AND state='running'"));
+  update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Bind(3, progress);
+  SKYQUILT_TRY(update.Bind(4, ToUs(time + kLease)).Run());
+  return db->Changes() > 0;
+}
+
+Result<bool> MapExports::End(const MapExport& claimed, ExportState state, std::int64_t bytes,
+                             const Error& error, Time now) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare("UPDATE map_export SET state=?3, progress=?4, bytes=?5, error_code=?6, error_message=?7,"
+                  " finished_us=?8, expires_us=?9 WHERE id=?1 AND lease_token=?2 AND state='running'"));
+  const bool is_good = state == ExportState::kSuccessful;
+  const std::string_view code = is_good ? std::string_view() : ErrorCodeName(error.code);
+  update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Bind(3, NameOf(state)).Bind(4, is_good ? 1.0 : 0.0);
+  update.Bind(5, bytes).Bind(6, code).Bind(7, error.message).Bind(8, ToUs(now));
+  SKYQUILT_TRY(update.Bind(9, ToUs(db_.ages().Now() + kKept)).Run());
+  return db->Changes() > 0;
+}
+
+Result<bool> MapExports::Succeed(const MapExport& claimed, std::int64_t bytes, Time now) {
+  return End(claimed, ExportState::kSuccessful, bytes, Error{}, now);
+}
+
+Result<bool> MapExports::Fail(const MapExport& claimed, const Error& error, Time now) {
+  return End(claimed, ExportState::kFailed, 0, error, now);
+}
+
+Result<bool> MapExports::GiveBack(const MapExport& claimed) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE map_export SET state='accepted', progress=0, attempts=attempts-1,"
+                                  " lease_until_us=0 WHERE id=? AND lease_token=? AND state='running'"));
+  SKYQUILT_TRY(update.Bind(1, claimed.id).Bind(2, claimed.lease_token).Run());
+  return db->Changes() > 0;
+}
+
+Result<void> MapExports::TakeUpAfterRestart() {
+  const auto db = db_.Lock();
+  return db->Exec("UPDATE map_export SET state='accepted', lease_until_us=0 WHERE state='running'");
+}
+
+Result<std::vector<MapExport>> MapExports::Expired() const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(fmt::format(
+                          "SELECT {} FROM map_export e WHERE e.expires_us<? ORDER BY e.id", kExportColumns)));
+  query.Bind(1, ToUs(db_.ages().Now()));
+  return AllOf(query);
+}
+
+std::string ExportKey(const MapExport& made) {
+  const std::string ending = made.format == "geotiff" ? "tif" : made.format;
+  return fmt::format("{}{}/{}.{}", FlightPrefix(made.flight_id), kExportsFolder, made.id, ending);
+}
+
+}  // namespace skyquilt::storage

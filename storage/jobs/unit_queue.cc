@@ -1,0 +1,261 @@
+#include "storage/jobs/unit_queue.h"
+
+#include <fmt/format.h>
+
+#include "core/base/try.h"
+#include "storage/db/machine_boot.h"
+#include "storage/jobs/job_rows.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kHeldUnit =
+    " WHERE job_id=?1 AND kind=?2 AND number=?3 AND lease_token=?4 AND state='running'";
+
+Statement& BindUnit(Statement& statement, const UnitLease& unit) {
+  return statement.Bind(1, unit.job_id).Bind(2, unit.kind).Bind(3, unit.number).Bind(4, unit.token);
+}
+
+Result<void> FailJobOf(SqlConnection& db, const std::string& job_id, const Error& error, Time now) {
+  SKYQUILT_TRY_ASSIGN(
+      Statement fail,
+      db.Prepare("UPDATE job SET state=CASE cancel WHEN 1 THEN 'dismissed' ELSE 'failed' END,"
+                 " finished_us=?2, worker='', error_code=CASE cancel WHEN 1 THEN NULL ELSE ?3 END,"
+                 " error_message=CASE cancel WHEN 1 THEN NULL ELSE ?4 END"
+                 " WHERE id=?1 AND state='running'"));
+  return fail.Bind(1, job_id)
+      .Bind(2, ToUs(now))
+      .Bind(3, ErrorCodeName(error.code))
+      .Bind(4, error.message)
+      .Run();
+}
+
+// Rows that another claim is taking are left to it.
+const char* PassOverLocked(const SqlConnection& db) {
+  return db.dialect() == Dialect::kPostgres ? " FOR UPDATE OF u SKIP LOCKED" : "";
+}
+
+// Units whose workers died again and again end their jobs.
+Result<void> FailExhausted(SqlConnection& db, Time now) {
+  std::vector<std::string> jobs;
+  {
+    SKYQUILT_TRY_ASSIGN(
+        Statement query,
+        db.Prepare(
+            "SELECT DISTINCT job_id FROM unit WHERE state='running' AND lease_until_us<?1 AND attempts>=?2"));
+    SKYQUILT_TRY_ASSIGN(jobs, query.Bind(1, ToUs(now)).Bind(2, kMaxUnitAttempts).AllText());
+  }
+  for (const std::string& job : jobs) {
+    SKYQUILT_TRY(
+        FailJobOf(db, job,
+                  {ErrorCode::kInternal,
+                   "The workers of a part of this flight died on every attempt (they may have run out of "
+                   "memory). Try fewer or smaller photos.",
+                   ""},
+                  now));
+  }
+  return {};
+}
+
+// Shown while units are at work, and given to a worker once all are done.
+Result<void> GoOn(SqlConnection& db, const std::string& job_id, std::string_view kind) {
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db.Prepare(
+          "SELECT count(*), count(*) FILTER (WHERE state='done') FROM unit WHERE job_id=?1 AND kind=?2"));
+  SKYQUILT_TRY(query.Bind(1, job_id).Bind(2, kind).Step());
+  const std::int64_t count = query.ColumnInt64(0), done = query.ColumnInt64(1);
+  query.Reset();
+  SKYQUILT_TRY_ASSIGN(
+      Statement tell,
+      db.Prepare("UPDATE job SET progress=units_from+(units_to-units_from)*?2, message=?3,"
+                 " lease_until_us=CASE WHEN ?4=1 THEN 0 ELSE lease_until_us END, claimed_in=?5"
+                 " WHERE id=?1 AND state='running' AND worker='units'"));
+  return tell.Bind(1, job_id)
+      .Bind(2, count > 0 ? static_cast<double>(done) / static_cast<double>(count) : 1.0)
+      .Bind(3, fmt::format("part {} of {} is done", done, count))
+      .Bind(4, done == count ? 1 : 0)
+      .Bind(5, MachineBoot::Id())
+      .Run();
+}
+
+}  // namespace
+
+Result<bool> UnitQueue::Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
+                            const UnitProgress& progress) {
+  return db_.Again([&]() -> Result<bool> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+    {
+      SKYQUILT_TRY_ASSIGN(
+          Statement park,
+          db->Prepare("UPDATE job SET worker='units', lease_until_us=?3, lease_token=lease_token+1,"
+                      " attempts=attempts-1, stage=?4, units_from=?5, units_to=?6"
+                      " WHERE id=?1 AND lease_token=?2 AND state='running'"));
+      SKYQUILT_TRY(park.Bind(1, lease.job_id)
+                       .Bind(2, lease.token)
+                       .Bind(3, kUnitsLeaseUs)
+                       .Bind(4, progress.stage)
+                       .Bind(5, progress.from)
+                       .Bind(6, progress.to)
+                       .Run());
+      if (db->Changes() == 0) return false;
+      // Somebody wished to cancel it while its worker was here: nobody would see that now.
+      SKYQUILT_TRY_ASSIGN(Statement dismiss,
+                          db->Prepare("UPDATE job SET state='dismissed', worker='', finished_us=?2"
+                                      " WHERE id=?1 AND state='running' AND cancel=1"));
+      SKYQUILT_TRY(dismiss.Bind(1, lease.job_id).Bind(2, ToUs(db_.SharedTime(Now(), *db))).Run());
+      const bool is_dismissed = db->Changes() > 0;
+      SKYQUILT_TRY_ASSIGN(Statement add,
+                          db->Prepare("INSERT INTO unit(job_id,kind,number,items,state)"
+                                      " VALUES(?1,?2,?3,?4,'waiting') ON CONFLICT DO NOTHING"));
+      for (int number = 0; number < count && !is_dismissed; ++number) {
+        SKYQUILT_TRY(add.Bind(1, lease.job_id).Bind(2, kind).Bind(3, number).Bind(4, items).Run());
+      }
+      SKYQUILT_TRY(GoOn(*db, lease.job_id, kind));
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return true;
+  });
+}
+
+Result<std::vector<UnitCount>> UnitQueue::Of(const std::string& job_id) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare("SELECT kind, count(*), count(*) FILTER (WHERE state='done'), max(items)"
+                                  " FROM unit WHERE job_id=? GROUP BY kind ORDER BY kind"));
+  query.Bind(1, job_id);
+  std::vector<UnitCount> counts;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return counts;
+    counts.push_back({std::string(query.ColumnText(0)), static_cast<int>(query.ColumnInt64(1)),
+                      static_cast<int>(query.ColumnInt64(2)), query.ColumnInt64(3)});
+  }
+}
+
+Result<std::optional<UnitLease>> UnitQueue::Claim(std::string_view worker, Time by_machine) {
+  return db_.Again([&]() -> Result<std::optional<UnitLease>> {
+    {
+      // As with jobs, an idle worker only reads.
+      const auto db = db_.Read();
+      const Time now = db_.SharedTime(by_machine, *db);
+      SKYQUILT_TRY_ASSIGN(Statement look,
+                          db->Prepare("SELECT CASE WHEN EXISTS(SELECT 1 FROM unit WHERE state='waiting'"
+                                      " OR (state='running' AND lease_until_us<?1)) THEN 1 ELSE 0 END"));
+      SKYQUILT_TRY(look.Bind(1, ToUs(now)).Step());
+      if (look.ColumnInt64(0) == 0) return std::optional<UnitLease>();
+    }
+    const auto db = db_.Lock();
+    const Time now = db_.SharedTime(by_machine, *db);
+    SKYQUILT_TRY(FailExhausted(*db, now));
+    SKYQUILT_TRY_ASSIGN(
+        Statement claim,
+        db->Prepare(
+            std::string("WITH next(a_job, a_kind, a_number) AS (SELECT u.job_id, u.kind, u.number FROM unit u"
+                        " JOIN job j ON j.id=u.job_id WHERE j.state='running' AND j.cancel=0 AND"
+                        " (u.state='waiting' OR (u.state='running' AND u.lease_until_us<?3))"
+                        " ORDER BY j.priority DESC, j.id, u.number LIMIT 1") +
+            PassOverLocked(*db) +
+            ") UPDATE unit SET state='running', lease_token=lease_token+1, attempts=attempts+1, worker=?1,"
+            " lease_until_us=?2 FROM next WHERE job_id=a_job AND kind=a_kind AND number=a_number"
+            " RETURNING job_id, kind, number, items, lease_token"));
+    claim.Bind(1, worker).Bind(2, ToUs(now + kLeaseTime)).Bind(3, ToUs(now));
+    UnitLease unit;
+    {
+      SKYQUILT_TRY_ASSIGN(const bool row, claim.Step());
+      if (!row) return std::optional<UnitLease>();
+      unit.job_id = claim.ColumnText(0);
+      unit.kind = claim.ColumnText(1);
+      unit.number = static_cast<int>(claim.ColumnInt64(2));
+      unit.items = claim.ColumnInt64(3);
+      unit.token = claim.ColumnInt64(4);
+      // RETURNING hands out its row before the statement is done; only done is committed.
+      SKYQUILT_TRY(claim.Step());
+    }
+    SKYQUILT_TRY_ASSIGN(
+        Statement job,
+        db->Prepare("SELECT flight_id, options, (SELECT count(*) FROM unit WHERE job_id=?1 AND kind=?2)"
+                    " FROM job WHERE id=?1"));
+    SKYQUILT_TRY_ASSIGN(const bool row, job.Bind(1, unit.job_id).Bind(2, unit.kind).Step());
+    if (!row) return std::optional<UnitLease>();  // deleted a moment ago, with its units
+    unit.flight_id = job.ColumnText(0);
+    unit.options = job.ColumnText(1);
+    unit.count = static_cast<int>(job.ColumnInt64(2));
+    return std::optional<UnitLease>(std::move(unit));
+  });
+}
+
+Result<LeaseState> UnitQueue::Renew(const UnitLease& unit, Time by_machine) {
+  const auto db = db_.Lock();
+  const Time now = db_.SharedTime(by_machine, *db);
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare(std::string("UPDATE unit SET lease_until_us=?5") + kHeldUnit));
+  SKYQUILT_TRY(BindUnit(update, unit).Bind(5, ToUs(now + kLeaseTime)).Run());
+  if (db->Changes() == 0) return LeaseState::kLost;
+  SKYQUILT_TRY_ASSIGN(Statement query, db->Prepare("SELECT cancel FROM job WHERE id=? AND state='running'"));
+  SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, unit.job_id).Step());
+  if (!row) return LeaseState::kLost;
+  return query.ColumnInt64(0) != 0 ? LeaseState::kCancelRequested : LeaseState::kHeld;
+}
+
+Result<bool> UnitQueue::Done(const UnitLease& unit) {
+  return db_.Again([&]() -> Result<bool> {
+    const auto db = db_.Lock();
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+    {
+      SKYQUILT_TRY_ASSIGN(Statement update,
+                          db->Prepare(std::string("UPDATE unit SET state='done', worker=''") + kHeldUnit));
+      SKYQUILT_TRY(BindUnit(update, unit).Run());
+      if (db->Changes() == 0) return false;
+      SKYQUILT_TRY(GoOn(*db, unit.job_id, unit.kind));
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return true;
+  });
+}
+
+Result<bool> UnitQueue::Fail(const UnitLease& unit, const Error& error, bool may_retry, Time by_machine) {
+  return db_.Again([&]() -> Result<bool> {
+    const auto db = db_.Lock();
+    const Time now = db_.SharedTime(by_machine, *db);
+    SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db));
+    {
+      SKYQUILT_TRY_ASSIGN(Statement update,
+                          db->Prepare(std::string("UPDATE unit SET state='waiting', worker=''") + kHeldUnit +
+                                      " AND attempts<?5"));
+      if (may_retry) {
+        SKYQUILT_TRY(BindUnit(update, unit).Bind(5, kMaxUnitAttempts).Run());
+      }
+      if (!may_retry || db->Changes() == 0) {
+        SKYQUILT_TRY_ASSIGN(Statement held, db->Prepare(std::string("SELECT 1 FROM unit") + kHeldUnit));
+        SKYQUILT_TRY_ASSIGN(const bool is_held, BindUnit(held, unit).Step());
+        held.Reset();
+        if (!is_held) return false;
+        SKYQUILT_TRY(FailJobOf(*db, unit.job_id, error, now));
+      }
+    }
+    SKYQUILT_TRY(transaction.Commit());
+    return true;
+  });
+}
+
+Result<bool> UnitQueue::GiveBack(const UnitLease& unit) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(
+      Statement update,
+      db->Prepare(std::string("UPDATE unit SET state='waiting', worker='', attempts=attempts-1") +
+                  kHeldUnit));
+  SKYQUILT_TRY(BindUnit(update, unit).Run());
+  return db->Changes() > 0;
+}
+
+Result<int> UnitQueue::ReleaseWorker(const std::string& worker) {
+  const auto db = db_.Lock();
+  SKYQUILT_TRY_ASSIGN(Statement update,
+                      db->Prepare("UPDATE unit SET lease_until_us=0 WHERE state='running' AND worker=?"));
+  SKYQUILT_TRY(update.Bind(1, worker).Run());
+  return static_cast<int>(db->Changes());
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,77 @@
+// UnitQueue: the units of jobs that are cut, for any number of workers. A job that is cut holds no worker: it
+// waits until its units of one kind are done, is then claimed like any other (no attempt is counted for the
+// waiting), and is cut again or made. Units go out by lease as jobs do: each write carries the unit's token,
+// a unit whose worker is gone is handed out again, kMaxUnitAttempts times at most, then its job fails; a job
+// that ends, however it ends, ends its units. Any thread, any number of processes. Time is given by the
+// caller. Errors: as JobQueue.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "storage/db/catalogue_db.h"
+#include "storage/db/clock.h"
+#include "storage/jobs/job_queue.h"
+
+namespace skyquilt::storage {
+
+// More than of jobs: a restart of a worker's machine is not told from its death here.
+inline constexpr int kMaxUnitAttempts = 5;
+
+struct UnitLease {
+  std::string job_id;
+  std::string flight_id;
+  std::string options;  // of the job
+  std::string kind;
+  int number = 0;
+  int count = 1;           // units of this kind
+  std::int64_t items = 0;  // that the units of this kind share: files, blocks
+  std::int64_t token = 0;
+};
+
+// The units of one kind of a job.
+struct UnitCount {
+  std::string kind;
+  int count = 0;
+  int done = 0;
+  std::int64_t items = 0;
+};
+
+// Where the job is in its progress while its units are at work.
+struct UnitProgress {
+  double from = 0.0;  // 0..1 over the whole job, when none is done
+  double to = 1.0;    // when all are
+  std::string stage;
+};
+
+class UnitQueue {
+ public:
+  explicit UnitQueue(CatalogueDb& db) : db_(db) {}
+
+  // The leased job waits for `count` units of `kind`, of which those it had already are kept; the lease is
+  // over. False: it was lost before.
+  Result<bool> Cut(const Lease& lease, std::string_view kind, int count, std::int64_t items,
+                   const UnitProgress& progress);
+  Result<std::vector<UnitCount>> Of(const std::string& job_id) const;
+
+  Result<std::optional<UnitLease>> Claim(std::string_view worker, Time now);
+  Result<LeaseState> Renew(const UnitLease& unit, Time now);
+  // The last one of its kind lets the job be claimed. False: the lease was lost.
+  Result<bool> Done(const UnitLease& unit);
+  // With `may_retry` the unit waits for another attempt if any is left; else its job fails. False: the lease
+  // was lost.
+  Result<bool> Fail(const UnitLease& unit, const Error& error, bool may_retry, Time now);
+  // The worker must stop, through no fault of the unit's.
+  Result<bool> GiveBack(const UnitLease& unit);
+  // A worker process ended: its units wait for the next one now. Answers how many it held.
+  Result<int> ReleaseWorker(const std::string& worker);
+
+ private:
+  CatalogueDb& db_;
+};
+
+}  // namespace skyquilt::storage

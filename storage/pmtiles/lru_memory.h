@@ -1,0 +1,83 @@
+// LruMemory: values by name within a bound of memory; those that were used least recently go. Values are
+// immutable and shared: who has one keeps it. Any thread.
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "storage/exports/pmtiles_directory.h"
+#include "storage/tilesets/tile_source.h"
+
+namespace skyquilt::storage {
+
+template <typename Value>
+class LruMemory {
+ public:
+  explicit LruMemory(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
+
+  // Null where it is not here.
+  std::shared_ptr<const Value> Find(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    const auto found = by_name_.find(name);
+    if (found == by_name_.end()) return nullptr;
+    used_.splice(used_.begin(), used_, found->second);
+    return found->second->value;
+  }
+
+  bool Has(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    return by_name_.contains(name);
+  }
+
+  // `bytes`: what the value takes.
+  void Keep(const std::string& name, std::shared_ptr<const Value> value, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (by_name_.contains(name)) return;
+    bytes_ += bytes;
+    used_.push_front({name, std::move(value), bytes});
+    by_name_[name] = used_.begin();
+    while (bytes_ > budget_bytes_ && used_.size() > 1) {
+      bytes_ -= used_.back().bytes;
+      by_name_.erase(used_.back().name);
+      used_.pop_back();
+    }
+  }
+
+  std::size_t bytes() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+  }
+
+ private:
+  struct Entry {
+    std::string name;
+    std::shared_ptr<const Value> value;
+    std::size_t bytes;
+  };
+
+  const std::size_t budget_bytes_;
+  mutable std::mutex mutex_;
+  std::list<Entry> used_;  // the latest first
+  std::unordered_map<std::string, typename std::list<Entry>::iterator> by_name_;
+  std::size_t bytes_ = 0;
+};
+
+// What all maps that are open share of memory.
+struct PmtilesMemory {
+  static constexpr std::size_t kUsualLeafBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kUsualTileBytes = std::size_t{64} << 20;
+
+  explicit PmtilesMemory(std::size_t leaf_bytes = kUsualLeafBytes, std::size_t tile_bytes = kUsualTileBytes)
+      : leaves(leaf_bytes), tiles(tile_bytes) {}
+
+  LruMemory<std::vector<PmtilesEntry>> leaves;  // unpacked
+  LruMemory<FoundTile> tiles;                   // with their bytes
+};
+
+}  // namespace skyquilt::storage

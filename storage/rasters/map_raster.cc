@@ -1,0 +1,266 @@
+#include "storage/rasters/map_raster.h"
+
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <fmt/core.h>
+#include <gdal_alg.h>
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "core/base/try.h"
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+#include "storage/rasters/register_gdal.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using DatasetPointer = std::unique_ptr<GDALDataset>;
+
+constexpr int kMaxMapZoom = 22;  // the finest that GDAL and QGIS open
+constexpr int kMaxTileSizePx = 1024;
+// A pixel that is a hair larger than the tiles' is theirs.
+constexpr double kPixelTolerance = 1.01;
+
+// GDAL's words are the detail of our sentences.
+class QuietRaster {
+ public:
+  QuietRaster() {
+    CPLErrorReset();
+    CPLPushErrorHandler(CPLQuietErrorHandler);
+  }
+  ~QuietRaster() { CPLPopErrorHandler(); }
+  QuietRaster(const QuietRaster&) = delete;
+  QuietRaster& operator=(const QuietRaster&) = delete;
+};
+
+CPLStringList Words(std::initializer_list<std::string> words) {
+  CPLStringList list;
+  for (const std::string& word : words) list.AddString(word.c_str());
+  return list;
+}
+
+Error RasterError(ErrorCode code, const std::filesystem::path& path, const std::string& rest) {
+  return {code, path.string() + " " + rest, CPLGetLastErrorMsg()};
+}
+
+Result<void> CheckPixels(GDALDataset& raster, const std::filesystem::path& path) {
+  const int bands = raster.GetRasterCount();
+  if (bands < 1) return RasterError(ErrorCode::kUnsupportedFormat, path, "holds no picture.");
+  for (int band = 1; band <= std::min(bands, 4); ++band) {
+    const GDALDataType type = raster.GetRasterBand(band)->GetRasterDataType();
+    if (type == GDT_Byte) continue;
+    return RasterError(
+        ErrorCode::kUnsupportedFormat, path,
+        fmt::format("has pixels of type {}; a map has 8 bits a colour. Make it so first: \"gdal_translate "
+                    "-ot Byte -scale IN.tif OUT.tif\". Elevation models go with the photos of a flight.",
+                    GDALGetDataTypeName(type)));
+  }
+  return {};
+}
+
+Result<void> CheckPlace(GDALDataset& raster, const std::filesystem::path& path) {
+  std::array<double, 6> transform{};
+  if (raster.GetGeoTransform(transform.data()) != CE_None)
+    return RasterError(
+        ErrorCode::kUnprocessable, path,
+        "is not georeferenced: it does not say where on Earth it lies. If a world file (.tfw) belongs to "
+        "it, put that beside it; if it has control points, run \"gdalwarp -t_srs EPSG:3857 IN.tif "
+        "OUT.tif\" first.");
+  const OGRSpatialReference* reference = raster.GetSpatialRef();
+  if (reference == nullptr || reference->IsEmpty())
+    return RasterError(
+        ErrorCode::kUnprocessable, path,
+        "does not say its coordinate system. Say it first: \"gdal_translate -a_srs EPSG:CODE IN.tif "
+        "OUT.tif\".");
+  if (reference->IsLocal())
+    return RasterError(ErrorCode::kUnprocessable, path,
+                       "is in a local coordinate system that has no place on Earth. Say the true one first: "
+                       "\"gdal_translate -a_srs EPSG:CODE IN.tif OUT.tif\".");
+  return {};
+}
+
+// As red, green, blue and what says which of them are covered.
+Result<DatasetPointer> AsColours(GDALDataset& raster, const std::filesystem::path& path) {
+  const int bands = raster.GetRasterCount();
+  const auto interpretation = [&](int band) { return raster.GetRasterBand(band)->GetColorInterpretation(); };
+  const bool ends_in_alpha = (bands == 2 || bands == 4) && interpretation(bands) == GCI_AlphaBand;
+  CPLStringList words = Words({"-of", "VRT"});
+  const auto add = [&](std::initializer_list<const char*> more) {
+    for (const char* word : more) words.AddString(word);
+  };
+  if (bands == 1 && raster.GetRasterBand(1)->GetColorTable() != nullptr) {
+    add({"-expand", "rgba"});
+  } else if (bands < 3) {
+    add({"-b", "1", "-b", "1", "-b", "1"});
+    if (ends_in_alpha) add({"-b", "2", "-colorinterp_4", "alpha"});
+    add({"-colorinterp_1", "red", "-colorinterp_2", "green", "-colorinterp_3", "blue"});
+  } else {
+    add({"-b", "1", "-b", "2", "-b", "3"});
+    if (ends_in_alpha) add({"-b", "4", "-colorinterp_4", "alpha"});
+  }
+  GDALTranslateOptions* options = GDALTranslateOptionsNew(words.List(), nullptr);
+  DatasetPointer made(
+      GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(&raster), options, nullptr)));
+  GDALTranslateOptionsFree(options);
+  if (!made)
+    return RasterError(ErrorCode::kUnsupportedFormat, path, "has pixels that cannot be read as colours.");
+  return made;
+}
+
+struct MercExtent {
+  double pixel_merc_m = 0.0;
+  double west_m = 0.0, south_m = 0.0, east_m = 0.0, north_m = 0.0;  // merc
+};
+
+Result<MercExtent> ExtentOfRaster(GDALDataset& raster, const std::filesystem::path& path) {
+  OGRSpatialReference merc;
+  merc.importFromEPSG(3857);
+  char* text = nullptr;
+  merc.exportToWkt(&text);
+  const std::string wkt(text);
+  CPLFree(text);
+  void* transformer = GDALCreateGenImgProjTransformer(GDALDataset::ToHandle(&raster), nullptr, nullptr,
+                                                      wkt.c_str(), FALSE, 0.0, 1);
+  const Error lost =
+      RasterError(ErrorCode::kUnprocessable, path,
+                  "lies where its coordinate system cannot be brought to the web map's. Check that the "
+                  "system it names is the true one.");
+  if (transformer == nullptr) return lost;
+  std::array<double, 6> transform{};
+  std::array<double, 4> box{};
+  int width = 0, height = 0;
+  const CPLErr suggested =
+      GDALSuggestedWarpOutput2(GDALDataset::ToHandle(&raster), GDALGenImgProjTransform, transformer,
+                               transform.data(), &width, &height, box.data(), 0);
+  GDALDestroyGenImgProjTransformer(transformer);
+  const MercExtent extent{transform[1], box[0], std::max(box[1], -geo::kMercHalfWidthM), box[2],
+                          std::min(box[3], geo::kMercHalfWidthM)};
+  const bool is_sound = suggested == CE_None && std::isfinite(extent.west_m + extent.east_m) &&
+                        extent.pixel_merc_m > 1e-4 && extent.west_m < extent.east_m &&
+                        extent.south_m < extent.north_m && extent.west_m > -geo::kMercHalfWidthM - 1.0 &&
+                        extent.east_m < geo::kMercHalfWidthM + 1.0;
+  return is_sound ? Result<MercExtent>(extent) : Result<MercExtent>(lost);
+}
+
+}  // namespace
+
+struct MapRaster::Dataset {
+  std::filesystem::path path;
+  // Each reads from the one before.
+  DatasetPointer file, colours, warped;
+};
+
+MapRaster::MapRaster(std::unique_ptr<Dataset> dataset) : dataset_(std::move(dataset)) {}
+MapRaster::~MapRaster() {
+  dataset_->warped.reset();
+  dataset_->colours.reset();
+}
+
+Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& path) {
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(path, missing))
+    return RasterError(ErrorCode::kNotFound, path, "is no file that is there. Check its path.");
+  RegisterGdalOnce();
+  const QuietRaster quiet;
+  auto made = std::make_unique<Dataset>();
+  made->path = path;
+  constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
+  made->file.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data()));
+  if (!made->file)
+    return RasterError(
+        ErrorCode::kUnsupportedFormat, path,
+        "cannot be read as a GeoTIFF: it is damaged, cut off or of another kind. Take a GeoTIFF or an "
+        "MBTiles.");
+  SKYQUILT_TRY(CheckPixels(*made->file, path));
+  SKYQUILT_TRY(CheckPlace(*made->file, path));
+  SKYQUILT_TRY_ASSIGN(made->colours, AsColours(*made->file, path));
+  SKYQUILT_TRY_ASSIGN(const MercExtent extent, ExtentOfRaster(*made->file, path));
+
+  std::unique_ptr<MapRaster> raster(new MapRaster(std::move(made)));
+  raster->bounds_ =
+      geo::LatLonBoundsFromMerc({{extent.west_m, extent.south_m}, {extent.east_m, extent.north_m}});
+  const double lat_deg = raster->bounds_.Middle().lat_deg;
+  raster->pixel_m_ = extent.pixel_merc_m * geo::GroundMetresPerMercMetre(lat_deg);
+  int zoom = geo::ZoomForGsd(raster->pixel_m_ * kPixelTolerance, lat_deg, kUsualTileSizePx);
+  while (zoom > kMaxMapZoom && raster->tile_size_px_ < kMaxTileSizePx) {
+    raster->tile_size_px_ *= 2;
+    --zoom;
+  }
+  raster->zoom_ = std::min(zoom, kMaxMapZoom);
+  const double tile_m = geo::TileSizeInMercM(raster->zoom_);
+  const int last = (1 << raster->zoom_) - 1;
+  const auto tile_at = [&](double from_corner_m) {
+    return std::clamp(static_cast<int>(std::floor(from_corner_m / tile_m)), 0, last);
+  };
+  constexpr double kInsideM = 1e-6;  // an edge on a tile's corner does not reach into the next
+  raster->first_column_ = tile_at(extent.west_m + geo::kMercHalfWidthM + kInsideM);
+  raster->last_column_ = tile_at(extent.east_m + geo::kMercHalfWidthM - kInsideM);
+  raster->first_row_ = tile_at(geo::kMercHalfWidthM - extent.north_m + kInsideM);
+  raster->last_row_ = tile_at(geo::kMercHalfWidthM - extent.south_m - kInsideM);
+  const std::int64_t tiles = std::int64_t{raster->last_column_ - raster->first_column_ + 1} *
+                             (raster->last_row_ - raster->first_row_ + 1);
+  if (tiles > kMaxTiles)
+    return RasterError(
+        ErrorCode::kTooLarge, path,
+        fmt::format("would become {} tiles, more than the {} that are taken. Make it coarser or cut it "
+                    "first: \"gdalwarp -tr METRES METRES IN.tif OUT.tif\".",
+                    tiles, kMaxTiles));
+
+  const double pixel_m = geo::PixelSizeInMercM(raster->zoom_, raster->tile_size_px_);
+  const auto edge = [&](int tile, bool is_row) {
+    return fmt::format("{:.9f}",
+                       is_row ? geo::kMercHalfWidthM - tile * tile_m : tile * tile_m - geo::kMercHalfWidthM);
+  };
+  const auto size = [&](int first, int last_one) {
+    return std::to_string(std::int64_t{last_one - first + 1} * raster->tile_size_px_);
+  };
+  CPLStringList words =
+      Words({"-of", "VRT", "-t_srs", "EPSG:3857", "-te", edge(raster->first_column_, false),
+             edge(raster->last_row_ + 1, true), edge(raster->last_column_ + 1, false),
+             edge(raster->first_row_, true), "-ts", size(raster->first_column_, raster->last_column_),
+             size(raster->first_row_, raster->last_row_), "-r",
+             extent.pixel_merc_m > 1.5 * pixel_m ? "bilinear" : "cubic", "-wm", "128"});
+  if (raster->dataset_->colours->GetRasterCount() == 3) words.AddString("-dstalpha");
+  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(words.List(), nullptr);
+  GDALDatasetH from = GDALDataset::ToHandle(raster->dataset_->colours.get());
+  raster->dataset_->warped.reset(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &from, options, nullptr)));
+  GDALWarpAppOptionsFree(options);
+  if (!raster->dataset_->warped || raster->dataset_->warped->GetRasterCount() != 4)
+    return RasterError(
+        ErrorCode::kUnprocessable, path,
+        "cannot be brought to the web map's grid. Try \"gdalwarp -t_srs EPSG:3857 IN.tif OUT.tif\" first.");
+  return raster;
+}
+
+Result<image::RgbaImage> MapRaster::Read(int column, int row, int columns, int rows) {
+  const QuietRaster quiet;
+  image::RgbaImage pixels = image::RgbaImage::Transparent(columns * tile_size_px_, rows * tile_size_px_);
+  GDALDataset& warped = *dataset_->warped;
+  const int left = (column - first_column_) * tile_size_px_, top = (row - first_row_) * tile_size_px_;
+  const int from_x = std::max(0, left), from_y = std::max(0, top);
+  const int to_x = std::min(warped.GetRasterXSize(), left + pixels.width_px);
+  const int to_y = std::min(warped.GetRasterYSize(), top + pixels.height_px);
+  if (from_x >= to_x || from_y >= to_y) return pixels;
+  const CPLErr read = warped.RasterIO(GF_Read, from_x, from_y, to_x - from_x, to_y - from_y,
+                                      pixels.Pixel(from_x - left, from_y - top), to_x - from_x, to_y - from_y,
+                                      GDT_Byte, 4, nullptr, 4, GSpacing{4} * pixels.width_px, 1, nullptr);
+  if (read != CE_None || CPLGetLastErrorType() >= CE_Failure)
+    return RasterError(ErrorCode::kCorrupt, dataset_->path,
+                       "is damaged: some of its pixels cannot be read. Copy or download it again.");
+  std::uint8_t* pixel = pixels.rgba.data();
+  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4, pixel += 4) {
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>((pixel[c] * pixel[3] + 127) / 255);
+  }
+  return pixels;
+}
+
+}  // namespace skyquilt::storage

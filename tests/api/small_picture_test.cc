@@ -1,0 +1,87 @@
+// The small picture of a map, over a real data folder.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "core/image/picture_codec.h"
+#include "tests/api/sample_service.h"
+
+namespace skyquilt::api {
+namespace {
+
+class SmallPictureTest : public testing::Test {
+ protected:
+  SmallPictureTest() : flight_(sample_.NewFlight()) {
+    const auto tile =
+        image::EncodePicture(image::RgbaImage::Transparent(256, 256), image::PictureFormat::kPng);
+    revision_ = sample_.Publish(flight_, {{2, 1, 2, {tile.begin(), tile.end()}}});
+    image::RgbaImage map = image::RgbaImage::Transparent(512, 256);
+    for (int y = 0; y < 256; ++y) {
+      for (int x = 256; x < 512; ++x) map.Pixel(x, y)[0] = map.Pixel(x, y)[3] = 255;
+    }
+    const auto png = image::EncodePicture(std::move(map), image::PictureFormat::kPng);
+    WriteThumbnail({png.begin(), png.end()});
+  }
+  void WriteThumbnail(const std::string& bytes) {
+    std::ofstream(sample_.dir().Flights() / flight_ / ("r" + std::to_string(revision_)) / "thumbnail.png",
+                  std::ios::binary)
+        << bytes;
+  }
+  Response Get(const std::string& query, Headers headers = {}) {
+    return sample_.Get("/api/v1/flights/" + flight_ + "/thumbnail.webp" + query, std::move(headers));
+  }
+
+  SampleService sample_;
+  std::string flight_;
+  std::int64_t revision_ = 0;
+};
+
+TEST_F(SmallPictureTest, IsTheWholeMapInTheSizeAskedFor) {
+  for (const auto& [query, width_px] : {std::pair{"", 320}, {"?size=160", 160}, {"?rev=1&size=512", 512}}) {
+    const Response response = Get(query);
+    ASSERT_EQ(response.status, 200) << query;
+    EXPECT_EQ(response.headers.Find("Content-Type"), "image/webp");
+    EXPECT_EQ(response.headers.Find("Cache-Control"), "no-cache");
+    const auto picture = image::DecodePicture(response.body);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->width_px, width_px);
+    EXPECT_EQ(picture->height_px, width_px / 2);
+    EXPECT_EQ(picture->Pixel(2, 2)[3], 0);
+    EXPECT_EQ(picture->Pixel(width_px - 3, 2)[3], 255);
+    EXPECT_GT(picture->Pixel(width_px - 3, 2)[0], 240);
+  }
+}
+
+TEST_F(SmallPictureTest, IsMadeOnceAndKnownByItsTag) {
+  const Response first = Get("");
+  const std::string etag(first.headers.Find("ETag"));
+  EXPECT_NE(etag, Get("?size=160").headers.Find("ETag"));
+  WriteThumbnail("no picture any more");
+  EXPECT_EQ(Get("").body, first.body);
+  Headers known;
+  known.Add("If-None-Match", etag);
+  const Response again = Get("", std::move(known));
+  EXPECT_EQ(again.status, 304);
+  EXPECT_TRUE(again.body.empty());
+}
+
+TEST_F(SmallPictureTest, RefusesSizesThatThereAreNotAndSaysWhichThereAre) {
+  for (const char* query : {"?size=0", "?size=321", "?size=-1", "?size=", "?size=99999999999999999999"}) {
+    const Response response = Get(query);
+    EXPECT_EQ(response.status, 400) << query;
+    EXPECT_NE(response.body.find("160, 320 or 512"), std::string::npos) << query;
+  }
+}
+
+TEST_F(SmallPictureTest, IsNotThereWithoutAThumbnailOrAMapAndSaysSoOfADamagedOne) {
+  WriteThumbnail("no picture");
+  EXPECT_EQ(Get("").status, 422);
+  std::filesystem::remove(sample_.dir().Flights() / flight_ / ("r" + std::to_string(revision_)) /
+                          "thumbnail.png");
+  EXPECT_EQ(Get("").status, 404);
+  EXPECT_EQ(sample_.Get("/api/v1/flights/" + sample_.NewFlight() + "/thumbnail.webp").status, 404);
+}
+
+}  // namespace
+}  // namespace skyquilt::api

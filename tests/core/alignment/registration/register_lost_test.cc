@@ -1,0 +1,82 @@
+#include "core/alignment/second_leg/register_lost.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/alignment/registration/synthetic_scene.h"
+
+namespace skyquilt::alignment {
+namespace {
+
+constexpr std::size_t kLost = 2;
+
+// Five photos of one line over level ground; the third is lost, the others lie where they were taken.
+struct Case {
+  SyntheticScene scene = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0});
+  std::vector<const PhotoFeatures*> features;
+  std::vector<View> views;
+  std::vector<char> is_tied;
+  std::vector<PhotoRecord> records;
+  std::vector<Track> tracks;
+  Relief relief{0.0};
+
+  Case() {
+    for (std::size_t i = 0; i < scene.features.size(); ++i) {
+      features.push_back(&scene.features[i]);
+      View view;
+      view.intrinsics = scene.lens;
+      view.cam_from_enu = scene.cam_from_enu[i];
+      view.height_above_ground_m = 50.0;
+      views.push_back(view);
+      is_tied.push_back(i != kLost);
+    }
+    records.resize(features.size());
+  }
+  // Every so-many-th keypoint of a tied photo is a track, at its place on the ground.
+  void AddTracks(std::size_t every) {
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      for (std::size_t k = 0; is_tied[i] && k < features[i]->keypoints.size(); k += every) {
+        const Keypoint& keypoint = features[i]->keypoints[k];
+        Track track;
+        track.observations.push_back({static_cast<int>(i), {keypoint.x_px, keypoint.y_px}, 1.0});
+        if (MeetGround(views[i], relief, track.observations[0].pixel_in_image, &track.point_in_enu))
+          tracks.push_back(track);
+      }
+    }
+  }
+  std::vector<RegisteredLost> Register() const {
+    return RegisterLost({&features, &views, &is_tied, &tracks, &records, &relief}, 2);
+  }
+  double OffM(const RegisteredLost& one) const {
+    return (one.cam_from_enu.TargetOriginInSource() - scene.cam_from_enu[kLost].TargetOriginInSource())
+        .norm();
+  }
+};
+
+TEST(RegisterLost, FindsThePhotoByThePointsThatOthersSee) {
+  Case of;
+  of.AddTracks(1);
+  const std::vector<RegisteredLost> found = of.Register();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].photo, static_cast<int>(kLost));
+  EXPECT_LT(of.OffM(found[0]), 0.5);
+  EXPECT_FALSE(found[0].links.empty());
+}
+
+TEST(RegisterLost, FindsItByTheGroundWhereHardlyAPointIsATrack) {
+  Case of;
+  of.AddTracks(400);
+  const std::vector<RegisteredLost> found = of.Register();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT(of.OffM(found[0]), 0.5);
+}
+
+TEST(RegisterLost, LeavesAPhotoOfAnotherPlaceLost) {
+  Case of;
+  of.AddTracks(1);
+  const SyntheticScene elsewhere = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0, .seed = 77});
+  of.features[kLost] = &elsewhere.features[kLost];
+  EXPECT_TRUE(of.Register().empty());
+}
+
+}  // namespace
+}  // namespace skyquilt::alignment

@@ -1,0 +1,146 @@
+"""The Grafana dashboard and the manifest for KEDA ask for what there is: metrics that a running server has with the labels
+they are asked by, and tables of a catalogue in PostgreSQL."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import urllib.request
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BINARY = pathlib.Path(os.environ.get("SKYQUILT_BINARY", ROOT / "build/release/bin/skyquilt")).resolve()
+sys.path.insert(0, str(ROOT / "tests/support"))
+from postgres_server import PostgresServer, find_binaries
+
+DASHBOARD = json.loads((ROOT / "docker/grafana-skyquilt.json").read_text())
+TARGETS = [target for panel in DASHBOARD["panels"] for target in panel["targets"]]
+IN_POSTGRES = [target["rawSql"] for target in TARGETS if "rawSql" in target]
+IN_PROMETHEUS = [target["expr"] for target in TARGETS if "expr" in target]
+
+
+class Server:
+    """`skyquilt serve` without workers, on a folder that goes with it."""
+
+    def __init__(self, *arguments):
+        self.folder = tempfile.TemporaryDirectory(prefix="skyquilt_operators_")
+        self.process = subprocess.Popen([BINARY, "serve", "--data", f"{self.folder.name}/data", "--listen", "127.0.0.1:0", "--workers", "0",
+                                         "--no-previews", *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.url = re.search(r"http://[\d.:]+", self.process.stdout.readline()).group()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(timeout=60)
+        self.process.stdout.close()
+        self.folder.cleanup()
+
+
+class Dashboard(unittest.TestCase):
+    def test_every_metric_and_label_is_one_that_a_server_has(self):
+        with Server() as server:
+            text = urllib.request.urlopen(f"{server.url}/metrics", timeout=60).read().decode()
+        values = {}  # by metric and label
+        for name, labels in re.findall(r"^(\w+)(?:\{(.*)\})? \S+$", text, re.M):
+            for label, value in re.findall(r'(\w+)="([^"]*)"', labels) or [(None, None)]:
+                values.setdefault(name, {}).setdefault(label, set()).add(value)
+        asked = set()
+        for expression in IN_PROMETHEUS:
+            names = re.findall(r"\b(skyquilt_\w+)(?:\{([^}]*)\})?", expression)
+            self.assertTrue(names, expression)
+            for name, labels in names:
+                self.assertIn(name, values, expression)
+                asked.add(name)
+                for label, wanted in re.findall(r'(\w+)=~?"([^"]*)"', labels):
+                    self.assertLessEqual(set(wanted.split("|")), values[name][label], expression)
+                by = re.search(r"by \(([^)]*)\)", expression)
+                for label in by.group(1).split(", ") if by else []:
+                    self.assertIn(label, [*values[name], "instance"], expression)
+        self.assertEqual(asked, set(values), "a metric that nobody looks at")
+
+    def test_panels_are_whole_and_do_not_overlap(self):
+        sources = {f"${{{variable['name']}}}" for variable in DASHBOARD["templating"]["list"]}
+        taken = set()
+        for panel in DASHBOARD["panels"]:
+            for target in panel["targets"]:
+                self.assertEqual(target["datasource"], panel["datasource"])
+            self.assertIn(panel["datasource"]["uid"], sources)
+            place = panel["gridPos"]
+            self.assertLessEqual(place["x"] + place["w"], 24)
+            cells = {(x, y) for x in range(place["x"], place["x"] + place["w"]) for y in range(place["y"], place["y"] + place["h"])}
+            self.assertEqual(cells & taken, set(), panel["title"])
+            taken |= cells
+        self.assertEqual(len(TARGETS), len(IN_POSTGRES) + len(IN_PROMETHEUS))
+
+
+@unittest.skipIf(find_binaries() is None, "PostgreSQL is not installed")
+class Catalogue(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.postgres = PostgresServer()
+        with Server("--catalogue", cls.postgres.url) as server:
+            for _ in range(4):
+                asked = urllib.request.Request(f"{server.url}/api/v1/flights", b"{}", {"Content-Type": "application/json"})
+                urllib.request.urlopen(asked, timeout=60).close()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.postgres.close()
+
+    def rows(self, sql):
+        said = subprocess.run(["psql", "-X", "-q", "-A", "-t", "-d", self.postgres.url, "-v", "ON_ERROR_STOP=1", "-c", sql],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(said.returncode, 0, said.stdout)
+        return said.stdout.split()
+
+    def setUp(self):
+        self.rows("DELETE FROM job; DELETE FROM stage_cost")
+
+    def add_job(self, name, state, worker="", lease=0):
+        self.rows(f"INSERT INTO job(id, flight_id, state, worker, lease_until_us, created_us)"
+                  f" SELECT '{name}', id, '{state}', '{worker}', {lease}, 0 FROM flight ORDER BY id LIMIT 1")
+
+    def add_units(self, job, state, count):
+        self.rows(f"INSERT INTO unit(job_id, kind, number, items, state) SELECT '{job}', 'look', coalesce(max(number), 0) + n, 9, '{state}'"
+                  f" FROM generate_series(1, {count}) n LEFT JOIN unit ON job_id = '{job}' GROUP BY n")
+
+    def test_the_dashboard_asks_for_tables_that_there_are(self):
+        self.add_job("a", "running", "units", 1 << 53)
+        self.add_units("a", "waiting", 3)
+        self.rows("INSERT INTO stage_cost VALUES('a', 'check', 10, 5), ('b', 'check', 10, 15), ('b', 'render', 10, 40)")
+        self.assertEqual(len(IN_POSTGRES), 2)
+        self.assertEqual([self.rows(sql) for sql in IN_POSTGRES], [["look|waiting|3|0"], ["render|4", "check|1"]])
+
+    def test_kubernetes_starts_one_worker_for_each_thing_to_do(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("python3-yaml is not here")
+        secret, scaled = yaml.safe_load_all((ROOT / "docker/keda-worker.yaml").read_text())
+        trigger, = scaled["spec"]["triggers"]
+        self.assertEqual(trigger["authenticationRef"]["name"], secret["metadata"]["name"])
+        query = trigger["metadata"]["query"]
+        self.assertEqual(self.rows(query), ["0"])
+        for name, state in (("done", "successful"), ("w1", "accepted"), ("w2", "accepted")):
+            self.add_job(name, state)
+        self.add_job("r", "running", "someone", 1 << 50)
+        self.assertEqual(self.rows(query), ["3"])
+        self.add_job("cut", "running", "units", 1 << 53)  # its parts are at work, it is not
+        self.add_units("cut", "waiting", 5)
+        self.add_units("cut", "running", 2)
+        self.add_units("cut", "done", 4)
+        self.assertEqual(self.rows(query), ["10"])
+        self.rows("UPDATE unit SET state = 'done'; UPDATE job SET lease_until_us = 0 WHERE id = 'cut'")
+        self.assertEqual(self.rows(query), ["4"])  # all parts are done: somebody goes on with the job
+        said = subprocess.run([BINARY, "worker", "--help"], capture_output=True, text=True, check=True).stdout
+        container, = scaled["spec"]["jobTargetRef"]["template"]["spec"]["containers"]
+        for option in re.findall(r" (--[\w-]+)", container["command"][-1]):
+            self.assertRegex(said, rf"[ ,]{option}\b")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,235 @@
+"""A server and workers of their own on one catalogue in PostgreSQL: upload, job, tiles; PostgreSQL restarted in the middle;
+a worker killed and its job taken by another; a password that nobody shows."""
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+from postgres_server import LATE_WRITER, find_binaries, server_for
+from server_support import BINARY, ServerTestCase, children_of, is_running, path_of, wait_until
+
+NOTHING_TO_DO = 3
+
+
+class Worker:
+    """`skyquilt worker` as one would start it on another machine."""
+
+    def __init__(self, data, catalogue, *arguments):
+        self.log = tempfile.NamedTemporaryFile("w+", suffix=".log")
+        self.process = subprocess.Popen([BINARY, "worker", "--data", str(data), "--catalogue", catalogue, *arguments],
+                                        stderr=self.log, stdout=self.log, text=True)
+
+    def errors(self):
+        self.log.seek(0)
+        return self.log.read()
+
+    def kill(self):
+        """With the processes that it started, which follow it by themselves."""
+        children = children_of(self.process.pid)
+        self.process.kill()
+        self.process.wait()
+        for pid in children:
+            wait_until(lambda: not is_running(pid), "a confined process outlived its worker")
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+        return self.process.wait(timeout=60)
+
+
+@unittest.skipIf(find_binaries() is None, "PostgreSQL is not installed")
+class SharedCatalogue(ServerTestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.postgres = server_for(cls, LATE_WRITER)
+        cls.schemas = 0
+
+    def setUp(self):
+        super().setUp()
+        SharedCatalogue.schemas += 1
+        self.schema = f"test{self.schemas}"
+        self.catalogue = f"{self.postgres.url}&schema={self.schema}"
+        self.workers = []
+
+    def tearDown(self):
+        for worker in self.workers:
+            worker.stop()
+        super().tearDown()
+
+    def serve_shared(self, *arguments, workers=0):
+        return self.serve("--catalogue", self.catalogue, "--workers", str(workers), *arguments)
+
+    def work(self, *arguments):
+        self.workers.append(Worker(self.data, self.catalogue, *arguments))
+        return self.workers[-1]
+
+    def upload(self, server):
+        status, made = server.upload(self.photos)
+        self.assertEqual(status, 202, made)
+        return made["flight"]["id"], made["job"]["id"]
+
+    def query(self, sql):
+        return self.postgres.query(sql, self.schema)
+
+    def check_map(self, server, flight_id):
+        _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
+        self.assertEqual(flight["state"], "ready", server.errors())
+        status, tilejson = server.json("GET", flight["tilejson"])
+        self.assertEqual(status, 200)
+        west, south, east, north = tilejson["bounds"]
+        from server_support import tile_of
+        zoom = tilejson["maxzoom"]
+        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
+        tile = path_of(tilejson["tiles"][0]).format(z=zoom, x=x, y=y)
+        status, _, bytes_of_tile = server.request("GET", tile)
+        self.assertEqual(status, 200)
+        self.assertGreater(len(bytes_of_tile), 100)
+        self.assertEqual(self.query("SELECT count(*) FROM revision"), "1")
+
+    def test_a_worker_of_its_own_makes_the_map_of_an_upload(self):
+        server = self.serve_shared()
+        self.work()
+        flight_id, job_id = self.upload(server)
+        job = server.wait_for_job(job_id)
+        self.assertEqual(job["state"], "successful", self.workers[0].errors())
+        self.assertEqual(job["attempts"], 1)
+        self.check_map(server, flight_id)
+        self.assertFalse((pathlib.Path(self.data) / "catalogue.db").exists())
+        self.assertEqual(server.stop(), 0)
+        # And again, by the server's own workers, after a restart.
+        again = self.serve_shared(workers=1)
+        status, made = again.json("POST", f"/api/v1/flights/{flight_id}/jobs", {})
+        self.assertEqual(status, 202, made)
+        self.assertEqual(again.wait_for_job(made["id"])["state"], "successful")
+
+    def test_once_runs_one_job_and_says_when_there_is_none(self):
+        server = self.serve_shared()
+        self.assertEqual(self.work("--once").process.wait(timeout=60), NOTHING_TO_DO)
+        jobs = [self.upload(server)[1] for _ in range(2)]
+        worker = self.work("--once")
+        self.assertEqual(worker.process.wait(timeout=240), 0, worker.errors())
+        states = sorted(server.json("GET", f"/api/v1/jobs/{job}")[1]["state"] for job in jobs)
+        self.assertEqual(states, ["accepted", "successful"])
+
+    def test_a_restart_of_postgresql_ends_nothing(self):
+        server = self.serve_shared()
+        worker = self.work()
+        flight_id, job_id = self.upload(server)
+        server.wait_for_job(job_id, until=lambda job: job["stage"] != "")
+        self.postgres.stop(signal.SIGQUIT)  # as a crash
+        status, _ = server.json("GET", "/api/v1/flights")
+        self.assertEqual(status, 503)
+        status, answer = server.upload(self.photos)
+        self.assertEqual(status, 503, answer)
+        self.assertNotIn("FATAL", str(answer))
+        time.sleep(3)
+        self.postgres.start()
+        wait_until(lambda: server.json("GET", "/api/v1/flights")[0] == 200, "the server did not come back: " + server.errors())
+        job = server.wait_for_job(job_id)
+        self.assertEqual(job["state"], "successful", worker.errors())
+        self.assertEqual(job["attempts"], 1, worker.errors())
+        self.assertIsNone(worker.process.poll())
+        self.check_map(server, flight_id)
+
+    def test_the_job_of_a_killed_worker_is_anothers(self):
+        server = self.serve_shared()
+        first = self.work()
+        flight_id, job_id = self.upload(server)
+        server.wait_for_job(job_id, until=lambda job: job["stage"] != "")
+        first.kill()
+        self.work()
+        job = server.wait_for_job(job_id)
+        self.assertEqual(job["state"], "successful")
+        self.assertEqual(job["attempts"], 2)
+        self.check_map(server, flight_id)
+
+    def test_a_restart_of_the_server_leaves_the_jobs_of_others(self):
+        server = self.serve_shared()
+        self.work()
+        flight_id, job_id = self.upload(server)
+        server.wait_for_job(job_id, until=lambda job: job["stage"] != "")
+        server.kill()
+        again = self.serve_shared()
+        job = again.wait_for_job(job_id)
+        self.assertEqual((job["state"], job["attempts"]), ("successful", 1))
+        self.check_map(again, flight_id)
+
+    def test_events_of_another_process_arrive_within_a_second(self):
+        server = self.serve_shared()
+        _, flight = server.json("POST", "/api/v1/flights", {})
+        import http.client
+        connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
+        connection.request("GET", "/api/v1/events")
+        response = connection.getresponse()
+        self.assertEqual(response.status, 200)
+        time.sleep(1)
+        self.query(f"INSERT INTO event(flight_id, kind, body) VALUES('{flight['id']}', 'file', '{{\"name\":\"told\",\"bytes\":1}}')")
+        said = time.monotonic()
+        while "told" not in (line := response.readline().decode()):
+            self.assertNotEqual(line, "")
+        self.assertLess(time.monotonic() - said, 1.0)
+        connection.close()
+
+    def test_a_folder_with_flights_of_another_catalogue_is_refused_and_repair_moves_it(self):
+        local = self.serve("--workers", "1")
+        flight_id, job_id = self.upload(local)
+        local.wait_for_job(job_id)
+        self.assertEqual(local.stop(), 0)
+        words = ["--catalogue", self.catalogue]
+        self.assertIn("skyquilt data repair", self.refusal(*words))
+        subprocess.run([BINARY, "data", "repair", "--data", self.data, *words], check=True, capture_output=True)
+        shared = self.serve_shared()
+        self.check_map(shared, flight_id)
+        shared.stop()
+        checked = subprocess.run([BINARY, "data", "check", "--data", self.data, *words], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stdout)
+        # Without the option a second catalogue would be served: the old one, which is still there.
+        self.assertIn("is in PostgreSQL", self.refusal())
+        refused = subprocess.run([BINARY, "token", "list", "--data", self.data], capture_output=True, text=True)
+        self.assertIn("say --catalogue", refused.stderr)
+        # What another folder's catalogue knows is not mixed with a new folder.
+        self.data = tempfile.mkdtemp(prefix="data_", dir=self.scratch)
+        self.assertIn("another data folder", self.refusal(*words))
+
+    def test_a_password_is_used_and_never_shown(self):
+        self.query("CREATE ROLE guarded LOGIN PASSWORD 'open-sesame'; GRANT ALL ON DATABASE skyquilt TO guarded")
+        hba = self.postgres.folder / "data" / "pg_hba.conf"
+        hba.write_text("local all guarded scram-sha-256\n" + hba.read_text())
+        self.postgres.stop()
+        self.postgres.start()
+        guarded = self.catalogue.replace("skyquilt@", "guarded@") + "_guarded"
+        self.assertIn("password", self.refusal("--catalogue", guarded).lower())
+        secret = pathlib.Path(self.scratch, "secret")
+        secret.write_text("open-sesame\n")
+        shown = self.refusal("--catalogue", guarded.replace("guarded@", "guarded:wrong-sesame@"))
+        self.assertNotIn("sesame", shown)
+        server = self.serve("--catalogue", guarded, "--catalogue-password-file", str(secret), "--workers", "1")
+        flight_id, job_id = self.upload(server)
+        seen = set()
+        while not (job := server.json("GET", f"/api/v1/jobs/{job_id}")[1])["finished_at"]:
+            for worker in children_of(server.process.pid):
+                for pid in [worker, *children_of(worker)]:
+                    try:
+                        line = pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()
+                        environment = pathlib.Path(f"/proc/{pid}/environ").read_bytes()
+                    except OSError:
+                        continue
+                    self.assertNotIn(b"sesame", line)
+                    if b"\0worker\0" not in line:  # nor one that is still becoming another program
+                        seen.add(pid)
+                        self.assertNotIn(b"sesame", environment)  # it decodes what others made
+        self.assertEqual(job["state"], "successful", server.errors())
+        self.assertTrue(seen)
+        self.assertNotIn("sesame", server.errors())
+
+
+if __name__ == "__main__":
+    unittest.main()

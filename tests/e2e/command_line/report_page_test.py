@@ -1,0 +1,56 @@
+"""A finished map on one page: its picture to scale, its figures, what was left out; no other file needed."""
+import base64
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY  # noqa: E402
+
+
+class ReportPage(unittest.TestCase):
+    def setUp(self):
+        self.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_page_"))
+        subprocess.run([BINARY, "simulate", "-o", self.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world"],
+                       check=True, capture_output=True)
+        (self.scratch / "sim/photos/broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no photo")
+        subprocess.run([BINARY, "stitch", self.scratch / "sim/photos", "-o", self.scratch / "map"], check=True, capture_output=True)
+
+    def tearDown(self):
+        shutil.rmtree(self.scratch)
+
+    def report(self, *words):
+        return subprocess.run([BINARY, "report", self.scratch / "map", "-o", self.scratch / "report.html", *words], capture_output=True, text=True)
+
+    def test_it_is_whole(self):
+        done = self.report()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = (self.scratch / "report.html").read_text()
+        report = json.loads((self.scratch / "map/report.json").read_text())
+        self.assertTrue(page.startswith("<!doctype html>"))
+        self.assertNotRegex(page.replace("http://www.w3.org/2000/svg", ""), r"https?://|<script|<link")
+        picture = base64.b64decode(re.search(r"data:image/webp;base64,([A-Za-z0-9+/=]+)", page).group(1))
+        self.assertEqual((picture[:4], picture[8:12]), (b"RIFF", b"WEBP"))
+        self.assertIn("broken.jpg", page)
+        self.assertIn(f"{report['photos']['total']}: {report['photos']['aligned']} placed", page)
+        self.assertRegex(page, r">\d+ (k?m|cm)</text>")
+        self.assertEqual(sorted(path.name for path in self.scratch.iterdir()), ["map", "report.html", "sim"])
+        # Once more only by the word.
+        self.assertIn("--overwrite", self.report().stderr)
+        self.assertEqual(self.report("--overwrite", "--picture-px", "300").returncode, 0)
+        self.assertLess((self.scratch / "report.html").stat().st_size, len(page))
+
+    def test_a_folder_without_a_map(self):
+        done = subprocess.run([BINARY, "report", self.scratch / "sim", "-o", self.scratch / "a.html"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("stitch", done.stderr)
+        self.assertFalse((self.scratch / "a.html").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,221 @@
+"""A map is asked for in another format, system, area and resolution; made beside the requests; kept for a day."""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running, wait_until  # noqa: E402
+
+
+def confined_exports(server):
+    found = []
+    for pid in children_of(server.process.pid):
+        try:
+            if b"export-confined" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
+                found.append(pid)
+        except FileNotFoundError:
+            continue
+    return found
+
+
+def box(west, south, east, north):
+    return {"type": "Polygon", "coordinates": [[[west, south], [east, south], [east, north], [west, north], [west, south]]]}
+
+
+class Exports(ServerTestCase):
+    def made(self, server):
+        status, made = server.upload(self.photos)
+        self.assertEqual(status, 202, made)
+        self.assertEqual(server.wait_for_job(made["job"]["id"])["state"], "successful")
+        return made["flight"]["id"]
+
+    def ask(self, server, flight, headers=None, **wish):
+        status, head, body = server.request("POST", f"/api/v1/flights/{flight}/exports", json.dumps(wish),
+                                            {"Content-Type": "application/json", **(headers or {})})
+        answer = json.loads(body)
+        if status == 202:
+            self.assertEqual(head["Location"], answer["href"])
+        return status, answer
+
+    def finished(self, server, export):
+        self.shown = export
+        def has_ended():
+            status, self.shown = server.json("GET", export["href"])
+            self.assertEqual(status, 200, self.shown)
+            return self.shown["state"] in ("successful", "failed")
+        wait_until(has_ended, f"the export did not end: {self.shown} {server.errors()}")
+        return self.shown
+
+    def test_every_format_and_what_cannot_be(self):
+        server = self.serve()
+        flight = self.made(server)
+        _, _, whole = server.request("GET", f"/api/v1/flights/{flight}/download.mbtiles")
+        status, about = server.json("GET", f"/api/v1/flights/{flight}")
+        west, south, east, north = about["bounds"]
+        quarter = box((west + east) / 2, (south + north) / 2, east, north)
+        wishes = [{"format": "geotiff", "crs": "utm"}, {"format": "geotiff", "crs": "EPSG:3857", "boundary": quarter},
+                  {"format": "geotiff", "crs": "EPSG:4326", "resolution_m": 0.5, "boundary": quarter},
+                  {"format": "mbtiles"}, {"format": "pmtiles", "boundary": quarter}, {"format": "kmz", "resolution_m": 0.3}]
+        asked = []
+        for wish in wishes:
+            status, export = self.ask(server, flight, **wish)
+            self.assertEqual(status, 202, export)
+            asked.append(export)
+        # The same again is the same.
+        self.assertEqual(self.ask(server, flight, **wishes[0])[1]["id"], asked[0]["id"])
+        starts = {"geotiff": b"II", "mbtiles": b"SQLite format 3", "pmtiles": b"PMTiles", "kmz": b"PK"}
+        for wish, export in zip(wishes, asked):
+            export = self.finished(server, export)
+            self.assertEqual(export["state"], "successful", (wish, export, server.errors()))
+            self.assertIsNotNone(export["expires_at"])
+            self.assertTrue(export["is_current"])
+            status, headers, body = server.request("GET", export["download"])
+            self.assertEqual(status, 200)
+            self.assertEqual(len(body), export["bytes"])
+            self.assertTrue(body.startswith(starts[wish["format"]]), body[:16])
+            self.assertIn("attachment", headers["Content-Disposition"])
+            part = server.request("GET", export["download"], headers={"Range": "bytes=2-9"})
+            self.assertEqual((part[0], part[2]), (206, body[2:10]))
+            self.assertEqual(server.request("GET", export["download"], headers={"If-None-Match": headers["ETag"]})[0], 304)
+            if wish == {"format": "mbtiles"}:
+                self.assertEqual(body, whole)
+            if wish["format"] == "geotiff" and shutil.which("gdalinfo"):
+                self.look_at(body, wish, quarter)
+        listed = server.json("GET", f"/api/v1/flights/{flight}/exports")[1]["exports"]
+        self.assertEqual({one["id"] for one in listed}, {one["id"] for one in asked})
+        self.assertEqual(server.garbage(), [])
+
+        for wish, words in [({"format": "geotiff", "crs": "EPSG:12"}, "not known"), ({"format": "geotiff", "crs": "EPSG:32755"}, "the map lies at"),
+                            ({"format": "pmtiles", "crs": "utm"}, "Web Mercator"), ({"format": "kmz", "boundary": box(1, 1, 2, 2)}, "outside the map"),
+                            ({"format": "geotiff", "resolution_m": 0.0001}, "finest pixels"), ({"crs": "utm"}, "Say the format"),
+                            ({"format": "kmz", "boundary": {"type": "Point", "coordinates": [1, 2]}}, "Polygon"), ({"format": "kmz", "size": 3}, "size")]:
+            status, refused = self.ask(server, flight, **wish)
+            self.assertEqual(status, 422, refused)
+            self.assertIn(words, refused["detail"])
+        self.assertEqual(server.request("POST", f"/api/v1/flights/{flight}/exports", "{", {"Content-Type": "application/json"})[0], 400)
+        self.assertEqual(server.request("POST", f"/api/v1/flights/{flight}/exports", "format=kmz", {"Content-Type": "text/plain"})[0], 415)
+        empty = server.json("POST", "/api/v1/flights", {"name": "empty"})[1]["id"]
+        self.assertEqual(self.ask(server, empty, format="kmz")[0], 404)
+        self.assertEqual(server.json("GET", f"/api/v1/flights/{empty}/exports"), (200, {"exports": []}))
+
+        # Gone with its file.
+        self.assertEqual(server.request("DELETE", asked[0]["href"])[0], 204)
+        self.assertEqual(server.request("GET", asked[0]["href"])[0], 404)
+        self.assertEqual(server.request("GET", asked[0]["href"] + "/file")[0], 404)
+        folder = pathlib.Path(self.data, "flights", flight, "exports")
+        self.assertEqual(len(list(folder.iterdir())), len(asked) - 1)
+        self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}")[0], 204)
+        self.assertEqual(server.request("GET", asked[1]["href"])[0], 404)
+
+    def look_at(self, geotiff, wish, boundary):
+        path = pathlib.Path(self.scratch, "look.tif")
+        path.write_bytes(geotiff)
+        told = json.loads(subprocess.run(["gdalinfo", "-json", path], check=True, capture_output=True, text=True).stdout)
+        code = {"utm": None, "EPSG:3857": 3857, "EPSG:4326": 4326}[wish["crs"]]
+        if code:
+            self.assertEqual(told["stac"]["proj:epsg"] if "stac" in told else code, code)
+        if wish["crs"] == "EPSG:4326":
+            lons = [corner[0] for corner in boundary["coordinates"][0]]
+            self.assertAlmostEqual(told["geoTransform"][0], min(lons), delta=2 * told["geoTransform"][1])
+        if wish["crs"] == "utm":
+            self.assertIn("UTM zone", told["coordinateSystem"]["wkt"])
+
+    def test_a_map_that_is_replaced_and_a_day_that_ends(self):
+        server = self.serve()
+        flight = self.made(server)
+        export = self.finished(server, self.ask(server, flight, format="kmz")[1])
+        _, _, before = server.request("GET", export["download"])
+        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"gsd_m": 0.4}})
+        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+        shown = server.json("GET", export["href"])[1]
+        self.assertFalse(shown["is_current"])
+        self.assertEqual(server.request("GET", export["download"])[2], before)
+        again = self.finished(server, self.ask(server, flight, format="kmz")[1])
+        self.assertNotEqual(again["id"], export["id"])
+        # One whose map is gone before it begins says so (the map before the last may stay a while).
+        self.assertEqual(server.stop(), 0)
+        in_catalogue(self.data, "UPDATE map_export SET state='accepted', revision=77, lease_until_us=0, expires_us=NULL WHERE id=?", export["id"])
+        in_catalogue(self.data, "UPDATE map_export SET expires_us=1 WHERE id=?", again["id"])
+        stray = pathlib.Path(self.data, "flights", flight, "exports", "stray.tif")
+        stray.write_bytes(b"x")
+        server = self.serve()
+        failed = self.finished(server, export)
+        self.assertEqual(failed["state"], "failed")
+        self.assertIn("was replaced", failed["error"]["message"])
+        self.assertEqual(server.request("GET", failed["href"] + "/file")[0], 409)
+        # Its day was over: the first round of the housekeeper took it, and what nobody knows lies in lost/.
+        wait_until(lambda: server.request("GET", again["href"])[0] == 404, "an export outlived its day")
+        wait_until(lambda: not list(stray.parent.glob(again["id"] + "*")), "the file of an expired export stayed")
+        self.assertFalse(stray.exists())
+        self.assertEqual([path.read_bytes() for path in pathlib.Path(self.data, "lost").rglob("stray.tif")], [b"x"])
+
+    def test_a_killed_server_and_a_killed_process(self):
+        server = self.serve()
+        flight = self.made(server)
+        # As many as it takes for one to be under way.
+        asked = [self.ask(server, flight, format="geotiff", crs="EPSG:32632", resolution_m=0.1 + step / 100)[1] for step in range(3)]
+        if any("id" not in one for one in asked):
+            asked = [self.ask(server, flight, format="geotiff", crs="utm", resolution_m=0.2 + step / 100)[1] for step in range(3)]
+        wait_until(lambda: confined_exports(server), "no export began")
+        confined = confined_exports(server)
+        server.kill()
+        wait_until(lambda: not any(is_running(pid) for pid in confined), "an export outlived its server")
+        server = self.serve()
+        for export in asked:
+            self.assertEqual(self.finished(server, export)["state"], "successful")
+        self.assertEqual(server.garbage(), [])
+
+        def killed():
+            for pid in confined_exports(server):
+                try:
+                    os.kill(pid, signal.SIGKILL)
+                    return True
+                except ProcessLookupError:
+                    continue
+            return False
+        victim = self.ask(server, flight, format="kmz")[1]
+        end_states = {"failed", "successful"}
+        wait_until(lambda: killed() or server.json("GET", victim["href"])[1]["state"] in end_states, "nothing happened")
+        shown = self.finished(server, victim)
+        if shown["state"] == "failed":
+            self.assertIn("its process ended", shown["error"]["message"])
+        self.assertEqual(server.request("GET", "/healthz")[0], 200)
+        self.assertEqual(server.garbage(), [])
+
+    def test_rights(self):
+        token = lambda name, *options: {"Authorization": "Bearer " + subprocess.run(
+            [BINARY, "token", "add", name, "--data", self.data, *catalogue_words(self.data), *options], check=True, capture_output=True, text=True).stdout.strip()}
+        owner, reader, other = token("owner", "--scope", "upload"), token("reader", "--scope", "read"), token("other", "--scope", "upload")
+        server = self.serve()
+        as_json = {"Content-Type": "application/json"}
+        flight = json.loads(server.request("POST", "/api/v1/flights", "{}", {**owner, **as_json})[2])["id"]
+        for name, content in self.photos:
+            self.assertEqual(server.request("PUT", f"/api/v1/flights/{flight}/files/{name}", content, owner)[0], 201)
+        job = json.loads(server.request("POST", f"/api/v1/flights/{flight}/jobs", "{}", {**owner, **as_json})[2])["id"]
+        def is_done():
+            return json.loads(server.request("GET", f"/api/v1/jobs/{job}", headers=owner)[2])["state"] == "successful"
+        wait_until(is_done, "no map")
+        share = json.loads(server.request("POST", f"/api/v1/flights/{flight}/shares", "{}", {**owner, **as_json})[2])["token"]
+        guest = {"Authorization": f"Bearer {share}"}
+        elsewhere = json.loads(server.request("POST", "/api/v1/flights", "{}", {**owner, **as_json})[2])["id"]
+        status, refused = self.ask(server, flight, format="kmz")
+        self.assertEqual(status, 401, refused)
+        status, of_guest = self.ask(server, flight, guest, format="kmz")
+        self.assertEqual(status, 202, of_guest)
+        self.assertEqual(self.ask(server, elsewhere, guest, format="kmz")[0], 404)
+        status, of_reader = self.ask(server, flight, reader, format="pmtiles")
+        self.assertEqual(status, 202, of_reader)
+        self.assertEqual(server.request("GET", f"{of_reader['href']}?token={share}")[0], 200)
+        for who in (other, guest):
+            self.assertEqual(server.request("DELETE", of_reader["href"], headers=who)[0], 403)
+        self.assertEqual(server.request("DELETE", of_reader["href"], headers=reader)[0], 204)
+        self.assertEqual(server.request("DELETE", of_guest["href"], headers=owner)[0], 204)
+
+
+if __name__ == "__main__":
+    unittest.main()

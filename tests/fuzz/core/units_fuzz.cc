@@ -1,0 +1,30 @@
+// libFuzzer: any bytes taken for what another process found in photos, or placed of a flight. Checked: they
+// are refused, or written and read again as the same.
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/base/check.h"
+#include "core/pipeline/report/flight_facts.h"
+#include "core/pipeline/units/found_photos.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace skyquilt::pipeline;
+  if (size == 0) return 0;
+  const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
+  if (data[0] % 2 == 0) {
+    FoundFiles found, again;
+    if (!ParseFound(bytes, found)) return 0;
+    const std::string written = WriteFound(found);
+    SKYQUILT_CHECK(ParseFound(written, again).ok(), "what was found is refused");
+    SKYQUILT_CHECK(WriteFound(again) == written, "what was found is read as something else");
+  } else {
+    const auto facts = ParseFacts(bytes);
+    if (!facts) return 0;
+    SKYQUILT_CHECK(DigestsOfFacts(bytes).ok(), "the files of facts that can be read");
+    const std::string written = WriteFacts(*facts);
+    const auto again = ParseFacts(written);
+    SKYQUILT_CHECK(again.ok() && WriteFacts(*again) == written, "facts are read as others");
+  }
+  return 0;
+}

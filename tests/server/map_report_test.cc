@@ -1,0 +1,66 @@
+// The page about a finished map: what it says, and that nothing of others gets into its markup.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/reports/map_picture.h"
+#include "server/reports/report_page.h"
+
+namespace skyquilt::server {
+namespace {
+
+constexpr const char* kReport =
+    R"({"title":"Field <7>","photos":{"total":3,"aligned":2,"pose_only":0,"left_out":1},
+  "left_out_photos":[{"name":"<script>alert(1)</script>.jpg","code":"corrupt","reason":"it is \"cut off\" & torn"}],
+  "captured":{"first":"2024-06-01T10:00:00Z","last":"2024-06-01T10:09:00Z"},"gsd_m":0.025,"area_m2":25000,
+  "bounds":[7.1,46.8,7.2,46.9],"is_placed":true,"height_rule":"take-off","warnings":["Mind the <gap>"],
+  "alignment":{"residual_rms_px":0.42,"position_residual_m":0.5,"cameras":[{"camera_key":"DJI|FC220"}]}})";
+
+bool Has(const std::string& page, const char* words) { return page.find(words) != std::string::npos; }
+
+TEST(ReportPage, SaysWhatTheReportHasAndEscapesIt) {
+  const auto page = ReportPage(kReport, std::nullopt, "2026-01-01");
+  ASSERT_TRUE(page.ok());
+  for (const char* words :
+       {"Field &lt;7&gt;", "3: 2 placed by what they show", "2.50 ha", "2.5 cm", "DJI FC220", "0.42 pixels",
+        "EPSG:3857", "2024-06-01", "&lt;script&gt;alert(1)&lt;/script&gt;.jpg",
+        "it is &quot;cut off&quot; &amp; torn", "Mind the &lt;gap&gt;",
+        "46.800000, 7.100000 to 46.900000, 7.200000"})
+    EXPECT_TRUE(Has(*page, words)) << words;
+  EXPECT_FALSE(Has(*page, "<script"));
+  EXPECT_FALSE(Has(*page, "not georeferenced"));
+}
+
+TEST(ReportPage, HasAScaleBarAndANorthArrowOnlyWhereTheyAreTrue) {
+  const MapPicture picture{{1, 2, 3}, 1000, 500, 0.5};
+  const auto placed = ReportPage(kReport, picture, "");
+  ASSERT_TRUE(placed.ok());
+  EXPECT_TRUE(Has(*placed, "data:image/webp;base64,AQID"));
+  EXPECT_TRUE(Has(*placed, ">100 m</text>"));  // of 500 m that are shown
+  EXPECT_TRUE(Has(*placed, ">N</text>"));
+  const auto unplaced = ReportPage(R"({"is_placed":false})", picture, "");
+  ASSERT_TRUE(unplaced.ok());
+  EXPECT_TRUE(Has(*unplaced, "not georeferenced"));
+  EXPECT_FALSE(Has(*unplaced, ">N</text>"));
+  EXPECT_FALSE(Has(*unplaced, " m</text>"));
+}
+
+TEST(ReportPage, TakesAnyJsonAndRefusesTheRest) {
+  for (const char* text :
+       {"{}", R"({"photos":[],"bounds":"x","alignment":7,"warnings":{"a":1},"left_out_photos":[1,null]})",
+        R"({"title":5,"captured":{"first":"x"},"bounds":[1,2,3,"4"],"alignment":{"cameras":[3]}})"})
+    EXPECT_TRUE(ReportPage(text, std::nullopt, "").ok()) << text;
+  for (const char* text : {"", "[]", "{\"a\":"})
+    EXPECT_FALSE(ReportPage(text, std::nullopt, "").ok()) << text;
+}
+
+TEST(ScaleBarM, IsOneTwoOrFive) {
+  EXPECT_EQ(ScaleBarM(140.0), 100.0);
+  EXPECT_EQ(ScaleBarM(200.0), 200.0);
+  EXPECT_EQ(ScaleBarM(999.0), 500.0);
+  EXPECT_NEAR(ScaleBarM(0.3), 0.2, 1e-12);
+  EXPECT_EQ(ScaleBarM(0.0), 1.0);
+}
+
+}  // namespace
+}  // namespace skyquilt::server

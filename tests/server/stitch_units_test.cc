@@ -1,0 +1,187 @@
+// A flight that is cut into units becomes the map that one process makes of it, however it is cut.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "core/flight/read_flight.h"
+#include "core/pipeline/units/flight_cut.h"
+#include "core/pipeline/units/found_photos.h"
+#include "core/simulate/simulate_flight.h"
+#include "server/jobs/stitch_job.h"
+#include "server/units/stitch_unit.h"
+#include "storage/db/sqlite_db.h"
+#include "storage/tilesets/publish_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Tiles = std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::string>;
+
+Tiles TilesOf(const fs::path& mbtiles) {
+  Tiles tiles;
+  auto db = storage::SqliteDb::Open(mbtiles, storage::OpenMode::kReadOnlyImmutable);
+  EXPECT_TRUE(db.ok()) << db.error().message;
+  auto query = db->Prepare("SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles");
+  EXPECT_TRUE(query.ok());
+  while (*query->Step()) {
+    const auto bytes = query->ColumnBlob(3);
+    tiles[{query->ColumnInt64(0), query->ColumnInt64(1), query->ColumnInt64(2)}] = {bytes.begin(),
+                                                                                    bytes.end()};
+  }
+  return tiles;
+}
+
+std::string BytesOf(const fs::path& path) {
+  auto bytes = storage::ReadWholeFile(path);
+  EXPECT_TRUE(bytes.ok()) << path;
+  return bytes ? *bytes : std::string();
+}
+
+class StitchUnits : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder;
+    simulate::SimulateOptions simulated;
+    simulated.trajectory.photos = 12;
+    simulated.intrinsics = camera::Intrinsics::Centered(800, 600, 620.0);
+    simulated.write_world = false;
+    SilentProgress progress;
+    ASSERT_TRUE(simulate::SimulateFlight(simulated, folder_->path(), progress).ok());
+    files_ = *flight::ListInputFiles({*folder_ / "photos"});
+    StitchJobOptions options;
+    options.mosaic = Options();
+    const auto whole = StitchToDirectory(files_, options, *folder_ / "whole", progress);
+    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    ASSERT_EQ(whole->photos_aligned, 12);
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static pipeline::MosaicOptions Options() {
+    pipeline::MosaicOptions options;
+    options.threads = 2;
+    return options;
+  }
+
+  static Result<UnitDone> Run(const UnitFiles& units, const UnitToDo& todo,
+                              const std::vector<flight::InputFile>& files) {
+    fs::create_directories(units.Folder(todo.kind, todo.number));
+    SilentProgress progress;
+    return StitchUnit(files, todo, units, units.Folder(todo.kind, todo.number), Options(), progress);
+  }
+
+  // Every unit, and the map of them in `root`/map.
+  static void Stitch(const fs::path& root, int looks, int renders) {
+    const UnitFiles units(root / "units");
+    for (int number = 0; number < looks; ++number) {
+      const auto range = pipeline::RangeOf(number, looks, files_.size());
+      const auto begin = files_.begin();
+      const auto looked = Run(units, {UnitKind::kLook, number, looks},
+                              {begin + static_cast<int>(range.first), begin + static_cast<int>(range.end)});
+      ASSERT_TRUE(looked.ok()) << looked.error().message;
+    }
+    const auto placed = Run(units, {.kind = UnitKind::kPlace, .looks = looks}, files_);
+    ASSERT_TRUE(placed.ok()) << placed.error().message;
+    ASSERT_GT(placed->blocks, renders);
+    StitchJobOptions options;
+    options.mosaic = Options();
+    options.facts_file = units.Facts();
+    for (int number = 0; number < renders; ++number) {
+      const auto rendered = Run(
+          units, {.kind = UnitKind::kRender, .number = number, .count = renders, .blocks = placed->blocks},
+          files_);
+      ASSERT_TRUE(rendered.ok()) << rendered.error().message;
+      options.part_dirs.push_back(units.Folder(UnitKind::kRender, number));
+    }
+    SilentProgress progress;
+    const auto map = StitchToDirectory(files_, options, root / "map", progress);
+    ASSERT_TRUE(map.ok()) << map.error().message;
+    EXPECT_EQ(map->blocks_kept, map->blocks);
+    EXPECT_EQ(map->photos_aligned, 12);
+  }
+
+  static test::TemporaryFolder* folder_;
+  static std::vector<flight::InputFile> files_;
+};
+
+test::TemporaryFolder* StitchUnits::folder_ = nullptr;
+std::vector<flight::InputFile> StitchUnits::files_;
+
+TEST_F(StitchUnits, TheMapIsThatOfOneProcess) {
+  Stitch(*folder_ / "3", 3, 4);
+  EXPECT_TRUE(TilesOf(*folder_ / "whole" / "mosaic.mbtiles") ==
+              TilesOf(*folder_ / "3" / "map" / "mosaic.mbtiles"));
+  for (const char* name :
+       {"photos.geojson", "locate.json", "mosaic.tif", "mosaic.pmtiles", "thumbnail.png"}) {
+    EXPECT_TRUE(BytesOf(*folder_ / "whole" / name) == BytesOf(*folder_ / "3" / "map" / name)) << name;
+  }
+}
+
+TEST_F(StitchUnits, AnotherCutGivesTheSameBytes) {
+  Stitch(*folder_ / "one", 1, 1);
+  Stitch(*folder_ / "five", 5, 7);
+  for (const char* name :
+       {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif", "photos.geojson", "locate.json"}) {
+    EXPECT_TRUE(BytesOf(*folder_ / "one" / "map" / name) == BytesOf(*folder_ / "five" / "map" / name))
+        << name;
+  }
+}
+
+// What a worker lost on its way is looked at again by whoever needs it.
+TEST_F(StitchUnits, DamagedPartsAreToldOrMadeAnew) {
+  const fs::path root = *folder_ / "damaged";
+  Stitch(root, 2, 2);
+  const UnitFiles units(root / "units");
+  std::string found = BytesOf(units.Found(1));
+  for (const std::size_t length : {std::size_t{0}, std::size_t{7}, found.size() / 2, found.size() - 1}) {
+    ASSERT_TRUE(storage::WriteFileAtomically(units.Found(1), found.substr(0, length)).ok());
+    const auto placed = Run(units, {.kind = UnitKind::kPlace, .looks = 2}, files_);
+    ASSERT_FALSE(placed.ok());
+    EXPECT_EQ(placed.error().code, ErrorCode::kCorrupt);
+  }
+  fs::remove(units.Found(1));
+  EXPECT_EQ(Run(units, {.kind = UnitKind::kPlace, .looks = 2}, files_).error().code, ErrorCode::kNotFound);
+  const auto beyond = Run(units, {.kind = UnitKind::kRender, .count = 1, .blocks = 1 << 20}, files_);
+  EXPECT_EQ(beyond.error().code, ErrorCode::kInvalidArgument);
+
+  // A range that is gone is rendered by the one that puts the map together.
+  fs::remove_all(units.Folder(UnitKind::kRender, 1));
+  StitchJobOptions options;
+  options.mosaic = Options();
+  options.facts_file = units.Facts();
+  options.part_dirs = {units.Folder(UnitKind::kRender, 0), units.Folder(UnitKind::kRender, 1)};
+  SilentProgress progress;
+  const auto map = StitchToDirectory(files_, options, root / "again", progress);
+  ASSERT_TRUE(map.ok()) << map.error().message;
+  EXPECT_LT(map->blocks_kept, map->blocks);
+  EXPECT_TRUE(TilesOf(*folder_ / "whole" / "mosaic.mbtiles") == TilesOf(root / "again" / "mosaic.mbtiles"));
+}
+
+TEST_F(StitchUnits, PartsOfNoPossibleSizeAreRefused) {
+  const auto is_refused = [](auto spoil) {
+    pipeline::FoundFiles found, read;
+    found.digests["a.jpg"] = {};
+    pipeline::CheckedPhoto& photo = found.photos["a.jpg"];
+    photo.features.emplace().keypoints.resize(3);
+    photo.features->descriptors.resize(3);
+    spoil(*photo.features);
+    const Result<void> parsed = pipeline::ParseFound(pipeline::WriteFound(found), read);
+    return !parsed && parsed.error().code == ErrorCode::kCorrupt;
+  };
+  EXPECT_FALSE(is_refused([](auto&) {}));
+  EXPECT_TRUE(is_refused([](auto& features) { features.descriptors.pop_back(); }));
+  EXPECT_TRUE(is_refused([](auto& features) { features.detail.cells.resize(7); }));
+  EXPECT_TRUE(is_refused([](auto& features) { features.thumbnail.width_px = 1 << 20; }));
+  EXPECT_TRUE(is_refused(
+      [](auto& features) { features.keypoints.resize(70'000), features.descriptors.resize(70'000); }));
+}
+
+}  // namespace
+}  // namespace skyquilt::server

@@ -1,0 +1,116 @@
+#include "storage/folder/elsewhere/move_blobs.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "storage/blobs/folder_blobs.h"
+#include "storage/catalogue/catalogue.h"
+#include "storage/db/ids.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
+#include "tests/storage/blobs/far_folder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using test::FarFolder;
+
+class MovedBlobs : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(catalogue_.AddFile(flight_, {"a.jpg", photo_, 5}, Now()));
+    Put(near_, FilesPrefix(flight_) + photo_, "photo");
+    Put(near_, RevisionPrefix(flight_, 1) + "frames/b.jpg", "frame");
+    Put(near_, RevisionPrefix(flight_, 1) + "geo.txt", "");
+    Put(near_, FlightPrefix(flight_) + "flight.jsonl", "record");
+    Put(near_, FlightPrefix(flight_) + "preview-x/tiles.db", "preview");
+  }
+  void Put(BlobStore& blobs, const std::string& key, const std::string& bytes) {
+    std::ofstream(folder_ / "file", std::ios::binary) << bytes;
+    ASSERT_TRUE(blobs.Put(key, folder_ / "file"));
+  }
+  Result<MoveReport> Move(BlobStore& from, BlobStore& to, bool removes_source = false) {
+    return MoveBlobs(dir_, id_, *db_, from, to, removes_source, progress_);
+  }
+
+  test::TemporaryFolder folder_;
+  const std::string id_ = NewId(), photo_ = NewId();
+  const DataDir dir_ = *DataDir::Open(folder_ / "data", id_);
+  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(dir_.Catalogue());
+  Catalogue catalogue_{*db_};
+  const std::string flight_ = catalogue_.AddFlight("a", "{}", Now())->id;
+  FolderBlobs near_{dir_.root()};
+  FarFolder far_{folder_ / "far"};
+  SilentProgress progress_;
+};
+
+TEST_F(MovedBlobs, GoOutAndComeBackTheSame) {
+  const auto out = Move(near_, far_);
+  ASSERT_TRUE(out) << out.error().message;
+  EXPECT_EQ(out->copied, 3);
+  EXPECT_EQ(out->bytes, 10);
+  EXPECT_EQ(out->removed, 0);
+  EXPECT_TRUE(near_.Find(FilesPrefix(flight_) + photo_));  // kept unless it was said otherwise
+  EXPECT_EQ(far_.List("flights/")->size(), 3U);            // neither record nor preview
+  EXPECT_EQ(**SettledAt(dir_), "s3://far/");
+  EXPECT_TRUE(SettleBlobs(dir_, id_, far_));
+  EXPECT_EQ(SettleBlobs(dir_, id_, near_).error().code, ErrorCode::kConflict);
+
+  const auto again = Move(near_, far_, true);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->there_already, 3);
+  EXPECT_EQ(again->removed, 3);
+  EXPECT_FALSE(near_.Find(FilesPrefix(flight_) + photo_));
+  EXPECT_TRUE(near_.Find(FlightPrefix(flight_) + "flight.jsonl"));
+
+  const auto back = Move(far_, near_, true);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(*near_.ReadRange(FilesPrefix(flight_) + photo_, 0, 10), "photo");
+  EXPECT_EQ(*near_.ReadRange(RevisionPrefix(flight_, 1) + "frames/b.jpg", 0, 10), "frame");
+  EXPECT_TRUE(far_.List("")->empty());
+  EXPECT_TRUE(SettleBlobs(dir_, id_, near_));
+}
+
+TEST_F(MovedBlobs, GoOnWhereTheyWereCutOff) {
+  far_.puts_left = 1;
+  const auto cut_off = Move(near_, far_, true);
+  ASSERT_FALSE(cut_off);
+  EXPECT_FALSE(*SettledAt(dir_));
+  EXPECT_TRUE(SettleBlobs(dir_, id_, near_));  // the server starts as before
+  EXPECT_EQ(near_.List(FilesPrefix(flight_))->size(), 1U);
+  far_.puts_left = 1'000;
+  const auto rest = Move(near_, far_, true);
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_EQ(rest->there_already, 1);
+  EXPECT_EQ(rest->copied, 2);
+}
+
+TEST_F(MovedBlobs, KeepTheOriginalOfACopyThatIsNotTheSame) {
+  far_.damages = FilesPrefix(flight_) + photo_;
+  const auto moved = Move(near_, far_, true);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::kCorrupt);
+  EXPECT_EQ(*near_.ReadRange(FilesPrefix(flight_) + photo_, 0, 10), "photo");
+  EXPECT_FALSE(*SettledAt(dir_));
+  far_.damages.clear();  // and what is damaged there is put again
+  EXPECT_TRUE(Move(near_, far_));
+  EXPECT_EQ(*far_.ReadRange(FilesPrefix(flight_) + photo_, 0, 10), "photo");
+}
+
+TEST_F(MovedBlobs, SayWhatIsMissingBeforeAnythingIsMoved) {
+  ASSERT_TRUE(near_.Remove(FilesPrefix(flight_) + photo_));
+  const auto moved = Move(near_, far_);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, ErrorCode::kNotFound);
+  EXPECT_NE(moved.error().message.find("a.jpg"), std::string::npos);
+  EXPECT_TRUE(far_.List("flights/")->empty());
+}
+
+TEST_F(MovedBlobs, DoNotGoWhereAnotherCatalogueIs) {
+  ASSERT_TRUE(ClaimBlobs(NewId(), far_));
+  EXPECT_EQ(Move(near_, far_).error().code, ErrorCode::kConflict);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

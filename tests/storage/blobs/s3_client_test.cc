@@ -1,0 +1,231 @@
+// S3Client against answers that a real store gives once in a long while.
+#include "storage/blobs/s3/s3_client.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "tests/storage/blobs/scripted_server.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using test::HttpText;
+using test::ScriptedServer;
+
+std::string Refusal(const std::string& code, const std::string& more = "") {
+  return "<Error><Code>" + code + "</Code><Message>m</Message>" + more + "</Error>";
+}
+
+class ScriptedStore {
+ public:
+  explicit ScriptedStore(ScriptedServer::Script script) : server_(std::move(script)) {
+    const std::map<std::string, std::string> variables = {{"AWS_ENDPOINT_URL", server_.Endpoint()},
+                                                          {"AWS_ACCESS_KEY_ID", "AKEY"},
+                                                          {"AWS_SECRET_ACCESS_KEY", "very secret"}};
+    const Variable variable = [variables](const char* name) {
+      const auto found = variables.find(name);
+      return found == variables.end() ? std::string() : found->second;
+    };
+    S3Settings settings = *ReadS3Settings("s3://maps/p", variable);
+    settings.stall_patience = std::chrono::seconds(1);
+    client_ = std::make_unique<S3Client>(std::move(settings), variable);
+  }
+  S3Client& operator*() { return *client_; }
+  S3Client* operator->() { return client_.get(); }
+  std::vector<std::string> requests() const { return server_.requests(); }
+
+ private:
+  ScriptedServer server_;
+  std::unique_ptr<S3Client> client_;
+};
+
+TEST(S3Client, TriesAgainAfterWhatMayPass) {
+  ScriptedStore store([](int n, const std::string&) -> std::string {
+    constexpr int kBad[] = {500, 503, 429, 502};
+    if (n < 4) return HttpText(kBad[n], Refusal("SlowDown"));
+    if (n == 4) return "";
+    return HttpText(200, "", "ETag: \"e\"\r\n");
+  });
+  EXPECT_TRUE(store->Put("k", "bytes", {}));
+  EXPECT_EQ(store.requests().size(), 6U);
+  EXPECT_EQ(store->requests(), 6);
+  EXPECT_TRUE(store.requests()[5].ends_with("\r\n\r\nbytes"));
+  EXPECT_TRUE(store.requests()[5].starts_with("PUT /maps/p/k HTTP/1.1"));
+}
+
+TEST(S3Client, GivesUpInTheEndAndSaysThatItMayComeBack) {
+  ScriptedStore store([](int, const std::string&) { return HttpText(503, Refusal("SlowDown")); });
+  const auto put = store->Put("k", "bytes", {});
+  ASSERT_FALSE(put);
+  EXPECT_EQ(put.error().code, ErrorCode::kUnavailable);
+  EXPECT_NE(put.error().message.find("Try again later"), std::string::npos);
+  EXPECT_EQ(store.requests().size(), 6U);
+}
+
+TEST(S3Client, AsksOnceWhereItIsRefusedAndTellsNoSecret) {
+  ScriptedStore store(
+      [](int, const std::string&) { return HttpText(403, Refusal("SignatureDoesNotMatch")); });
+  const auto got = store->Get("k", 0, 10);
+  ASSERT_FALSE(got);
+  EXPECT_EQ(got.error().code, ErrorCode::kForbidden);
+  EXPECT_NE(got.error().message.find("AWS_ACCESS_KEY_ID"), std::string::npos);
+  EXPECT_EQ((got.error().message + got.error().detail).find("very secret"), std::string::npos);
+  EXPECT_EQ(store.requests().size(), 1U);
+}
+
+// Keys that were taken away, a bucket that was removed: photos are neither forbidden to their users nor gone.
+TEST(S3Client, IsUnavailableWhereWhatWorkedIsRefused) {
+  ScriptedStore store([](int n, const std::string&) {
+    return n == 0 ? HttpText(200)
+                  : HttpText(n == 1 ? 403 : 404, Refusal(n == 1 ? "AccessDenied" : "NoSuchBucket"));
+  });
+  EXPECT_TRUE(store->Delete("k"));
+  EXPECT_EQ(store->List("", "").error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(store->List("", "").error().code, ErrorCode::kUnavailable);
+}
+
+TEST(S3Client, SaysThatTheBucketIsMissing) {
+  ScriptedStore store([](int, const std::string&) { return HttpText(404, Refusal("NoSuchBucket")); });
+  const auto listed = store->List("", "");
+  EXPECT_EQ(listed.error().code, ErrorCode::kNotFound);
+  EXPECT_NE(listed.error().message.find("bucket \"maps\""), std::string::npos);
+}
+
+TEST(S3Client, SignsByTheStoresClockWhereItsOwnIsWrong) {
+  ScriptedStore store([](int n, const std::string&) {
+    if (n == 0)
+      return HttpText(403, Refusal("RequestTimeTooSkewed"), "Date: Tue, 05 Jan 2044 10:00:00 GMT\r\n");
+    return HttpText(200, "", "ETag: \"e\"\r\n");
+  });
+  EXPECT_TRUE(store->Put("k", "bytes", {}));
+  EXPECT_EQ(store.requests()[0].find("x-amz-date: 20440105"), std::string::npos);
+  EXPECT_NE(store.requests()[1].find("x-amz-date: 20440105"), std::string::npos);
+}
+
+TEST(S3Client, SignsForTheRegionThatTheBucketIsIn) {
+  ScriptedStore store([](int n, const std::string&) {
+    if (n == 0) return HttpText(400, Refusal("AuthorizationHeaderMalformed", "<Region>eu-west-1</Region>"));
+    return HttpText(200, "", "ETag: \"e\"\r\n");
+  });
+  EXPECT_TRUE(store->Put("k", "bytes", {}));
+  EXPECT_NE(store.requests()[1].find("/eu-west-1/s3/aws4_request"), std::string::npos);
+}
+
+TEST(S3Client, ReadsARangeAgainThatBrokeOff) {
+  ScriptedStore store([](int n, const std::string&) {
+    const std::string whole = HttpText(206, "0123456789", "ETag: \"e\"\r\n");
+    return n == 0 ? whole.substr(0, whole.size() - 4) : whole;
+  });
+  EXPECT_EQ(*store->Get("k", 5, 10), "0123456789");
+  EXPECT_NE(store.requests()[0].find("Range: bytes=5-14"), std::string::npos);
+}
+
+TEST(S3Client, BelievesNoStoreThatSendsMoreThanWasAskedFor) {
+  ScriptedStore store([](int, const std::string&) { return HttpText(206, std::string(100, 'x')); });
+  EXPECT_EQ(store->Get("k", 0, 10).error().code, ErrorCode::kCorrupt);
+}
+
+TEST(S3Client, GoesOnWithAFileWhereItBrokeOff) {
+  const std::string bytes(50'000, 'q');
+  ScriptedStore store([&](int n, const std::string& request) {
+    const std::string tags = "ETag: \"e\"\r\nx-amz-meta-sha256: " + Sha256Hex(bytes) + "\r\n";
+    if (n == 0) return HttpText(200, bytes, tags).substr(0, HttpText(200, bytes, tags).find("\r\n\r\n") + 4);
+    const std::size_t from = std::stoul(request.substr(request.find("bytes=") + 6));
+    std::string answer = HttpText(206, bytes.substr(from), tags);
+    if (n == 1) answer.resize(answer.size() / 2);
+    return answer;
+  });
+  const test::TemporaryFolder folder;
+  const auto got = store->GetToFile("k", folder / "file");
+  ASSERT_TRUE(got) << got.error().detail;
+  std::ifstream file(folder / "file", std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), bytes);
+  ASSERT_EQ(store.requests().size(), 3U);
+  EXPECT_EQ(store.requests()[2].find("Range: bytes=0-"), std::string::npos);
+  EXPECT_NE(store.requests()[2].find("If-Match: \"e\""), std::string::npos);
+}
+
+TEST(S3Client, RefusesAFileWithOtherBytesThanItsWriterStated) {
+  ScriptedStore store([](int n, const std::string&) {
+    const std::string tags = "ETag: \"e\"\r\nx-amz-meta-sha256: " + Sha256Hex("right") + "\r\n";
+    const std::string answer = HttpText(n == 0 ? 200 : 206, "wrong", tags);
+    return n == 0 ? answer.substr(0, answer.size() - 5) : answer;
+  });
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(store->GetToFile("k", folder / "file").error().code, ErrorCode::kCorrupt);
+}
+
+TEST(S3Client, KnowsItsOwnConditionalPutWhoseAnswerWasLost) {
+  std::string writer;
+  ScriptedStore store([&](int n, const std::string& request) -> std::string {
+    if (n == 0) return HttpText(404);
+    if (n == 1) {
+      const std::size_t at = request.find("x-amz-meta-writer: ");
+      writer = request.substr(at + 19, 26);
+      EXPECT_NE(request.find("If-None-Match: *"), std::string::npos);
+      return "";
+    }
+    if (n == 2) return HttpText(412, Refusal("PreconditionFailed"));
+    return HttpText(200, "", "x-amz-meta-writer: " + writer + "\r\n");
+  });
+  EXPECT_TRUE(store->Put("k", "bytes", {"", true}));
+}
+
+TEST(S3Client, LosesAConditionalPutToWhoeverWasFirst) {
+  ScriptedStore store([](int n, const std::string&) {
+    return n == 0 ? HttpText(404) : HttpText(412, Refusal("PreconditionFailed"));
+  });
+  EXPECT_EQ(store->Put("k", "bytes", {"", true}).error().code, ErrorCode::kConflict);
+}
+
+TEST(S3Client, SeesAnErrorInsideACompletionThatSays200) {
+  ScriptedStore store([](int, const std::string&) { return HttpText(200, Refusal("InternalError")); });
+  const auto completed = store->Complete("k", "u", {{1, "e", 5}}, 5);
+  ASSERT_FALSE(completed);
+  EXPECT_EQ(completed.error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(store.requests().size(), 2U);
+}
+
+TEST(S3Client, KnowsACompletionWhoseAnswerWasLost) {
+  ScriptedStore store([](int n, const std::string&) -> std::string {
+    if (n == 0) return "";
+    if (n == 1) return HttpText(404, Refusal("NoSuchUpload"));
+    return "HTTP/1.1 200 X\r\nContent-Length: 5\r\nConnection: close\r\n\r\n";
+  });
+  EXPECT_TRUE(store->Complete("k", "u", {{1, "e", 5}}, 5));
+}
+
+TEST(S3Client, AsksForPartsCopiesAndBegunUploadsAsS3HasThem) {
+  ScriptedStore store([](int n, const std::string&) {
+    if (n == 0) return HttpText(200, "<CopyPartResult><ETag>\"c\"</ETag></CopyPartResult>");
+    if (n == 1)
+      return HttpText(200,
+                      "<ListPartsResult><Part><PartNumber>1</PartNumber><ETag>e</ETag><Size>5</Size></Part>"
+                      "<IsTruncated>true</IsTruncated><NextPartNumberMarker>1</NextPartNumberMarker>"
+                      "</ListPartsResult>");
+    if (n == 2)
+      return HttpText(200,
+                      "<ListPartsResult><Part><PartNumber>2</PartNumber><ETag>f</ETag><Size>6</Size></Part>"
+                      "</ListPartsResult>");
+    return HttpText(
+        200,
+        "<ListMultipartUploadsResult><Upload><Key>p/flights/x</Key><UploadId>u</UploadId></Upload>"
+        "</ListMultipartUploadsResult>");
+  });
+  EXPECT_EQ(store->CopyPart("to", "u", 3, "from a", 10, 5)->etag, "\"c\"");
+  EXPECT_EQ(store->PartsOf("to", "u")->size(), 2U);
+  EXPECT_EQ(store->BegunUploadsBelow("flights/")->at(0).key, "flights/x");
+  const std::vector<std::string> requests = store.requests();
+  EXPECT_NE(requests[0].find("x-amz-copy-source: /maps/p/from%20a"), std::string::npos);
+  EXPECT_NE(requests[0].find("x-amz-copy-source-range: bytes=10-14"), std::string::npos);
+  EXPECT_TRUE(requests[2].starts_with("GET /maps/p/to?part-number-marker=1&uploadId=u HTTP/1.1"))
+      << requests[2];
+  EXPECT_TRUE(requests[3].starts_with("GET /maps?prefix=p%2Fflights%2F&uploads= HTTP/1.1")) << requests[3];
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

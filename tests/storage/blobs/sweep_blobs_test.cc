@@ -1,0 +1,114 @@
+#include "storage/folder/elsewhere/sweep_blobs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "storage/blobs/folder_blobs.h"
+#include "storage/db/ids.h"
+#include "storage/folder/elsewhere/settle_blobs.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skyquilt::storage {
+namespace {
+
+// A folder stands for the store: what is swept is the same.
+class SweptBlobs : public testing::Test {
+ protected:
+  void Put(const std::string& key) {
+    std::ofstream(folder_ / "file") << "x";
+    ASSERT_TRUE(blobs_.Put(key, folder_ / "file"));
+  }
+  bool Has(const std::string& key) { return blobs_.Find(key).ok(); }
+  SweepReport Sweep(std::chrono::seconds age) {
+    const auto report = SweepBlobs(blobs_, catalogue_, queue_, Now(), age);
+    EXPECT_TRUE(report) << report.error().message;
+    return *report;
+  }
+
+  test::TemporaryFolder folder_;
+  std::unique_ptr<CatalogueDb> db_ = *CatalogueDb::Open(folder_ / "catalogue.db");
+  Catalogue catalogue_{*db_};
+  JobQueue queue_{*db_};
+  FolderBlobs blobs_{folder_ / "store"};
+  const std::string flight_ = catalogue_.AddFlight("a", "{}", Now())->id;
+  const std::string photo_ = NewId();
+};
+
+TEST_F(SweptBlobs, KeepsWhatIsShownAndTakesWhatIsNobodys) {
+  ASSERT_TRUE(catalogue_.AddFile(flight_, {"a.jpg", photo_, 1}, Now()));
+  const std::string stray = NewId(), other_flight = NewId();
+  Put(FilesPrefix(flight_) + photo_);
+  Put(FilesPrefix(flight_) + stray);
+  Put(RevisionPrefix(flight_, 3) + "mosaic.tif");
+  Put(RevisionPrefix(flight_, 3) + "frames/a.jpg");
+  Put(FlightPrefix(flight_) + "not-ours");
+  Put(FilesPrefix(other_flight) + NewId());
+  const SweepReport report = Sweep(std::chrono::seconds(0));
+  EXPECT_EQ(report.removed, 2);
+  EXPECT_TRUE(Has(FilesPrefix(flight_) + photo_));
+  EXPECT_FALSE(Has(FilesPrefix(flight_) + stray));
+  EXPECT_TRUE(blobs_.List(RevisionPrefix(flight_, 3))->empty());
+  EXPECT_TRUE(Has(FlightPrefix(flight_) + "not-ours"));
+  EXPECT_EQ(blobs_.List(FlightPrefix(other_flight))->size(), 1U);  // told of, but kept
+  const auto lost = blobs_.List("lost/");
+  ASSERT_EQ(lost->size(), 1U);
+  EXPECT_TRUE((*lost)[0].key.ends_with(FilesPrefix(flight_) + stray));
+  EXPECT_EQ(report.moved.size(), 2U);
+  EXPECT_TRUE(blobs_.List("clock/")->empty());
+}
+
+TEST_F(SweptBlobs, TakesPartsOfFlightsWhoseJobsHaveEnded) {
+  const std::string job = queue_.Add(flight_, "{}", Now())->id;
+  const std::string part = FlightPrefix(flight_) + UnitsFolderName(job) + "/look-0/found.cbor";
+  Put(part);
+  EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 0);
+  ASSERT_TRUE(queue_.Cancel(job, Now()));
+  EXPECT_EQ(Sweep(kOrphanAge).removed, 0);
+  EXPECT_TRUE(Has(part));
+  EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 1);
+  EXPECT_FALSE(Has(part));
+}
+
+TEST_F(SweptBlobs, LeavesAloneWhatIsYoung) {
+  Put(FilesPrefix(flight_) + photo_);  // put, and the catalogue not told yet
+  Put(RevisionPrefix(flight_, 3) + "mosaic.tif");
+  EXPECT_EQ(Sweep(kOrphanAge).removed, 0);
+  EXPECT_TRUE(Has(FilesPrefix(flight_) + photo_));
+  EXPECT_TRUE(Has(RevisionPrefix(flight_, 3) + "mosaic.tif"));
+}
+
+TEST_F(SweptBlobs, LeavesRevisionsAloneWhileAJobRuns) {
+  Put(RevisionPrefix(flight_, 3) + "mosaic.tif");
+  ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
+  ASSERT_TRUE(*queue_.Claim("w", Now()));
+  EXPECT_EQ(Sweep(std::chrono::seconds(0)).removed, 0);
+  EXPECT_TRUE(Has(RevisionPrefix(flight_, 3) + "mosaic.tif"));
+  // The worker itself, at the beginning of its job.
+  EXPECT_EQ(*SweepRevisionBlobs(blobs_, catalogue_, flight_), 1);
+}
+
+TEST_F(SweptBlobs, EndsADeletionThatWasCutOff) {
+  const std::string gone = NewId();
+  Put("deleted/" + gone);
+  Put(FilesPrefix(gone) + NewId());
+  Put(RevisionPrefix(gone, 1) + "mosaic.tif");
+  Put("deleted/" + flight_);  // never of a flight that is there
+  Put(FilesPrefix(flight_) + photo_);
+  ASSERT_TRUE(catalogue_.AddFile(flight_, {"a.jpg", photo_, 1}, Now()));
+  Sweep(kOrphanAge);
+  EXPECT_TRUE(blobs_.List(FlightPrefix(gone))->empty());
+  EXPECT_FALSE(Has("deleted/" + gone));
+  EXPECT_TRUE(Has(FilesPrefix(flight_) + photo_));
+}
+
+TEST_F(SweptBlobs, AreOfOneCatalogue) {
+  const std::string mine = NewId();
+  EXPECT_TRUE(ClaimBlobs(mine, blobs_));
+  EXPECT_TRUE(ClaimBlobs(mine, blobs_));
+  EXPECT_EQ(ClaimBlobs(NewId(), blobs_).error().code, ErrorCode::kConflict);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

@@ -1,0 +1,107 @@
+#include "storage/exports/custom/boundary.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::storage {
+namespace {
+
+std::string Square(double west, double south, double east, double north) {
+  const auto at = [](double lon, double lat) {
+    return "[" + std::to_string(lon) + "," + std::to_string(lat) + "]";
+  };
+  return "[" + at(west, south) + "," + at(east, south) + "," + at(east, north) + "," + at(west, north) + "," +
+         at(west, south) + "]";
+}
+
+std::string Polygon(const std::string& rings) {
+  return R"({"type":"Polygon","coordinates":[)" + rings + "]}";
+}
+
+TEST(ParseBoundary, TakesEveryFormOfPolygons) {
+  const std::string square = Square(7.0, 46.0, 8.0, 47.0);
+  for (
+      const std::string& text :
+      {Polygon(square), R"({"type":"MultiPolygon","coordinates":[[)" + square + "]]}",
+       R"({"type":"Feature","properties":{},"geometry":)" + Polygon(square) + "}",
+       R"({"type":"FeatureCollection","features":[{"type":"Feature","geometry":)" + Polygon(square) + "}]}",
+       R"({"type":"Polygon","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:OGC:1.3:CRS84"}},"coordinates":[)" +
+           square + "]}"}) {
+    const auto boundary = ParseBoundary(text);
+    ASSERT_TRUE(boundary.ok()) << text << boundary.error().message;
+    EXPECT_EQ(boundary->Bounds(), (geo::LatLonBounds{7.0, 46.0, 8.0, 47.0}));
+  }
+}
+
+TEST(ParseBoundary, SaysWhatIsWrongAndWhatToGive) {
+  const std::pair<std::string, const char*> bad[] = {
+      {"", "not JSON"},
+      {"[1,2]", "not JSON"},
+      {R"({"type":"Point","coordinates":[7,46]})", "a Point"},
+      {R"({"coordinates":[[[7,46]]]})", "no \"type\""},
+      {R"({"type":"FeatureCollection","features":[]})", "no polygon"},
+      {R"({"type":"FeatureCollection","features":[3]})", "none"},
+      {R"({"type":"Polygon","coordinates":[]})", "no outline"},
+      {R"({"type":"Polygon","coordinates":[[[7,46],[8,46],[7,46]]]})", "fewer than four"},
+      {R"({"type":"Polygon","coordinates":[[[7,46],[8,46],["a",2],[7,46]]]})", "not [longitude, latitude]"},
+      {R"({"type":"Polygon","coordinates":[[[2600000,1200000],[8,46],[7,47],[7,46]]]})",
+       "no place in degrees"},
+      {R"({"type":"Polygon","crs":{"properties":{"name":"EPSG:2056"}},"coordinates":[]})", "EPSG:2056"},
+      {R"({"type":"Polygon","coordinates":)" + std::string(200, '[') + std::string(200, ']') + "}",
+       "too deeply"}};
+  for (const auto& [text, word] : bad) {
+    const auto boundary = ParseBoundary(text);
+    ASSERT_FALSE(boundary.ok()) << text;
+    EXPECT_NE(boundary.error().message.find(word), std::string::npos) << boundary.error().message;
+    EXPECT_NE(boundary.error().message.find("Polygon"), std::string::npos) << boundary.error().message;
+  }
+}
+
+TEST(BoundaryOnZoom, CountsPixelsByTheirMiddles) {
+  // Tile 1/0/0 is the north-west quarter of the world; the box covers the western half of its southern half.
+  const double lat = geo::LatLonFromMerc({0.0, geo::kMercHalfWidthM / 2}).lat_deg;
+  const auto boundary = ParseBoundary(Polygon(Square(-180.0, 0.0, -90.0, lat)));
+  ASSERT_TRUE(boundary.ok());
+  const BoundaryOnZoom on_zoom(*boundary, 1, 256);
+  std::vector<std::uint8_t> inside;
+  EXPECT_EQ(on_zoom.Mask(*geo::TileId::Make(1, 0, 0), inside), Cover::kPart);
+  EXPECT_EQ(std::count(inside.begin(), inside.end(), 1), 128 * 128);
+  EXPECT_EQ(inside[127 * 256], 0);
+  EXPECT_EQ(inside[128 * 256], 1);
+  EXPECT_EQ(inside[128 * 256 + 127], 1);
+  EXPECT_EQ(inside[128 * 256 + 128], 0);
+  EXPECT_EQ(on_zoom.Mask(*geo::TileId::Make(1, 1, 0), inside), Cover::kNone);
+  const BoundaryOnZoom finer(*boundary, 2, 256);
+  EXPECT_EQ(finer.Mask(*geo::TileId::Make(2, 0, 1), inside), Cover::kAll);
+}
+
+TEST(BoundaryOnZoom, KeepsHolesEmptyAndTakesPolygonsTogether) {
+  const auto with_hole =
+      ParseBoundary(Polygon(Square(-170.0, 10.0, -10.0, 80.0) + "," + Square(-120.0, 30.0, -60.0, 60.0)));
+  ASSERT_TRUE(with_hole.ok());
+  std::vector<std::uint8_t> inside;
+  BoundaryOnZoom(*with_hole, 1, 256).Mask(*geo::TileId::Make(1, 0, 0), inside);
+  const auto pixel = [&](double lon, double lat) {
+    const Eigen::Vector2d merc = geo::MercFromLatLon({lat, lon});
+    const double size_m = geo::kMercHalfWidthM / 256;
+    const auto x = static_cast<std::size_t>((merc.x() + geo::kMercHalfWidthM) / size_m),
+               y = static_cast<std::size_t>((geo::kMercHalfWidthM - merc.y()) / size_m);
+    return inside[y * 256 + x];
+  };
+  EXPECT_EQ(pixel(-90.0, 45.0), 0);
+  EXPECT_EQ(pixel(-140.0, 45.0), 1);
+  // Overlapping polygons of a collection do not cancel each other.
+  const std::string square = Polygon(Square(-170.0, 10.0, -10.0, 80.0));
+  const auto twice =
+      ParseBoundary(R"({"type":"FeatureCollection","features":[)" + square + "," + square + "]}");
+  ASSERT_TRUE(twice.ok());
+  BoundaryOnZoom(*twice, 1, 256).Mask(*geo::TileId::Make(1, 0, 0), inside);
+  EXPECT_EQ(pixel(-90.0, 45.0), 1);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

@@ -1,0 +1,241 @@
+#include "storage/exports/custom/export_map.h"
+
+#include <fmt/core.h>
+#include <gdal_priv.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
+#include "storage/db/sqlite_db.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/custom/target_crs.h"
+#include "storage/rasters/register_gdal.h"
+#include "storage/tilesets/mbtiles_reader.h"
+#include "storage/tilesets/publish_file.h"
+#include "tests/storage/painted_tileset.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kZoom = 19;
+constexpr int kFirstColumn = 272500, kFirstRow = 184700, kTiles = 4;
+
+geo::LatLonBounds BoundsOf(double west_tiles, double north_tiles, double east_tiles, double south_tiles) {
+  const double tile_m = geo::TileSizeInMercM(kZoom);
+  const auto place = [&](double column, double row) {
+    return geo::LatLonFromMerc({(kFirstColumn + column) * tile_m - geo::kMercHalfWidthM,
+                                geo::kMercHalfWidthM - (kFirstRow + row) * tile_m});
+  };
+  const geo::LatLon north_west = place(west_tiles, north_tiles), south_east = place(east_tiles, south_tiles);
+  return {north_west.lon_deg, south_east.lat_deg, south_east.lon_deg, north_west.lat_deg};
+}
+
+std::string BoxText(const geo::LatLonBounds& box) {
+  const auto& [w, s, e, n] = box;
+  return fmt::format(
+      R"({{"type":"Polygon","coordinates":[[[{0:.12f},{1:.12f}],[{2:.12f},{1:.12f}],[{2:.12f},{3:.12f}],[{0:.12f},{3:.12f}],[{0:.12f},{1:.12f}]]]}})",
+      w, s, e, n);
+}
+
+class ExportMapTest : public testing::Test {
+ protected:
+  ExportMapTest() {
+    RegisterGdalOnce();
+    fs::create_directory(folder_.path() / "map");
+    fs::create_directory(folder_.path() / "work");
+    const fs::path tiles = folder_.path() / "map" / "mosaic.mbtiles";
+    test::WritePaintedTileset(tiles, {kZoom, 256, kFirstColumn, kFirstRow, kTiles, kTiles, 0});
+    const auto& [w, s, e, n] = BoundsOf(0, 0, kTiles, kTiles);
+    auto db = *SqliteDb::Open(tiles, OpenMode::kReadWriteCreate);
+    EXPECT_TRUE(db.Exec(fmt::format(
+        "UPDATE metadata SET value='{:.12f},{:.12f},{:.12f},{:.12f}' WHERE name='bounds'", w, s, e, n)));
+    std::ofstream(folder_.path() / "map" / "report.json") << R"({"gsd_m":0.25,"is_placed":true})";
+  }
+
+  Result<void> Export(const std::string& wish, const std::string& name) {
+    const auto request = ParseExportRequest(wish);
+    if (!request) return request.error();
+    const auto source = ExportSourceOf(folder_.path() / "map");
+    if (!source) return source.error();
+    SilentProgress progress;
+    const auto made = ExportMap(*source, *request, folder_.path() / "work", Out(name), {85, 1}, progress);
+    EXPECT_TRUE(fs::is_empty(folder_.path() / "work")) << wish;
+    return made;
+  }
+  void ExportWell(const std::string& wish, const std::string& name) {
+    const auto made = Export(wish, name);
+    ASSERT_TRUE(made.ok()) << wish << " " << made.error().message << made.error().detail;
+  }
+  std::string Refusal(const std::string& wish) {
+    const auto made = Export(wish, "refused");
+    EXPECT_FALSE(made.ok()) << wish;
+    EXPECT_FALSE(fs::exists(Out("refused")));
+    return made ? "" : made.error().message;
+  }
+  fs::path Out(const std::string& name) const { return folder_.path() / name; }
+  std::unique_ptr<GDALDataset> Open(const std::string& name) const {
+    return std::unique_ptr<GDALDataset>(
+        GDALDataset::Open(Out(name).c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  }
+  ScratchDir folder_;
+};
+
+TEST_F(ExportMapTest, WhatIsAskedForAsItIsIsTheMapsOwnBytes) {
+  ExportWell(R"({"format":"mbtiles"})", "all.mbtiles");
+  EXPECT_EQ(*ReadWholeFile(Out("all.mbtiles")), *ReadWholeFile(Out("map") / "mosaic.mbtiles"));
+  ExportWell(R"({"format":"geotiff"})", "made.tif");
+  SilentProgress progress;
+  ASSERT_TRUE(WriteCog(Out("map") / "mosaic.mbtiles", Out("map") / "mosaic.tif", {}, progress));
+  ExportWell(R"({"format":"geotiff"})", "copied.tif");
+  EXPECT_EQ(*ReadWholeFile(Out("copied.tif")), *ReadWholeFile(Out("made.tif")));
+  ExportWell(R"({"format":"pmtiles"})", "all.pmtiles");
+  EXPECT_EQ(ReadWholeFile(Out("all.pmtiles"))->substr(0, 7), "PMTiles");
+  ExportWell(R"({"format":"kmz"})", "all.kmz");
+  EXPECT_EQ(ReadWholeFile(Out("all.kmz"))->substr(0, 2), "PK");
+}
+
+TEST_F(ExportMapTest, ABoundaryCutsAtItsPixelsAndLeavesWholeTilesAsTheyAre) {
+  // From the middle of the second tile to the end of the third, both ways.
+  const geo::LatLonBounds box = BoundsOf(1.5, 1.0, 3.0, 3.0);
+  ExportWell(R"({"format":"mbtiles","boundary":)" + BoxText(box) + "}", "cut.mbtiles");
+  const auto whole = *MbtilesReader::Open(Out("map") / "mosaic.mbtiles");
+  const auto cut = *MbtilesReader::Open(Out("cut.mbtiles"));
+  const auto tile = [](MbtilesReader& reader, int column, int row) -> std::string {
+    const auto found = *reader.Find(*geo::TileId::Make(kZoom, kFirstColumn + column, kFirstRow + row));
+    return found ? *reader.Load(*found) : "";
+  };
+  EXPECT_EQ(tile(*cut, 0, 1), "");
+  EXPECT_EQ(tile(*cut, 3, 1), "");
+  EXPECT_EQ(tile(*cut, 2, 0), "");
+  ASSERT_NE(tile(*whole, 2, 1), "");
+  EXPECT_EQ(tile(*cut, 2, 1), tile(*whole, 2, 1));
+  const auto before = image::DecodePicture(tile(*whole, 1, 2)),
+             after = image::DecodePicture(tile(*cut, 1, 2));
+  ASSERT_TRUE(before.ok() && after.ok());
+  for (int y = 0; y < 256; y += 5) {
+    for (int x = 0; x < 256; x += 3) {
+      if (x < 128) {
+        EXPECT_EQ(after->Pixel(x, y)[3], 0) << x << "," << y;
+      } else if (before->Pixel(x, y)[3] == 255) {
+        for (int c = 0; c < 4; ++c) EXPECT_EQ(after->Pixel(x, y)[c], before->Pixel(x, y)[c]) << x << "," << y;
+      }
+    }
+  }
+  const auto facts = FactsOfTileset(cut->metadata());
+  ASSERT_TRUE(facts.ok());
+  EXPECT_NEAR(facts->bounds.west_deg, box.west_deg, 1e-9);
+  EXPECT_NEAR(facts->bounds.north_deg, box.north_deg, 1e-9);
+}
+
+TEST_F(ExportMapTest, TilesGoDownToTheResolutionAskedFor) {
+  // 0.2 m a pixel at this latitude and zoom; twice that is one zoom less.
+  ExportWell(R"({"format":"pmtiles","resolution_m":0.45})", "coarse.pmtiles");
+  ExportWell(R"({"format":"mbtiles","resolution_m":0.45})", "coarse.mbtiles");
+  const auto facts = FactsOfTileset((*MbtilesReader::Open(Out("coarse.mbtiles")))->metadata());
+  ASSERT_TRUE(facts.ok());
+  EXPECT_EQ(facts->max_zoom, kZoom - 1);
+  EXPECT_LT(fs::file_size(Out("coarse.mbtiles")), fs::file_size(Out("map") / "mosaic.mbtiles"));
+}
+
+TEST_F(ExportMapTest, AGeotiffHasTheSystemResolutionAndAreaAskedFor) {
+  const geo::LatLonBounds box = BoundsOf(1.0, 1.0, 3.0, 3.0);
+  ExportWell(R"({"format":"geotiff","crs":"EPSG:2056","resolution_m":0.5,"boundary":)" + BoxText(box) + "}",
+             "ch.tif");
+  const auto made = Open("ch.tif");
+  ASSERT_NE(made, nullptr);
+  EXPECT_STREQ(made->GetSpatialRef()->GetAuthorityCode(nullptr), "2056");
+  std::array<double, 6> from{};
+  ASSERT_EQ(made->GetGeoTransform(from.data()), CE_None);
+  EXPECT_NEAR(from[1], 0.5, 1e-9);
+  EXPECT_NEAR(from[5], -0.5, 1e-9);
+  // Two tiles of 256 pixels of 0.204 m, and what the box's turn in the other grid adds.
+  EXPECT_NEAR(made->GetRasterXSize(), 2 * 256 * 0.2045 / 0.5, 8);
+  EXPECT_NEAR(made->GetRasterYSize(), 2 * 256 * 0.2045 / 0.5, 8);
+  // What lies in the middle of the map lies in the middle of the export.
+  const auto merc_map = [&] {
+    ExportWell(R"({"format":"geotiff"})", "merc.tif");
+    return Open("merc.tif");
+  }();
+  std::array<double, 6> merc{};
+  ASSERT_EQ(merc_map->GetGeoTransform(merc.data()), CE_None);
+  const std::unique_ptr<OGRCoordinateTransformation> transform(
+      OGRCreateCoordinateTransformation(made->GetSpatialRef(), merc_map->GetSpatialRef()));
+  for (int at = 20; at < 190; at += 17) {
+    double x = from[0] + (at + 0.5) * from[1], y = from[3] + (at + 0.5) * from[5];
+    ASSERT_TRUE(transform->Transform(1, &x, &y));
+    for (int band = 1; band <= 3; ++band) {
+      std::uint8_t got = 0, wanted = 0;
+      ASSERT_EQ(made->GetRasterBand(band)->RasterIO(GF_Read, at, at, 1, 1, &got, 1, 1, GDT_Byte, 0, 0),
+                CE_None);
+      ASSERT_EQ(merc_map->GetRasterBand(band)->RasterIO(GF_Read, static_cast<int>((x - merc[0]) / merc[1]),
+                                                        static_cast<int>((y - merc[3]) / merc[5]), 1, 1,
+                                                        &wanted, 1, 1, GDT_Byte, 0, 0),
+                CE_None);
+      EXPECT_NEAR(got, wanted, 12) << at;
+    }
+  }
+}
+
+TEST_F(ExportMapTest, UtmAndDegreesWork) {
+  ExportWell(R"({"format":"geotiff","crs":"utm"})", "utm.tif");
+  std::array<double, 6> from{};
+  ASSERT_EQ(Open("utm.tif")->GetGeoTransform(from.data()), CE_None);
+  EXPECT_NEAR(from[1], 0.25, 1e-9);  // the photos' own: nothing finer was seen
+  ExportWell(R"({"format":"geotiff","crs":"EPSG:4326","resolution_m":0.3})", "degrees.tif");
+  ASSERT_EQ(Open("degrees.tif")->GetGeoTransform(from.data()), CE_None);
+  EXPECT_NEAR(from[1] * 111320 * std::cos(46.8 * M_PI / 180), 0.3, 0.002);
+  EXPECT_NEAR(-from[5] * 111180, 0.3, 0.002);
+}
+
+TEST_F(ExportMapTest, WhatCannotBeIsRefusedWithWhatToDo) {
+  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:999999"})").find("not known"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:32610"})").find("the map lies at"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"EPSG:4978"})").find("not a map projection"),
+            std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"+proj=utm"})").find("EPSG:2056"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"kmz","crs":"utm"})").find("Web Mercator"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":0.05})").find("nothing but bytes"),
+            std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":5000})").find("larger than the map"),
+            std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"geotiff","resolution_m":-1})").find("above 0"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"shp"})").find("\"kmz\""), std::string::npos);
+  EXPECT_NE(Refusal(R"({})").find("Say the format"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"kmz","color":1})").find("color"), std::string::npos);
+  EXPECT_NE(Refusal(R"({"format":"kmz","boundary":)" + BoxText({1, 1, 2, 2}) + "}").find("outside the map"),
+            std::string::npos);
+  // Within the map's box, but where the round map has no pixel.
+  EXPECT_NE(Refusal(R"({"format":"mbtiles","boundary":)" + BoxText(BoundsOf(0, 0, 0.05, 0.05)) + "}")
+                .find("Nothing of the map"),
+            std::string::npos);
+  std::ofstream(Out("map") / "report.json") << R"({"gsd_m":0.25,"is_placed":false})";
+  EXPECT_NE(Refusal(R"({"format":"geotiff","crs":"utm"})").find("not georeferenced"), std::string::npos);
+  ExportWell(R"({"format":"kmz"})", "unplaced.kmz");
+  fs::remove(Out("map") / "mosaic.mbtiles");
+  EXPECT_NE(Refusal(R"({"format":"kmz"})").find("no finished map"), std::string::npos);
+}
+
+TEST(FindTargetCrs, KnowsHowLongAMetreIs) {
+  EXPECT_EQ(FindTargetCrs(32632, {46.8, 7.1})->units_per_m_east, 1.0);
+  EXPECT_NEAR(FindTargetCrs(3857, {46.8, 7.1})->units_per_m_east, 1 / std::cos(46.8 * M_PI / 180), 0.004);
+  const auto feet = FindTargetCrs(2263, {40.7, -73.9});  // New York, in survey feet
+  ASSERT_TRUE(feet.ok()) << feet.error().message;
+  EXPECT_NEAR(feet->units_per_m_north, 3.2808, 0.001);
+  EXPECT_TRUE(FindTargetCrs(32632, {46.8, 13.0}).ok());  // a little beyond the zone
+  EXPECT_FALSE(FindTargetCrs(2263, {46.8, 7.1}).ok());
+  EXPECT_TRUE(FindTargetCrs(3832, {-17.0, 179.9}).ok());  // across the antimeridian
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

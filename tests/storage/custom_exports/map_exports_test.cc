@@ -1,0 +1,125 @@
+#include "storage/jobs/map_exports.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+#include <string>
+
+#include "storage/catalogue/catalogue.h"
+#include "tests/storage/postgres/test_catalogue.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+class MapExportsTest : public testing::Test {
+ protected:
+  MapExportsTest()
+      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")), catalogue_(*db_), exports_(*db_) {}
+
+  std::string Flight() { return catalogue_.AddFlight("field", "{}", Now())->id; }
+  MapExport Ask(const std::string& flight, const std::string& request = R"({"format":"kmz"})",
+                int revision = 1) {
+    MapExport wish;
+    wish.flight_id = flight;
+    wish.revision = revision;
+    wish.request = request;
+    wish.format = "kmz";
+    wish.owner = "me";
+    return *exports_.Add(wish, Now());
+  }
+
+  ScratchDir dir_;
+  std::unique_ptr<CatalogueDb> db_;
+  Catalogue catalogue_;
+  MapExports exports_;
+};
+
+TEST_F(MapExportsTest, GoesItsWayAndIsKeptForADay) {
+  const std::string flight = Flight();
+  const MapExport asked = Ask(flight);
+  EXPECT_EQ(asked.state, ExportState::kAccepted);
+  const auto claimed = *exports_.Claim(Now());
+  ASSERT_TRUE(claimed);
+  EXPECT_EQ(claimed->id, asked.id);
+  EXPECT_EQ(claimed->request, asked.request);
+  EXPECT_FALSE(*exports_.Claim(Now()));  // it is being made
+  EXPECT_TRUE(*exports_.Heartbeat(*claimed, 0.5, Now()));
+  EXPECT_EQ(exports_.Get(flight, asked.id)->progress, 0.5);
+  EXPECT_TRUE(*exports_.Succeed(*claimed, 77, Now()));
+  const auto made = exports_.Get(flight, asked.id);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->state, ExportState::kSuccessful);
+  EXPECT_EQ(made->bytes, 77);
+  ASSERT_TRUE(made->expires);
+  EXPECT_NEAR(static_cast<double>(ToUs(*made->expires) - ToUs(db_->ages().Now())), 24 * 3600e6, 60e6);
+  EXPECT_TRUE(exports_.Expired()->empty());
+  ASSERT_TRUE(db_->Lock()->Exec("UPDATE map_export SET expires_us=1"));
+  ASSERT_EQ(exports_.Expired()->size(), 1u);
+  EXPECT_EQ(ExportKey(exports_.Expired()->front()), "flights/" + flight + "/exports/" + asked.id + ".kmz");
+}
+
+TEST_F(MapExportsTest, TheSameWishIsTheSameExport) {
+  const std::string flight = Flight();
+  const MapExport first = Ask(flight);
+  EXPECT_EQ(Ask(flight).id, first.id);
+  EXPECT_NE(Ask(flight, "{}").id, first.id);
+  EXPECT_NE(Ask(flight, R"({"format":"kmz"})", 2).id, first.id);
+  // One that failed is made again.
+  const auto claimed = *exports_.Claim(Now());
+  EXPECT_TRUE(*exports_.Fail(*claimed, {ErrorCode::kOutOfSpace, "no room", ""}, Now()));
+  EXPECT_EQ(exports_.Get(flight, first.id)->error_message, "no room");
+  EXPECT_NE(Ask(flight).id, first.id);
+}
+
+TEST_F(MapExportsTest, AFlightHasSoManyAndNoMore) {
+  const std::string flight = Flight();
+  for (int i = 0; i < MapExports::kMaxOfFlight; ++i) Ask(flight, std::to_string(i));
+  MapExport wish;
+  wish.flight_id = flight;
+  const auto refused = exports_.Add(wish, Now());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  ASSERT_TRUE(exports_.Remove(exports_.List(flight)->front().id));
+  EXPECT_TRUE(exports_.Add(wish, Now()));
+  EXPECT_EQ(exports_.List(flight)->size(), static_cast<std::size_t>(MapExports::kMaxOfFlight));
+}
+
+TEST_F(MapExportsTest, WhoeverMakesWhatWasRemovedHearsOfIt) {
+  const std::string flight = Flight();
+  const MapExport asked = Ask(flight);
+  const auto claimed = *exports_.Claim(Now());
+  ASSERT_TRUE(exports_.Remove(asked.id));
+  EXPECT_FALSE(*exports_.Heartbeat(*claimed, 0.1, Now()));
+  EXPECT_FALSE(*exports_.Succeed(*claimed, 1, Now()));
+  EXPECT_FALSE(exports_.Get(flight, asked.id));
+}
+
+TEST_F(MapExportsTest, ADeadServersExportIsTakenUpTwiceAndThenFails) {
+  const std::string flight = Flight();
+  const MapExport asked = Ask(flight);
+  Time now = Now();
+  const auto first = *exports_.Claim(now);
+  now += MapExports::kLease + std::chrono::seconds(2);
+  const auto second = *exports_.Claim(now);
+  ASSERT_TRUE(second);
+  EXPECT_FALSE(*exports_.Heartbeat(*first, 0.5, now));  // the dead one, come alive
+  EXPECT_TRUE(*exports_.GiveBack(*second));             // a stop is no attempt
+  const auto third = *exports_.Claim(now);
+  ASSERT_TRUE(third);
+  ASSERT_TRUE(exports_.TakeUpAfterRestart());
+  EXPECT_FALSE(*exports_.Claim(now));
+  EXPECT_EQ(exports_.Get(flight, asked.id)->state, ExportState::kFailed);
+}
+
+TEST_F(MapExportsTest, GoesWithItsFlight) {
+  const std::string flight = Flight();
+  const MapExport asked = Ask(flight);
+  ASSERT_TRUE(catalogue_.DeleteFlight(flight));
+  EXPECT_FALSE(exports_.Get(flight, asked.id));
+  EXPECT_FALSE(*exports_.Claim(Now()));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

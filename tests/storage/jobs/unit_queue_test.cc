@@ -1,0 +1,199 @@
+#include "storage/jobs/unit_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <thread>
+
+#include "tests/storage/postgres/test_catalogue.h"
+#include "tests/storage/scratch_dir.h"
+
+namespace skyquilt::storage {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::seconds;
+
+class UnitQueueTest : public testing::Test {
+ protected:
+  UnitQueueTest()
+      : db_(*OpenTestCatalogue(dir_.path() / "catalogue.db")),
+        catalogue_(*db_),
+        queue_(*db_),
+        units_(*db_),
+        now_(Now()) {}
+
+  Lease CutJob(int count, std::string_view kind = "look") {
+    const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
+    EXPECT_TRUE(queue_.Add(flight, "{\"a\":1}", now_).ok());
+    const Lease lease = **queue_.Claim("w", now_);
+    EXPECT_TRUE(*units_.Cut(lease, kind, count, 100, {0.0, 0.4, "check"}));
+    return lease;
+  }
+  UnitLease Claimed(std::string_view worker = "w") { return **units_.Claim(worker, now_); }
+
+  ScratchDir dir_;
+  std::unique_ptr<CatalogueDb> db_;
+  Catalogue catalogue_;
+  JobQueue queue_;
+  UnitQueue units_;
+  Time now_;
+};
+
+TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {
+  const Lease lease = CutJob(2);
+  EXPECT_FALSE(*queue_.Claim("w", now_ + hours(1000)));  // however long it takes
+  const UnitLease first = Claimed();
+  EXPECT_EQ(first.job_id, lease.job_id);
+  EXPECT_EQ(first.flight_id, lease.flight_id);
+  EXPECT_EQ(first.options, "{\"a\":1}");
+  EXPECT_EQ(first.kind, "look");
+  EXPECT_EQ(first.count, 2);
+  EXPECT_EQ(first.items, 100);
+  const UnitLease second = Claimed();
+  EXPECT_NE(first.number, second.number);
+  EXPECT_FALSE(*units_.Claim("w", now_));
+  EXPECT_TRUE(*units_.Done(second));
+  EXPECT_FALSE(*queue_.Claim("w", now_ + seconds(1)));
+  EXPECT_DOUBLE_EQ(queue_.Get(lease.job_id)->progress, 0.2);
+  EXPECT_EQ(queue_.Get(lease.job_id)->message, "part 1 of 2 is done");
+  EXPECT_TRUE(*units_.Done(first));
+  EXPECT_FALSE(*units_.Done(first));
+  const auto again = *queue_.Claim("w", now_ + seconds(1));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->job_id, lease.job_id);
+  EXPECT_EQ(again->attempt, 1);
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kRunning);
+  EXPECT_DOUBLE_EQ(queue_.Get(lease.job_id)->progress, 0.4);
+  const std::vector<UnitCount> counts = *units_.Of(lease.job_id);
+  ASSERT_EQ(counts.size(), 1U);
+  EXPECT_EQ(counts[0].done, 2);
+}
+
+TEST_F(UnitQueueTest, TheLeaseOfWhoCutItIsOver) {
+  const Lease lease = CutJob(1);
+  EXPECT_EQ(*queue_.Renew(lease, now_), LeaseState::kLost);
+  EXPECT_FALSE(*queue_.Fail(lease, {ErrorCode::kIo, "late", ""}, true, now_));
+  EXPECT_FALSE(*units_.Cut(lease, "look", 3, 1, {}));
+  EXPECT_EQ((*units_.Of(lease.job_id))[0].count, 1);
+}
+
+TEST_F(UnitQueueTest, AUnitThatIsLostGoesToAnotherWhoAloneMayEndIt) {
+  CutJob(1);
+  const UnitLease lost = Claimed("a");
+  now_ += kLeaseTime + seconds(1);
+  const UnitLease next = Claimed("b");
+  EXPECT_EQ(*units_.Renew(lost, now_), LeaseState::kLost);
+  EXPECT_FALSE(*units_.Done(lost));
+  EXPECT_FALSE(*units_.GiveBack(lost));
+  EXPECT_FALSE(*units_.Fail(lost, {ErrorCode::kIo, "late", ""}, false, now_));
+  EXPECT_EQ(*units_.Renew(next, now_), LeaseState::kHeld);
+  EXPECT_TRUE(*units_.Done(next));
+}
+
+TEST_F(UnitQueueTest, AWorkerThatIsKnownToBeGoneIsNotWaitedFor) {
+  CutJob(1);
+  Claimed("a");
+  EXPECT_EQ(*units_.ReleaseWorker("b"), 0);
+  EXPECT_EQ(*units_.ReleaseWorker("a"), 1);
+  EXPECT_TRUE(*units_.Claim("b", now_));
+}
+
+TEST_F(UnitQueueTest, DeathOnEveryAttemptFailsTheJob) {
+  const Lease lease = CutJob(3);
+  for (int attempt = 0; attempt < kMaxUnitAttempts; ++attempt) {
+    for (int unit = 0; unit < 3; ++unit) ASSERT_TRUE(*units_.Claim("w", now_));
+    now_ += kLeaseTime + seconds(1);
+  }
+  EXPECT_FALSE(*units_.Claim("w", now_));
+  const Job job = *queue_.Get(lease.job_id);
+  EXPECT_EQ(job.state, JobState::kFailed);
+  ASSERT_TRUE(job.error);
+  EXPECT_NE(job.error->message.find("died on every attempt"), std::string::npos);
+  EXPECT_TRUE(units_.Of(lease.job_id)->empty());
+}
+
+TEST_F(UnitQueueTest, AFailureIsTriedAgainOnlyWhereItMayPass) {
+  const Lease lease = CutJob(2);
+  EXPECT_TRUE(*units_.Fail(Claimed(), {ErrorCode::kIo, "disk", ""}, true, now_));
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kRunning);
+  const UnitLease again = Claimed();
+  const UnitLease other = Claimed();
+  EXPECT_TRUE(*units_.GiveBack(again));
+  EXPECT_TRUE(*units_.Fail(other, {ErrorCode::kUnprocessable, "no photo", ""}, false, now_));
+  const Job job = *queue_.Get(lease.job_id);
+  EXPECT_EQ(job.state, JobState::kFailed);
+  EXPECT_EQ(job.error->message, "no photo");
+  EXPECT_FALSE(*units_.Claim("w", now_));
+}
+
+TEST_F(UnitQueueTest, CancellingEndsTheUnits) {
+  const Lease lease = CutJob(2);
+  const UnitLease unit = Claimed();
+  EXPECT_EQ(queue_.Cancel(lease.job_id, now_)->state, JobState::kDismissed);
+  EXPECT_EQ(*units_.Renew(unit, now_), LeaseState::kLost);
+  EXPECT_FALSE(*units_.Done(unit));
+  EXPECT_FALSE(*units_.Claim("w", now_));
+  EXPECT_TRUE(units_.Of(lease.job_id)->empty());
+}
+
+TEST_F(UnitQueueTest, AJobThatWasCancelledBeforeItIsCutEnds) {
+  const std::string flight = catalogue_.AddFlight("field", "{}", now_)->id;
+  ASSERT_TRUE(queue_.Add(flight, "{}", now_).ok());
+  const Lease lease = **queue_.Claim("w", now_);
+  EXPECT_EQ(queue_.Cancel(lease.job_id, now_)->state, JobState::kRunning);
+  EXPECT_TRUE(*units_.Cut(lease, "look", 3, 100, {0.0, 0.4, "check"}));
+  EXPECT_EQ(queue_.Get(lease.job_id)->state, JobState::kDismissed);
+  EXPECT_TRUE(queue_.Get(lease.job_id)->finished);
+  EXPECT_TRUE(units_.Of(lease.job_id)->empty());
+  EXPECT_FALSE(*units_.Claim("w", now_));
+  EXPECT_FALSE(*queue_.Claim("w", now_ + hours(1)));
+}
+
+TEST_F(UnitQueueTest, ARestartOfTheServerTakesNothingFromAJobThatWaits) {
+  const Lease lease = CutJob(1);
+  EXPECT_EQ(*queue_.TakeUpAfterRestart(now_), 0);
+  EXPECT_FALSE(*queue_.Claim("w", now_ + hours(2)));
+  EXPECT_TRUE(*units_.Done(Claimed()));
+  EXPECT_EQ(*queue_.TakeUpAfterRestart(now_), 0);
+  const auto again = *queue_.Claim("w", now_ + seconds(1));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->attempt, 1);
+  // Cut once more: the units it had are done still.
+  EXPECT_TRUE(*units_.Cut(*again, "look", 1, 100, {0.0, 0.4, "check"}));
+  const auto ready = *queue_.Claim("w", now_ + seconds(1));
+  ASSERT_TRUE(ready);
+  EXPECT_TRUE(*units_.Cut(*ready, "render", 2, 7, {0.5, 0.9, "render"}));
+  EXPECT_EQ(Claimed().kind, "render");
+}
+
+TEST_F(UnitQueueTest, ManyWorkersTakeEachUnitOnce) {
+  const Lease lease = CutJob(60);
+  std::mutex mutex;
+  std::set<int> taken;
+  std::atomic<int> twice{0};
+  std::vector<std::thread> workers;
+  for (int worker = 0; worker < 4; ++worker) {
+    workers.emplace_back([&, worker] {
+      while (true) {
+        const auto unit = units_.Claim("w" + std::to_string(worker), now_);
+        ASSERT_TRUE(unit.ok());
+        if (!*unit) return;
+        {
+          const std::lock_guard lock(mutex);
+          if (!taken.insert((*unit)->number).second) ++twice;
+        }
+        ASSERT_TRUE(*units_.Done(**unit));
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  EXPECT_EQ(taken.size(), 60U);
+  EXPECT_EQ(twice, 0);
+  EXPECT_TRUE(*queue_.Claim("w", now_ + seconds(1)));
+  EXPECT_EQ(lease.attempt, 1);
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

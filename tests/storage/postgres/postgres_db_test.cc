@@ -1,0 +1,247 @@
+// What only a catalogue in PostgreSQL has: its connections, its tables, and what is on its disk. Skipped
+// where SKYQUILT_TEST_POSTGRES names no server; tests/storage/CMakeLists.txt runs it with one.
+#include "storage/db/postgres/postgres_db.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <set>
+#include <thread>
+
+#include "storage/catalogue/catalogue.h"
+#include "storage/db/ids.h"
+#include "storage/db/postgres/postgres_statement.h"
+#include "storage/db/sqlite_db.h"
+#include "storage/jobs/job_queue.h"
+#include "tests/storage/postgres/postgres_fixture.h"
+
+namespace skyquilt::storage {
+
+extern const std::string_view kCatalogueSchema;  // storage/db/schema.sql
+
+namespace {
+
+using std::chrono::seconds;
+
+TEST_F(PostgresTest, KeepsValuesOfEveryKind) {
+  const auto db = Connection();
+  ASSERT_TRUE(db->Exec("CREATE TEMP TABLE v(i BIGINT, d DOUBLE PRECISION, t TEXT, b BYTEA)"));
+  const std::vector<std::uint8_t> bytes{0, 1, 255, '\\', '\'', 0};
+  const std::string text =
+      "Fl\xc3\xa4"
+      "che '; -- ? $1";
+  auto insert = *db->Prepare("INSERT INTO v VALUES(?,?,?,?)");
+  ASSERT_TRUE(insert.Bind(1, INT64_MIN).Bind(2, 0.1).Bind(3, text).Bind(4, bytes).Run());
+  ASSERT_TRUE(insert.BindNull(1).BindNull(2).BindNull(3).BindNull(4).Run());
+  EXPECT_EQ(db->Changes(), 1);
+  auto query = *db->Prepare("SELECT i, d, t, b, '?' FROM v WHERE i=?1 AND ?1=i");
+  ASSERT_TRUE(*query.Bind(1, INT64_MIN).Step());
+  EXPECT_EQ(query.ColumnInt64(0), INT64_MIN);
+  EXPECT_EQ(query.ColumnDouble(1), 0.1);
+  EXPECT_EQ(query.ColumnText(2), text);
+  EXPECT_TRUE(std::ranges::equal(query.ColumnBlob(3), bytes));
+  EXPECT_EQ(query.ColumnText(4), "?");
+  EXPECT_FALSE(*query.Step());
+  auto nulls = *db->Prepare("SELECT i, b FROM v WHERE i IS NULL");
+  ASSERT_TRUE(*nulls.Step());
+  EXPECT_TRUE(nulls.IsNull(0));
+  EXPECT_TRUE(nulls.ColumnBlob(1).empty());
+}
+
+TEST_F(PostgresTest, RefusesTextThatItCannotStore) {
+  const auto zero = Catalogue(*db_).AddFlight(std::string("a\0b", 3), "{}", Now());
+  ASSERT_FALSE(zero);
+  EXPECT_EQ(zero.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(Catalogue(*db_).AddFlight("\xff\xfe", "{}", Now()).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(Catalogue(*db_).AddFlight("a", "{}", Now()));  // the connection goes on
+}
+
+TEST(NumberParameters, CountsAsSqliteDoes) {
+  EXPECT_EQ(NumberParameters("a=? AND b=?").text, "a=$1 AND b=$2");
+  EXPECT_EQ(NumberParameters("a=?2 AND b=?1 AND c=?").text, "a=$2 AND b=$1 AND c=$3");
+  EXPECT_EQ(NumberParameters("a=?12").parameters, 12);
+  EXPECT_EQ(NumberParameters("a='?' AND \"?\"='it''s ?' AND b=?").text, "a='?' AND \"?\"='it''s ?' AND b=$1");
+}
+
+TEST_F(PostgresTest, GoesOnAfterTheServerCutItsConnections) {
+  const std::string flight = NewFlight();
+  EXPECT_TRUE(Catalogue(*db_).GetFlight(flight));
+  CutConnections();
+  EXPECT_TRUE(Catalogue(*db_).GetFlight(flight));
+  EXPECT_TRUE(Catalogue(*db_).RenameFlight(flight, "renamed"));
+  EXPECT_EQ(Catalogue(*db_).GetFlight(flight)->name, "renamed");
+}
+
+TEST_F(PostgresTest, ATransactionThatIsCutOffIsUndoneAndSaysSo) {
+  const std::string flight = NewFlight();
+  {
+    const auto db = db_->Lock();
+    auto transaction = Transaction::Begin(*db);
+    ASSERT_TRUE(transaction);
+    ASSERT_TRUE(db->Exec("UPDATE flight SET name='half'"));
+    CutConnections();
+    const auto more = db->Exec("UPDATE flight SET options='[]'");
+    ASSERT_FALSE(more);
+    EXPECT_EQ(more.error().code, ErrorCode::kUnavailable);
+    // Not on a new connection, behind the back of whoever believes in the first half.
+    EXPECT_EQ(db->Exec("UPDATE flight SET options='[]'").error().code, ErrorCode::kUnavailable);
+    EXPECT_EQ(transaction->Commit().error().code, ErrorCode::kUnavailable);
+  }
+  EXPECT_EQ(Catalogue(*db_).GetFlight(flight)->name, "f");
+  EXPECT_EQ(Catalogue(*db_).GetFlight(flight)->options, "{}");
+}
+
+// Waits for a backend that waits so, and ends it.
+void CutWhoWaits(SqlConnection& db, const std::string& event) {
+  for (int tries = 0; tries < 600; ++tries) {
+    auto cut =
+        *db.Prepare("SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE wait_event=?");
+    ASSERT_TRUE(*cut.Bind(1, event).Step());
+    if (cut.ColumnInt64(0) > 0) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  FAIL() << "nobody waits for " << event;
+}
+
+TEST_F(PostgresTest, ACommitThatIsCutOffBeforeItHappenedIsToldSo) {
+  const std::string flight = NewFlight();
+  const auto other = Connection();
+  // Its event cannot be numbered, so the commit waits.
+  ASSERT_TRUE(other->Exec("SELECT pg_advisory_lock(hashtextextended(current_schema() || '.event', 0))"));
+  ErrorCode code{};
+  std::thread adding([&] {
+    const auto added = Catalogue(*db_).AddFile(flight, {"a.jpg", NewId(), 1}, Now());
+    ASSERT_FALSE(added);
+    code = added.error().code;
+    EXPECT_NE(added.error().message.find("was undone"), std::string::npos) << added.error().message;
+  });
+  CutWhoWaits(*other, "advisory");
+  adding.join();
+  EXPECT_EQ(code, ErrorCode::kUnavailable);
+  EXPECT_TRUE(Catalogue(*db_).ListFiles(flight)->empty());
+}
+
+TEST_F(PostgresTest, ACommitThatIsCutOffAfterItHappenedIsASuccess) {
+  const std::string flight = NewFlight();
+  const auto other = Connection();
+  const auto unsynced = UnsyncedCommits::Begin(*other);
+  // A standby that is not there: commits happen, and their answer waits.
+  ASSERT_TRUE(other->Exec("ALTER SYSTEM SET synchronous_standby_names='nobody'"));
+  ASSERT_TRUE(other->Exec("SELECT pg_reload_conf()"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::thread adding([&] {
+    const auto added = Catalogue(*db_).AddFile(flight, {"a.jpg", NewId(), 1}, Now());
+    EXPECT_TRUE(added) << added.error().detail;
+  });
+  CutWhoWaits(*other, "SyncRep");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(other->Exec("ALTER SYSTEM RESET synchronous_standby_names"));
+  ASSERT_TRUE(other->Exec("SELECT pg_reload_conf()"));
+  adding.join();
+  EXPECT_EQ(Catalogue(*db_).ListFiles(flight)->size(), 1u);
+  EXPECT_EQ(Number("SELECT count(*) FROM event WHERE kind='file'"), 1);
+}
+
+TEST_F(PostgresTest, ACommitOfATransactionThatFailedIsNoSuccess) {
+  const auto db = db_->Lock();
+  auto transaction = Transaction::Begin(*db);
+  ASSERT_FALSE(db->Exec("SELECT nonsense"));
+  EXPECT_FALSE(transaction->Commit());
+}
+
+TEST_F(PostgresTest, SaysWhenTheServerCannotBeReachedAndShowsNoPassword) {
+  PostgresDb nowhere(*CataloguePlaceFrom("postgresql://me:open-sesame@127.0.0.1:9/none"),
+                     PostgresDb::Use::kWrite);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto failed = nowhere.Exec("SELECT 1");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ((failed.error().message + failed.error().detail).find("sesame"), std::string::npos);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, seconds(20));
+  const auto again = std::chrono::steady_clock::now();
+  EXPECT_FALSE(nowhere.Exec("SELECT 1"));  // refused at once for a while
+  EXPECT_LT(std::chrono::steady_clock::now() - again, seconds(1));
+}
+
+TEST_F(PostgresTest, EveryChangeButAClaimIsOnTheDiskBeforeItIsConfirmed) {
+  // The server of the tests writes its log by itself only every ten seconds.
+  const auto left_to_write = [&] {
+    return Number("SELECT pg_wal_lsn_diff(pg_current_wal_insert_lsn(), pg_current_wal_flush_lsn())");
+  };
+  Catalogue catalogue(*db_);
+  JobQueue queue(*db_);
+  for (int i = 0; i < 5; ++i) {
+    const std::string flight = NewFlight();  // one statement
+    EXPECT_LT(left_to_write(), 300);
+    ASSERT_TRUE(catalogue.AddFile(flight, {"a.jpg", NewId(), 1}, Now()));  // a transaction
+    EXPECT_LT(left_to_write(), 300);
+    ASSERT_TRUE(queue.Add(flight, "{}", Now()));
+    EXPECT_LT(left_to_write(), 300);
+    const auto lease = *queue.Claim("w", Now());
+    ASSERT_TRUE(lease);
+    EXPECT_GT(left_to_write(), 300);
+    ASSERT_TRUE(*queue.Dismiss(*lease, Now()));
+    EXPECT_LT(left_to_write(), 300);
+  }
+}
+
+TEST_F(PostgresTest, ReadersCannotWrite) {
+  const auto db = Connection(PostgresDb::Use::kRead);
+  EXPECT_FALSE(db->Exec("UPDATE flight SET name='x'"));
+}
+
+TEST_F(PostgresTest, ManyProcessesMayMakeTheTablesAtOnce) {
+  const std::filesystem::path fresh = dir_.path() / "fresh.db";
+  std::vector<std::thread> makers;
+  std::atomic<int> made = 0;
+  for (int i = 0; i < 6; ++i) {
+    makers.emplace_back([&] { made += OpenTestCatalogue(fresh).ok() ? 1 : 0; });
+  }
+  for (std::thread& maker : makers) maker.join();
+  EXPECT_EQ(made, 6);
+}
+
+TEST_F(PostgresTest, ACatalogueOfAnotherVersionIsRefusedAndLeft) {
+  ASSERT_TRUE(db_->Lock()->Exec("UPDATE catalogue_version SET version=999"));
+  const auto opened = OpenTestCatalogue(path());
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kConflict);
+  EXPECT_NE(opened.error().message.find("newer Skyquilt"), std::string::npos);
+  EXPECT_EQ(Number("SELECT version FROM catalogue_version"), 999);
+}
+
+TEST_F(PostgresTest, NoneIsMadeWhereOneIsOnlyJoined) {
+  const auto joined =
+      CatalogueDb::OpenPostgres(TestPlace(dir_.path() / "none.db"), "here", /*may_make=*/false);
+  ASSERT_FALSE(joined);
+  EXPECT_EQ(joined.error().code, ErrorCode::kNotFound);
+}
+
+// "flight.name" and so on.
+std::set<std::string> ColumnsOf(SqlConnection& db, const char* sql) {
+  std::set<std::string> columns;
+  auto query = *db.Prepare(sql);
+  while (*query.Step()) columns.emplace(query.ColumnText(0));
+  return columns;
+}
+
+TEST_F(PostgresTest, HasTheTablesAndColumnsOfSqlite) {
+  auto sqlite = *SqliteDb::Open(path(), OpenMode::kReadWriteCreate);
+  ASSERT_TRUE(sqlite.Exec(std::string(kCatalogueSchema)));
+  const auto here = ColumnsOf(
+      sqlite,
+      "SELECT m.name || '.' || c.name FROM sqlite_master m JOIN pragma_table_info(m.name) c"
+      " WHERE m.type='table' AND m.name NOT LIKE 'sqlite_%' AND m.name NOT IN ('turn','age_clock')");
+  const auto there = ColumnsOf(*db_->Lock(),
+                               "SELECT table_name || '.' || column_name FROM information_schema.columns WHERE"
+                               " table_schema=current_schema() AND table_name NOT IN"
+                               " ('turn','age_clock','machine','catalogue_version')");
+  EXPECT_EQ(here, there);
+  // The order matters to INSERT INTO revision VALUES.
+  const char* const kOrder = "west";
+  EXPECT_TRUE(there.contains(std::string("revision.") + kOrder));
+}
+
+}  // namespace
+}  // namespace skyquilt::storage

@@ -1,0 +1,58 @@
+// The bare map for frames of other pages: /embed/FLIGHT, with #token=... where the server asks for one and #at=... for a
+// place (view_address.js). It changes nothing, keeps nothing in the browser and asks nobody for a token.
+/** @import { TileJson } from '../shared/types.js' */
+import { holdToken } from '../shared/access.js';
+import { ApiError, getTileJson } from '../shared/api.js';
+import { byId, h, put } from '../shared/dom.js';
+import { icon } from '../shared/icons.js';
+import { MapView } from '../map/map_view.js';
+import { placeOfHash } from '../map/view_address.js';
+import { strings } from '../shared/strings.js';
+
+const kMargin_px = 24;
+
+const id = decodeURIComponent(location.pathname.split('/').pop() ?? '');
+// Behind '#', so that no server or proxy on the way writes it down; before it for those who cannot.
+const wishes = new URLSearchParams(location.hash.slice(1));
+const token = wishes.get('token') ?? new URLSearchParams(location.search).get('token') ?? '';
+holdToken(token);
+
+/** @param {unknown} error */
+function say(error) {
+  const words = strings.embed;
+  const status = error instanceof ApiError ? error.status : -1;
+  const text = status === 401 ? words.no_access : status === 404 || status === 400 ? words.none : error instanceof Error ? error.message : String(error);
+  put(byId('note'), h('p', {}, text));
+  byId('note').hidden = false;
+}
+
+/** @param {TileJson} tilejson */
+function caption(tilejson) {
+  const name = tilejson.name ?? '';
+  const page = `../#/flights/${encodeURIComponent(id)}${token ? `?token=${encodeURIComponent(token)}` : ''}`;
+  document.title = name;
+  return h('a', { class: 'embed-caption', href: page, target: '_blank', rel: 'noopener', title: strings.embed.open }, h('span', { class: 'embed-name' }, name), h('span', { class: 'muted fine' }, 'Skyquilt'));
+}
+
+async function show() {
+  const tilejson = await getTileJson(`/tiles/${encodeURIComponent(id)}.json`);
+  const { bounds } = tilejson;
+  if (!bounds) throw new ApiError(404, strings.embed.none);
+  const view = new MapView(byId('map'), tilejson.name);
+  // Who scrolls the page around the frame does not mean the map.
+  if (window.parent !== window) view.map.cooperativeGestures.enable();
+  const fit = (/** @type {boolean} */ animated) => view.fit({ top: kMargin_px, right: kMargin_px, bottom: kMargin_px, left: kMargin_px }, animated);
+  const tool = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run) =>
+    h('button', { type: 'button', class: 'tool', 'aria-label': label, title: label, on: { click: run } }, icon(name));
+  byId('stage').append(
+    caption(tilejson),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', strings.map.zoom_in, () => view.map.zoomIn()), tool('minus', strings.map.zoom_out, () => view.map.zoomOut()), tool('fit', strings.map.fit, () => fit(true)))),
+  );
+  Object.assign(window, { skyquilt: { map: view.map } });
+  await view.showMosaic(tilejson, bounds);
+  const place = placeOfHash(`#?${wishes}`);
+  if (place) view.map.jumpTo({ center: [place.lon, place.lat], zoom: place.zoom, bearing: place.bearing });
+  else fit(false);
+}
+
+show().catch(say);

@@ -1,0 +1,208 @@
+// A map as somebody wants it: format, coordinate system, area, resolution. The server makes it beside everything else
+// and keeps it for a day; this lists what it has, with progress, downloads and refusals.
+/** @import { Flight, MapExport } from '../shared/types.js' */
+/** @import { Outline } from '../map/outlines.js' */
+import { readable } from '../shared/access.js';
+import { announce } from '../shared/announce.js';
+import { listExports, removeExport, startExport } from '../shared/api.js';
+import { h, put } from '../shared/dom.js';
+import { formatBytes, formatGsd, formatPercent } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
+import { outlineOf } from '../map/outlines.js';
+import { strings } from '../shared/strings.js';
+
+const kAgain_ms = 1000;
+const kAgainWhenAway_ms = 5000;
+
+/** @param {MapExport} made */
+const isOver = ({ state }) => state === 'successful' || state === 'failed';
+
+/**
+ * What the form says, as the server takes it.
+ * @param {{format: string, crs: string, epsg: string, resolution_cm: string}} form
+ * @param {Outline|null} outline
+ * @returns {import('../shared/api.js').ExportWish}
+ */
+export function wishOf({ format, crs, epsg, resolution_cm }, outline) {
+  const code = epsg.trim().replace(/^epsg\s*:?\s*/i, '');
+  const centimetres = resolution_cm.trim() === '' ? null : Number(resolution_cm);
+  return {
+    format,
+    ...(format === 'geotiff' && crs !== 'stored' ? { crs: crs === 'utm' ? 'utm' : `EPSG:${code}` } : {}),
+    ...(centimetres === null ? {} : { resolution_m: centimetres / 100 }),
+    ...(outline ? { boundary: outline.geometry } : {}),
+  };
+}
+
+/** @param {MapExport} made @returns {string} what was asked for, in words */
+export function exportWords({ format, crs, resolution_m, boundary, is_current }) {
+  const words = strings.exports;
+  return [words.formats[format] ?? format, crs === 'utm' ? words.systems.utm : crs, resolution_m ? formatGsd(resolution_m) : '', boundary ? words.cut : '', is_current ? '' : words.earlier].filter(Boolean).join(' · ');
+}
+
+/**
+ * @param {Flight} flight with a map
+ * @param {Outline[]} outlines on the map now
+ * @param {AbortSignal} signal the view is gone
+ * @returns {HTMLElement}
+ */
+export function exportView(flight, outlines, signal) {
+  const words = strings.exports;
+  const list = h('ul', { class: 'shares exports', id: 'exports' });
+  const refusal = h('div', { 'aria-live': 'assertive' });
+  const known = [...outlines];
+
+  /** @param {string} text '' for none */
+  const refuse = (text) => {
+    put(refusal, text && h('p', { class: 'callout callout-error', role: 'alert', id: 'export-refusal' }, text));
+    if (text) refusal.scrollIntoView({ block: 'nearest' });
+  };
+  const failed = (/** @type {unknown} */ error) => refuse(error instanceof Error ? error.message : String(error));
+
+  const option = (/** @type {string} */ value, /** @type {string} */ label) => h('option', { value }, label);
+  const format = h('select', { id: 'export-format', class: 'field' }, ...Object.entries(words.formats).map(([value, label]) => option(value, label)));
+  const crs = h('select', { id: 'export-crs', class: 'field' }, ...Object.entries(words.systems).map(([value, label]) => option(value, label)));
+  const epsg = h('input', { id: 'export-epsg', class: 'field', type: 'text', inputmode: 'numeric', placeholder: '2056', 'aria-label': words.epsg, required: true, pattern: '\\s*([Ee][Pp][Ss][Gg]\\s*:?\\s*)?[0-9]{1,6}\\s*', title: words.epsg_hint });
+  const resolution = h('input', { id: 'export-resolution', class: 'field', type: 'number', min: 0, step: 'any', placeholder: words.as_map });
+  const area = h('select', { id: 'export-area', class: 'field' });
+  const drawAreas = (/** @type {number} */ chosen) => {
+    put(area, option('', words.whole), ...known.map(({ name }, i) => option(String(i), name)));
+    area.value = chosen < 0 ? '' : String(chosen);
+  };
+  drawAreas(-1);
+  const file = h('input', { type: 'file', accept: '.geojson,.json,.kml', hidden: true, id: 'export-file' });
+  file.addEventListener('change', async () => {
+    const [chosen] = file.files ?? [];
+    file.value = '';
+    if (!chosen) return;
+    refuse('');
+    try {
+      if (chosen.size > kMaxBytes) throw new OwnDataError(strings.own_data.faults.large);
+      const outline = outlineOf(chosen.name, readOwnData(chosen.name, await chosen.text()));
+      if (!outline) throw new OwnDataError(words.no_area);
+      known.push(outline);
+      drawAreas(known.length - 1);
+    } catch (error) {
+      refuse(`${chosen.name}: ${error instanceof OwnDataError ? error.message : strings.own_data.faults.unread}`);
+    }
+  });
+  const browse = h('button', { type: 'button', class: 'button small', id: 'export-browse', on: { click: () => file.click() } }, words.browse);
+
+  const row = (/** @type {HTMLElement} */ field, /** @type {string} */ label, /** @type {(HTMLElement|null)[]} */ ...more) =>
+    h('div', { class: 'export-row' }, h('label', { for: field.id }, label), h('div', { class: 'export-fields' }, field, ...more));
+  const crs_row = row(crs, words.crs, epsg);
+  const drawForm = () => {
+    crs_row.hidden = format.value !== 'geotiff';
+    epsg.hidden = crs.value !== 'epsg';
+    epsg.disabled = crs_row.hidden || epsg.hidden;
+  };
+  format.addEventListener('change', drawForm);
+  crs.addEventListener('change', drawForm);
+  drawForm();
+
+  const start = h('button', { type: 'submit', class: 'button primary', id: 'export-start' }, words.start);
+  const form = h(
+    'form',
+    { class: 'export-form', id: 'export-form' },
+    row(format, words.format),
+    crs_row,
+    row(resolution, words.resolution),
+    row(area, words.area, browse, file),
+    known.length === 0 && h('p', { class: 'muted fine' }, words.area_hint),
+    h('div', { class: 'row' }, start),
+  );
+  form.addEventListener('submit', async (event) => {
+    event.preventDefault();
+    refuse('');
+    start.disabled = true;
+    try {
+      const outline = area.value === '' ? null : known[Number(area.value)];
+      await startExport(flight.id, wishOf({ format: format.value, crs: crs.value, epsg: epsg.value, resolution_cm: resolution.value }, outline));
+      await refresh();
+      list.firstElementChild?.scrollIntoView({ block: 'nearest' });
+    } catch (error) {
+      failed(error);
+    }
+    start.disabled = false;
+  });
+
+  /** @type {Map<string, {row: HTMLLIElement, drawn: string}>} */
+  const rows = new Map();
+  /** @param {MapExport} made */
+  const drawRow = (made) => {
+    const entry = rows.get(made.id) ?? { row: h('li'), drawn: '' };
+    const before = rows.has(made.id) ? entry.row.dataset.state : made.state;
+    rows.set(made.id, entry);
+    const drawn = JSON.stringify([made.state, made.progress, made.is_current]);
+    if (entry.drawn === drawn) return entry.row;
+    entry.drawn = drawn;
+    entry.row.dataset.state = made.state;
+    const what = exportWords(made);
+    if (before !== made.state && isOver(made)) announce(made.state === 'successful' ? words.ready(what) : words.failed(what));
+    const remove = h('button', { type: 'button', class: 'icon-button', 'aria-label': words.remove(what), title: words.remove(what) }, icon(isOver(made) ? 'trash' : 'close'));
+    remove.addEventListener('click', async () => {
+      remove.disabled = true;
+      refuse('');
+      try {
+        await removeExport(flight.id, made.id);
+        await refresh();
+      } catch (error) {
+        remove.disabled = false;
+        failed(error);
+      }
+    });
+    const had_focus = entry.row.contains(document.activeElement);
+    put(
+      entry.row,
+      h('div', { class: 'export-what' }, h('span', {}, what), ...stateOf(made)),
+      made.download && h('a', { class: 'button small', href: readable(made.download), download: '' }, icon('download'), strings.actions.download),
+      remove,
+    );
+    if (had_focus) entry.row.querySelector('button')?.focus();
+    return entry.row;
+  };
+
+  let timer = 0;
+  const refresh = async () => {
+    clearTimeout(timer);
+    const exports = await listExports(flight.id);
+    if (signal.aborted) return;
+    const kept = new Set(exports.map(({ id }) => id));
+    for (const id of rows.keys()) if (!kept.has(id)) rows.delete(id);
+    const wanted = exports.map(drawRow);
+    for (const old of [...list.children]) if (!wanted.includes(/** @type {HTMLLIElement} */ (old))) old.remove();
+    wanted.forEach((element, i) => {
+      if (list.children[i] !== element) list.insertBefore(element, list.children[i] ?? null);
+    });
+    heading.hidden = exports.length === 0;
+    clearTimeout(timer);
+    if (!exports.every(isOver)) timer = window.setTimeout(() => void watch(), kAgain_ms);
+  };
+  // A server that is away for a moment goes on with what it was asked for.
+  const watch = async () => {
+    try {
+      await refresh();
+    } catch (error) {
+      if (signal.aborted) return;
+      failed(error);
+      timer = window.setTimeout(() => void watch(), kAgainWhenAway_ms);
+    }
+  };
+  signal.addEventListener('abort', () => clearTimeout(timer));
+  const heading = h('h3', { class: 'share-heading', hidden: true }, words.heading);
+  void watch();
+  return h('section', { id: 'export-view', 'aria-label': words.open }, form, refusal, heading, list);
+}
+
+/** @param {MapExport} made @returns {HTMLElement[]} */
+function stateOf({ state, progress, bytes, error, expires_at }) {
+  const words = strings.exports;
+  if (state === 'failed') return [h('span', { class: 'bad fine' }, error?.message ?? words.failed(''))];
+  if (state === 'successful') {
+    const until = expires_at ? new Date(expires_at).toLocaleString(undefined, { dateStyle: 'medium', timeStyle: 'short' }) : '';
+    return [h('span', { class: 'muted fine' }, [bytes === null ? '' : formatBytes(bytes), until && words.until(until)].filter(Boolean).join(' · '))];
+  }
+  const text = state === 'accepted' ? words.waiting : formatPercent(progress);
+  return [h('progress', { class: 'bar', max: 1, value: progress, 'aria-label': words.progress }), h('span', { class: 'muted fine' }, text)];
+}

@@ -1,0 +1,103 @@
+// What one does with a finished map, in a row: share it, download it, open it in QGIS.
+/** @import { Flight } from '../shared/types.js' */
+import { readable, withToken } from '../shared/access.js';
+import { showError } from '../shared/announce.js';
+import { downloadPath, downloadSize } from '../shared/api.js';
+import { h, put } from '../shared/dom.js';
+import { formatBytes } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { strings } from '../shared/strings.js';
+import { mayChange } from './flight_words.js';
+import { tokenForPrograms } from './links_view.js';
+
+/**
+ * @param {Flight} flight with a map
+ * @param {(flight: Flight) => void} share
+ * @param {() => import('../map/outlines.js').Outline[]} outlines that are on the map
+ * @returns {HTMLElement}
+ */
+export function flightActions(flight, share, outlines) {
+  const words = strings.actions;
+  const button = (/** @type {string} */ id, /** @type {string} */ picture, /** @type {string} */ label, /** @type {() => void} */ run) =>
+    h('button', { type: 'button', class: 'button small', id, on: { click: run } }, icon(picture), label);
+  return h(
+    'div',
+    { class: 'row flight-actions no-print' },
+    mayChange(flight) && button('flight-share', 'share', strings.share.action, () => share(flight)),
+    button('flight-download', 'download', words.download, () => showDownloads(flight, outlines())),
+    button('flight-qgis', 'layers', words.qgis, () => showQgis(flight)),
+  );
+}
+
+/**
+ * @param {string} id
+ * @param {string} title
+ * @param {HTMLElement} body
+ * @returns {HTMLDialogElement}
+ */
+function showDialog(id, title, body) {
+  const dialog = h(
+    'dialog',
+    { class: 'dialog', 'aria-labelledby': `${id}-title`, id },
+    h('h2', { id: `${id}-title`, class: 'dialog-title' }, title),
+    body,
+    h('div', { class: 'dialog-actions' }, h('button', { type: 'button', class: 'button', on: { click: () => dialog.close() } }, strings.share.close)),
+  );
+  dialog.addEventListener('close', () => dialog.remove());
+  document.body.append(dialog);
+  dialog.showModal();
+  return dialog;
+}
+
+/** @param {Flight} flight @param {import('../map/outlines.js').Outline[]} outlines */
+function showDownloads(flight, outlines) {
+  const words = strings.actions;
+  const link = (/** @type {import('../shared/api.js').DownloadKind} */ kind) => {
+    const [name, hint] = words.files[kind];
+    const small = h('small', {}, hint);
+    downloadSize(flight.id, kind).then((bytes) => {
+      if (bytes !== null) small.textContent = `${formatBytes(bytes)}, ${hint}`;
+    }, showError);
+    return h('a', { class: 'download', href: readable(downloadPath(flight.id, kind)), download: '' }, icon('download'), h('span', {}, name), small);
+  };
+  const kinds = /** @type {import('../shared/api.js').DownloadKind[]} */ (Object.keys(words.files));
+  const closed = new AbortController();
+  const downloads = h('div', { class: 'downloads' }, ...kinds.map(link));
+  const exports = h('div', { class: 'export-part' });
+  const open = h('button', { type: 'button', class: 'text-button', id: 'export-open' }, strings.exports.open);
+  open.addEventListener('click', async () => {
+    open.disabled = true;
+    try {
+      const { exportView } = await import('./export_view.js');
+      downloads.remove();  // the exports themselves would be out of sight below
+      put(exports, exportView(flight, outlines, closed.signal));
+      put(dialog.querySelector('h2') ?? dialog, strings.exports.open);
+      exports.querySelector('select')?.focus();
+    } catch (error) {
+      open.disabled = false;
+      showError(error);
+    }
+  });
+  put(exports, open);
+  const dialog = showDialog('download-dialog', words.download, h('div', {}, downloads, exports));
+  dialog.addEventListener('close', () => closed.abort());
+}
+
+/** Says what to do, with the file that does it. @param {Flight} flight */
+function showQgis(flight) {
+  const words = strings.actions;
+  const body = h('div', { id: 'qgis-body' });
+  const draw = async () => {
+    const token = await tokenForPrograms(flight, body, draw);
+    if (token === null) return;
+    put(
+      body,
+      h('ol', { class: 'numbered' }, ...words.qgis_steps.map((text) => h('li', {}, text))),
+      h('a', { class: 'button primary', id: 'qgis-file', href: withToken(`/connect/${encodeURIComponent(flight.id)}/qgis.qlr`, token), download: '' }, icon('download'), words.qgis_file),
+      h('p', { class: 'muted' }, words.qgis_live),
+      token && h('p', { class: 'muted' }, strings.links.carries_token),
+    );
+  };
+  draw().catch((error) => put(body, h('p', { class: 'callout callout-error', role: 'alert' }, error.message)));
+  showDialog('qgis-dialog', words.qgis, body);
+}

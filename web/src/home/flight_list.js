@@ -1,0 +1,198 @@
+// The list of flights in the panel: open, rename, delete; states that change are redrawn in place. A flight's picture is
+// fetched when its row comes into sight.
+/** @import { Flight } from '../shared/types.js' */
+import { h, put } from '../shared/dom.js';
+import { formatCaptureDay } from '../shared/format.js';
+import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
+import { thumbnailPath } from '../shared/api.js';
+import { icon } from '../shared/icons.js';
+import { routeHash } from '../shared/router.js';
+import { strings } from '../shared/strings.js';
+
+// Letters that are no letter with a mark to Unicode, as one types them without.
+/** @type {Record<string, string>} */
+const kPlain = { ß: 'ss', æ: 'ae', œ: 'oe', ø: 'o', ł: 'l', đ: 'd', ð: 'd', þ: 'th', ı: 'i' };
+
+/**
+ * @param {string} text
+ * @returns {string} without accents and capitals
+ */
+export const plain = (text) => text.normalize('NFKD').replace(/\p{M}/gu, '').toLowerCase().replace(/[ßæœøłđðþı]/g, (letter) => kPlain[letter]);
+
+/**
+ * @param {Flight} flight
+ * @param {string} query words that must all be in its name or its date
+ */
+export function matches(flight, query) {
+  const text = plain(`${flight.name} ${flight.captured ? `${formatCaptureDay(flight.captured)} ${flight.captured.first.slice(0, 10)}` : ''}`);
+  return plain(query).split(/\s+/).every((word) => text.includes(word));
+}
+
+/** Its time among others: of the photos, else of the upload. @param {Flight} flight */
+const timeOf = (flight) => Date.parse(flight.captured?.first ?? '') || Date.parse(flight.created_at) || 0;
+
+/** Of the box around it: the list knows no better. @param {Flight} flight */
+function areaOf({ bounds }) {
+  if (!bounds) return 0;
+  const [west, south, east, north] = bounds;
+  return (east - west) * (north - south) * Math.cos((((south + north) / 2) * Math.PI) / 180);
+}
+
+const byName = new Intl.Collator(undefined, { numeric: true, sensitivity: 'base' });
+
+/** @type {Record<'taken'|'newest'|'name'|'area', (a: Flight, b: Flight) => number>} */
+export const orders = {
+  taken: (a, b) => timeOf(b) - timeOf(a),
+  newest: (a, b) => (a.created_at < b.created_at ? 1 : a.created_at > b.created_at ? -1 : 0),
+  name: (a, b) => byName.compare(a.name, b.name),
+  area: (a, b) => areaOf(b) - areaOf(a),
+};
+
+const kOrder = 'skyquilt.order';
+const kFilteredFrom = 6;
+
+/**
+ * @param {{rename: (flight: Flight) => void, remove: (flight: Flight) => void, on_shown: (flights: Flight[]) => void,
+ *          on_point: (flight: Flight|null) => void}} actions on_shown: those that the search leaves; on_point: the
+ *   pointer or the focus is on one
+ * @returns {{element: HTMLElement, update: (flights: Flight[]|null, error?: string) => void, point: (id: string) => void}}
+ */
+export function flightList(actions) {
+  /** @type {Map<string, {row: HTMLLIElement, shown: string, picture: HTMLElement, drawn: string}>} */
+  const rows = new Map();
+  const list = h('ul', { class: 'flights', id: 'flights' });
+  const message = h('p', { class: 'muted', id: 'flights-message' });
+  const search = h('input', {
+    type: 'search',
+    class: 'field',
+    id: 'flight-search',
+    placeholder: strings.flights.search,
+    'aria-label': strings.flights.search,
+    on: { input: () => redraw() },
+  });
+  const order = h(
+    'select',
+    {
+      class: 'field', id: 'flight-order', 'aria-label': strings.flights.order,
+      on: {
+        change: () => {
+          localStorage.setItem(kOrder, order.value);
+          redraw();
+        },
+      },
+    },
+    ...Object.entries(strings.flights.orders).map(([value, label]) => h('option', { value }, label)),
+  );
+  const kept = localStorage.getItem(kOrder) ?? '';
+  if (kept in orders) order.value = kept;
+  const filters = h('div', { class: 'filters' }, search, order);
+  const in_sight = new IntersectionObserver(
+    (entries) => {
+      for (const { isIntersecting, target } of entries) {
+        if (!isIntersecting) continue;
+        in_sight.unobserve(target);
+        showPicture(/** @type {HTMLElement} */ (target));
+      }
+    },
+  );
+  const element = h(
+    'section',
+    { class: 'flight-list', 'aria-labelledby': 'flights-heading' },
+    h('h1', { class: 'list-heading', id: 'flights-heading', tabindex: -1 }, strings.flights.heading),
+    filters,
+    list,
+    message,
+  );
+  /** @type {Flight[]|null} */
+  let flights = null;
+  let failure = '';
+
+  const redraw = () => {
+    const shown = (flights ?? []).filter((flight) => matches(flight, search.value.trim())).sort(orders[/** @type {keyof typeof orders} */ (order.value)]);
+    const kept_ids = new Set(shown.map(({ id }) => id));
+    filters.hidden = (flights?.length ?? 0) < kFilteredFrom;
+    actions.on_shown(shown);
+    for (const [id, { row }] of rows) {
+      if (!kept_ids.has(id)) {
+        row.remove();
+        rows.delete(id);
+      }
+    }
+    shown.forEach((flight, i) => {
+      const row = rowOf(flight);
+      if (list.children[i] !== row) list.insertBefore(row, list.children[i] ?? null);
+    });
+    message.textContent =
+      failure || (flights === null ? '' : flights.length === 0 ? strings.flights.none : shown.length ? '' : strings.flights.no_match);
+    message.hidden = message.textContent === '';
+  };
+
+  /** @param {Flight} flight @returns {HTMLLIElement} */
+  const rowOf = (flight) => {
+    const chip = stateChip(flight);
+    const picture = JSON.stringify([flight.name, shortFacts(flight), chip.className, chip.textContent]);
+    let entry = rows.get(flight.id);
+    if (!entry) {
+      entry = { row: h('li'), shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }), drawn: '' };
+      rows.set(flight.id, entry);
+      entry.row.addEventListener('pointerenter', () => actions.on_point(flight));
+      entry.row.addEventListener('focusin', () => actions.on_point(flight));
+      entry.row.addEventListener('pointerleave', () => actions.on_point(null));
+      entry.row.addEventListener('focusout', () => actions.on_point(null));
+    }
+    if (entry.shown !== picture) {
+      entry.shown = picture;
+      const had_focus = entry.row.contains(document.activeElement);
+      put(
+        entry.row,
+        h(
+          'a',
+          { class: 'flight-link', href: routeHash({ view: 'flight', id: flight.id }) },
+          entry.picture,
+          h('span', { class: 'flight-text' }, h('span', { class: 'flight-name' }, flight.name),
+            ...shortFacts(flight).map((line) => h('span', { class: 'flight-facts' }, line)), chip),
+        ),
+        h(
+          'span',
+          { class: 'row-actions' },
+          mayChange(flight) && action('pencil', `${strings.flights.rename}: ${flight.name}`, () => actions.rename(flight)),
+          mayChange(flight) && action('trash', `${strings.flights.remove}: ${flight.name}`, () => actions.remove(flight)),
+        ),
+      );
+      if (had_focus) entry.row.querySelector('a')?.focus();
+    }
+    const address = flight.tilejson ? thumbnailPath(flight) : '';
+    if (entry.drawn !== address) {
+      entry.drawn = address;
+      entry.picture.dataset.address = address;
+      if (address) in_sight.observe(entry.picture);
+      else put(entry.picture);
+    }
+    return entry.row;
+  };
+
+  return {
+    element,
+    update(next, error = '') {
+      flights = next ?? flights;
+      failure = error;
+      redraw();
+    },
+    point(id) {
+      for (const [own, { row }] of rows) row.classList.toggle('pointed', own === id);
+    },
+  };
+}
+
+/** @param {HTMLElement} place with the address of its picture */
+function showPicture(place) {
+  const image = h('img', { class: 'thumb-image', alt: '', decoding: 'async', fetchpriority: 'low', draggable: 'false', src: place.dataset.address });
+  // A missing picture is no loss the user must hear of.
+  image.addEventListener('error', () => image.remove());
+  put(place, image);
+}
+
+/** @param {string} name @param {string} label @param {() => void} run */
+function action(name, label, run) {
+  return h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: label, on: { click: run } }, icon(name));
+}

@@ -1,0 +1,280 @@
+// The map of all flights beside the list: the outlines of the land and a mark for each flight, its picture where there
+// is room. Drawn here and not by the map library, which weighs more than all the rest of the first view.
+/** @import { Flight } from '../shared/types.js' */
+/** @import { Group, Placed, View } from './overview_view.js' */
+import { thumbnailPath } from '../shared/api.js';
+import { h, put } from '../shared/dom.js';
+import { formatDistance } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { routeHash } from '../shared/router.js';
+import { strings } from '../shared/strings.js';
+import { around, bounded, boxOf, fitted, groups, metresOfPixel, parted, placeOf, worldPosition } from './overview_view.js';
+
+const kMargin_px = 70;
+const kStep = 2;
+const kNames = 14;  // of marks in sight that are named; more would cover each other
+const kPicture_px = 44;
+const kScale_px = 120;  // at most
+const kSteepest_deg = 85.05;
+
+/**
+ * @param {{on_point: (id: string) => void}} listener the flight whose mark is pointed at; '' for none
+ * @returns {{element: HTMLElement, show: (flights: Flight[]) => void, point: (id: string) => void}}
+ */
+export function overviewMap(listener) {
+  const words = strings.overview;
+  const canvas = h('canvas', { class: 'overview-land', 'aria-hidden': 'true' });
+  const marks = h('div', { class: 'overview-marks' });
+  const bar = h('p', { class: 'overview-scale', 'aria-hidden': 'true' });
+  const choice = h('div', { class: 'overview-choice floating', id: 'overview-choice', hidden: true });
+  const tool = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run) =>
+    h('button', { type: 'button', class: 'tool', 'aria-label': label, title: label, on: { click: run } }, icon(name));
+  const element = h(
+    'section',
+    { class: 'overview', id: 'overview', 'aria-label': words.label },
+    canvas,
+    marks,
+    choice,
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', strings.map.zoom_in, () => zoom(kStep)), tool('minus', strings.map.zoom_out, () => zoom(1 / kStep)), tool('fit', words.fit, () => fit()))),
+    h('div', { class: 'overview-foot' }, bar, h('p', { class: 'overview-makers' }, words.makers)),
+  );
+  /** @type {Placed[]} */
+  let placed = [];
+  /** @type {View} */
+  let view = { x: 0.5, y: 0.5, scale: 256 };
+  let is_moved = false;
+  /** @type {Path2D|null} */
+  let land = null;
+  let pointed = '';
+  let is_asked = false;
+  /** @type {Map<string, HTMLElement>} */
+  let shown = new Map();
+  const size = () => /** @type {[number, number]} */ ([element.clientWidth, element.clientHeight]);
+
+  const draw = () => {
+    is_asked = false;
+    const [width, height] = size();
+    if (width === 0 || height === 0) return;
+    view = bounded(view, width, height);
+    drawLand(canvas, land, view, width, height);
+    drawScale(bar, view);
+    const found = groups(placed, view, width, height);
+    const is_named = found.length <= kNames;
+    marks.classList.toggle('named', is_named);
+    /** @type {Map<string, HTMLElement>} */
+    const next = new Map();
+    for (const group of found) {
+      const key = group.members.map(({ flight }) => `${flight.id} ${flight.revision} ${flight.state} ${flight.name}`).join('|');
+      const mark = shown.get(key) ?? (group.members.length > 1 ? groupMark(group) : flightMark(group.members[0].flight));
+      const width_px = (group.box.right - group.box.left) * view.scale;
+      const height_px = (group.box.bottom - group.box.top) * view.scale;
+      const is_picture = group.members.length === 1 && is_named && Boolean(group.members[0].flight.tilejson) && Math.min(width_px, height_px) >= kPicture_px;
+      mark.classList.toggle('has-picture', is_picture);
+      mark.style.transform = `translate(${group.x_px.toFixed(1)}px, ${group.y_px.toFixed(1)}px)`;
+      drawFootprint(mark, group, is_picture, width_px, height_px);
+      next.set(key, mark);
+      if (!mark.isConnected) marks.append(mark);
+    }
+    for (const [key, mark] of shown) if (!next.has(key)) mark.remove();
+    shown = next;
+    drawPointed();
+  };
+  const redraw = () => {
+    if (is_asked) return;
+    is_asked = true;
+    requestAnimationFrame(draw);
+  };
+
+  /** @param {Flight} flight */
+  const flightMark = (flight) =>
+    h(
+      'a',
+      { class: `overview-mark mark-${flight.state}`, href: routeHash({ view: 'flight', id: flight.id }), 'data-ids': flight.id, 'aria-label': flight.name, draggable: 'false', on: pointing(flight.id) },
+      h('span', { class: 'mark-dot' }),
+      h('span', { class: 'mark-name' }, flight.name),
+    );
+  /** @param {Group} group */
+  const groupMark = (group) =>
+    h(
+      'button',
+      { type: 'button', class: 'overview-mark mark-group', 'data-ids': group.members.map(({ flight }) => flight.id).join(' '), 'aria-label': words.group(group.members.length),
+        title: words.group(group.members.length), on: { click: () => openGroup(group) } },
+      group.members.length.toLocaleString(),
+    );
+  /** @param {string} id */
+  const pointing = (id) => ({
+    pointerenter: () => listener.on_point(id),
+    pointerleave: () => listener.on_point(''),
+  });
+
+  const drawPointed = () => {
+    for (const mark of shown.values()) mark.classList.toggle('pointed', pointed !== '' && (mark.dataset.ids ?? '').split(' ').includes(pointed));
+  };
+
+  /** @param {Group} group */
+  const openGroup = (group) => {
+    const next = parted(group, view, ...size());
+    if (next) {
+      move(next);
+      return;
+    }
+    // All of one place: the names tell them apart.
+    put(choice, h('ul', {}, ...group.members.map(({ flight }) => h('li', {}, h('a', { href: routeHash({ view: 'flight', id: flight.id }) }, flight.name)))));
+    choice.hidden = false;
+    choice.querySelector('a')?.focus();
+  };
+  choice.addEventListener('keydown', (event) => {
+    if (event.key === 'Escape') choice.hidden = true;
+  });
+
+  /** @param {View} next */
+  const move = (next) => {
+    view = next;
+    is_moved = true;
+    choice.hidden = true;
+    redraw();
+  };
+  const fit = () => {
+    is_moved = false;
+    choice.hidden = true;
+    if (placed.length > 0) view = fitted(around(placed.map(({ box }) => box)), ...size(), kMargin_px);
+    redraw();
+  };
+  /** @param {number} by @param {number} [x_px] from the middle, stays where it is @param {number} [y_px] */
+  const zoom = (by, x_px = 0, y_px = 0) => {
+    const next = bounded({ ...view, scale: view.scale * by }, ...size());
+    const kept = 1 / view.scale - 1 / next.scale;
+    move({ ...next, x: view.x + x_px * kept, y: view.y + y_px * kept });
+  };
+  const follow = async () => {
+    const { followPointer } = await import('../shared/follow_pointer.js');
+    followPointer(element, { pan: (x_px, y_px) => move({ ...view, x: view.x - x_px / view.scale, y: view.y - y_px / view.scale }), zoom });
+  };
+  // Nobody moves the map before there is a pointer over it.
+  element.addEventListener('pointerenter', () => void follow().catch((error) => console.debug('the map does not follow the pointer', error)), { once: true });
+
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
+  void loadLand().then((path) => {
+    land = path;
+    redraw();
+  });
+  new ResizeObserver(() => (is_moved ? redraw() : fit())).observe(element);
+
+  return {
+    element,
+    show(flights) {
+      const before = new Set(placed.map(({ flight }) => flight.id));
+      placed = flights.flatMap((flight) => {
+        const bounds = placeOf(flight);
+        return bounds ? [{ flight, box: boxOf(bounds) }] : [];
+      });
+      const is_other = placed.length < before.size || placed.some(({ flight }) => !before.has(flight.id));
+      // A search moves the view; one flight more, while someone looks at the map, does not.
+      if (is_other && (!is_moved || placed.length < before.size)) fit();
+      else redraw();
+    },
+    point(id) {
+      pointed = id;
+      drawPointed();
+    },
+  };
+}
+
+/**
+ * The footprint at its true size, with the map in it where it is large enough.
+ * @param {HTMLElement} mark
+ * @param {Group} group
+ * @param {boolean} is_picture
+ * @param {number} width_px
+ * @param {number} height_px
+ */
+function drawFootprint(mark, group, is_picture, width_px, height_px) {
+  let image = mark.querySelector('img');
+  if (!is_picture) {
+    image?.remove();
+    return;
+  }
+  const { flight } = group.members[0];
+  if (!image && !mark.dataset.has_none) {
+    image = h('img', { class: 'mark-picture', alt: '', src: thumbnailPath(flight), draggable: 'false', fetchpriority: 'low' });
+    image.addEventListener('error', () => {
+      mark.dataset.has_none = 'yes';  // not asked for again at each move
+      image?.remove();
+    });
+    mark.prepend(image);
+  }
+  if (!image) return;
+  mark.style.setProperty('--below', `${Math.max(27, height_px / 2 + 18)}px`);
+  image.style.width = `${width_px}px`;
+  image.style.height = `${height_px}px`;
+}
+
+/** @param {HTMLElement} bar @param {View} view */
+function drawScale(bar, view) {
+  const metres = metresOfPixel(view);
+  const power = 10 ** Math.floor(Math.log10(metres * kScale_px));
+  const length_m = power * (metres * kScale_px >= 5 * power ? 5 : metres * kScale_px >= 2 * power ? 2 : 1);
+  bar.textContent = formatDistance(length_m);
+  bar.style.width = `${length_m / metres}px`;
+}
+
+/** @returns {Promise<Path2D|null>} in world units; null where they cannot be had: the overview is of use without them */
+async function loadLand() {
+  try {
+    const response = await fetch(new URL('../../vendor/land.geojson', import.meta.url).href);
+    return response.ok ? pathOf(await response.json()) : null;
+  } catch (error) {
+    console.debug('no outlines of the land', error);
+    return null;
+  }
+}
+
+/** @param {GeoJSON.FeatureCollection|GeoJSON.Feature} land @returns {Path2D} */
+function pathOf(land) {
+  const path = new Path2D();
+  for (const { geometry } of land.type === 'FeatureCollection' ? land.features : [land]) {
+    const polygons = geometry.type === 'MultiPolygon' ? geometry.coordinates : geometry.type === 'Polygon' ? [geometry.coordinates] : [];
+    for (const ring of polygons.flat()) {
+      ring.forEach(([lon, lat], i) => {
+        const { x, y } = worldPosition(lon, Math.min(kSteepest_deg, Math.max(-kSteepest_deg, lat)));
+        if (i === 0) path.moveTo(x, y);
+        else path.lineTo(x, y);
+      });
+      path.closePath();
+    }
+  }
+  return path;
+}
+
+/**
+ * @param {HTMLCanvasElement} canvas
+ * @param {Path2D|null} land
+ * @param {View} view
+ * @param {number} width
+ * @param {number} height
+ */
+function drawLand(canvas, land, view, width, height) {
+  const fine = Math.min(2, devicePixelRatio);
+  if (canvas.width !== Math.round(width * fine) || canvas.height !== Math.round(height * fine)) {
+    canvas.width = Math.round(width * fine);
+    canvas.height = Math.round(height * fine);
+  }
+  const context = canvas.getContext('2d');
+  if (!context) return;
+  const style = getComputedStyle(document.documentElement);
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.fillStyle = style.getPropertyValue('--ground');
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  // Close up the coarse outline would be wrong by kilometres.
+  const zoom = Math.log2(view.scale / 512);
+  context.globalAlpha = Math.min(1, Math.max(0, (10 - zoom) / 2));
+  if (!land || context.globalAlpha === 0) return;
+  context.setTransform(view.scale * fine, 0, 0, view.scale * fine, (width / 2 - view.x * view.scale) * fine, (height / 2 - view.y * view.scale) * fine);
+  context.fillStyle = style.getPropertyValue('--land');
+  context.fill(land);
+  context.strokeStyle = style.getPropertyValue('--line-strong');
+  context.lineWidth = 0.7 / view.scale;
+  context.globalAlpha *= 0.7;
+  context.stroke(land);
+  context.globalAlpha = 1;
+}

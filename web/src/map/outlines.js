@@ -1,0 +1,14 @@
+// Areas on the map that a map can be cut to: what is drawn with the area tool, and the polygons of a user's own files.
+
+/** @typedef {{name: string, geometry: GeoJSON.Polygon|GeoJSON.MultiPolygon}} Outline */
+
+/**
+ * @param {string} name of the file
+ * @param {GeoJSON.FeatureCollection} data
+ * @returns {Outline|null} all its polygons as one; null where it has none
+ */
+export function outlineOf(name, data) {
+  const polygons = data.features.flatMap(({ geometry }) => (geometry.type === 'Polygon' ? [geometry.coordinates] : geometry.type === 'MultiPolygon' ? geometry.coordinates : []));
+  if (polygons.length === 0) return null;
+  return { name, geometry: polygons.length === 1 ? { type: 'Polygon', coordinates: polygons[0] } : { type: 'MultiPolygon', coordinates: polygons } };
+}

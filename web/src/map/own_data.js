@@ -1,0 +1,130 @@
+// Reads a user's own GeoJSON or KML, to be laid over the map. It stays in the browser. What cannot be read is refused
+// with a message that says what to do; sizes are bounded, so that no file stalls the page.
+import { strings } from '../shared/strings.js';
+
+export const kMaxBytes = 20_000_000;
+const kMaxPoints = 200_000;
+const kDeepest = 8;
+
+/** A file that cannot be laid over the map; the message can be shown. */
+export class OwnDataError extends Error {}
+
+const words = () => strings.own_data.faults;
+
+/**
+ * @param {string} name of the file
+ * @param {string} text
+ * @returns {GeoJSON.FeatureCollection} with at least one feature; longitude and latitude alone
+ */
+export function readOwnData(name, text) {
+  if (text.length > kMaxBytes) throw new OwnDataError(words().large);
+  const trimmed = text.replace(/^\ufeff/, '').trimStart();
+  if (trimmed.startsWith('PK')) throw new OwnDataError(words().zipped);
+  const counter = { points: 0 };
+  const features = trimmed.startsWith('<') ? fromKml(trimmed, counter) : fromGeoJson(trimmed, counter);
+  if (features.length === 0) throw new OwnDataError(words().empty(name));
+  return { type: 'FeatureCollection', features };
+}
+
+/** @typedef {{points: number}} Counter */
+
+/**
+ * @param {unknown} place
+ * @param {Counter} counter
+ * @returns {[number, number]}
+ */
+function checked(place, counter) {
+  const [lon, lat] = Array.isArray(place) ? place : [];
+  if (typeof lon !== 'number' || typeof lat !== 'number' || !Number.isFinite(lon) || !Number.isFinite(lat)) throw new OwnDataError(words().broken);
+  if (Math.abs(lon) > 360 || Math.abs(lat) > 90) throw new OwnDataError(words().projected);
+  counter.points += 1;
+  if (counter.points > kMaxPoints) throw new OwnDataError(words().many(kMaxPoints));
+  return [lon, lat];
+}
+
+/** How deep the coordinates of a geometry are nested. @type {Record<string, number>} */
+const kDepths = { Point: 0, MultiPoint: 1, LineString: 1, MultiLineString: 2, Polygon: 2, MultiPolygon: 3 };
+
+/** @param {unknown} coordinates @param {number} depth @param {Counter} counter @returns {any} */
+function checkedAll(coordinates, depth, counter) {
+  if (depth === 0) return checked(coordinates, counter);
+  if (!Array.isArray(coordinates)) throw new OwnDataError(words().broken);
+  return coordinates.map((inner) => checkedAll(inner, depth - 1, counter));
+}
+
+/**
+ * @param {any} geometry
+ * @param {Counter} counter
+ * @param {number} [nested]
+ * @returns {any[]} geometries without collections
+ */
+function geometries(geometry, counter, nested = 0) {
+  if (geometry === null || geometry === undefined) return [];
+  if (nested > kDeepest) throw new OwnDataError(words().broken);
+  if (geometry.type === 'GeometryCollection' && Array.isArray(geometry.geometries)) return geometry.geometries.flatMap((/** @type {any} */ inner) => geometries(inner, counter, nested + 1));
+  const depth = Object.hasOwn(kDepths, geometry.type ?? '') ? kDepths[geometry.type] : -1;
+  if (depth < 0) throw new OwnDataError(words().broken);
+  return [{ type: geometry.type, coordinates: checkedAll(geometry.coordinates, depth, counter) }];
+}
+
+/** @param {string} text @param {Counter} counter @returns {GeoJSON.Feature[]} */
+function fromGeoJson(text, counter) {
+  /** @type {any} */
+  let document;
+  try {
+    document = JSON.parse(text);
+  } catch {
+    throw new OwnDataError(words().neither);
+  }
+  const crs = document?.crs?.properties?.name;
+  if (typeof crs === 'string' && !/CRS84|EPSG:{1,2}4326$/i.test(crs)) throw new OwnDataError(words().projected);
+  const found = document?.type === 'FeatureCollection' ? document.features : document?.type === 'Feature' ? [document] : [{ type: 'Feature', geometry: document }];
+  if (!Array.isArray(found)) throw new OwnDataError(words().broken);
+  return found.flatMap((feature) => geometries(feature?.geometry, counter).map((geometry) => ({ type: /** @type {const} */ ('Feature'), properties: {}, geometry })));
+}
+
+/** @param {string} text @param {Counter} counter @returns {GeoJSON.Feature[]} */
+function fromKml(text, counter) {
+  // Entities make a small file large; KML has no use for them.
+  if (/<!(DOCTYPE|ENTITY)/i.test(text)) throw new OwnDataError(words().broken);
+  const document = new DOMParser().parseFromString(text, 'application/xml');
+  if (document.querySelector('parsererror')) throw new OwnDataError(words().xml);
+  if (document.documentElement.localName !== 'kml') throw new OwnDataError(words().neither);
+  const line = (/** @type {Element|null|undefined} */ element) =>
+    (element?.getElementsByTagNameNS('*', 'coordinates')[0]?.textContent ?? '')
+      .trim()
+      .split(/\s+/)
+      .filter(Boolean)
+      .map((place) => checked(place.split(',').map(Number), counter));
+  const inner = (/** @type {Element} */ element, /** @type {string} */ name) => [...element.getElementsByTagNameNS('*', name)];
+  /** @type {any[]} */
+  const found = [];
+  for (const placemark of inner(document.documentElement, 'Placemark')) {
+    for (const point of inner(placemark, 'Point')) found.push({ type: 'Point', coordinates: line(point)[0] });
+    for (const path of inner(placemark, 'LineString')) found.push({ type: 'LineString', coordinates: line(path) });
+    for (const polygon of inner(placemark, 'Polygon')) {
+      const rings = [...inner(polygon, 'outerBoundaryIs'), ...inner(polygon, 'innerBoundaryIs')].map(line);
+      if (rings.length > 0) found.push({ type: 'Polygon', coordinates: rings });
+    }
+  }
+  return found.filter(({ coordinates }) => coordinates?.length > 0).map((geometry) => ({ type: 'Feature', properties: {}, geometry }));
+}
+
+/** @param {GeoJSON.FeatureCollection} data @returns {[number, number, number, number]} west, south, east, north */
+export function boundsOfData(data) {
+  /** @type {[number, number, number, number]} */
+  const bounds = [Infinity, Infinity, -Infinity, -Infinity];
+  const visit = (/** @type {any} */ coordinates) => {
+    if (typeof coordinates[0] !== 'number') {
+      for (const inner of coordinates) visit(inner);
+      return;
+    }
+    const [lon, lat] = coordinates;
+    bounds[0] = Math.min(bounds[0], lon);
+    bounds[1] = Math.min(bounds[1], lat);
+    bounds[2] = Math.max(bounds[2], lon);
+    bounds[3] = Math.max(bounds[3], lat);
+  };
+  for (const { geometry } of data.features) visit(/** @type {any} */ (geometry).coordinates);
+  return bounds;
+}

@@ -1,0 +1,63 @@
+// The part of the layers card where a user lays own GeoJSON or KML over the map, and takes it away again.
+/** @import { MapView } from './map_view.js' */
+import { announce, showNote } from '../shared/announce.js';
+import { h } from '../shared/dom.js';
+import { icon } from '../shared/icons.js';
+import { strings } from '../shared/strings.js';
+import { boundsOfData, kMaxBytes, OwnDataError, readOwnData } from './own_data.js';
+
+const kColours = ['#e6007e', '#00a5e5', '#ffb000', '#7a3ff2', '#00b06b'];
+const kMargin_px = 70;
+
+/**
+ * @param {MapView} view
+ * @returns {HTMLElement}
+ */
+export function ownDataView(view) {
+  const words = strings.own_data;
+  const list = h('ul', { class: 'own-data' });
+  const input = h('input', { type: 'file', accept: '.geojson,.json,.kml', multiple: true, hidden: true, id: 'own-data-input' });
+  let count = 0;
+
+  /** @param {File} file */
+  const add = async (file) => {
+    if (file.size > kMaxBytes) throw new OwnDataError(strings.own_data.faults.large);
+    const data = readOwnData(file.name, await file.text());
+    const bounds = boundsOfData(data);
+    const colour = kColours[count % kColours.length];
+    const id = `own-${(count += 1)}`;
+    view.addOwnData(id, file.name, data, colour);
+    const swatch = h('span', { class: 'dot' });
+    swatch.style.background = colour;
+    const show = () => view.map.fitBounds(bounds, { padding: kMargin_px, maxZoom: 21, animate: false });
+    const row = h(
+      'li',
+      {},
+      swatch,
+      h('button', { type: 'button', class: 'text-button', title: words.show(file.name), on: { click: show } }, file.name),
+      h('button', { type: 'button', class: 'icon-button', 'aria-label': words.remove(file.name), title: words.remove(file.name), on: { click: () => {
+        view.removeOwnData(id);
+        row.remove();
+        button.focus();
+      } } }, icon('close')),
+    );
+    list.append(row);
+    announce(words.added(file.name));
+    const seen = view.map.getBounds();
+    const is_in_sight = bounds[0] <= seen.getEast() && bounds[2] >= seen.getWest() && bounds[1] <= seen.getNorth() && bounds[3] >= seen.getSouth();
+    if (!is_in_sight) showNote(words.elsewhere(file.name), { action: { label: words.go, run: show } });
+  };
+  input.addEventListener('change', async () => {
+    const files = [...(input.files ?? [])];
+    input.value = '';
+    for (const file of files) {
+      try {
+        await add(file);
+      } catch (error) {
+        showNote(`${file.name}: ${error instanceof OwnDataError ? error.message : strings.own_data.faults.unread}`, { is_error: true, duration_ms: 15_000 });
+      }
+    }
+  });
+  const button = h('button', { type: 'button', class: 'button small', id: 'own-data-add', on: { click: () => input.click() } }, icon('plus'), words.add);
+  return h('div', { class: 'own-data-part' }, h('span', { class: 'small-label' }, words.heading), list, button, input);
+}

@@ -1,0 +1,48 @@
+// Drag, wheel and two fingers on something that is panned and zoomed.
+
+/**
+ * @param {HTMLElement} element
+ * @param {{pan: (x_px: number, y_px: number) => void, zoom: (by: number, x_px?: number, y_px?: number) => void}} actions pixels of the screen; zoom: around a place from the middle
+ */
+export function followPointer(element, { pan, zoom }) {
+  /** @type {Map<number, {x: number, y: number}>} */
+  const fingers = new Map();
+  let travelled_px = 0;
+  const fromMiddle = (/** @type {number} */ x, /** @type {number} */ y) => {
+    const box = element.getBoundingClientRect();
+    return /** @type {[number, number]} */ ([x - box.left - box.width / 2, y - box.top - box.height / 2]);
+  };
+  element.addEventListener('wheel', (event) => {
+    event.preventDefault();
+    zoom(2 ** (-Math.sign(event.deltaY) * Math.min(0.5, Math.abs(event.deltaY) / 200)), ...fromMiddle(event.clientX, event.clientY));
+  }, { passive: false });
+  element.addEventListener('dblclick', (event) => {
+    if (!(/** @type {Element} */ (event.target)).closest('a, button')) zoom(2, ...fromMiddle(event.clientX, event.clientY));
+  });
+  element.addEventListener('pointerdown', (event) => {
+    if (/** @type {Element} */ (event.target).closest('button, .floating')) return;
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    travelled_px = 0;
+  });
+  element.addEventListener('pointermove', (event) => {
+    const before = fingers.get(event.pointerId);
+    if (!before) return;
+    const now = { x: event.clientX, y: event.clientY };
+    travelled_px += Math.hypot(now.x - before.x, now.y - before.y);
+    if (travelled_px > 4) element.setPointerCapture(event.pointerId);
+    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
+    if (other) {
+      const spread = (/** @type {{x: number, y: number}} */ at) => Math.max(20, Math.hypot(at.x - other.x, at.y - other.y));
+      zoom(spread(now) / spread(before), ...fromMiddle((now.x + other.x) / 2, (now.y + other.y) / 2));
+    } else if (travelled_px > 4) pan(now.x - before.x, now.y - before.y);
+    fingers.set(event.pointerId, now);
+  });
+  const lift = (/** @type {PointerEvent} */ event) => fingers.delete(event.pointerId);
+  element.addEventListener('pointerup', lift);
+  element.addEventListener('pointercancel', lift);
+  // A drag that began on a mark does not open it.
+  element.addEventListener('click', (event) => {
+    if (travelled_px > 4) event.preventDefault();
+    travelled_px = 0;
+  }, true);
+}

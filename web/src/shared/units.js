@@ -1,0 +1,54 @@
+// Lengths and areas in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
+// one chooses; the choice stays in this browser.
+import { formatArea, formatLength } from './format.js';
+import { keptChoice } from './kept.js';
+
+/** @typedef {'metric'|'imperial'} Units */
+
+const kKey = 'skyquilt.units';
+const kFoot_m = 0.3048;
+const kAcre_m2 = 4046.8564224;
+const kMile_ft = 5280;
+// Whose land is measured in feet and acres.
+const kImperial = new Set(['US', 'LR', 'MM']);
+
+/** @param {string} language a tag like "en-US" @returns {Units} */
+export function usualUnits(language) {
+  try {
+    return kImperial.has(new Intl.Locale(language).maximize().region ?? '') ? 'imperial' : 'metric';
+  } catch {
+    return 'metric';  // no language that anybody knows
+  }
+}
+
+/** @returns {Units} */
+export function chosenUnits() {
+  const kept = keptChoice(kKey);
+  return kept === 'metric' || kept === 'imperial' ? kept : usualUnits(navigator.language);
+}
+
+/** Emits 'change' when others were chosen. */
+export const units_chosen = new EventTarget();
+
+/** @param {Units} units */
+export function keepUnits(units) {
+  localStorage.setItem(kKey, units);
+  units_chosen.dispatchEvent(new Event('change'));
+}
+
+const number = (/** @type {number} */ value, /** @type {number} */ digits) =>
+  new Intl.NumberFormat(undefined, { maximumFractionDigits: digits, minimumFractionDigits: digits }).format(value);
+
+/** @param {number} metres @param {Units} units */
+export function lengthIn(metres, units) {
+  if (units === 'metric') return formatLength(metres);
+  const feet = metres / kFoot_m;
+  return feet < kMile_ft ? `${number(feet, feet < 100 ? 2 : 1)}\u00a0ft` : `${number(feet / kMile_ft, 3)}\u00a0mi`;
+}
+
+/** @param {number} square_metres @param {Units} units */
+export function areaIn(square_metres, units) {
+  if (units === 'metric') return formatArea(square_metres);
+  const acres = square_metres / kAcre_m2;
+  return acres < 0.5 ? `${number(square_metres / kFoot_m ** 2, 0)}\u00a0ft²` : `${number(acres, acres < 10 ? 3 : 1)}\u00a0acres`;
+}
