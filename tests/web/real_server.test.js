@@ -149,7 +149,7 @@ test('an upload outlives the server and, chosen again, a reload', options, async
     await page.route('**/api/v1/uploads', async (route) => {
       if (route.request().method() === 'POST') {
         sent += 1;
-        await page.waitForTimeout(sent * 250);
+        await setTimeout(sent * 250);  // not the page's own clock: it may be closed by then
       }
       await route.continue().catch(() => {});  // the page that asked is gone after the reload
     });
@@ -157,7 +157,7 @@ test('an upload outlives the server and, chosen again, a reload', options, async
     await until(async () => (await stored()) >= 2);
     const { port } = new URL(server.url);
     await server.stop('SIGKILL');
-    await page.waitForTimeout(800);
+    await setTimeout(800);
     server = await startServer(join(folder, 'outlived'), `127.0.0.1:${port}`);
     await until(async () => (await stored()) >= 3);
     await page.reload();
@@ -306,7 +306,7 @@ test('dropped photos become a map on the real server, even when it is killed in 
 
     const { port } = new URL(server.url);
     await server.stop('SIGKILL');
-    await page.waitForTimeout(1500);
+    await setTimeout(1500);
     server = await startServer(join(folder, 'data'), `127.0.0.1:${port}`);
 
     await page.waitForSelector('#report', { timeout: 240_000 });

@@ -68,6 +68,12 @@ export async function openPage(browser, url, options = {}) {
     }
   });
   page.on('pageerror', (error) => console_errors.push(error.message));
+  // A route's handler may still be waiting when the test ends, and its page is gone when it goes on.
+  const close = context.close.bind(context);
+  context.close = async () => {
+    if (!page.isClosed()) await page.unrouteAll({ behavior: 'ignoreErrors' });
+    await close();
+  };
   await page.goto(url);
   return { page, context, foreign_requests, console_errors, transferred: () => bytes };
 }
