@@ -1,5 +1,7 @@
 #include "server/jobs/job_task.h"
 
+#include <algorithm>
+
 #include "api/json/job_options.h"
 #include "core/base/try.h"
 #include "core/pipeline/units/flight_cut.h"
@@ -19,6 +21,10 @@ Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flig
                                                       static_cast<std::size_t>(share.count), files.size());
   files = {files.begin() + static_cast<std::ptrdiff_t>(range.first),
            files.begin() + static_cast<std::ptrdiff_t>(range.end)};
+  if (share.names) {
+    const auto is_other = [&](const storage::StoredFile& file) { return share.names->count(file.name) == 0; };
+    files.erase(std::remove_if(files.begin(), files.end(), is_other), files.end());
+  }
   made.task.files_dir = context.blobs.FolderOf(storage::FilesPrefix(flight_id));
   made.task.options = options;
   made.task.title = flight.name;

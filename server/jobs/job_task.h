@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "core/base/progress.h"
@@ -21,10 +22,11 @@ struct LimitedTask {
   FilesInUse in_use;  // what was fetched for it
 };
 
-// One of `count` nearly equal shares of a flight's files, in the order of their names.
+// One of `count` nearly equal shares of a flight's files, in the order of their names; or those of `names`.
 struct ShareOfFiles {
   int number = 0;
   int count = 1;
+  std::optional<std::set<std::string>> names = std::nullopt;
 };
 
 Result<LimitedTask> TaskOf(const WorkerContext& context, const std::string& flight_id,

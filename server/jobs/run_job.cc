@@ -144,8 +144,9 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
   if (!fetched) return {fetched.error()};
   made->task.out_dir = out_dir;
   if (cut.step == CutStep::kPutTogether) {
-    const Result<void> parts = FetchParts(context, lease, UnitKind::kRender, *made, progress);
+    Result<PartsHere> parts = FetchParts(context, lease, UnitKind::kRender, progress);
     if (!parts) return {parts.error()};
+    UseParts(*std::move(parts), *made);
     made->task.renders = cut.renders;
   }
   return StitchApart(std::move(made->task), made->limits, progress);

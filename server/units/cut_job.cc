@@ -8,9 +8,11 @@
 
 #include "core/base/try.h"
 #include "core/pipeline/units/flight_cut.h"
+#include "core/pipeline/units/shown_photos.h"
 #include "server/jobs/job_task.h"
 #include "server/jobs/stitch_apart.h"
 #include "server/routing/request_log.h"
+#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -87,23 +89,35 @@ void RemoveUnits(const WorkerContext& context, const storage::Lease& lease) {
   if (!removed) LogFailure(lease.job_id, "units", removed.error().message);  // swept later
 }
 
-Result<void> FetchParts(const WorkerContext& context, const storage::Lease& lease, UnitKind kind,
-                        LimitedTask& made, Progress& progress) {
-  if (context.blobs.IsFolder()) {
-    made.task.units_dir = UnitsFolder(context.dir, lease.job_id);
-    return {};
-  }
+Result<PartsHere> FetchParts(const WorkerContext& context, const storage::Lease& lease, UnitKind kind,
+                             Progress& progress) {
+  if (context.blobs.IsFolder()) return PartsHere{UnitsFolder(context.dir, lease.job_id), {}};
   const std::string prefix = UnitsPrefix(lease.flight_id, lease.job_id);
-  made.task.units_dir = context.blobs.FolderOf(prefix);
+  PartsHere here{context.blobs.FolderOf(prefix), {}};
   // Placing needs what was found; rendering and what comes after it the facts, not what was found.
   const UnitKind first = kind == UnitKind::kLook ? UnitKind::kLook : UnitKind::kPlace;
   for (const UnitKind wanted : {first, kind}) {
     SKYQUILT_TRY_ASSIGN(FilesInUse parts,
                         FetchBelow(context.blobs, prefix + UnitKindName(wanted) + "-", progress));
-    made.in_use.insert(made.in_use.end(), parts.begin(), parts.end());
+    here.in_use.insert(here.in_use.end(), parts.begin(), parts.end());
     if (first == kind) break;
   }
-  return {};
+  return here;
+}
+
+void UseParts(PartsHere parts, LimitedTask& made) {
+  made.task.units_dir = std::move(parts.dir);
+  made.in_use.insert(made.in_use.end(), parts.in_use.begin(), parts.in_use.end());
+}
+
+Result<ShareOfFiles> ShownIn(const PartsHere& parts, const storage::UnitLease& unit) {
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(UnitFiles(parts.dir).Shown()));
+  SKYQUILT_TRY_ASSIGN(const pipeline::ShownPhotos shown, pipeline::ParseShown(bytes));
+  ShareOfFiles share;
+  share.names = shown.NamesIn(pipeline::RangeOf(static_cast<std::size_t>(unit.number),
+                                                static_cast<std::size_t>(unit.count),
+                                                static_cast<std::size_t>(unit.items)));
+  return share;
 }
 
 Result<std::filesystem::path> MakeOutFolder(const WorkerContext& context, const std::string& job_id,
@@ -158,7 +172,8 @@ Result<bool> CutIntoLooks(WorkerContext& context, const storage::Lease& lease, c
 Result<bool> PlaceAndCut(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                          Progress& progress) {
   SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, lease.flight_id, lease.options, {}, progress));
-  SKYQUILT_TRY(FetchParts(context, lease, UnitKind::kLook, made, progress));
+  SKYQUILT_TRY_ASSIGN(PartsHere parts, FetchParts(context, lease, UnitKind::kLook, progress));
+  UseParts(std::move(parts), made);
   SKYQUILT_TRY_ASSIGN(made.task.out_dir, MakeOutFolder(context, lease.job_id, UnitKind::kPlace, 0));
   made.task.unit = UnitToDo{.kind = UnitKind::kPlace, .looks = cut.looks};
   const StitchedApart placed = StitchApart(std::move(made.task), made.limits, progress);

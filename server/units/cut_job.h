@@ -40,9 +40,16 @@ Result<bool> CutIntoLooks(WorkerContext& context, const storage::Lease& lease, c
 Result<bool> PlaceAndCut(WorkerContext& context, const storage::Lease& lease, const CutJob& cut,
                          Progress& progress);
 
-// Sets made.task.units_dir, with what units of this kind left, and of those before it; fetches it if need be.
-Result<void> FetchParts(const WorkerContext& context, const storage::Lease& lease, UnitKind kind,
-                        LimitedTask& made, Progress& progress);
+// What units of a kind left, and those before it, where it is on this machine.
+struct PartsHere {
+  std::filesystem::path dir;
+  FilesInUse in_use;  // what was fetched for it
+};
+Result<PartsHere> FetchParts(const WorkerContext& context, const storage::Lease& lease, UnitKind kind,
+                             Progress& progress);
+void UseParts(PartsHere parts, LimitedTask& made);
+// The photos that a unit that renders may show, by what placing left.
+Result<ShareOfFiles> ShownIn(const PartsHere& parts, const storage::UnitLease& unit);
 // The folder into which a unit writes, made.
 Result<std::filesystem::path> MakeOutFolder(const WorkerContext& context, const std::string& job_id,
                                             UnitKind kind, int number);

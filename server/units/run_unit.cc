@@ -28,14 +28,17 @@ Result<UnitKind> KindOf(const storage::UnitLease& unit) {
 Result<void> Make(const WorkerContext& context, const storage::UnitLease& unit, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(const UnitKind kind, KindOf(unit));
   const bool looks = kind == UnitKind::kLook;
-  const ShareOfFiles share = looks ? ShareOfFiles{unit.number, unit.count} : ShareOfFiles{};
-  SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, unit.flight_id, unit.options, share, progress));
   storage::Lease of_job;
   of_job.job_id = unit.job_id;
   of_job.flight_id = unit.flight_id;
+  ShareOfFiles share{unit.number, unit.count};
+  PartsHere placed;
   if (!looks) {
-    SKYQUILT_TRY(FetchParts(context, of_job, UnitKind::kPlace, made, progress));
+    SKYQUILT_TRY_ASSIGN(placed, FetchParts(context, of_job, UnitKind::kPlace, progress));
+    SKYQUILT_TRY_ASSIGN(share, ShownIn(placed, unit));
   }
+  SKYQUILT_TRY_ASSIGN(LimitedTask made, TaskOf(context, unit.flight_id, unit.options, share, progress));
+  UseParts(std::move(placed), made);
   SKYQUILT_TRY_ASSIGN(made.task.out_dir, MakeOutFolder(context, unit.job_id, kind, unit.number));
   made.task.unit = UnitToDo{kind, unit.number, unit.count, looks ? 0 : unit.items};
   const StitchedApart done = StitchApart(std::move(made.task), made.limits, progress);

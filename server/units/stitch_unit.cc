@@ -49,6 +49,7 @@ Result<UnitDone> Place(const std::vector<flight::InputFile>& files, int looks, c
       const pipeline::PlacedUnit placed,
       pipeline::PlaceFound(files, std::move(found), options, source, elevations.source.get(), progress));
   SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / kFactsFile, placed.facts));
+  SKYQUILT_TRY(storage::WriteFileAtomically(out_dir / kShownFile, pipeline::WriteShown(placed.shown)));
   return UnitDone{static_cast<std::int64_t>(placed.blocks), StagesOf(placed.timings)};
 }
 

@@ -22,6 +22,7 @@ struct UnitToDo {
 
 inline constexpr const char* kFoundFile = "found.cbor";  // pipeline::WriteFound
 inline constexpr const char* kFactsFile = "facts.cbor";  // pipeline::PlacedUnit::facts
+inline constexpr const char* kShownFile = "shown.cbor";  // pipeline::WriteShown
 
 class UnitFiles {
  public:
@@ -32,6 +33,7 @@ class UnitFiles {
   // Of the files that unit `number` looked at.
   std::filesystem::path Found(int number) const { return Folder(UnitKind::kLook, number) / kFoundFile; }
   std::filesystem::path Facts() const { return Folder(UnitKind::kPlace, 0) / kFactsFile; }
+  std::filesystem::path Shown() const { return Folder(UnitKind::kPlace, 0) / kShownFile; }
 
  private:
   std::filesystem::path root_;

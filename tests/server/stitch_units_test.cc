@@ -1,13 +1,17 @@
 // A flight that is cut into units becomes the map that one process makes of it, however it is cut.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 
 #include "core/flight/read_flight.h"
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/found_photos.h"
+#include "core/pipeline/units/shown_photos.h"
 #include "core/simulate/simulate_flight.h"
 #include "server/jobs/stitch_job.h"
 #include "server/units/stitch_unit.h"
@@ -77,6 +81,18 @@ class StitchUnits : public testing::Test {
     return StitchUnit(files, todo, units, units.Folder(todo.kind, todo.number), Options(), progress);
   }
 
+  // What a worker that has none of the photos fetches for a range.
+  static std::vector<flight::InputFile> ShownIn(const UnitFiles& units, int number, int renders,
+                                                std::int64_t blocks) {
+    const auto shown = pipeline::ParseShown(BytesOf(units.Shown()));
+    EXPECT_TRUE(shown.ok() && shown->of_blocks.size() == static_cast<std::size_t>(blocks));
+    const std::set<std::string> names = shown->NamesIn(pipeline::RangeOf(number, renders, blocks));
+    std::vector<flight::InputFile> files;
+    std::copy_if(files_.begin(), files_.end(), std::back_inserter(files),
+                 [&](const flight::InputFile& file) { return names.count(file.name) > 0; });
+    return files;
+  }
+
   // Every unit, and the map of them in `root`/map.
   static void Stitch(const fs::path& root, int looks, int renders) {
     const UnitFiles units(root / "units");
@@ -96,7 +112,7 @@ class StitchUnits : public testing::Test {
     for (int number = 0; number < renders; ++number) {
       const auto rendered = Run(
           units, {.kind = UnitKind::kRender, .number = number, .count = renders, .blocks = placed->blocks},
-          files_);
+          ShownIn(units, number, renders, placed->blocks));
       ASSERT_TRUE(rendered.ok()) << rendered.error().message;
       options.part_dirs.push_back(units.Folder(UnitKind::kRender, number));
     }
@@ -162,6 +178,38 @@ TEST_F(StitchUnits, DamagedPartsAreToldOrMadeAnew) {
   ASSERT_TRUE(map.ok()) << map.error().message;
   EXPECT_LT(map->blocks_kept, map->blocks);
   EXPECT_TRUE(TilesOf(*folder_ / "whole" / "mosaic.mbtiles") == TilesOf(root / "again" / "mosaic.mbtiles"));
+}
+
+TEST_F(StitchUnits, ARangeShowsSomeOfThePhotosAndAllRangesAllOfThem) {
+  const fs::path root = *folder_ / "shown";
+  Stitch(root, 1, 6);
+  const UnitFiles units(root / "units");
+  const auto shown = pipeline::ParseShown(BytesOf(units.Shown()));
+  ASSERT_TRUE(shown.ok());
+  const std::size_t blocks = shown->of_blocks.size();
+  std::set<std::string> all;
+  std::size_t fewest = files_.size();
+  for (std::size_t unit = 0; unit < 6; ++unit) {
+    const std::set<std::string> names = shown->NamesIn(pipeline::RangeOf(unit, 6, blocks));
+    fewest = std::min(fewest, names.size());
+    all.insert(names.begin(), names.end());
+  }
+  EXPECT_EQ(all.size(), files_.size());
+  EXPECT_LT(fewest, files_.size());
+  EXPECT_TRUE(shown->NamesIn({blocks, blocks + 9}).empty());
+}
+
+TEST_F(StitchUnits, ShownPhotosThatAreDamagedAreRefused) {
+  pipeline::ShownPhotos shown{{"a.jpg", "b.jpg"}, {{0, 1}, {}, {1}}};
+  const std::string bytes = pipeline::WriteShown(shown);
+  const auto read = pipeline::ParseShown(bytes);
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read->names, shown.names);
+  EXPECT_EQ(read->of_blocks, shown.of_blocks);
+  for (std::size_t length = 0; length < bytes.size(); ++length)
+    EXPECT_EQ(pipeline::ParseShown(bytes.substr(0, length)).error().code, ErrorCode::kCorrupt) << length;
+  shown.of_blocks[1] = {2};
+  EXPECT_EQ(pipeline::ParseShown(pipeline::WriteShown(shown)).error().code, ErrorCode::kCorrupt);
 }
 
 TEST_F(StitchUnits, PartsOfNoPossibleSizeAreRefused) {

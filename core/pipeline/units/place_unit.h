@@ -15,11 +15,13 @@
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/mosaic_report.h"
 #include "core/pipeline/units/found_photos.h"
+#include "core/pipeline/units/shown_photos.h"
 
 namespace skyquilt::pipeline {
 
 struct PlacedUnit {
   std::string facts;  // as WriteFacts has them, with the appearance of the map
+  ShownPhotos shown;
   std::size_t blocks = 0;
   std::vector<StageTiming> timings;
 };
