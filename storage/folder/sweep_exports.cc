@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/base/try.h"
+#include "storage/db/ids.h"
 #include "storage/folder/elsewhere/sweep_blobs.h"
 #include "storage/folder/lost_folder.h"
 
@@ -21,6 +22,11 @@ Result<std::set<std::string>> KnownExports(const MapExports& exports, const std:
 
 std::string ExportsPrefix(const std::string& flight_id) {
   return FlightPrefix(flight_id) + kExportsFolder + "/";
+}
+
+// As ExportKey names them: an id, and the ending of a format.
+bool IsExportName(const fs::path& name) {
+  return IsId(name.stem().string()) && name.has_extension() && !name.has_parent_path();
 }
 
 }  // namespace
@@ -56,6 +62,7 @@ Result<int> SweepExportBlobs(BlobStore& blobs, const Catalogue& catalogue, const
     SKYQUILT_TRY_ASSIGN(const std::set<std::string> known, KnownExports(exports, id));
     for (const BlobInfo& blob : there) {
       if (known.contains(blob.key) || store_time - blob.changed < orphan_age) continue;
+      if (!IsExportName(blob.key.substr(ExportsPrefix(id).size()))) continue;  // not ours
       SKYQUILT_TRY(blobs.Remove(blob.key));
       ++removed;
     }

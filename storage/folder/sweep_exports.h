@@ -1,7 +1,8 @@
 // SweepExports: files of exports that the catalogue does not know, as after a restore from a backup or a
 // crash between a file and its row. In the data folder they move to lost/ (LostFolder), once at the start of
 // a server, by the one process that holds the DataDirLock. Elsewhere they are removed when they are older
-// than `orphan_age` by the store's clock: an export can be made again. Errors: those of blobs and catalogue.
+// than `orphan_age` by the store's clock, where they are called as exports are: one can be made again.
+// Errors: those of blobs and catalogue.
 #pragma once
 
 #include <chrono>

@@ -20,7 +20,8 @@ Result<PlacedUnit> PlaceFound(const std::vector<flight::InputFile>& files, Found
                       PlaceFlight(files, options, source, dem, nullptr, stages, progress, std::move(found)));
   SKYQUILT_TRY_ASSIGN(const PlannedMap planned, PlanMap(placed.facts, placed.gsd_m, options, stages));
   placed.facts.appearance = planned.Appearance();
-  return PlacedUnit{WriteFacts(placed.facts), FindShown(placed.facts, planned), planned.plan.blocks.size(), std::move(report.timings)};
+  return PlacedUnit{WriteFacts(placed.facts), FindShown(placed.facts, planned), planned.plan.blocks.size(),
+                    std::move(report.timings)};
 }
 
 }  // namespace skyquilt::pipeline

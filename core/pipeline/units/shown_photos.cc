@@ -37,8 +37,8 @@ std::string WriteShown(const ShownPhotos& shown) {
   Cbor names = Cbor::array(), blocks = Cbor::array();
   for (const std::string& name : shown.names) names.push_back(CborOfText<Cbor>(name));
   for (const auto& photos : shown.of_blocks) blocks.push_back(CborOfValues<Cbor>(photos));
-  const std::vector<std::uint8_t> bytes = Cbor::to_cbor(
-      {{"version", kShownVersion}, {"names", std::move(names)}, {"blocks", std::move(blocks)}});
+  const std::vector<std::uint8_t> bytes =
+      Cbor::to_cbor({{"version", kShownVersion}, {"names", std::move(names)}, {"blocks", std::move(blocks)}});
   return {bytes.begin(), bytes.end()};
 }
 

@@ -9,7 +9,8 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from server_support import BINARY, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running, wait_until  # noqa: E402
+from server_support import (BINARY, BLOBS, ServerTestCase, catalogue_words, children_of, in_catalogue, is_running,  # noqa: E402
+                            kept_of_flights, wait_until)
 
 
 def confined_exports(server):
@@ -50,6 +51,10 @@ class Exports(ServerTestCase):
             return self.shown["state"] in ("successful", "failed")
         wait_until(has_ended, f"the export did not end: {self.shown} {server.errors()}")
         return self.shown
+
+    def files_of(self, flight):
+        """The files of a flight's exports, wherever they lie."""
+        return [name for name in kept_of_flights(self.data) if name.startswith(f"{flight}/exports/")]
 
     def test_every_format_and_what_cannot_be(self):
         server = self.serve()
@@ -107,8 +112,7 @@ class Exports(ServerTestCase):
         self.assertEqual(server.request("DELETE", asked[0]["href"])[0], 204)
         self.assertEqual(server.request("GET", asked[0]["href"])[0], 404)
         self.assertEqual(server.request("GET", asked[0]["href"] + "/file")[0], 404)
-        folder = pathlib.Path(self.data, "flights", flight, "exports")
-        self.assertEqual(len(list(folder.iterdir())), len(asked) - 1)
+        self.assertEqual(len(self.files_of(flight)), len(asked) - 1)
         self.assertEqual(server.request("DELETE", f"/api/v1/flights/{flight}")[0], 204)
         self.assertEqual(server.request("GET", asked[1]["href"])[0], 404)
 
@@ -142,7 +146,8 @@ class Exports(ServerTestCase):
         in_catalogue(self.data, "UPDATE map_export SET state='accepted', revision=77, lease_until_us=0, expires_us=NULL WHERE id=?", export["id"])
         in_catalogue(self.data, "UPDATE map_export SET expires_us=1 WHERE id=?", again["id"])
         stray = pathlib.Path(self.data, "flights", flight, "exports", "stray.tif")
-        stray.write_bytes(b"x")
+        if BLOBS is None:
+            stray.write_bytes(b"x")
         server = self.serve()
         failed = self.finished(server, export)
         self.assertEqual(failed["state"], "failed")
@@ -150,7 +155,9 @@ class Exports(ServerTestCase):
         self.assertEqual(server.request("GET", failed["href"] + "/file")[0], 409)
         # Its day was over: the first round of the housekeeper took it, and what nobody knows lies in lost/.
         wait_until(lambda: server.request("GET", again["href"])[0] == 404, "an export outlived its day")
-        wait_until(lambda: not list(stray.parent.glob(again["id"] + "*")), "the file of an expired export stayed")
+        wait_until(lambda: not any(again["id"] in name for name in self.files_of(flight)), "the file of an expired export stayed")
+        if BLOBS is not None:
+            return  # what nobody knows there waits for the daily sweep of the store
         self.assertFalse(stray.exists())
         self.assertEqual([path.read_bytes() for path in pathlib.Path(self.data, "lost").rglob("stray.tif")], [b"x"])
 

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <fstream>
 #include <set>
 #include <string>
 
+#include "storage/blobs/folder_blobs.h"
 #include "storage/catalogue/catalogue.h"
+#include "storage/db/ids.h"
+#include "storage/folder/sweep_exports.h"
 #include "tests/storage/postgres/test_catalogue.h"
 #include "tests/storage/scratch_dir.h"
 
@@ -119,6 +123,24 @@ TEST_F(MapExportsTest, GoesWithItsFlight) {
   ASSERT_TRUE(catalogue_.DeleteFlight(flight));
   EXPECT_FALSE(exports_.Get(flight, asked.id));
   EXPECT_FALSE(*exports_.Claim(Now()));
+}
+
+TEST_F(MapExportsTest, BlobsOfExportsThatNobodyKnowsAreTakenAndNoOthers) {
+  const std::string flight = Flight();
+  FolderBlobs blobs(dir_.path() / "store");
+  const auto put = [&](const std::string& key) {
+    std::ofstream(dir_.path() / "file") << "x";
+    ASSERT_TRUE(blobs.Put(key, dir_.path() / "file"));
+  };
+  const std::string below = "flights/" + flight + "/exports/";
+  const std::string known = ExportKey(Ask(flight)), stray = below + NewId() + ".tif";
+  const std::string of_user = below + "mine.tif";
+  for (const std::string& key : {known, stray, of_user}) put(key);
+  EXPECT_EQ(*SweepExportBlobs(blobs, catalogue_, exports_, std::chrono::hours(1)), 0);  // too young
+  EXPECT_EQ(*SweepExportBlobs(blobs, catalogue_, exports_, std::chrono::seconds(0)), 1);
+  EXPECT_TRUE(blobs.Find(known).ok());
+  EXPECT_FALSE(blobs.Find(stray).ok());
+  EXPECT_TRUE(blobs.Find(of_user).ok());
 }
 
 }  // namespace
