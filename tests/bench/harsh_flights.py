@@ -17,6 +17,7 @@ import numpy
 TESTS = pathlib.Path(__file__).resolve().parents[1]
 sys.path += [str(TESTS / "e2e"), str(TESTS / "e2e" / "command_line")]
 import control_test
+import film_test
 
 
 def exif(photos, *arguments):
@@ -126,6 +127,21 @@ def control_alone(folder):
     marked = control_test.gcp_list(truth, [tuple(south_west + (north_east - south_west) * share) for share in shares])
     without_positions(folder)
     (folder / "photos" / "gcp_list.txt").write_text(marked)
+
+
+def film(folder):
+    """The frames of a film and the subtitles beside it; no photo. The film is the camera's, by a lossy codec."""
+    photos = truth_of(folder)["photos"]
+    first = cv2.imread(str(folder / "photos" / photos[0]["name"]))
+    writer = cv2.VideoWriter(str(folder / "photos" / "DJI_0001.MP4"), cv2.VideoWriter_fourcc(*"mp4v"),
+                             film_test.FRAMES_PER_S, first.shape[1::-1])
+    for photo in photos:
+        path = folder / "photos" / photo["name"]
+        writer.write(cv2.imread(str(path)))
+        path.unlink()
+    writer.release()
+    (folder / "photos" / "DJI_0001.SRT").write_text(
+        "".join(film_test.subtitle(number, photo) for number, photo in enumerate(photos)))
 
 
 def without_records(folder):
@@ -290,6 +306,8 @@ HARSH = {
     "no_positions_windy": ([[*XMP, "--tilt-deg", "12", "--yaw", "any"]], without_positions),
     "control_alone": ([XMP], control_alone),
     "no_records": ([XMP], without_records),
+    # Three frames for one of the other flights' photos: a film's are close together.
+    "film": ([[*XMP, "--size", "1280x720", "--overlap", "0.93"]], film),
     "feet": ([XMP], heights_in_feet),
     "late_positions": ([XMP], late_positions),
     "turned_mount": ([XMP], yaw_of_the_mount),
