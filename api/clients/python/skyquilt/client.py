@@ -29,6 +29,16 @@ class Client:
         self.url = self.transport.url
         self.api = Operations(self.transport)
 
+    def close(self) -> None:
+        """Closes the connection that this thread keeps; a later call makes another."""
+        self.transport.forget()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def patient(self, on_waiting: Optional[Waiting] = None) -> Operations:
         """The operations with the patience of uploads and waits."""
         return Operations(self.transport.patient(self.patience_s, on_waiting))

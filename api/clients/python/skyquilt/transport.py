@@ -78,7 +78,7 @@ class Transport:
     def patient(self, patience_s: float, on_waiting: Optional[Waiting] = None) -> Transport:
         """The same server with another patience."""
         other = Transport(self.url, self.token, patience_s=patience_s, timeout_s=self._timeout_s, context=self._context)
-        other.on_waiting = on_waiting
+        other.on_waiting, other._kept = on_waiting, self._kept
         return other
 
     def request(self, method: str, path: str, *, body: Optional[Body] = None, headers: Optional[Mapping[str, str]] = None,
@@ -99,7 +99,6 @@ class Transport:
             except ConnectionRefusedError as error:  # nothing was sent
                 patience.wait(self._away(error), error)
             except (OSError, http.client.HTTPException) as error:
-                self.forget()
                 if isinstance(error, ssl.SSLCertVerificationError):
                     raise ServerAway(f"The certificate of {self.url} is not trusted: {error.verify_message}.") from error
                 if not is_repeatable or not isinstance(body, (bytes, type(None))):
@@ -109,9 +108,6 @@ class Transport:
                 if error.status not in RETRIED or not isinstance(body, (bytes, type(None))):
                     raise
                 patience.wait(str(error), error, _retry_after_s(error))
-            except BaseException:  # a body that could not be read, or was no longer wanted, leaves half a request behind
-                self.forget()
-                raise
 
     def _away(self, error: BaseException) -> str:
         if isinstance(error, ConnectionRefusedError):
@@ -123,7 +119,24 @@ class Transport:
         return f"The connection to {self.url} broke: {error or type(error).__name__}."
 
     def _once(self, method: str, path: str, body: Optional[Body], headers: Mapping[str, str]) -> Answer:
-        connection, prefix = self._connection()
+        connection, prefix = self._take()
+
+        def release(is_read: bool) -> None:
+            if is_read and getattr(self._kept, "connection", None) is None:
+                self._kept.connection = (connection, prefix)
+            else:
+                connection.close()
+
+        try:
+            return self._answer(connection, prefix, method, path, body, headers, release)
+        except Refused:
+            raise
+        except BaseException:  # a body that could not be read, or was no longer wanted, leaves half a request behind
+            connection.close()
+            raise
+
+    def _answer(self, connection: http.client.HTTPConnection, prefix: str, method: str, path: str, body: Optional[Body],
+                headers: Mapping[str, str], release: Callable[[bool], None]) -> Answer:
         target = f"{prefix}{self._parts.path.rstrip('/')}{path}"
         try:
             connection.request(method, target, body=body, headers=dict(headers))
@@ -137,11 +150,6 @@ class Transport:
                 raise
         else:
             response = connection.getresponse()
-
-        def release(is_read: bool) -> None:
-            if not is_read:
-                self.forget()
-
         answer = Answer(response, release)
         if response.status in (301, 302, 307, 308):
             answer.close()
@@ -152,13 +160,12 @@ class Transport:
             content = answer.read(LARGEST_PROBLEM_BYTES)
         raise _refusal_of(response, content)
 
-    def _connection(self) -> Tuple[http.client.HTTPConnection, str]:
-        """This thread's connection, and what stands before the path where a proxy is asked."""
+    def _take(self) -> Tuple[http.client.HTTPConnection, str]:
+        """A connection, and what stands before the path where a proxy is asked: the one that this thread kept, unless an answer
+        of it is still being read."""
         kept: Optional[Tuple[http.client.HTTPConnection, str]] = getattr(self._kept, "connection", None)
-        if kept is None:
-            kept = self._connect()
-            self._kept.connection = kept
-        return kept
+        self._kept.connection = None
+        return kept or self._connect()
 
     def _connect(self) -> Tuple[http.client.HTTPConnection, str]:
         host, port = self._parts.hostname or "", self._parts.port
@@ -178,7 +185,7 @@ class Transport:
                 f"http://{self._parts.netloc}")
 
     def forget(self) -> None:
-        """Closes this thread's connection; the next request makes another."""
+        """Closes the connection that this thread keeps; the next request makes another."""
         kept = getattr(self._kept, "connection", None)
         if kept is not None:
             kept[0].close()

@@ -103,7 +103,7 @@ class SkyquiltPlugin:
             self.is_refreshing = False
             self.dock.say(text)
 
-        self.workers.start("Flights of Skyquilt", lambda tell: [flight.record for flight in client.each_flight()], show, fail,
+        self.workers.start("Flights of Skyquilt", client, lambda tell: [flight.record for flight in client.each_flight()], show, fail,
                            cancelled=lambda: fail(""))
 
     def change_settings(self):
@@ -120,7 +120,7 @@ class SkyquiltPlugin:
         record, client = self.dock.chosen(), self.connect()
         if record is None or client is None:
             return
-        self.workers.start(f"Map of {record['name']}", lambda tell: layers.described(client, record["id"], self.reading_tokens),
+        self.workers.start(f"Map of {record['name']}", client, lambda tell: layers.described(client, record["id"], self.reading_tokens),
                            lambda map_of: self.show_layer(map_of, kind), self.complain)
 
     def show_layer(self, map_of, kind):
@@ -180,7 +180,7 @@ class SkyquiltPlugin:
             self.dock.say("The upload was stopped. What has arrived stays at the server.")
             self.refresh()
 
-        self.upload_work = self.workers.start(f"Upload of {name}", call, done, failed, cancelled=cancelled)
+        self.upload_work = self.workers.start(f"Upload of {name}", client, call, done, failed, cancelled=cancelled)
         self.progress_timer.start(PROGRESS_MS)
 
     def show_upload(self):
@@ -210,7 +210,7 @@ class SkyquiltPlugin:
             self.dock.show_flights(records)
             self.dock.choose(flight_id)
 
-        self.workers.start("Flights of Skyquilt", lambda tell: [flight.record for flight in client.each_flight()], show, self.dock.say)
+        self.workers.start("Flights of Skyquilt", client, lambda tell: [flight.record for flight in client.each_flight()], show, self.dock.say)
 
     # Photos of a place
 
@@ -252,7 +252,7 @@ class SkyquiltPlugin:
             self.dock.photos.show()
             self.dock.photos.show_place(at.x(), at.y(), found)
 
-        self.workers.start("Photos of a place", call, show, self.complain)
+        self.workers.start("Photos of a place", client, call, show, self.complain)
 
     def load_photo(self, flight_id, name):
         """A photo of the list."""
@@ -264,5 +264,5 @@ class SkyquiltPlugin:
             with client.api.get_file(flight_id, name) as answer:
                 return answer.read_all()
 
-        self.workers.start(f"Photo {name}", call, lambda content: self.dock.photos.show_bytes(flight_id, name, content),
+        self.workers.start(f"Photo {name}", client, call, lambda content: self.dock.photos.show_bytes(flight_id, name, content),
                            lambda text: self.dock.photos.say_of(flight_id, name, text))

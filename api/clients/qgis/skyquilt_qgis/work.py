@@ -14,9 +14,9 @@ class Work(QgsTask):
     """`call(tell)` in a thread of its own, where `tell` takes the client's progress; then, in the main thread, `done(result)` or
     `failed(sentence)`. Neither where it was cancelled: then `cancelled()`."""
 
-    def __init__(self, title, call, done, failed, *, tell=None, cancelled=None):
+    def __init__(self, title, client, call, done, failed, cancelled):
         super().__init__(title, QgsTask.CanCancel)
-        self._call, self._done, self._failed, self._tell, self._cancelled = call, done, failed, tell, cancelled
+        self._client, self._call, self._done, self._failed, self._cancelled = client, call, done, failed, cancelled
         self._result, self._error, self.flight_id = None, None, None
         self.last = None  # of the progress; read by the main thread
 
@@ -40,6 +40,8 @@ class Work(QgsTask):
         except Exception as error:  # a defect of the plugin must not end QGIS
             QgsMessageLog.logMessage(traceback.format_exc(), "Skyquilt", Qgis.Critical)
             self._error = f"{type(error).__name__}: {error}. The log, page Skyquilt, has more."
+        finally:
+            self._client.close()  # this thread's connection
         return False
 
     def finished(self, is_done):
@@ -48,7 +50,7 @@ class Work(QgsTask):
             self._done(self._result)
         elif self._error is not None:
             self._failed(self._error)
-        elif self._cancelled is not None:
+        else:
             self._cancelled()
 
 
@@ -59,7 +61,7 @@ class Workers:
         self._running = set()
         self._is_over = False
 
-    def start(self, title, call, done, failed, *, cancelled=None):
+    def start(self, title, client, call, done, failed, *, cancelled=None):
         """The task that was started."""
         def ending(then):
             def end(*said):
@@ -67,7 +69,7 @@ class Workers:
                 if then is not None and not self._is_over:
                     then(*said)
             return end
-        work = Work(title, call, ending(done), ending(failed), cancelled=ending(cancelled))
+        work = Work(title, client, call, ending(done), ending(failed), ending(cancelled))
         self._running.add(work)
         QgsApplication.taskManager().addTask(work)
         return work
