@@ -53,19 +53,20 @@ class Plugin(MapFileTestCase):
     def test_a_map_becomes_layers(self):
         _, _, west, north, pixel_m, side = self.inner_window()
         window = (west, north - side * pixel_m, west + side * pixel_m, north, side)
-        rows, may_add, tiles, extent, _, geotiff, _, outlines, _, _ = self.session(
+        rows, may_add, tiles, extent, _, geotiff, _, outlines, _, _, again = self.session(
             self.address(""), ["rows"], ["choose", self.flight_id], ["add", "tiles"], ["extent"], ["render", "tiles.png", *window],
             ["add", "geotiff"], ["render", "geotiff.png", *window], ["add", "footprints"], ["render", "outlines.png", *window],
-            ["grab", "window.png"])
+            ["grab", "window.png"], ["go"])
         _, flight = self.server.json("GET", f"/api/v1/flights/{self.flight_id}")
         self.assertEqual(rows, [[flight["name"], flight["captured"]["first"][:10], str(len(self.photos)), f"{100 * flight['gsd_m']:.1f} cm"]])
         self.assertTrue(may_add)
         self.assertEqual((tiles[0], tiles[2], geotiff[0], geotiff[2]), ("wms", True, "gdal", True))
         self.assertEqual(outlines[0::2] + outlines[3:], ["ogr", True, len(self.photos)])
         self.assertNotIn("token", tiles[1] + geotiff[1] + outlines[1])
-        for got, want, less in zip(extent, flight["bounds"], (1, 1, -1, -1)):
-            self.assertLessEqual(less * got, less * want)  # all of it is to be seen
-        self.assertLess(extent[2] - extent[0], 4 * (flight["bounds"][2] - flight["bounds"][0]))
+        for shown in (extent, again):
+            for got, want, less in zip(shown, flight["bounds"], (1, 1, -1, -1)):
+                self.assertLessEqual(less * got, less * want)  # all of it is to be seen
+            self.assertLess(shown[2] - shown[0], 4 * (flight["bounds"][2] - flight["bounds"][0]))
         want = self.pixels(self.gdal.Open(str(self.path("mbtiles"))), west, north, pixel_m, side).astype(int)
         self.assertGreater(want.std(), 5)
         shifted = abs(want[:, 1:, 1:] - want[:, :-1, :-1]).mean()
@@ -103,6 +104,8 @@ class Plugin(MapFileTestCase):
         self.assertEqual(len(stopped), 1)  # nothing went wrong
         self.assertIn("upload", stages)
         self.assertEqual(said[1:], ["The map of Field 7 is there."])
+        window = self.gdal.Open(str(self.out / "window.png")).ReadAsArray()[:3].astype(int)
+        self.assertGreater((window[1] - window[2] > 20).mean(), 0.2)  # green fields on the canvas
         self.assertEqual([(row[0], row[2]) for row in rows if row[0] == "Field 7"], [("Field 7", str(len(self.photos)))])
         _, flights = server.json("GET", "/api/v1/flights")
         self.assertEqual({flight["name"]: flight["state"] for flight in flights["flights"]}["Field 7"], "ready")

@@ -150,7 +150,8 @@ class Session:
         job.renderedImage().save(os.path.join(OUT, name))
 
     def extent(self):
-        """What the canvas shows, in degrees."""
+        """What the canvas shows, in degrees, once nothing is on its way."""
+        self.settle()
         to_degrees = QgsCoordinateTransform(self.iface.canvas.mapSettings().destinationCrs(), QgsCoordinateReferenceSystem("EPSG:4326"),
                                             QgsProject.instance())
         box = to_degrees.transformBoundingBox(self.iface.canvas.extent())
@@ -197,11 +198,22 @@ class Session:
         self.until(lambda: self.plugin.upload_work is None and not self.plugin.is_refreshing)
         return self.dock.bar.isVisible()
 
+    def settle(self):
+        """Lets the window do what it has put off."""
+        for _ in range(50):
+            self.application.processEvents()
+            time.sleep(0.01)
+        self.until(lambda: not self.iface.canvas.isDrawing())
+
+    def go(self):
+        """From elsewhere to the chosen flight."""
+        self.iface.canvas.setExtent(QgsRectangle(0, 0, 1, 1))
+        self.dock.place_wanted.emit()
+        return self.extent()
+
     def grab(self, name):
         """The whole window as a picture."""
-        for _ in range(100):
-            self.application.processEvents()
-            time.sleep(0.02)
+        self.settle()
         self.iface.window.grab().save(os.path.join(OUT, name))
 
     def unload(self):

@@ -38,6 +38,7 @@ class Dock(QDockWidget):
     settings_wanted = pyqtSignal()
     upload_wanted = pyqtSignal()
     layer_wanted = pyqtSignal(str)
+    place_wanted = pyqtSignal()
     cancel_wanted = pyqtSignal()
 
     def __init__(self, parent):
@@ -64,6 +65,8 @@ class Dock(QDockWidget):
             action = menu.addAction(text)
             action.setToolTip(about)
             action.triggered.connect(lambda _, kind=kind: self.layer_wanted.emit(kind))
+        menu.addSeparator()
+        menu.addAction("Only go there").triggered.connect(self.place_wanted)
         self.add.setMenu(menu)
         self.upload = self._button("mActionSharingExport.svg", "Upload", "Send a folder of photos and have a map made")
         self.upload.clicked.connect(self.upload_wanted)

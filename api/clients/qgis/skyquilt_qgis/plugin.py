@@ -37,6 +37,7 @@ class SkyquiltPlugin:
         self.dock.settings_wanted.connect(self.change_settings)
         self.dock.upload_wanted.connect(self.choose_upload)
         self.dock.layer_wanted.connect(self.add_layer)
+        self.dock.place_wanted.connect(self.go_to_chosen)
         self.dock.cancel_wanted.connect(self.cancel_upload)
         self.dock.photos.wanted.connect(self.load_photo)
         self.dock.visibilityChanged.connect(lambda is_seen: self.refresh() if is_seen else None)
@@ -130,12 +131,23 @@ class SkyquiltPlugin:
             self.complain(f"The map of {map_of.name} cannot be opened: {layer.error().summary() or 'no reason is known'}")
             return
         QgsProject.instance().addMapLayer(layer)
+        # After QGIS itself, which shows all of a first layer: of tiles that is the world.
+        QTimer.singleShot(0, lambda: self.go_to(map_of.bounds))
+
+    def go_to(self, bounds):
+        """Shows west, south, east, north on the canvas."""
         canvas = self.iface.mapCanvas()
         to_project = self.transform(WGS84, canvas.mapSettings().destinationCrs())
-        extent = to_project.transformBoundingBox(QgsRectangle(*map_of.bounds))
+        extent = to_project.transformBoundingBox(QgsRectangle(*bounds))
         extent.scale(1.05)
         canvas.setExtent(extent)
         canvas.refresh()
+
+    def go_to_chosen(self):
+        """Shows where the chosen flight is."""
+        record = self.dock.chosen()
+        if record is not None and record["bounds"] is not None:
+            self.go_to(record["bounds"])
 
     @staticmethod
     def transform(source, target):
@@ -176,9 +188,10 @@ class SkyquiltPlugin:
             self.refresh()
 
         def cancelled():
+            is_sent = self.upload_work.last is not None and self.upload_work.last.stage not in ("upload", "waiting")
             self.end_upload()
-            self.dock.say("The upload was stopped. What has arrived stays at the server.")
-            self.refresh()
+            self.dock.say("The map is no longer waited for; the server goes on with it." if is_sent else
+                          "The upload was stopped. What has arrived stays at the server.")
 
         self.upload_work = self.workers.start(f"Upload of {name}", client, call, done, failed, cancelled=cancelled)
         self.progress_timer.start(PROGRESS_MS)
