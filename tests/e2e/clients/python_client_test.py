@@ -12,6 +12,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from server_support import BINARY, Server, ServerTestCase, catalogue_words, photos_of  # noqa: E402
@@ -129,6 +130,11 @@ class PythonClient(ServerTestCase):
         out.mkdir()
         whole = server.request("GET", f"/api/v1/flights/{flight.id}/download.tif")[2]
         self.assertEqual(flight.download("geotiff", out / "map.tif").read_bytes(), whole)
+        # While an answer is read another question has a connection of its own.
+        with client.api.download_geotiff(flight.id) as answer:
+            begun = answer.read(1000)
+            self.assertEqual(len(client.flights()), 1)
+            self.assertEqual(begun + answer.read_all(), whole)
         # Broken off in an earlier call: what is there is kept.
         (out / "half.tif.part").write_bytes(whole[:1000] )
         etag = server.request("GET", f"/api/v1/flights/{flight.id}/download.tif", headers={"Range": "bytes=0-0"})[1]["ETag"]
@@ -256,6 +262,32 @@ class PythonClient(ServerTestCase):
             with self.assertRaisesRegex(self.skyquilt.InputError, "https://elsewhere.example/"):
                 client.access()
             page.shutdown()
+
+    def test_the_networks_proxy_is_asked(self):
+        import http.server
+        import urllib.request
+        server, asked = self.start("--workers", "0"), []
+
+        class Proxy(http.server.BaseHTTPRequestHandler):
+            def do_GET(self):
+                asked.append(self.path)
+                direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+                with direct.open(self.path) as answer:
+                    body = answer.read()
+                self.send_response(200)
+                self.send_header("Content-Length", str(len(body)))
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, *_):
+                pass
+
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Proxy) as proxy:
+            threading.Thread(target=proxy.serve_forever, daemon=True).start()
+            with unittest.mock.patch.dict(os.environ, {"http_proxy": f"http://127.0.0.1:{proxy.server_port}", "no_proxy": ""}):
+                self.assertEqual(self.client(server).flights(), [])
+            proxy.shutdown()
+        self.assertEqual(asked, [f"http://127.0.0.1:{server.port}/api/v1/flights?limit=200"])
 
     def test_the_examples_run(self):
         server = self.start("--workers", "1")

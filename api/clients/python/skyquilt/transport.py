@@ -148,6 +148,7 @@ class Transport:
                 response = None
             if response is None or response.status < 400:
                 raise
+            release = _closing(connection)  # half a request is of no use to another
         else:
             response = connection.getresponse()
         answer = Answer(response, release)
@@ -214,6 +215,10 @@ class Patience:
             self._transport.on_waiting(f"{why} Tried again in {pause:.0f} s." if pause >= 1 else why)
         time.sleep(pause)
         self._pause_s = min(2 * self._pause_s, LONGEST_PAUSE_S)
+
+
+def _closing(connection: http.client.HTTPConnection) -> Callable[[bool], None]:
+    return lambda _: connection.close()
 
 
 def _retry_after_s(error: Refused) -> Optional[float]:

@@ -55,10 +55,10 @@ class SkyquiltPlugin:
         self.dock.place.toggled.connect(self.use_place_tool)
         self.iface.mapCanvas().mapToolSet.connect(self.tool_changed)
         self.refresh_timer, self.progress_timer = QTimer(), QTimer()
+        # Nothing is asked, not even for the master password, before the panel is seen.
         self.refresh_timer.timeout.connect(lambda: self.refresh() if self.dock.isVisible() else None)
         self.refresh_timer.start(REFRESH_MS)
         self.progress_timer.timeout.connect(self.show_upload)
-        self.refresh()
 
     def unload(self):
         """By QGIS: takes everything away again."""
