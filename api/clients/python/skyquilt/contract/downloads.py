@@ -1,0 +1,105 @@
+"""The map as files.
+
+Written by generate.py from api/openapi.json; changes belong there."""
+from typing import Any, Dict, Literal, Mapping, Optional, cast
+
+from . import models
+from ..transport import Calls, Answer
+
+
+class Downloads(Calls):
+    """The map as files."""
+
+    def add_export(self, flight: str, body: models.AddExportBody) -> models.Export:
+        """Have the map written in another format, coordinate system, area or resolution. It is made beside the
+        requests, one at a time, and kept for a day. Who may read the flight may ask. The same wish for the same map
+        is answered with the export that is there. 422 says what of the wish cannot be: a map that is not
+        georeferenced, a boundary outside it, a coordinate system of elsewhere, a resolution finer than the map's.
+        409: the flight has 12 exports."""
+        return cast("models.Export", self._send("POST", "/api/v1/flights/{flight}/exports", json_body=body,
+                                                path={"flight": flight}))
+
+    def cameras(self, flight: str) -> Any:
+        """The cameras, in OpenSfM's form."""
+        return cast("Any", self._send("GET", "/api/v1/flights/{flight}/cameras.json", path={"flight": flight}))
+
+    def download_all(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """Everything in one archive, with Range."""
+        return self._stream("GET", "/api/v1/flights/{flight}/download.zip", path={"flight": flight}, headers=headers)
+
+    def download_export(self, flight: str, export: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The file of an export."""
+        return self._stream("GET", "/api/v1/flights/{flight}/exports/{export}/file",
+                            path={"flight": flight, "export": export}, headers=headers)
+
+    def download_geotiff(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The map as cloud-optimised GeoTIFF."""
+        return self._stream("GET", "/api/v1/flights/{flight}/download.tif", path={"flight": flight}, headers=headers)
+
+    def download_layer_error(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """MBTiles of the layer "error", where the map was made with it."""
+        return self._stream("GET", "/api/v1/flights/{flight}/layer_error.mbtiles", path={"flight": flight},
+                            headers=headers)
+
+    def download_layer_height(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """MBTiles of the layer "height", where the map was made with it."""
+        return self._stream("GET", "/api/v1/flights/{flight}/layer_height.mbtiles", path={"flight": flight},
+                            headers=headers)
+
+    def download_layer_photo(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """MBTiles of the layer "photo", where the map was made with it."""
+        return self._stream("GET", "/api/v1/flights/{flight}/layer_photo.mbtiles", path={"flight": flight},
+                            headers=headers)
+
+    def download_mbtiles(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The map as MBTiles 1.3."""
+        return self._stream("GET", "/api/v1/flights/{flight}/download.mbtiles", path={"flight": flight},
+                            headers=headers)
+
+    def download_pmtiles(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The map as PMTiles v3, with Range."""
+        return self._stream("GET", "/api/v1/flights/{flight}/download.pmtiles", path={"flight": flight},
+                            headers=headers)
+
+    def geo_txt(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The photos' positions, for other engines."""
+        return self._stream("GET", "/api/v1/flights/{flight}/geo.txt", path={"flight": flight}, headers=headers)
+
+    def get_export(self, flight: str, export: str) -> models.Export:
+        """State of an export."""
+        return cast("models.Export", self._send("GET", "/api/v1/flights/{flight}/exports/{export}",
+                                                path={"flight": flight, "export": export}))
+
+    def get_footprints(self, flight: str) -> Dict[str, Any]:
+        """Footprint of every photo."""
+        return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/photos.geojson",
+                                                 path={"flight": flight}))
+
+    def get_layers_json(self, flight: str) -> Any:
+        """What the colours of the map's layers mean, where it was made with layers."""
+        return cast("Any", self._send("GET", "/api/v1/flights/{flight}/layers.json", path={"flight": flight}))
+
+    def get_report(self, flight: str) -> Dict[str, Any]:
+        """What was made and how good it is."""
+        return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/report", path={"flight": flight}))
+
+    def get_small_thumbnail(self, flight: str, *, size: Optional[Literal[160, 320, 512]] = None,
+                            headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The whole map in a picture of a few kilobytes, as WebP. Made from thumbnail.png when it is asked for, and
+        kept in memory."""
+        return self._stream("GET", "/api/v1/flights/{flight}/thumbnail.webp", path={"flight": flight},
+                            query={"size": size}, headers=headers)
+
+    def get_thumbnail(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The whole map in 512 pixels, as PNG."""
+        return self._stream("GET", "/api/v1/flights/{flight}/thumbnail.png", path={"flight": flight}, headers=headers)
+
+    def list_exports(self, flight: str) -> models.ListExportsAnswer:
+        """The exports of a flight's maps, newest first."""
+        return cast("models.ListExportsAnswer", self._send("GET", "/api/v1/flights/{flight}/exports",
+                                                           path={"flight": flight}))
+
+    def remove_export(self, flight: str, export: str) -> None:
+        """Cancel an export, or remove it with its file. For the token that asked for it, and those that may change the
+        flight."""
+        self._send("DELETE", "/api/v1/flights/{flight}/exports/{export}", path={"flight": flight, "export": export})

@@ -1,0 +1,401 @@
+"""The documents that the server takes and answers.
+
+Written by generate.py from api/openapi.json; changes belong there."""
+from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
+
+
+class ProblemForSure(TypedDict):
+    """What Problem always has."""
+    type: str
+    title: str
+    status: int
+    detail: str
+
+
+class Problem(ProblemForSure, total=False):
+    """RFC 9457."""
+    code: str
+    instance: str
+    request_id: str
+
+
+JobOptionsPlaceItem = TypedDict("JobOptionsPlaceItem", {"shown": List[float], "is": List[float]})
+
+
+class JobOptions(TypedDict, total=False):
+    # Ground size of a pixel in metres
+    gsd_m: Optional[float]
+    # gsd_m counts only where it is coarser than the photos' own pixels
+    not_finer_than_photos: bool
+    # Nothing is drawn that a photo sees further off the vertical than this, in degrees
+    max_look_deg: float
+    # Rolling shutter: milliseconds from reading a photo's first row to its last, 0 for none; null as known of the
+    # camera. Undone where photos or logs say how fast the aircraft flew
+    readout_ms: Optional[float]
+    format: Literal['auto', 'webp']
+    quality: int
+    method: Literal['auto', 'images', 'imu', 'features', 'direct']
+    # Latitude and longitude of the take-off in degrees, for a flight that recorded no position at all
+    origin: Optional[List[float]]
+    # Of a job for a finished map: it is brought to where things that it shows really are, and no photo is compared
+    # again. One pair shifts it, two or more turn and scale it too
+    place: List[JobOptionsPlaceItem]
+    # A flight without any position landed where it took off
+    landed_at_start: bool
+    # Tilesets of their own beside the map: which photo a pixel came from, how far off it may lie, how high the ground
+    # is
+    layers: List[Literal['photo', 'error', 'height']]
+
+
+class FlightFields(TypedDict, total=False):
+    name: str
+    options: JobOptions
+
+
+class JobError(TypedDict):
+    code: str
+    message: str
+
+
+class Job(TypedDict):
+    id: str
+    flight_id: str
+    state: Literal['accepted', 'running', 'successful', 'failed', 'dismissed']
+    stage: str
+    progress: float
+    message: str
+    eta_s: Optional[float]
+    attempts: int
+    created_at: str
+    started_at: Optional[str]
+    finished_at: Optional[str]
+    error: Optional[JobError]
+    # Four of five jobs end within these
+    eta_low_s: Optional[float]
+    # Four of five jobs end within these
+    eta_high_s: Optional[float]
+    priority: int
+
+
+class FlightPhotos(TypedDict):
+    total: int
+    aligned: int
+    pose_only: int
+    left_out: int
+
+
+class FlightCaptured(TypedDict):
+    """When the photos in the map were taken, by the clock on the wall there: with the offset of its zone, with Z where
+    that is not known, and without either where the camera's clock was local and nothing tells its zone. Null where
+    no photo knows it, and for maps made before version 15 of the catalogue."""
+    first: str
+    last: str
+
+
+class Preview(TypedDict):
+    """The coarse map of a flight that has no map yet, from the photos that have arrived."""
+    # Grows with every change
+    edition: int
+    photos: int
+    # west, south, east, north
+    bounds: List[float]
+    tilejson: str
+
+
+class FlightForSure(TypedDict):
+    """What Flight always has."""
+    id: str
+    name: str
+    state: Literal['empty', 'uploaded', 'queued', 'processing', 'ready', 'failed']
+    created_at: str
+    file_count: int
+    bytes: int
+    revision: Optional[int]
+    job: Optional[Job]
+    # west, south, east, north
+    bounds: Optional[List[float]]
+    # false: nothing says where on Earth the map lies, and it is drawn around latitude 0, longitude 0 until it is
+    # placed. null: there is no map yet
+    georeferenced: Optional[bool]
+    min_zoom: Optional[int]
+    max_zoom: Optional[int]
+    photos: Optional[FlightPhotos]
+    # When the photos in the map were taken, by the clock on the wall there: with the offset of its zone, with Z where
+    # that is not known, and without either where the camera's clock was local and nothing tells its zone. Null where
+    # no photo knows it, and for maps made before version 15 of the catalogue
+    captured: Optional[FlightCaptured]
+    gsd_m: Optional[float]
+    tilejson: Optional[str]
+    error: Optional[JobError]
+    preview: Optional[Preview]
+    # Whether who asks may change it: the token that made it, one of scope admin, and everybody where no token is
+    # asked for
+    may_change: bool
+
+
+class Flight(FlightForSure, total=False):
+    options: JobOptions
+
+
+class File(TypedDict):
+    name: str
+    bytes: int
+
+
+class FileOutcomeForSure(TypedDict):
+    """What FileOutcome always has."""
+    name: str
+
+
+class FileOutcome(FileOutcomeForSure, total=False):
+    bytes: int
+    note: str
+    error: str
+    code: str
+
+
+class WebhookForSure(TypedDict):
+    """What Webhook always has."""
+    id: str
+    url: str
+    created_at: str
+
+
+class Webhook(WebhookForSure, total=False):
+    # Said once, in the answer to POST
+    secret: str
+
+
+class TrashedFlight(TypedDict):
+    id: str
+    name: str
+    created_at: str
+    file_count: int
+    bytes: int
+    deleted_at: str
+    # Removed for good then, or later: the days count while the server's machine runs
+    removed_at: str
+    days_left: int
+
+
+class ExportError(TypedDict):
+    code: str
+    message: str
+
+
+class Export(TypedDict):
+    id: str
+    flight_id: str
+    # The map that it is of
+    revision: int
+    # false: the flight shows another map since
+    is_current: bool
+    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz']
+    crs: Optional[str]
+    resolution_m: Optional[float]
+    # GeoJSON Polygon or MultiPolygon (or a Feature or FeatureCollection of them) with longitudes and latitudes of WGS
+    # 84
+    boundary: Optional[Dict[str, Any]]
+    state: Literal['accepted', 'running', 'successful', 'failed']
+    progress: float
+    # Of the file, once it is there
+    bytes: Optional[int]
+    error: Optional[ExportError]
+    created_at: str
+    finished_at: Optional[str]
+    # When it is removed, with its file; null while it waits or runs
+    expires_at: Optional[str]
+    # Where its state is
+    href: str
+    # Where its file is, once it is there
+    download: Optional[str]
+
+
+class SeenPhoto(TypedDict):
+    """A photo that sees a place."""
+    name: str
+    # Where in the photo the place shows, in pixels from its left edge
+    x: float
+    # In pixels from its top edge
+    y: float
+    # How far off the vertical the photo sees the place
+    off_nadir_deg: float
+    # How the photo was placed: aligned with others, or pose_only, by its record alone
+    placement: str
+    # Metres, 1-sigma, of where the camera was, as it shows on the ground
+    sigma_m: Optional[float]
+
+
+class TileJsonLayersItem(TypedDict):
+    id: str
+    tilejson: str
+    legends: str
+
+
+class TileJsonForSure(TypedDict):
+    """What TileJson always has."""
+    tilejson: str
+    # Templates with {z}, {x} and {y}
+    tiles: List[str]
+
+
+class TileJson(TileJsonForSure, total=False):
+    """TileJSON 3.0.0."""
+    name: str
+    version: str
+    scheme: Literal['xyz']
+    # west, south, east, north
+    bounds: List[float]
+    # Longitude, latitude, zoom
+    center: List[float]
+    minzoom: int
+    maxzoom: int
+    # Pixels on a side of a tile
+    tileSize: int
+    attribution: str
+    description: str
+    layers: List[TileJsonLayersItem]
+    # Of the layer of heights
+    encoding: Literal['terrarium']
+
+
+class AddExportBodyForSure(TypedDict):
+    """What AddExportBody always has."""
+    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz']
+
+
+class AddExportBody(AddExportBodyForSure, total=False):
+    # Of a GeoTIFF: "utm" (the zone of the map's middle) or a code such as EPSG:2056. Without it Web Mercator, the
+    # tiles' own bytes
+    crs: Optional[str]
+    # GeoJSON Polygon or MultiPolygon (or a Feature or FeatureCollection of them) with longitudes and latitudes of WGS
+    # 84
+    boundary: Optional[Dict[str, Any]]
+    # Ground that a pixel shows, in metres. Of tiles the zooms down to it are written
+    resolution_m: Optional[float]
+
+
+class ListExportsAnswer(TypedDict):
+    exports: List[Export]
+
+
+class AddWebhookBodyForSure(TypedDict):
+    """What AddWebhookBody always has."""
+    url: str
+
+
+class AddWebhookBody(AddWebhookBodyForSure, total=False):
+    # Made when not given
+    secret: str
+
+
+class ListWebhooksAnswer(TypedDict):
+    webhooks: List[Webhook]
+
+
+class ListFilesAnswer(TypedDict):
+    files: List[File]
+
+
+class PutFileAnswer2011(TypedDict):
+    files: List[FileOutcome]
+
+
+class AddShareAnswer(TypedDict):
+    id: str
+    created_at: str
+    # null: it never ends
+    expires_at: Optional[str]
+    token: str
+    # Where the page shows the flight with this token
+    page: str
+    # The map alone, for frames of other pages, with this token
+    embed: str
+
+
+class AddShareBody(TypedDict, total=False):
+    # null: it never ends
+    expires_in_days: Optional[int]
+
+
+class GetAccessAnswer(TypedDict):
+    # Whether this server asks for a token
+    needs_token: bool
+    # What the token may do; admin where no token is asked for, read for one in the address
+    scope: Literal['read', 'upload', 'admin']
+    # The one flight that the token opens; null for all
+    flight: Optional[str]
+
+
+class GroundOfPixelAnswer(TypedDict):
+    lon: float
+    lat: float
+    # Metres, 1-sigma, of where the camera was, as it shows on the ground
+    sigma_m: Optional[float]
+
+
+class ListFlightsAnswer(TypedDict):
+    flights: List[Flight]
+    next_cursor: Optional[str]
+
+
+class ListSharesAnswerSharesItem(TypedDict):
+    id: str
+    created_at: str
+    # null: it never ends
+    expires_at: Optional[str]
+
+
+class ListSharesAnswer(TypedDict):
+    # false: this server asks nobody for a token, so the flight's address alone shows it
+    needs_token: bool
+    shares: List[ListSharesAnswerSharesItem]
+
+
+class ListTrashAnswer(TypedDict):
+    # For how many days deleted flights are kept; 0: not at all
+    days: int
+    flights: List[TrashedFlight]
+
+
+class PhotosAtAnswer(TypedDict):
+    lon: float
+    lat: float
+    photos: List[SeenPhoto]
+
+
+class JobLogAnswerEventsItem(TypedDict):
+    seq: Any
+    at: Any
+    job: Any
+
+
+class JobLogAnswer(TypedDict):
+    events: List[JobLogAnswerEventsItem]
+
+
+class ListJobsAnswer(TypedDict):
+    jobs: List[Job]
+
+
+class StartJobBody(TypedDict, total=False):
+    options: JobOptions
+    # Higher ones first; above 0 asks for scope admin. Among equals, those who asked take turns.
+    priority: int
+
+
+class BasemapAnswerForSure(TypedDict):
+    """What BasemapAnswer always has."""
+    tilejson: str
+    tiles: List[str]
+
+
+class BasemapAnswer(BasemapAnswerForSure, total=False):
+    pmtiles: str
+    # Plain text, not markup
+    attribution: str
+
+
+class VersionAnswer(TypedDict):
+    name: str
+    version: str

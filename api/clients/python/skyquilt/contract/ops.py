@@ -1,0 +1,43 @@
+"""For operators.
+
+Written by generate.py from api/openapi.json; changes belong there."""
+from typing import Any, Dict, Mapping, Optional, cast
+
+from . import models
+from ..transport import Calls, Answer
+
+
+class Ops(Calls):
+    """For operators."""
+
+    def basemap(self) -> models.BasemapAnswer:
+        """The basemap that the operator chose for the page."""
+        return cast("models.BasemapAnswer", self._send("GET", "/basemap.json"))
+
+    def basemap_file(self, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The basemap as a PMTiles file, with Range."""
+        return self._stream("GET", "/basemap.pmtiles", headers=headers)
+
+    def contract(self) -> Dict[str, Any]:
+        """This document."""
+        return cast("Dict[str, Any]", self._send("GET", "/openapi.json"))
+
+    def docs(self, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The contract, to read."""
+        return self._stream("GET", "/docs", headers=headers)
+
+    def health(self) -> Dict[str, Any]:
+        """Is the server alive."""
+        return cast("Dict[str, Any]", self._send("GET", "/healthz"))
+
+    def metrics(self, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """Counters as Prometheus text."""
+        return self._stream("GET", "/metrics", headers=headers)
+
+    def readiness(self) -> Dict[str, Any]:
+        """Is the server ready for work."""
+        return cast("Dict[str, Any]", self._send("GET", "/readyz"))
+
+    def version(self) -> models.VersionAnswer:
+        """Name and version of the server."""
+        return cast("models.VersionAnswer", self._send("GET", "/version"))

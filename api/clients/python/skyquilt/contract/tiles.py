@@ -1,0 +1,49 @@
+"""The map, tile by tile.
+
+Written by generate.py from api/openapi.json; changes belong there."""
+from typing import Literal, Mapping, Optional, Union, cast
+
+from . import models
+from ..transport import Calls, Answer
+
+
+class Tiles(Calls):
+    """The map, tile by tile."""
+
+    def get_layer_tile(self, flight: str, layer: Literal['photo', 'error', 'height'], z: int, x: int, y: str, *,
+                       empty: Optional[Literal['blank', '204', '404']] = None, rev: Optional[Union[int, str]] = None,
+                       headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """A tile of a layer: which photo a pixel came from, how far off it may lie, how high the ground is. Always
+        PNG: the colours are codes, which layers.json explains."""
+        return self._stream("GET", "/tiles/{flight}/{layer}/{z}/{x}/{y}",
+                            path={"flight": flight, "layer": layer, "z": z, "x": x, "y": y},
+                            query={"empty": empty, "rev": rev}, headers=headers)
+
+    def get_layer_tile_json(self, flight: str, layer: Literal['photo', 'error', 'height'], *,
+                            rev: Optional[Union[int, str]] = None) -> models.TileJson:
+        """TileJSON 3.0.0 of a layer beside a flight's map; height says its encoding (terrarium)."""
+        return cast("models.TileJson", self._send("GET", "/tiles/{flight}/{layer}.json",
+                                                  path={"flight": flight, "layer": layer}, query={"rev": rev}))
+
+    def get_tile(self, flight: str, z: int, x: int, y: str, *, empty: Optional[Literal['blank', '204', '404']] = None,
+                 rev: Optional[Union[int, str]] = None, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """One tile (XYZ, Web Mercator)."""
+        return self._stream("GET", "/tiles/{flight}/{z}/{x}/{y}", path={"flight": flight, "z": z, "x": x, "y": y},
+                            query={"empty": empty, "rev": rev}, headers=headers)
+
+    def get_tile_json(self, flight: str, *, rev: Optional[Union[int, str]] = None) -> models.TileJson:
+        """TileJSON 3.0.0 of a flight's map."""
+        return cast("models.TileJson", self._send("GET", "/tiles/{flight}.json", path={"flight": flight},
+                                                  query={"rev": rev}))
+
+    def get_usual_tile(self, flight: str, z: int, x: int, y: str, *,
+                       empty: Optional[Literal['blank', '204', '404']] = None, rev: Optional[Union[int, str]] = None,
+                       headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """One tile of 256 pixels, whatever the size of the stored ones: of one of 512, a quarter a zoom deeper."""
+        return self._stream("GET", "/tiles/{flight}/256/{z}/{x}/{y}", path={"flight": flight, "z": z, "x": x, "y": y},
+                            query={"empty": empty, "rev": rev}, headers=headers)
+
+    def get_usual_tile_json(self, flight: str, *, rev: Optional[Union[int, str]] = None) -> models.TileJson:
+        """TileJSON 3.0.0 of a flight's map in tiles of 256 pixels, whatever the size of the stored ones."""
+        return cast("models.TileJson", self._send("GET", "/tiles/{flight}/256.json", path={"flight": flight},
+                                                  query={"rev": rev}))
