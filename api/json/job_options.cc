@@ -85,7 +85,7 @@ Result<void> SetMethod(const json& value, pipeline::MosaicOptions* options) {
       return {};
     }
   }
-  return Refuse("method", "must be \"auto\", \"imu\", \"features\" or \"direct\"");
+  return Refuse("method", "must be \"auto\", \"images\", \"imu\", \"features\" or \"direct\"");
 }
 
 Result<void> SetOrigin(const json& value, pipeline::MosaicOptions* options) {
