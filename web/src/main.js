@@ -12,8 +12,9 @@ import { mayChange } from './flight/flight_words.js';
 import { placeOf } from './home/overview_view.js';
 import { flightList } from './home/flight_list.js';
 import { overviewMap } from './home/overview_map.js';
-import { clipName } from './shared/format.js';
+import { clipName, formatDate } from './shared/format.js';
 import { icon } from './shared/icons.js';
+import { fillFrame } from './shared/page_frame.js';
 import { go, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
 import { dropZone } from './upload/drop_zone.js';
@@ -24,6 +25,7 @@ takeSharedToken();
 addEventListener('hashchange', () => {
   if (takeSharedToken()) location.reload();
 });
+fillFrame();
 const panel_body = byId('panel-body');
 const welcome = byId('welcome');
 /** @type {FlightView|null} */
@@ -50,7 +52,6 @@ const drop_bar = h(
 const list_end = h('div', { class: 'list-end' });
 list.element.prepend(drop_bar, h('p', { class: 'reads-only muted', id: 'reads-only' }, strings.welcome.guest_lead));
 list.element.append(list_end);
-put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
 byId('new-flight').addEventListener('click', pickers.choose_folder);
 
 /** @typedef {Awaited<ReturnType<typeof loadParts>>} Parts */
@@ -179,7 +180,7 @@ async function defaultName({ chosen }) {
   const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
   const { taken_s } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null };
   const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
-  return strings.flights.default_name(new Date(taken_ms).toLocaleDateString(undefined, { dateStyle: 'medium', timeZone: taken_s === null ? undefined : 'UTC' }));
+  return strings.flights.default_name(formatDate(new Date(taken_ms).toISOString(), { time_zone: taken_s === null ? undefined : 'UTC' }));
 }
 
 /** @param {Route} route */

@@ -2,7 +2,7 @@
 /** @import { Flight, Job, Report } from '../shared/types.js' */
 /** @import { Stage } from '../map/stage.js' */
 import { announce, showError } from '../shared/announce.js';
-import { ApiError, getFlight, getReport, startJob, startPlacing } from '../shared/api.js';
+import { ApiError, getFlight, getReport, serverWords, startJob, startPlacing } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { flightActions } from './flight_actions.js';
@@ -219,7 +219,7 @@ export class FlightView {
   /** @param {Flight} flight */
   #drawFailure(flight) {
     const error = flight.error ?? flight.job?.error ?? null;
-    const text = typeof error === 'string' ? error : (error?.message ?? '');
+    const text = typeof error === 'string' ? error : (error ? serverWords(error.code, error.message) : '');
     put(
       this.#work,
       h(

@@ -62,7 +62,7 @@ export class MapView {
       pitchWithRotate: false,
       renderWorldCopies: false,
       fadeDuration: 120,
-      locale: { 'Map.Title': label },
+      locale: { ...strings.map.library, 'Map.Title': label },
     });
     this.#scale = new maplibre.ScaleControl({ maxWidth: container.clientWidth < 500 ? 80 : 130, unit: chosenUnits() });
     this.map.addControl(this.#scale, 'bottom-left');
