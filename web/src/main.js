@@ -14,17 +14,43 @@ import { flightList } from './home/flight_list.js';
 import { overviewMap } from './home/overview_map.js';
 import { clipName, formatDate } from './shared/format.js';
 import { icon } from './shared/icons.js';
-import { fillFrame } from './shared/page_frame.js';
+import { keepLanguage, kLanguages, language } from './shared/language.js';
 import { go, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
 import { dropZone } from './upload/drop_zone.js';
-import { isUploading, uploadOf } from './upload/running_uploads.js';
+import { holdsUploads, isUploading, uploadOf } from './upload/running_uploads.js';
 
 takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
 addEventListener('hashchange', () => {
   if (takeSharedToken()) location.reload();
 });
+function languageChoice() {
+  const label = strings.page.language;
+  const names = /** @type {[keyof typeof kLanguages, string][]} */ (Object.entries(kLanguages));
+  const choice = h('select', { class: 'language', id: 'language', 'aria-label': label, title: label }, ...names.map(([tag, name]) => h('option', { value: tag, lang: tag, selected: tag === language }, name)));
+  choice.addEventListener('change', () => {
+    keepLanguage(/** @type {keyof typeof kLanguages} */ (choice.value));
+    // Every word is on the page already. An upload would have to be given its files again.
+    if (holdsUploads()) showNote(strings.page.language_later);
+    else location.reload();
+  });
+  return choice;
+}
+
+/** What index.html leaves out, because it has words: links and buttons around the panel. */
+function fillFrame() {
+  const words = strings.page;
+  document.body.prepend(h('a', { class: 'skip', href: '#panel-body' }, words.skip));
+  const panel = byId('panel');
+  panel.setAttribute('aria-label', words.panel);
+  panel.prepend(
+    h('button', { class: 'sheet-handle', id: 'sheet-handle', type: 'button', 'aria-expanded': 'true', 'aria-controls': 'panel-body' }, h('span', { class: 'visually-hidden', id: 'sheet-handle-text' }, strings.sheet.close)),
+  );
+  byId('home-link').setAttribute('aria-label', words.home);
+  byId('panel-head').append(languageChoice(), h('button', { type: 'button', class: 'button small', id: 'new-flight' }, icon('plus'), strings.flights.new_flight));
+}
+
 fillFrame();
 const panel_body = byId('panel-body');
 const welcome = byId('welcome');
@@ -67,7 +93,8 @@ async function loadParts() {
     (link) => new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, resolve))),
   );
   document.head.append(files);
-  const [module] = await Promise.all([import('./open_parts.js'), ...styles]);
+  const words = import('./shared/flight_strings.js').then(({ loadFlightStrings }) => loadFlightStrings());
+  const [module] = await Promise.all([import('./open_parts.js'), words, ...styles]);
   const stage = new module.Stage();
   return { ...module, stage, sheet: module.bottomSheet(() => stage.resize()) };
 }

@@ -141,12 +141,22 @@ test('switching while files are sent breaks no upload: the page changes when it 
 test('where the words of a language cannot be had the page is English, with English numbers', options, async () => {
   const { page, mock } = await setUp({}, german);
   const flight = mock.seedReady('Wiese');
-  await page.route('**/src/languages/de/map.js', (/** @type {any} */ route) => route.fulfill({ status: 503, body: '' }));
+  await page.route('**/src/languages/de/*.js', (/** @type {any} */ route) => route.fulfill({ status: 503, body: '' }));
   await page.goto(`${mock.url}?again#/flights/${flight.id}`);
   await page.waitForSelector('#report');
   assert.equal(await page.getAttribute('html', 'lang'), 'en');
   assert.match(await page.textContent('#report'), /Resolution1\.73\scm\/px/);
   assert.equal(await page.inputValue('#language'), 'en');
+});
+
+test('where only the words of a flight cannot be had, these are English', options, async () => {
+  const { page, mock } = await setUp({}, german);
+  const flight = mock.seedReady('Wiese');
+  await page.route('**/src/languages/de/flight.js', (/** @type {any} */ route) => route.fulfill({ status: 503, body: '' }));
+  await page.goto(`${mock.url}?again#/flights/${flight.id}`);
+  await page.waitForSelector('#report');
+  assert.equal(await page.getAttribute('html', 'lang'), 'de');
+  assert.match(await page.textContent('#report'), /Resolution1,73\scm\/px/);
 });
 
 test('a browser of another language gets English; the bare map has the language of its reader', options, async () => {

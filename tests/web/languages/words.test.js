@@ -7,12 +7,15 @@ import { join, relative } from 'node:path';
 import { test } from 'node:test';
 import { formatArea, formatDate, formatDuration, formatError, formatLength } from '../../../web/src/shared/format.js';
 import { count, kLanguages, languageFor, list, localeFor, speak } from '../../../web/src/shared/language.js';
-import { loadStrings } from '../../../web/src/shared/strings.js';
+import { loadFlightWords } from '../../../web/src/shared/flight_strings.js';
+import { loadPageWords } from '../../../web/src/shared/strings.js';
 import { web_root } from '../support/mock_server.js';
 import { literalsIn } from './text_literals.js';
 
 /** @typedef {import('../../../web/src/shared/language.js').Language} Language */
 const tags = /** @type {Language[]} */ (Object.keys(kLanguages));
+
+const loadStrings = async (/** @type {Language} */ tag) => ({ ...(await loadPageWords(tag)), ...(await loadFlightWords(tag)) });
 
 /** @param {any} words @param {string} [path] @returns {[string, any][]} every text and function by its path */
 const leaves = (words, path = '') =>

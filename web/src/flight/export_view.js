@@ -10,7 +10,7 @@ import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/for
 import { icon } from '../shared/icons.js';
 import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
 import { outlineOf } from '../map/outlines.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kAgain_ms = 1000;
 const kAgainWhenAway_ms = 5000;

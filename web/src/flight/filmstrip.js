@@ -3,7 +3,7 @@
 /** @import { SeenPhoto } from './photo_card.js' */
 import { h, put } from '../shared/dom.js';
 import { fixed, number } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { embeddedPicture, kHeadBytes } from '../upload/exif_reader.js';
 
 /**

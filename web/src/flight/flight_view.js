@@ -13,7 +13,7 @@ import { jobView } from './job_view.js';
 import { linksView } from './links_view.js';
 import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { forgetUpload } from '../upload/upload_memory.js';
 import { uploadOf } from '../upload/running_uploads.js';
 import { uploadView } from '../upload/upload_view.js';

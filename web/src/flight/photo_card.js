@@ -7,7 +7,7 @@ import { formatDate, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
 import { fixed } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 /** @param {string} name @param {string} label @param {() => void} run */
 const iconButton = (name, label, run) =>

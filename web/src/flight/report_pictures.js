@@ -5,7 +5,7 @@ import { formatDuration, formatLength } from '../shared/format.js';
 import { isInside } from '../map/geodesy.js';
 import { stageName } from './job_view.js';
 import { number } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 /**
  * How many footprints cover each cell of a grid over their common bounds.

@@ -6,7 +6,7 @@ import { formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared
 import { icon } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
 import { number } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
 import { resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';

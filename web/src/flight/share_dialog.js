@@ -5,7 +5,7 @@ import { h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
 import { addressField } from './links_view.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kDays = /** @type {(number|null)[]} */ ([1, 7, 30, 365, null]);
 const kUsualDays = 30;

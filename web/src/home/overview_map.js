@@ -36,7 +36,7 @@ export function overviewMap(listener) {
     canvas,
     marks,
     choice,
-    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', strings.map.zoom_in, () => zoom(kStep)), tool('minus', strings.map.zoom_out, () => zoom(1 / kStep)), tool('fit', words.fit, () => fit()))),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', words.zoom_in, () => zoom(kStep)), tool('minus', words.zoom_out, () => zoom(1 / kStep)), tool('fit', words.fit, () => fit()))),
     h('div', { class: 'overview-foot' }, bar, h('p', { class: 'overview-makers' }, words.makers)),
   );
   /** @type {Placed[]} */

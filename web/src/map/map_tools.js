@@ -11,7 +11,7 @@ import { compassNeedle, icon } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
 import { ownDataView } from './own_data_view.js';
 import { fixed } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
 /**

@@ -14,7 +14,7 @@ import { icon } from '../shared/icons.js';
 import { lieNear, movement } from './place_pairs.js';
 import { placePoint } from './place_point.js';
 import { number } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kSeeThrough = 0.35;
 const kNearZoom = 17;

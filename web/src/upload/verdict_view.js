@@ -7,7 +7,7 @@ import { h } from '../shared/dom.js';
 import { formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { list } from '../shared/language.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kNamed = 3;
 
