@@ -28,7 +28,7 @@ addEventListener('hashchange', () => {
 function languageChoice() {
   const label = strings.page.language;
   const names = /** @type {[keyof typeof kLanguages, string][]} */ (Object.entries(kLanguages));
-  const choice = h('select', { class: 'language', id: 'language', 'aria-label': label, title: label }, ...names.map(([tag, name]) => h('option', { value: tag, lang: tag, selected: tag === language }, name)));
+  const choice = h('select', { class: 'language', id: 'language', 'aria-label': label, title: label, autocomplete: 'off' }, ...names.map(([tag, name]) => h('option', { value: tag, lang: tag, selected: tag === language }, name)));
   choice.addEventListener('change', () => {
     keepLanguage(/** @type {keyof typeof kLanguages} */ (choice.value));
     // Every word is on the page already. An upload would have to be given its files again.

@@ -32,6 +32,8 @@ const misfits = (page) =>
     const isShown = (/** @type {Element} */ element) => element.checkVisibility() && element.getBoundingClientRect().width > 1;
     const found = [];
     if (document.documentElement.scrollWidth > innerWidth) found.push(`the page is ${document.documentElement.scrollWidth} wide`);
+    const [head, last] = ['#panel-head', '#new-flight'].map((selector) => /** @type {Element} */ (document.querySelector(selector)).getBoundingClientRect());
+    if (last.width > 0 && last.right > head.right - 10) found.push(`the head lacks ${last.right - head.right + 10} pixels`);
     const top = document.querySelector('dialog[open]') ?? document.body;
     const elements = [...top.querySelectorAll('button, a, h1, h2, h3, label, legend, dt, dd, p, li, summary, strong, .chip')].filter(isShown);
     for (const element of elements) {

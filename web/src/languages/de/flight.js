@@ -1,4 +1,4 @@
-// Deutsch: Hochladen, Verarbeitung und ein geöffneter Flug mit Karte, Fotos, Bericht, Exporten und Freigaben.
+// German: uploads and an open flight, with its map, photos, report, exports and shares.
 import { count, fixed, number, plural } from '../../shared/language.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };

@@ -1,4 +1,4 @@
-// Deutsch: was in der ersten Ansicht und überall auf der Seite steht.
+// German: what the first view and every part of the page say.
 import { count, number } from '../../shared/language.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
@@ -86,7 +86,7 @@ export const page_words = {
   },
   drop: {
     drop_here: 'Dateien ablegen, um eine Karte zu erstellen',
-    anywhere: 'Fotos ablegen oder',
+    anywhere: 'Ablegen oder',
     folder: 'Ordner wählen',
     files: 'Dateien wählen',
     reading: 'Ordner wird gelesen …',
