@@ -141,6 +141,7 @@ export const flight_words = {
     position: 'Kamera',
     height: 'Höhe über Grund',
     angles: 'Gier, Nick, Roll',
+    between_angles: ' / ',
     captured: 'Aufgenommen',
     none: 'Keine Fotos an dieser Stelle.',
     open_here: 'Foto an dieser Stelle öffnen',

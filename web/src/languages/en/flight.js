@@ -142,6 +142,7 @@ export const flight_words = {
     position: 'Camera',
     height: 'Height above ground',
     angles: 'Yaw, pitch, roll',
+    between_angles: ', ',
     captured: 'Captured',
     none: 'No photos at this location.',
     open_here: 'Open photo at this location',
