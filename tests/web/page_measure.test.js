@@ -4,9 +4,12 @@ import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { measurementGeoJson, measurementKml } from '../../web/src/map/measurement_files.js';
 import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_data.js';
+import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
 import { mapIdle } from './support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+
+await loadFlightStrings();
 
 const { setUp } = usePages();
 const square = /** @type {[number, number][]} */ ([[7.4388, 46.951], [7.4388, 46.9515], [7.4396, 46.9515], [7.4396, 46.951]]);

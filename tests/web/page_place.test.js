@@ -75,7 +75,7 @@ for (const [screen, context] of Object.entries({ laptop: {}, phone: kPhone })) {
     await assertAccessible(page, 'two points');
 
     // Nothing lies over anything else, nor outside of the window.
-    const boxes = await Promise.all(['.place-card', '.tools', '.coordinates', '.panel'].map((name) => page.locator(name).boundingBox()));
+    const boxes = await Promise.all(['.place-card', '#map-area .tools', '.coordinates', '.panel'].map((name) => page.locator(name).boundingBox()));
     const { width, height } = page.viewportSize();
     boxes.forEach((a, i) => {
       assert.ok(a.x >= 0 && a.y >= 0 && a.x + a.width <= width && a.y + a.height <= height + 1, JSON.stringify(a));

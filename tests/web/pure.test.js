@@ -15,7 +15,10 @@ import { resultWords } from '../../web/src/flight/result_verdict.js';
 import { crossesItself } from '../../web/src/map/ring_crossing.js';
 import { hashWithPlace, placeOfHash } from '../../web/src/map/view_address.js';
 import { UploadQueue } from '../../web/src/upload/upload_queue.js';
+import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { web_root } from './support/mock_server.js';
+
+await loadFlightStrings();
 
 /** Repeatable numbers in 0..1. */
 function random(seed) {

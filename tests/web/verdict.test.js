@@ -12,6 +12,9 @@ import { verdictWords } from '../../web/src/upload/verdict_view.js';
 import { verdictOf } from '../../web/src/upload/verdict.js';
 import { boundsOf } from './support/mock_flight.js';
 import { startMockServer } from './support/mock_server.js';
+import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
+
+await loadFlightStrings();
 
 const data = process.env.SKYQUILT_DATA ?? join(dirname(fileURLToPath(import.meta.url)), '../../../shared/data');
 const has = (/** @type {string} */ program) => !spawnSync(program, ['-ver']).error;

@@ -12,18 +12,46 @@ import { mayChange } from './flight/flight_words.js';
 import { placeOf } from './home/overview_view.js';
 import { flightList } from './home/flight_list.js';
 import { overviewMap } from './home/overview_map.js';
-import { clipName } from './shared/format.js';
+import { clipName, formatDate } from './shared/format.js';
 import { icon } from './shared/icons.js';
+import { keepLanguage, kLanguages, language } from './shared/language.js';
 import { go, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
 import { dropZone } from './upload/drop_zone.js';
-import { isUploading, uploadOf } from './upload/running_uploads.js';
+import { holdsUploads, isUploading, uploadOf } from './upload/running_uploads.js';
 
 takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
 addEventListener('hashchange', () => {
   if (takeSharedToken()) location.reload();
 });
+function languageChoice() {
+  const label = strings.page.language;
+  const names = /** @type {[keyof typeof kLanguages, string][]} */ (Object.entries(kLanguages));
+  const choice = h('select', { class: 'language', id: 'language', 'aria-label': label, title: label, autocomplete: 'off' }, ...names.map(([tag, name]) => h('option', { value: tag, lang: tag, selected: tag === language }, name)));
+  choice.addEventListener('change', () => {
+    keepLanguage(/** @type {keyof typeof kLanguages} */ (choice.value));
+    // Every word is on the page already. An upload would have to be given its files again.
+    if (holdsUploads()) showNote(strings.page.language_later);
+    else location.reload();
+  });
+  return choice;
+}
+
+/** What index.html leaves out, because it has words: links and buttons around the panel. */
+function fillFrame() {
+  const words = strings.page;
+  document.body.prepend(h('a', { class: 'skip', href: '#panel-body' }, words.skip));
+  const panel = byId('panel');
+  panel.setAttribute('aria-label', words.panel);
+  panel.prepend(
+    h('button', { class: 'sheet-handle', id: 'sheet-handle', type: 'button', 'aria-expanded': 'true', 'aria-controls': 'panel-body' }, h('span', { class: 'visually-hidden', id: 'sheet-handle-text' }, strings.sheet.close)),
+  );
+  byId('home-link').setAttribute('aria-label', words.home);
+  byId('panel-head').append(languageChoice(), h('button', { type: 'button', class: 'button small', id: 'new-flight' }, icon('plus'), strings.flights.new_flight));
+}
+
+fillFrame();
 const panel_body = byId('panel-body');
 const welcome = byId('welcome');
 /** @type {FlightView|null} */
@@ -50,7 +78,6 @@ const drop_bar = h(
 const list_end = h('div', { class: 'list-end' });
 list.element.prepend(drop_bar, h('p', { class: 'reads-only muted', id: 'reads-only' }, strings.welcome.guest_lead));
 list.element.append(list_end);
-put(byId('new-flight'), icon('plus'), strings.flights.new_flight);
 byId('new-flight').addEventListener('click', pickers.choose_folder);
 
 /** @typedef {Awaited<ReturnType<typeof loadParts>>} Parts */
@@ -66,7 +93,8 @@ async function loadParts() {
     (link) => new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, resolve))),
   );
   document.head.append(files);
-  const [module] = await Promise.all([import('./open_parts.js'), ...styles]);
+  const words = import('./shared/flight_strings.js').then(({ loadFlightStrings }) => loadFlightStrings());
+  const [module] = await Promise.all([import('./open_parts.js'), words, ...styles]);
   const stage = new module.Stage();
   return { ...module, stage, sheet: module.bottomSheet(() => stage.resize()) };
 }
@@ -179,7 +207,7 @@ async function defaultName({ chosen }) {
   const first = chosen.find(({ name }) => /\.(jpe?g|tiff?|dng)$/i.test(name));
   const { taken_s } = first ? glanceAtPhoto(await first.file.slice(0, kHeadBytes).arrayBuffer()) : { taken_s: null };
   const taken_ms = taken_s === null ? Math.min(...chosen.map(({ file }) => file.lastModified)) : 1000 * taken_s;
-  return strings.flights.default_name(new Date(taken_ms).toLocaleDateString(undefined, { dateStyle: 'medium', timeZone: taken_s === null ? undefined : 'UTC' }));
+  return strings.flights.default_name(formatDate(new Date(taken_ms).toISOString(), { time_zone: taken_s === null ? undefined : 'UTC' }));
 }
 
 /** @param {Route} route */

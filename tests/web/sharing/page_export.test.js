@@ -3,8 +3,11 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { exportWords, wishOf } from '../../../web/src/flight/export_view.js';
 import { outlineOf } from '../../../web/src/map/outlines.js';
+import { loadFlightStrings } from '../../../web/src/shared/flight_strings.js';
 import { mapIdle } from '../support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+
+await loadFlightStrings();
 
 const { setUp } = usePages();
 const ring = [[7.438, 46.951], [7.439, 46.951], [7.439, 46.952], [7.438, 46.951]];

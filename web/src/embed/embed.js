@@ -7,7 +7,7 @@ import { byId, h, put } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { MapView } from '../map/map_view.js';
 import { placeOfHash } from '../map/view_address.js';
-import { strings } from '../shared/strings.js';
+import { loadFlightStrings, strings } from '../shared/flight_strings.js';
 
 const kMargin_px = 24;
 
@@ -55,4 +55,10 @@ async function show() {
   else fit(false);
 }
 
-show().catch(say);
+loadFlightStrings().then(
+  () => show().catch(say),
+  () => {
+    put(byId('note'), h('p', {}, strings.errors.unreachable));
+    byId('note').hidden = false;
+  },
+);

@@ -4,13 +4,13 @@
 /** @import { Outline } from '../map/outlines.js' */
 import { readable } from '../shared/access.js';
 import { announce } from '../shared/announce.js';
-import { listExports, removeExport, startExport } from '../shared/api.js';
+import { listExports, removeExport, serverWords, startExport } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
-import { formatBytes, formatGsd, formatPercent } from '../shared/format.js';
+import { formatBytes, formatDate, formatGsd, formatPercent } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
 import { outlineOf } from '../map/outlines.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kAgain_ms = 1000;
 const kAgainWhenAway_ms = 5000;
@@ -198,9 +198,9 @@ export function exportView(flight, outlines, signal) {
 /** @param {MapExport} made @returns {HTMLElement[]} */
 function stateOf({ state, progress, bytes, error, expires_at }) {
   const words = strings.exports;
-  if (state === 'failed') return [h('span', { class: 'bad fine' }, error?.message ?? words.failed(''))];
+  if (state === 'failed') return [h('span', { class: 'bad fine' }, error ? serverWords(error.code, error.message) : words.failed(''))];
   if (state === 'successful') {
-    const until = expires_at ? new Date(expires_at).toLocaleString(undefined, { dateStyle: 'medium', timeStyle: 'short' }) : '';
+    const until = expires_at ? formatDate(expires_at, { with_time: true }) : '';
     return [h('span', { class: 'muted fine' }, [bytes === null ? '' : formatBytes(bytes), until && words.until(until)].filter(Boolean).join(' · '))];
   }
   const text = state === 'accepted' ? words.waiting : formatPercent(progress);

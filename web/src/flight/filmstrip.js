@@ -2,7 +2,8 @@
 // fetched alone, and when they come into sight.
 /** @import { SeenPhoto } from './photo_card.js' */
 import { h, put } from '../shared/dom.js';
-import { strings } from '../shared/strings.js';
+import { fixed, number } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
 import { embeddedPicture, kHeadBytes } from '../upload/exif_reader.js';
 
 /**
@@ -20,8 +21,8 @@ export function filmstrip(photos, on_choose) {
     return h(
       'button',
       { type: 'button', class: 'frame', 'data-index': i, 'aria-label': label, title: label, on: { click: () => on_choose(i) } },
-      h('span', { class: 'frame-picture' }, String(i + 1)),
-      h('span', { class: 'frame-name' }, off_vertical_deg === null ? record.name : `${off_vertical_deg.toFixed(0)}°`),
+      h('span', { class: 'frame-picture' }, number(i + 1)),
+      h('span', { class: 'frame-name' }, off_vertical_deg === null ? record.name : `${fixed(off_vertical_deg, 0)}°`),
     );
   });
   const element = h('div', { class: 'filmstrip', role: 'group', 'aria-label': words.strip }, ...frames);

@@ -6,7 +6,7 @@ import { downloadPath, downloadSize } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { mayChange } from './flight_words.js';
 import { tokenForPrograms } from './links_view.js';
 

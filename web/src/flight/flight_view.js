@@ -2,7 +2,7 @@
 /** @import { Flight, Job, Report } from '../shared/types.js' */
 /** @import { Stage } from '../map/stage.js' */
 import { announce, showError } from '../shared/announce.js';
-import { ApiError, getFlight, getReport, startJob, startPlacing } from '../shared/api.js';
+import { ApiError, getFlight, getReport, serverWords, startJob, startPlacing } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { flightActions } from './flight_actions.js';
@@ -13,7 +13,7 @@ import { jobView } from './job_view.js';
 import { linksView } from './links_view.js';
 import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { forgetUpload } from '../upload/upload_memory.js';
 import { uploadOf } from '../upload/running_uploads.js';
 import { uploadView } from '../upload/upload_view.js';
@@ -219,7 +219,7 @@ export class FlightView {
   /** @param {Flight} flight */
   #drawFailure(flight) {
     const error = flight.error ?? flight.job?.error ?? null;
-    const text = typeof error === 'string' ? error : (error?.message ?? '');
+    const text = typeof error === 'string' ? error : (error ? serverWords(error.code, error.message) : '');
     put(
       this.#work,
       h(

@@ -4,7 +4,7 @@ import { announce, showError } from '../shared/announce.js';
 import { cancelJob } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatDuration, formatPercent } from '../shared/format.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 /** @param {string|undefined} stage @returns {string} in words; an unknown stage by its own name */
 export function stageName(stage) {

@@ -7,7 +7,7 @@ import { connectFiles, josmAddress, saveText } from './connect_files.js';
 import { h, put } from '../shared/dom.js';
 import { mayChange } from './flight_words.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { ownHost } from '../map/tile_addresses.js';
 
 /**
@@ -18,7 +18,7 @@ import { ownHost } from '../map/tile_addresses.js';
 export function copyButton(what, text) {
   const button = h(
     'button',
-    { type: 'button', class: 'icon-button', 'aria-label': strings.links.copy(what), title: strings.links.copy(what) },
+    { type: 'button', class: 'icon-button', 'aria-label': strings.page.copy(what), title: strings.page.copy(what) },
     icon('copy'),
   );
   button.addEventListener('click', async () => {
@@ -28,7 +28,7 @@ export function copyButton(what, text) {
       showError(error);
       return;
     }
-    announce(strings.links.copied);
+    announce(strings.page.copied);
     button.replaceChildren(icon('check'));
     setTimeout(() => button.replaceChildren(icon('copy')), 1500);
   });

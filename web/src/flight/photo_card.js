@@ -6,7 +6,8 @@ import { h, put } from '../shared/dom.js';
 import { formatDate, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { openPhotos } from './photo_viewer.js';
-import { strings } from '../shared/strings.js';
+import { fixed } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
 
 /** @param {string} name @param {string} label @param {() => void} run */
 const iconButton = (name, label, run) =>
@@ -20,7 +21,7 @@ const iconButton = (name, label, run) =>
 function facts(record, off_vertical_deg) {
   const words = strings.photo;
   const known = (/** @type {unknown} */ value) => typeof value === 'number' && Number.isFinite(value);
-  const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${Number(value).toFixed(1)}°` : '–');
+  const angle = (/** @type {number|null|undefined} */ value) => (known(value) ? `${fixed(Number(value), 1)}°` : '–');
   /** @type {[string, string][]} */
   const rows = [[words.placement, strings.placement[record.placement] ?? record.placement]];
   if (record.reason) rows.push([words.reason, record.reason]);
@@ -29,7 +30,7 @@ function facts(record, off_vertical_deg) {
   if (record.captured_at) rows.push([words.captured, formatDate(record.captured_at, { with_time: true }) || record.captured_at]);
   rows.push([words.position, formatCoordinates(record.camera_lon, record.camera_lat, 'decimal')]);
   if (known(record.camera_height_above_ground_m)) rows.push([words.height, formatLength(Number(record.camera_height_above_ground_m))]);
-  if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(', ')]);
+  if (known(record.yaw_deg)) rows.push([words.angles, [record.yaw_deg, record.pitch_deg, record.roll_deg].map(angle).join(words.between_angles)]);
   return rows;
 }
 

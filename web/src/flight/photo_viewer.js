@@ -6,7 +6,7 @@ import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { compassNeedle, icon } from '../shared/icons.js';
 import { followPointer } from '../shared/follow_pointer.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { filmstrip } from './filmstrip.js';
 
 const kZoomStep = 1.5;

@@ -4,7 +4,8 @@ import { h, svg } from '../shared/dom.js';
 import { formatDuration, formatLength } from '../shared/format.js';
 import { isInside } from '../map/geodesy.js';
 import { stageName } from './job_view.js';
-import { strings } from '../shared/strings.js';
+import { number } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
 
 /**
  * How many footprints cover each cell of a grid over their common bounds.
@@ -108,7 +109,7 @@ export function errorPicture(photos) {
   });
   chart.append(
     svg('line', { x1: 0, x2: 200, y1: 50.5, y2: 50.5, class: 'axis' }),
-    svg('text', { x: 1, y: 62, class: 'axis-text' }, '0'),
+    svg('text', { x: 1, y: 62, class: 'axis-text' }, number(0)),
     svg('text', { x: 199, y: 62, class: 'axis-text', 'text-anchor': 'end' }, formatLength(bars[bars.length - 1].to)),
   );
   return figure(strings.report.errors, chart, text);

@@ -1,11 +1,12 @@
 // What was made and how good it is, in plain words first, then in pictures.
 /** @import { Flight, PhotoCollection, PhotoCounts, Report } from '../shared/types.js' */
-import { photoPath, thumbnailPath } from '../shared/api.js';
+import { photoPath, serverWords, thumbnailPath } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatBytes, formatCaptureTime, formatDate, formatGsd } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { coveragePicture, errorPicture, timingPicture } from './report_pictures.js';
-import { strings } from '../shared/strings.js';
+import { number } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
 import { resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
@@ -23,7 +24,7 @@ function placementBar(photos) {
     const part = h('span', { class: `stack-${kind}` });
     part.style.flexGrow = String(photos[kind]);
     bar.append(part);
-    legend.append(h('li', {}, h('span', { class: `dot dot-${kind}` }), `${strings.placement[kind]} `, h('strong', {}, photos[kind])));
+    legend.append(h('li', {}, h('span', { class: `dot dot-${kind}` }), `${strings.placement[kind]} `, h('strong', {}, number(photos[kind]))));
   }
   return h('div', {}, bar, legend);
 }
@@ -128,7 +129,7 @@ export function reportView(flight, report, photos, place) {
       areaFact(report.area_m2),
       fact(words.gsd, formatGsd(report.gsd_m)),
       cameraFact(flight, photos),
-      fact(words.photos, `${placed} / ${report.photos.total}`),
+      fact(words.photos, `${number(placed)} / ${number(report.photos.total)}`),
     ),
     placementBar(report.photos),
     of_flight.length > 0 &&
@@ -136,12 +137,12 @@ export function reportView(flight, report, photos, place) {
         'div',
         { class: 'callout callout-warning' },
         h('p', { class: 'callout-title' }, icon('warning'), words.warnings),
-        h('ul', { class: 'warnings' }, ...of_flight.map((text) => h('li', {}, text))),
+        h('ul', { class: 'warnings' }, ...of_flight.map((text) => h('li', { lang: 'en' }, text))),
       ),
     of_photos.length > 0 &&
-      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), h('ul', { class: 'warnings' }, ...of_photos.map((text) => h('li', {}, text)))),
+      h('details', { class: 'left-out', id: 'photo-notes' }, h('summary', {}, words.corrections(of_photos.length)), h('ul', { class: 'warnings' }, ...of_photos.map((text) => h('li', { lang: 'en' }, text)))),
     left_out.length > 0 &&
-      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out)),
+      h('details', { class: 'left-out', id: 'left-out' }, h('summary', {}, words.left_out(left_out.length)), reasonList(left_out.map(({ name, code, reason }) => ({ name, reason: serverWords(code, reason) })))),
     h(
       'div',
       { class: 'pictures' },

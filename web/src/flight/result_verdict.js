@@ -5,7 +5,7 @@ import { h } from '../shared/dom.js';
 import { formatError } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { isWhole } from './flight_words.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 /** @typedef {'good'|'amber'|'bad'} Grade */
 

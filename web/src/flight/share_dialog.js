@@ -2,9 +2,10 @@
 /** @import { Flight, Share } from '../shared/types.js' */
 import { addShare, listShares, removeShare } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
+import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
 import { addressField } from './links_view.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kDays = /** @type {(number|null)[]} */ ([1, 7, 30, 365, null]);
 const kUsualDays = 30;
@@ -85,8 +86,7 @@ async function fillIn(flight, body, showFailure) {
 /** @param {Flight} flight @param {Share} share @param {() => Promise<void>} again @param {(error: unknown) => void} showFailure */
 function shareRow(flight, share, again, showFailure) {
   const words = strings.share;
-  const day = (/** @type {string} */ time) => new Date(time).toLocaleDateString(undefined, { dateStyle: 'medium' });
-  const text = words.row(day(share.created_at), share.expires_at ? day(share.expires_at) : null);
+  const text = words.row(formatDate(share.created_at), share.expires_at ? formatDate(share.expires_at) : null);
   const revoke = h('button', { type: 'button', class: 'button small', 'aria-label': `${words.revoke}: ${text}` }, words.revoke);
   revoke.addEventListener('click', async () => {
     revoke.disabled = true;

@@ -5,7 +5,7 @@ import { getVerdict, listFiles } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { mayChange } from './flight_words.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { whatIsMissing } from '../upload/upload_memory.js';
 import { stoppedUploadOf } from '../upload/running_uploads.js';
 import { resumeUpload } from '../upload/uploads.js';

@@ -7,6 +7,7 @@ import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
 import { icon } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
+import { nameOrder } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
 // Letters that are no letter with a mark to Unicode, as one types them without.
@@ -38,13 +39,12 @@ function areaOf({ bounds }) {
   return (east - west) * (north - south) * Math.cos((((south + north) / 2) * Math.PI) / 180);
 }
 
-const byName = new Intl.Collator(undefined, { numeric: true, sensitivity: 'base' });
 
 /** @type {Record<'taken'|'newest'|'name'|'area', (a: Flight, b: Flight) => number>} */
 export const orders = {
   taken: (a, b) => timeOf(b) - timeOf(a),
   newest: (a, b) => (a.created_at < b.created_at ? 1 : a.created_at > b.created_at ? -1 : 0),
-  name: (a, b) => byName.compare(a.name, b.name),
+  name: (a, b) => nameOrder().compare(a.name, b.name),
   area: (a, b) => areaOf(b) - areaOf(a),
 };
 

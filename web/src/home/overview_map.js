@@ -7,6 +7,7 @@ import { h, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
+import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 import { around, bounded, boxOf, fitted, groups, metresOfPixel, parted, placeOf, worldPosition } from './overview_view.js';
 
@@ -35,7 +36,7 @@ export function overviewMap(listener) {
     canvas,
     marks,
     choice,
-    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', strings.map.zoom_in, () => zoom(kStep)), tool('minus', strings.map.zoom_out, () => zoom(1 / kStep)), tool('fit', words.fit, () => fit()))),
+    h('div', { class: 'tools' }, h('div', { class: 'tool-group' }, tool('plus', words.zoom_in, () => zoom(kStep)), tool('minus', words.zoom_out, () => zoom(1 / kStep)), tool('fit', words.fit, () => fit()))),
     h('div', { class: 'overview-foot' }, bar, h('p', { class: 'overview-makers' }, words.makers)),
   );
   /** @type {Placed[]} */
@@ -99,7 +100,7 @@ export function overviewMap(listener) {
       'button',
       { type: 'button', class: 'overview-mark mark-group', 'data-ids': group.members.map(({ flight }) => flight.id).join(' '), 'aria-label': words.group(group.members.length),
         title: words.group(group.members.length), on: { click: () => openGroup(group) } },
-      group.members.length.toLocaleString(),
+      number(group.members.length),
     );
   /** @param {string} id */
   const pointing = (id) => ({

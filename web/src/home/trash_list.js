@@ -2,6 +2,7 @@
 /** @import { TrashedFlight } from '../shared/types.js' */
 import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDate } from '../shared/format.js';
+import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
 /**
@@ -47,7 +48,7 @@ export function trashList(actions) {
       if (picture === shown) return;
       shown = picture;
       const had_focus = element.contains(document.activeElement);
-      summary.textContent = `${strings.trash.heading} (${flights.length})`;
+      summary.textContent = `${strings.trash.heading} (${number(flights.length)})`;
       put(list, ...flights.map(row));
       element.hidden = flights.length === 0;
       if (flights.length === 0) {

@@ -6,7 +6,7 @@ import { h } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { takenDay } from '../flight/flight_words.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 /** @param {Flight} flight @returns {string} when it was flown, or at least when it was uploaded */
 const dayOf = (flight) => takenDay(flight) || strings.flights.uploaded(formatDate(flight.created_at));

@@ -4,7 +4,7 @@
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { h } from '../shared/dom.js';
 import { formatLength } from '../shared/format.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
 /** @typedef {'photo'|'error'|'height'} LayerKind */

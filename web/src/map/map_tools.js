@@ -10,7 +10,8 @@ import { formatLength } from '../shared/format.js';
 import { compassNeedle, icon } from '../shared/icons.js';
 import { overlayLegend } from './map_layers.js';
 import { ownDataView } from './own_data_view.js';
-import { strings } from '../shared/strings.js';
+import { fixed } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
 import { ownHost } from './tile_addresses.js';
 
 /**
@@ -203,7 +204,7 @@ function coordinateReadout(view) {
   const draw = () => {
     const place = cursor ?? view.map.getCenter();
     text.textContent = formatCoordinates(place.lng, place.lat, form);
-    zoom.textContent = `z ${view.map.getZoom().toFixed(1)}`;
+    zoom.textContent = `z ${fixed(view.map.getZoom(), 1)}`;
     origin.textContent = `${cursor ? words.cursor : words.centre} `;
   };
   view.map.on('mousemove', (event) => {

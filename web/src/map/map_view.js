@@ -11,7 +11,7 @@ import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
 import { cameraPoints, emptyStyle, flightPath, groundColour, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { outlineOf } from './outlines.js';
 import { placeMark } from './place_mark.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { ownHost, tilesIn } from './tile_addresses.js';
 import { chosenUnits } from '../shared/units.js';
 
@@ -62,7 +62,7 @@ export class MapView {
       pitchWithRotate: false,
       renderWorldCopies: false,
       fadeDuration: 120,
-      locale: { 'Map.Title': label },
+      locale: { ...strings.map.library, 'Map.Title': label },
     });
     this.#scale = new maplibre.ScaleControl({ maxWidth: container.clientWidth < 500 ? 80 : 130, unit: chosenUnits() });
     this.map.addControl(this.#scale, 'bottom-left');

@@ -3,7 +3,7 @@
 /** @import { LonLat } from './geodesy.js' */
 /** @import { MapView } from './map_view.js' */
 import { h } from '../shared/dom.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kKeyStep_px = 4;
 // A part that is shorter on the screen has no room for its length.

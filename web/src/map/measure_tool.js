@@ -13,7 +13,7 @@ import { measureLayers } from './map_style.js';
 import { measureMarks } from './measure_marks.js';
 import { measurementGeoJson, measurementKml, polygonOf } from './measurement_files.js';
 import { crossesItself } from './ring_crossing.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, keepUnits, lengthIn } from '../shared/units.js';
 
 /** @typedef {'distance'|'area'} MeasureKind */

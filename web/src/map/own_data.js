@@ -1,6 +1,6 @@
 // Reads a user's own GeoJSON or KML, to be laid over the map. It stays in the browser. What cannot be read is refused
 // with a message that says what to do; sizes are bounded, so that no file stalls the page.
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 export const kMaxBytes = 20_000_000;
 const kMaxPoints = 200_000;

@@ -3,7 +3,7 @@
 import { announce, showNote } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { boundsOfData, kMaxBytes, OwnDataError, readOwnData } from './own_data.js';
 
 const kColours = ['#e6007e', '#00a5e5', '#ffb000', '#7a3ff2', '#00b06b'];

@@ -6,7 +6,7 @@ import { formatCoordinates, wrapLongitude } from './coordinates.js';
 import { h } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { parsePlace } from './parse_place.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kStem_px = 14;  // of a mark, as its style draws it: what is marked stays in sight; the true place's hangs, so that neither hides the other
 const kPatience_ms = 900;  // until what is being typed is said to be no place

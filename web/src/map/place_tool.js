@@ -13,7 +13,8 @@ import { formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { lieNear, movement } from './place_pairs.js';
 import { placePoint } from './place_point.js';
-import { strings } from '../shared/strings.js';
+import { number } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
 
 const kSeeThrough = 0.35;
 const kNearZoom = 17;
@@ -120,7 +121,7 @@ export function placeTool(view, listener) {
     const move = movement(known);
     if (!move) return words.same;
     if (known.length === 1) return words.moves(formatLength(move.shift_m));
-    const text = words.turns(formatLength(move.shift_m), move.turn_deg, String(Number(move.scale.toPrecision(3))));
+    const text = words.turns(formatLength(move.shift_m), move.turn_deg, number(move.scale, { maximumSignificantDigits: 3 }));
     return known.length > 2 ? `${text} ${words.miss(formatLength(move.miss_m))}` : text;
   };
 

@@ -12,7 +12,7 @@ import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
 import { placeTool } from './place_tool.js';
 import { photoCard } from '../flight/photo_card.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { hashWithPlace, placeOfHash } from './view_address.js';
 import { uploadOf } from '../upload/running_uploads.js';
 

@@ -55,7 +55,7 @@ export function showNote(text, options = {}) {
         },
         action.label,
       ),
-    h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.photo.close, on: { click: close } }, icon('close')),
+    h('button', { type: 'button', class: 'icon-button', 'aria-label': strings.page.close, on: { click: close } }, icon('close')),
   );
   const timer = setTimeout(close, options.duration_ms ?? 8000);
   byId('toasts').append(note);

@@ -1,6 +1,7 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
 /** @import { Access, Flight, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { askForToken, authorization, readable } from './access.js';
+import { kFallback, language } from './language.js';
 import { strings } from './strings.js';
 
 /** What went wrong, in the server's words where it gave some (RFC 9457). */
@@ -28,6 +29,18 @@ export class ApiError extends Error {
 }
 
 /**
+ * What the server says, whose sentences are English: in other languages what its code means comes first.
+ * @param {string|undefined} code of its closed list of errors
+ * @param {string} text
+ * @returns {string}
+ */
+export function serverWords(code, text) {
+  const meaning = strings.codes[code ?? ''];
+  if (!meaning) return text;
+  return !text ? meaning : language === kFallback ? text : `${meaning}: ${text}`;
+}
+
+/**
  * @param {number} status
  * @param {string} text the answer's body
  * @returns {ApiError}
@@ -35,7 +48,7 @@ export class ApiError extends Error {
 export function problem(status, text) {
   try {
     const body = JSON.parse(text);
-    if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', body.detail ?? '');
+    if (body && (body.title || body.detail)) return new ApiError(status, body.title ?? '', serverWords(body.code, body.detail || body.title));
   } catch {
     // Not a problem document (a proxy's page, say): the status alone has to tell.
   }

@@ -1,8 +1,6 @@
-// Numbers as people read them. Pure functions; metric units; the browser's own number and date formats; a number
-// is kept on one line with its unit.
-
-const number = (/** @type {number} */ digits) =>
-  new Intl.NumberFormat(undefined, { maximumFractionDigits: digits, minimumFractionDigits: digits });
+// Numbers as people read them, in the language of the page. Metric units; a number is kept on one line with its unit.
+import { dateFormat, fixed, number } from './language.js';
+import { strings } from './strings.js';
 
 /**
  * A number with about three significant digits.
@@ -11,7 +9,7 @@ const number = (/** @type {number} */ digits) =>
  */
 export function threeDigits(value) {
   const size = Math.abs(value);
-  return number(size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : 2).format(value);
+  return fixed(value, size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : 2);
 }
 
 /**
@@ -26,7 +24,7 @@ export function formatBytes(bytes) {
     value /= 1000;
     unit += 1;
   }
-  return `${unit === 0 ? Math.round(value) : threeDigits(value)}\u00a0${units[unit]}`;
+  return `${unit === 0 ? number(Math.round(value)) : threeDigits(value)}\u00a0${units[unit]}`;
 }
 
 /**
@@ -36,12 +34,12 @@ export function formatBytes(bytes) {
  */
 export function formatDuration(seconds) {
   const s = Math.max(0, seconds);
-  if (s < 1) return 'less than 1 s';
-  if (s < 90) return `${Math.round(s)}\u00a0s`;
+  if (s < 1) return strings.quantities.below_second;
+  if (s < 90) return `${number(Math.round(s))}\u00a0s`;
   const minutes = Math.round(s / 60);
-  if (minutes < 90) return `${minutes}\u00a0min`;
+  if (minutes < 90) return `${number(minutes)}\u00a0min`;
   const rest = minutes % 60;
-  return rest ? `${Math.floor(minutes / 60)}\u00a0h ${rest}\u00a0min` : `${minutes / 60}\u00a0h`;
+  return `${number(Math.floor(minutes / 60))}\u00a0h${rest ? ` ${number(rest)}\u00a0min` : ''}`;
 }
 
 /**
@@ -51,15 +49,15 @@ export function formatDuration(seconds) {
 export function formatLength(metres) {
   if (metres < 0.01) return `${threeDigits(metres * 1000)}\u00a0mm`;
   if (metres < 1) return `${threeDigits(metres * 100)}\u00a0cm`;
-  if (metres < 1000) return `${number(metres < 100 ? 2 : 1).format(metres)}\u00a0m`;
-  return `${number(3).format(metres / 1000)}\u00a0km`;
+  if (metres < 1000) return `${fixed(metres, metres < 100 ? 2 : 1)}\u00a0m`;
+  return `${fixed(metres / 1000, 3)}\u00a0km`;
 }
 
 /**
  * A round length: "200 m", "1000 km".
  * @param {number} metres
  */
-export const formatDistance = (metres) => (metres < 1000 ? `${number(metres < 1 ? 1 : 0).format(metres)}\u00a0m` : `${number(0).format(metres / 1000)}\u00a0km`);
+export const formatDistance = (metres) => (metres < 1000 ? `${fixed(metres, metres < 1 ? 1 : 0)}\u00a0m` : `${fixed(metres / 1000, 0)}\u00a0km`);
 
 /**
  * An estimate of an error: two digits are all that it is worth.
@@ -68,7 +66,7 @@ export const formatDistance = (metres) => (metres < 1000 ? `${number(metres < 1 
  */
 export function formatError(metres) {
   const [value, unit] = metres < 1 ? [metres * 100, 'cm'] : [metres, 'm'];
-  return `${new Intl.NumberFormat(undefined, { maximumSignificantDigits: 2 }).format(value)}\u00a0${unit}`;
+  return `${number(value, { maximumSignificantDigits: 2 })}\u00a0${unit}`;
 }
 
 /**
@@ -95,21 +93,18 @@ export function formatArea(square_metres) {
  * @returns {string}
  */
 export function formatPercent(fraction) {
-  return `${Math.floor(Math.min(1, Math.max(0, fraction)) * 100)}\u00a0%`;
+  return `${number(Math.floor(Math.min(1, Math.max(0, fraction)) * 100))}\u00a0%`;
 }
 
 /**
  * @param {string} iso
- * @param {{with_time?: boolean}} [options]
+ * @param {{with_time?: boolean, time_zone?: string}} [options] time_zone: the reader's own where none is given
  * @returns {string} empty when it is no date
  */
 export function formatDate(iso, options = {}) {
   const date = new Date(iso);
   if (Number.isNaN(date.getTime())) return '';
-  return new Intl.DateTimeFormat(undefined, {
-    dateStyle: 'medium',
-    timeStyle: options.with_time ? 'short' : undefined,
-  }).format(date);
+  return dateFormat({ dateStyle: 'medium', timeStyle: options.with_time ? 'short' : undefined, timeZone: options.time_zone }).format(date);
 }
 
 // A time as it is written, zone left aside: the clock on the wall of the place, not of the reader.
@@ -133,7 +128,7 @@ function wallTime(iso) {
 export function formatCaptureDay({ first, last }) {
   const [from, to] = [wallTime(first), wallTime(last)];
   if (!from || !to) return '';
-  return new Intl.DateTimeFormat(undefined, { dateStyle: 'medium', timeZone: 'UTC' }).formatRange(from.wall, to.wall);
+  return dateFormat({ dateStyle: 'medium', timeZone: 'UTC' }).formatRange(from.wall, to.wall);
 }
 
 /**
@@ -144,7 +139,7 @@ export function formatCaptureDay({ first, last }) {
 export function formatCaptureTime({ first, last }) {
   const [from, to] = [wallTime(first), wallTime(last)];
   if (!from || !to) return '';
-  const form = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium', timeStyle: 'short', timeZone: 'UTC' });
+  const form = dateFormat({ dateStyle: 'medium', timeStyle: 'short', timeZone: 'UTC' });
   return `${form.formatRange(from.wall, to.wall)}${from.zone ? ` (${from.zone})` : ''}`;
 }
 

@@ -4,6 +4,7 @@
  * @typedef {'empty'|'uploaded'|'queued'|'processing'|'ready'|'failed'} FlightState
  * @typedef {'accepted'|'running'|'successful'|'failed'|'dismissed'} JobState
  * @typedef {{code: string, message: string}} ServerError
+ * @typedef {{name: string, code?: string, reason: string}} LeftOut a photo that is not in the map, and why
  * @typedef {[number, number, number, number]} Bounds west, south, east, north in degrees
  * @typedef {{total: number, aligned: number, pose_only: number, left_out: number}} PhotoCounts
  */
@@ -69,7 +70,7 @@
  * @property {number} gsd_m 0 where it is not known
  * @property {number} area_m2
  * @property {number} expected_seconds
- * @property {{name: string, reason: string}[]} left_out
+ * @property {LeftOut[]} left_out
  * @property {string[]} warnings
  */
 
@@ -115,7 +116,7 @@
 /**
  * @typedef {object} Report
  * @property {PhotoCounts} photos
- * @property {{name: string, reason: string}[]} left_out_photos
+ * @property {LeftOut[]} left_out_photos
  * @property {number} gsd_m
  * @property {number} area_m2
  * @property {Bounds} bounds

@@ -2,6 +2,8 @@
 // one chooses; the choice stays in this browser.
 import { formatArea, formatLength } from './format.js';
 import { keptChoice } from './kept.js';
+import { fixed } from './language.js';
+import { strings } from './strings.js';
 
 /** @typedef {'metric'|'imperial'} Units */
 
@@ -36,19 +38,16 @@ export function keepUnits(units) {
   units_chosen.dispatchEvent(new Event('change'));
 }
 
-const number = (/** @type {number} */ value, /** @type {number} */ digits) =>
-  new Intl.NumberFormat(undefined, { maximumFractionDigits: digits, minimumFractionDigits: digits }).format(value);
-
 /** @param {number} metres @param {Units} units */
 export function lengthIn(metres, units) {
   if (units === 'metric') return formatLength(metres);
   const feet = metres / kFoot_m;
-  return feet < kMile_ft ? `${number(feet, feet < 100 ? 2 : 1)}\u00a0ft` : `${number(feet / kMile_ft, 3)}\u00a0mi`;
+  return feet < kMile_ft ? `${fixed(feet, feet < 100 ? 2 : 1)}\u00a0ft` : `${fixed(feet / kMile_ft, 3)}\u00a0mi`;
 }
 
 /** @param {number} square_metres @param {Units} units */
 export function areaIn(square_metres, units) {
   if (units === 'metric') return formatArea(square_metres);
   const acres = square_metres / kAcre_m2;
-  return acres < 0.5 ? `${number(square_metres / kFoot_m ** 2, 0)}\u00a0ft²` : `${number(acres, acres < 10 ? 3 : 1)}\u00a0acres`;
+  return acres < 0.5 ? `${fixed(square_metres / kFoot_m ** 2, 0)}\u00a0ft²` : `${fixed(acres, acres < 10 ? 3 : 1)}\u00a0${strings.quantities.acres}`;
 }

@@ -19,5 +19,8 @@ export const uploadOf = (flight_id) => sessions.get(flight_id);
  */
 export const stoppedUploadOf = (flight_id) => held.get(flight_id);
 
+/** @returns {boolean} whether this page has files that it would have to be given again */
+export const holdsUploads = () => sessions.size > 0 || held.size > 0;
+
 /** @returns {boolean} whether leaving the page would break an upload */
 export const isUploading = () => [...sessions.values()].some(({ queue }) => queue.picture.state === 'running');

@@ -5,7 +5,7 @@ import { announce } from '../shared/announce.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { serverVerdictView, verdictView } from './verdict_view.js';
 
 /**

@@ -7,7 +7,7 @@ import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
 import { held, sessions } from './running_uploads.js';
 import { sendFile } from './send_file.js';
-import { strings } from '../shared/strings.js';
+import { strings } from '../shared/flight_strings.js';
 import { forgetUpload, rememberUpload } from './upload_memory.js';
 import { UploadQueue, wait } from './upload_queue.js';
 import { judge } from './verdict.js';

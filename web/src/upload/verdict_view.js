@@ -2,10 +2,17 @@
 // the files that it has. Only the server, which will make the map, can say that all is well.
 /** @import { ServerVerdict } from '../shared/types.js' */
 /** @import { Verdict } from './verdict.js' */
+import { serverWords } from '../shared/api.js';
 import { h } from '../shared/dom.js';
 import { formatArea, formatDuration, formatGsd, formatLength } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
-import { strings } from '../shared/strings.js';
+import { list } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
+
+const kNamed = 3;
+
+/** @param {string[]} names @returns {string[]} the first, and how many more there are */
+const shortened = (names) => (names.length <= kNamed ? names : [...names.slice(0, kNamed), strings.verdict.others(names.length - kNamed)]);
 
 /**
  * @param {Verdict} verdict
@@ -27,7 +34,7 @@ export function verdictWords(verdict) {
   if (verdict.photos === 0 && !is_open) warnings.push(words.no_photos);
   else if (without > 0 && without === verdict.photos && verdict.logs === 0 && !is_open) warnings.push(words.no_position);
   else if (without > 0) warnings.push(verdict.logs > 0 ? words.some_from_log(without) : words.some_without(without));
-  if (verdict.far.length > 0) warnings.push(words.far(verdict.far.length, verdict.far.slice(0, 3).join(', ')));
+  if (verdict.far.length > 0) warnings.push(words.far(verdict.far.length, list(shortened(verdict.far))));
   if (verdict.photos === 1 && !is_open) warnings.push(words.single);
   // Turning to the next strip takes a while; a pause of minutes is a change of battery or a lost card.
   if (verdict.usual_gap_s > 0 && verdict.longest_gap_s > Math.max(120, 30 * verdict.usual_gap_s)) {
@@ -42,9 +49,9 @@ export function verdictWords(verdict) {
  */
 export function verdictView(verdict) {
   const { facts, warnings } = verdictWords(verdict);
-  const list = h('ul', { class: 'verdict-warnings' }, ...warnings.map((text) => h('li', {}, icon('warning'), h('span', {}, text))));
+  const notes = h('ul', { class: 'verdict-warnings' }, ...warnings.map((text) => h('li', {}, icon('warning'), h('span', {}, text))));
   const good = verdict.photos > 0 ? h('p', { class: 'muted' }, strings.verdict.good) : null;
-  return h('div', { class: 'verdict', id: 'verdict' }, h('p', { class: 'muted' }, facts), warnings.length > 0 ? list : good);
+  return h('div', { class: 'verdict', id: 'verdict' }, h('p', { class: 'muted' }, facts), warnings.length > 0 ? notes : good);
 }
 
 const kShownReasons = 5;
@@ -60,7 +67,7 @@ export function serverVerdictWords(verdict, is_of_all) {
   const by_images = verdict.photos_by_images ?? 0;
   const warnings = [
     ...(left_out.length > 0 ? [words.left_out(left_out.length)] : []),
-    ...left_out.slice(0, kShownReasons).map(({ name, reason }) => `${name}: ${reason}`),
+    ...left_out.slice(0, kShownReasons).map(({ name, code, reason }) => `${name}: ${serverWords(code, reason)}`),
     ...verdict.warnings,
   ];
   const is_good = warnings.length === 0 && by_images === 0 && verdict.photos_placeable > 0;
