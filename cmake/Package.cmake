@@ -84,13 +84,14 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${SKYQUILT_MAINTAINER}")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Maps of drone photos, served as tiles
- Skyquilt takes the photos of a drone by curl, web page or folder, places each of
- them on the ground by its recorded pose and by what the pictures show, and serves
- the map as tiles to browsers and GIS programs. Maps are also files: GeoTIFF,
- MBTiles and PMTiles.
- .
- The service listens to its own machine until /etc/skyquilt.conf says otherwise.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "maps of drone photos, served as tiles
+Skyquilt takes the photos of a drone by curl, web page or folder, places
+each of them on the ground by its recorded pose and by what the pictures
+show, and serves the map as tiles to browsers and GIS programs. Maps are
+also files: GeoTIFF, MBTiles and PMTiles.
+.
+The service listens to its own machine until /etc/skyquilt.conf says
+otherwise.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, init-system-helpers (>= 1.52), ${run_packages}")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA

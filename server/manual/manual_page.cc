@@ -57,6 +57,17 @@ std::string SynopsisOf(const DescribedCommand& command) {
   return text + "\n";
 }
 
+// "INT in [0 - 64]", as the library says it: "0 to 64".
+std::string RangeIn(const std::string& bounds) {
+  const std::size_t begin = bounds.rfind(" in [");
+  const std::size_t dash = bounds.rfind(" - ");
+  if (begin == std::string::npos || dash == std::string::npos || dash < begin || !bounds.ends_with(']'))
+    return bounds;
+  const std::size_t first = begin + 5;
+  const std::size_t second = dash + 3;
+  return bounds.substr(first, dash - first) + " to " + bounds.substr(second, bounds.size() - 1 - second);
+}
+
 std::string Paragraph(const DescribedOption& option) {
   std::vector<std::string> names;
   const bool is_argument = !option.names.front().starts_with('-');
@@ -71,7 +82,7 @@ std::string Paragraph(const DescribedOption& option) {
     for (const std::string& word : option.words) words.push_back(Bold(word));
     text += fmt::format("One of: {}.\n", fmt::join(words, ", "));
   }
-  if (!option.bounds.empty()) text += fmt::format("Takes {}.\n", Roff(option.bounds));
+  if (!option.bounds.empty()) text += fmt::format("Takes {}.\n", Roff(RangeIn(option.bounds)));
   if (!option.default_value.empty()) text += fmt::format("Default: {}.\n", Bold(option.default_value));
   if (option.is_required) text += "Required.\n";
   if (!option.variable.empty()) text += fmt::format("Environment: {}.\n", Bold(option.variable));

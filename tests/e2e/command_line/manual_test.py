@@ -40,7 +40,7 @@ def options_of(path):
     """{name: words it takes, or None} of a command's options; flags have None."""
     options = {}
     for names, rest in re.findall(r"^  (-\S+)(.*)", section(path, "Options"), re.M):
-        taken = re.match(r" TEXT:([a-z0-9_-]+(?:, [a-z0-9_-]+)* or [a-z0-9_-]+)\b", rest)
+        taken = re.match(r" (?:TEXT|ENUM):([a-z0-9_-]+(?:, [a-z0-9_-]+)* or [a-z0-9_-]+)\b", rest)
         words = re.split(r", | or ", taken[1]) if taken else None
         for name in re.sub(r"\{.*?\}", "", names).split(","):
             options[name] = words
