@@ -5,6 +5,9 @@
 include(GNUInstallDirs)
 set(package_dir ${CMAKE_CURRENT_LIST_DIR}/package)
 set(made_dir ${CMAKE_BINARY_DIR}/package)
+if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
+  set(Python3_EXECUTABLE /usr/bin/python3)  # as the tests take it
+endif()
 find_package(Python3 COMPONENTS Interpreter)
 if(NOT Python3_FOUND)
   message(STATUS "No \"cmake --install\" and no package without python3")
