@@ -47,7 +47,7 @@ std::string SynopsisOf(const DescribedCommand& command) {
   for (const DescribedOption& option : command.options) {
     if (option.is_required) text += fmt::format(" {} {}", Bold(option.names.back()), Italic(option.value));
   }
-  if (!command.options.empty()) text += fmt::format(" [{}]", Italic("OPTION"));
+  if (!command.options.empty()) text += fmt::format(" [{}]...", Italic("OPTION"));
   for (const DescribedOption& argument : command.arguments) {
     const std::string several = argument.takes_several ? "..." : "";
     const std::string name = Italic(argument.names.front()) + several;
@@ -59,6 +59,7 @@ std::string SynopsisOf(const DescribedCommand& command) {
 
 // "INT in [0 - 64]", as the library says it: "0 to 64".
 std::string RangeIn(const std::string& bounds) {
+  if (bounds == "POSITIVE") return "more than 0";
   const std::size_t begin = bounds.rfind(" in [");
   const std::size_t dash = bounds.rfind(" - ");
   if (begin == std::string::npos || dash == std::string::npos || dash < begin || !bounds.ends_with(']'))
@@ -66,6 +67,11 @@ std::string RangeIn(const std::string& bounds) {
   const std::size_t first = begin + 5;
   const std::size_t second = dash + 3;
   return bounds.substr(first, dash - first) + " to " + bounds.substr(second, bounds.size() - 1 - second);
+}
+
+// As the library names its checks of files and folders.
+bool IsOfWhatExists(const std::string& bounds) {
+  return bounds == "FILE" || bounds == "DIR" || bounds == "PATH(existing)";
 }
 
 std::string Paragraph(const DescribedOption& option) {
@@ -82,7 +88,11 @@ std::string Paragraph(const DescribedOption& option) {
     for (const std::string& word : option.words) words.push_back(Bold(word));
     text += fmt::format("One of: {}.\n", fmt::join(words, ", "));
   }
-  if (!option.bounds.empty()) text += fmt::format("Takes {}.\n", Roff(RangeIn(option.bounds)));
+  if (IsOfWhatExists(option.bounds)) {
+    text += "It must exist.\n";
+  } else if (!option.bounds.empty()) {
+    text += fmt::format("Takes {}.\n", Roff(RangeIn(option.bounds)));
+  }
   if (!option.default_value.empty()) text += fmt::format("Default: {}.\n", Bold(option.default_value));
   if (option.is_required) text += "Required.\n";
   if (!option.variable.empty()) text += fmt::format("Environment: {}.\n", Bold(option.variable));
