@@ -38,15 +38,15 @@ class Service(unittest.TestCase):
     def wait_for(self, is_so, what):
         end = time.monotonic() + 60
         while not is_so():
-            self.assertLess(time.monotonic(), end, what)
+            if time.monotonic() > end:
+                self.fail(f"{what}: " + self.booted.run("journalctl", "-u", "skyquilt", "-n", "30", "--no-pager", check=False))
             time.sleep(0.2)
 
     def main_pid(self):
         return int(self.booted.run("systemctl", "show", "-P", "MainPID", "skyquilt"))
 
     def answers(self):
-        return self.booted.run("curl", "-sS", "http://127.0.0.1:8080/healthz", check=False).startswith("ok") or "200" in self.booted.run(
-            "curl", "-sS", "-o", "/dev/null", "-w", "%{http_code}", "http://127.0.0.1:8080/healthz", check=False)
+        return self.booted.run("curl", "-s", "-o", "/dev/null", "-w", "%{http_code}", "http://127.0.0.1:8080/healthz", check=False) == "200"
 
     def test_it_lives_by_its_unit(self):
         system = bare_debian.BareDebian()
