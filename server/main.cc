@@ -10,6 +10,7 @@
 
 #include "server/commands/commands.h"
 #include "server/commands/config_file.h"
+#include "server/manual/manual_command.h"
 #include "server/usage/explain_usage.h"
 
 namespace {
@@ -21,6 +22,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("skyquilt ") + SKYQUILT_VERSION);
   skyquilt::server::AddCommands(app);
+  skyquilt::server::AddManualCommands(app, SKYQUILT_VERSION);
   try {
     auto words = skyquilt::server::ExpandConfig(std::vector<std::string>(argv + 1, argv + argc));
     if (!words) {

@@ -6,6 +6,8 @@
 namespace skyquilt::server {
 namespace {
 
+constexpr const char* kName = "one of";  // by which an option's validator is found again
+
 std::string ListOf(const std::vector<std::string>& words) {
   std::string list;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -25,7 +27,7 @@ CLI::Validator OneOf(const std::vector<std::string>& words) {
             const bool is_known = std::find(words.begin(), words.end(), typed) != words.end();
             return is_known ? std::string() : NotAmong(typed, list);
           },
-          list};
+          list, kName};
 }
 
 CLI::Validator OneOfNumbers(const std::vector<std::pair<std::string, long>>& values) {
@@ -40,7 +42,25 @@ CLI::Validator OneOfNumbers(const std::vector<std::pair<std::string, long>>& val
             }
             return NotAmong(typed, list);
           },
-          list};
+          list, kName};
+}
+
+std::vector<std::string> WordsOf(CLI::Option& option) {
+  std::string list;
+  try {
+    list = option.get_validator(kName)->get_description();
+  } catch (const CLI::OptionNotFound&) {
+    return {};
+  }
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t comma = list.find(", ", begin);
+    const std::size_t last = list.find(" or ", begin);
+    const std::size_t end = std::min({comma, last, list.size()});
+    words.push_back(list.substr(begin, end - begin));
+    begin = end + (end == last ? 4 : 2);
+  }
+  return words;
 }
 
 }  // namespace skyquilt::server
