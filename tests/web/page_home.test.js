@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { matches, orders, plain } from '../../web/src/home/flight_list.js';
-import { boxOf, fitted, groups, parted } from '../../web/src/home/overview_view.js';
+import { boxOf, fitted, groups, parted } from '../../web/src/home/overview_map.js';
 import { mapIdle } from './support/browser.js';
 import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
 import { seedMany } from './support/many_flights.js';
@@ -42,7 +42,7 @@ test('marks that would cover each other are one until the view parts them', () =
   assert.equal(parted(same[0], whole, 800, 600), null, 'the same place cannot be parted');
 });
 
-test('three hundred flights are a light first view: 33 requests, 400 kB, pictures only in sight', options, async () => {
+test('three hundred flights are a light first view: 30 requests, 400 kB, pictures only in sight', options, async () => {
   const opened = await setUp({ page_limit: 200 }, laptop);
   const { page, mock } = opened;
   seedMany(mock, 300);
@@ -60,7 +60,7 @@ test('three hundred flights are a light first view: 33 requests, 400 kB, picture
   const pictures = requests.filter((path) => path.endsWith('/thumbnail.webp'));
   assert.ok(pictures.length >= 4 && pictures.length <= 7, `${pictures.length} pictures`);
   assert.equal(new Set(pictures).size, pictures.length, 'one request a picture');
-  assert.ok(requests.length <= 33, `${requests.length} requests: ${requests.join(' ')}`);
+  assert.ok(requests.length <= 30, `${requests.length} requests: ${requests.join(' ')}`);
   assert.ok(bytes < 400_000, `${bytes} bytes`);
   assert.ok(!requests.some((path) => path.includes('maplibre')));
   await fresh.locator('.flights li').nth(40).scrollIntoViewIfNeeded();

@@ -21,7 +21,7 @@ export function filmstrip(photos, on_choose) {
     return h(
       'button',
       { type: 'button', class: 'frame', 'data-index': i, 'aria-label': label, title: label, on: { click: () => on_choose(i) } },
-      h('span', { class: 'frame-picture' }, number(i + 1)),
+      h('span', { class: 'frame-picture', 'data-number': number(i + 1) }),  // shown until the picture is there
       h('span', { class: 'frame-name' }, off_vertical_deg === null ? record.name : `${fixed(off_vertical_deg, 0)}°`),
     );
   });

@@ -3,7 +3,7 @@
 /** @import { TileJson } from '../shared/types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { authorization } from '../shared/access.js';
-import { keptChoice } from '../shared/kept.js';
+import { keptChoice } from '../shared/language.js';
 
 /** @typedef {'none'|'land'|'server'} BasemapKind */
 

@@ -1,6 +1,6 @@
 // The language of the page: the one that was chosen here, else the first of the browser's that the page speaks, else
 // English; and numbers, plurals, dates and lists as it has them. How the words get here: strings.js.
-import { keptChoice } from './kept.js';
+// And what else was chosen here, of units and the map below.
 
 /** @typedef {'en'|'de'} Language a file of src/languages, which says how another one is added */
 
@@ -94,3 +94,12 @@ export const dateFormat = (options) => once(`date ${JSON.stringify(options)}`, (
 
 /** Orders names as its readers do, numbers by size. @returns {Intl.Collator} */
 export const nameOrder = () => once('order', () => new Intl.Collator(locale, { numeric: true, sensitivity: 'base' }));
+
+/** @param {string} key @returns {string|null} also null where the browser keeps nothing, as in frames of other sites: then there is no choice */
+export function keptChoice(key) {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}

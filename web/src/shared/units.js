@@ -1,8 +1,7 @@
 // Lengths and areas in the units of who reads: metres and hectares, or feet and acres. By the browser's country until
 // one chooses; the choice stays in this browser.
 import { formatArea, formatLength } from './format.js';
-import { keptChoice } from './kept.js';
-import { fixed } from './language.js';
+import { fixed, keptChoice } from './language.js';
 import { strings } from './strings.js';
 
 /** @typedef {'metric'|'imperial'} Units */
