@@ -75,6 +75,7 @@ ordered_json JobValue(const storage::Job& job, storage::Time now) {
   value["eta_low_s"] = eta ? ordered_json(eta->low_s) : ordered_json(nullptr);
   value["eta_high_s"] = eta ? ordered_json(eta->high_s) : ordered_json(nullptr);
   value["priority"] = job.priority;
+  value["options"] = ordered_json::parse(job.options.empty() ? "{}" : job.options, nullptr, false);
   value["attempts"] = job.attempts;
   value["created_at"] = FormatTime(job.created);
   value["started_at"] = TimeOrNull(job.started);

@@ -261,7 +261,7 @@ export async function startMockServer(options = {}) {
       if (rest === '/jobs' && request.method === 'POST') {
         const { options: asked = {} } = JSON.parse((await readBody()).toString() || '{}');
         if (flight.refuses_jobs) return problem(flight.refuses_jobs.status, 'Refused', flight.refuses_jobs.detail);
-        const job = { placing: asked.place ?? null, id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, eta_low_s: null, eta_high_s: null, priority: 0, attempts: 1,
+        const job = { placing: asked.place ?? null, options: asked, id: `j${newId()}`, flight_id: flight.id, state: 'accepted', stage: 'queued', progress: 0, message: '', eta_s: null, eta_low_s: null, eta_high_s: null, priority: 0, attempts: 1,
           created_at: new Date().toISOString(), started_at: null, finished_at: null, error: null, at: Date.now() };
         flight.error = null;
         flight.job = job;

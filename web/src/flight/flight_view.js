@@ -5,6 +5,8 @@ import { announce, showError } from '../shared/announce.js';
 import { ApiError, getFlight, getReport, serverWords, startJob, startPlacing } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
+import { chosenOptions } from './job_options.js';
+import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
 import { followFlight } from './follow_flight.js';
 import { icon } from '../shared/icons.js';
@@ -235,7 +237,7 @@ export class FlightView {
   /** What can be done after a failure. @param {Flight} flight */
   #waysOn(flight) {
     if (isImported(flight) && flight.file_count === 0) return [];
-    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), this.#addButton()];
+    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id), this.#addButton()];
     const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
     change.addEventListener('click', () => {
       if (this.#report) this.#place(flight, this.#report, change);
@@ -266,11 +268,26 @@ export class FlightView {
     });
   }
 
+  /** Makes the map anew; the one that is there stays until then. @param {Flight} flight */
+  #again(flight) {
+    askOptions({
+      title: strings.options.again_title,
+      hint: strings.options.again_hint,
+      submit: strings.options.again_start,
+      options: lastOptions(flight),
+      on_submit: async (options) => {
+        await startJob(flight.id, options);
+        await this.refresh();
+      },
+    });
+  }
+
   /** @param {Flight} flight */
   #drawWaiting(flight) {
     const view = waitingView(flight, {
       start: (label, kind) => this.#startButton(flight, label, kind),
       add: () => this.#addButton(),
+      options: () => optionsButton(flight.id),
       on_resume: () => void this.refresh(),
       signal: this.#abort.signal,
     });
@@ -288,7 +305,7 @@ export class FlightView {
     button.addEventListener('click', async () => {
       button.disabled = true;
       try {
-        await startJob(flight.id);
+        await startJob(flight.id, chosenOptions(flight.id));
         forgetUpload(flight.id);
       } catch (error) {
         showError(error);
@@ -314,9 +331,11 @@ export class FlightView {
     if (found instanceof Error) showError(found);
     this.#report = found instanceof Error ? null : found;
     const place = (/** @type {HTMLElement} */ opener) => this.#place(flight, found, opener);
+    const again = () => this.#again(flight);
+    const may_remake = mayChange(flight) && !isImported(flight);
     put(
       this.#result,
-      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, mayChange(flight) && !isImported(flight) ? place : null),
+      found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, may_remake ? { place, again } : null),
       linksView(flight, shown.tilejson),
     );
     await shown.drawn;

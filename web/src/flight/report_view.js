@@ -10,6 +10,7 @@ import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, units_chosen } from '../shared/units.js';
 import { resultView } from './result_verdict.js';
 import { glanceAtPhoto } from '../upload/exif_reader.js';
+import { lastOptions, optionWords } from './options_dialog.js';
 import { reasonList } from '../upload/upload_view.js';
 
 /**
@@ -97,10 +98,11 @@ function mapPicture(flight) {
  * @param {Flight} flight
  * @param {Report} report
  * @param {PhotoCollection|null} photos
- * @param {((opener: HTMLElement) => void)|null} place opens the tool that moves the map; null for who may not
+ * @param {{place: (opener: HTMLElement) => void, again: () => void}|null} change opens the tool that moves the map, asks how to make it anew; null for who may not
  * @returns {HTMLElement}
  */
-export function reportView(flight, report, photos, place) {
+export function reportView(flight, report, photos, change) {
+  const place = change?.place;
   const words = strings.report;
   const left_out = report.left_out_photos ?? [];
   const { of_flight, of_photos } = sortedWarnings(report.warnings ?? [], photos);
@@ -160,7 +162,9 @@ export function reportView(flight, report, photos, place) {
         fact(words.uploaded, formatDate(flight.created_at)),
         fact(words.zooms, words.zoom_range(report.min_zoom, report.max_zoom)),
         report.peak_memory_bytes > 0 && fact(words.memory, formatBytes(report.peak_memory_bytes)),
+        fact(strings.options.made_with, optionWords(lastOptions(flight)) || strings.options.standard),
       ),
+      change && h('button', { type: 'button', class: 'button small no-print', id: 'run-again', on: { click: change.again } }, icon('retry'), strings.options.again),
       timingPicture(report),
     ),
   );

@@ -13,7 +13,7 @@ import { serverVerdictView } from '../upload/verdict_view.js';
 
 /**
  * @param {Flight} flight
- * @param {{start: (label: string, kind: 'primary'|'') => HTMLElement, add: () => HTMLElement, on_resume: () => void,
+ * @param {{start: (label: string, kind: 'primary'|'') => HTMLElement, add: () => HTMLElement, options: () => HTMLElement, on_resume: () => void,
  *          signal: AbortSignal}} parts
  * @returns {{element: HTMLElement, close: () => void}}
  */
@@ -49,6 +49,7 @@ export function waitingView(flight, parts) {
       stopped && h('button', { type: 'button', class: 'button small primary', id: 'upload-resume', on: { click: resume } }, icon('play'), words.go_on),
       is_uploaded && parts.start(lacks > 0 ? words.start_without(lacks) : words.start, lacks > 0 ? '' : 'primary'),
       parts.add(),
+      is_uploaded && parts.options(),
     );
   };
 

@@ -175,8 +175,8 @@ export async function listFiles(id) {
 /** The layers that the map page offers. */
 const kLayers = ['photo', 'error', 'height'];
 
-/** @param {string} id @returns {Promise<Job>} */
-export const startJob = (id) => request('POST', `${flight_path(id)}/jobs`, { options: { layers: kLayers } });
+/** @param {string} id @param {Record<string, any>} options JobOptions of the contract @returns {Promise<Job>} */
+export const startJob = (id, options) => request('POST', `${flight_path(id)}/jobs`, { options });
 
 /**
  * Moves the finished map to where what it shows really is; its layers come along.

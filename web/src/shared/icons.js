@@ -16,6 +16,7 @@ const paths = {
   warning: 'M12 4l9 16H3zM12 10v4M12 17v.5',
   pause: 'M8 5v14M16 5v14',
   play: 'M7 4.5v15l12-7.5z',
+  sliders: 'M4 7h9M17 7h3M13 5v4M4 12h3M11 12h9M7 10v4M4 17h11M19 17h1M15 15v4',
   retry: 'M19 12a7 7 0 11-2.1-5M19 4v4h-4',
   layers: 'M12 4l9 5-9 5-9-5zM3.5 13.5L12 18l8.5-4.5',
   fit: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',

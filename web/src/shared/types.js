@@ -18,6 +18,7 @@
  * @property {number} [progress] 0..1
  * @property {string} [message]
  * @property {number|null} [eta_s]
+ * @property {Record<string, any>} [options] what it was asked for
  * @property {number|null} [eta_low_s] four of five jobs end between these
  * @property {number|null} [eta_high_s]
  * @property {number} [attempts]

@@ -6,6 +6,7 @@ import { h, put } from '../shared/dom.js';
 import { formatBytes, formatDuration, formatPercent } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
+import { optionsButton } from '../flight/options_dialog.js';
 import { serverVerdictView, verdictView } from './verdict_view.js';
 
 /**
@@ -140,7 +141,7 @@ export function uploadView(session) {
     server_verdict,
     sending,
     failures,
-    h('div', { class: 'row' }, pause, stop),
+    h('div', { class: 'row' }, pause, stop, optionsButton(session.flight_id)),
   );
   return {
     element,

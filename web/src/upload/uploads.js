@@ -6,6 +6,7 @@
 import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
 import { held, sessions } from './running_uploads.js';
+import { chosenOptions } from '../flight/job_options.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';
 import { forgetUpload, rememberUpload } from './upload_memory.js';
@@ -123,7 +124,7 @@ export class UploadSession extends EventTarget {
     const { signal } = this.#abort;
     try {
       announce(strings.upload.done);
-      this.job = await this.#untilReached(() => api.startJob(this.flight_id), signal);
+      this.job = await this.#untilReached(() => api.startJob(this.flight_id, chosenOptions(this.flight_id)), signal);
       forgetUpload(this.flight_id);
     } catch (error) {
       if (signal.aborted) return;

@@ -1,11 +1,13 @@
 // German: uploads and an open flight, with its map, photos, report, exports and shares.
 import { count, fixed, number, plural } from '../../shared/language.js';
+import { option_words } from './options.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
 const files = { one: 'Datei', other: 'Dateien' };
 
 /** @type {typeof import('../en/flight.js').flight_words} */
 export const flight_words = {
+  options: option_words,
   verdict: {
     good: 'Alle Fotos haben eine Position.',
     span: (length) => `Ausdehnung ${length}`,

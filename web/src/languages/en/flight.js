@@ -4,8 +4,10 @@
 // name it in kLanguages of shared/language.js and in kFiles of shared/strings.js and shared/flight_strings.js.
 // tests/web/languages/words.test.js says what is missing.
 import { count, fixed, number, plural } from '../../shared/language.js';
+import { option_words } from './options.js';
 
 export const flight_words = {
+  options: option_words,
   verdict: {
     good: 'Every photo has a position.',
     span: (/** @type {string} */ length) => `${length} across`,

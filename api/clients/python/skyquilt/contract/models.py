@@ -75,6 +75,7 @@ class Job(TypedDict):
     # Four of five jobs end within these
     eta_high_s: Optional[float]
     priority: int
+    options: JobOptions
 
 
 class FlightPhotos(TypedDict):

@@ -1,0 +1,112 @@
+// How a map is made, chosen on the page, in Chromium against the mock server; and the form against the contract.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { formOf, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, optionsOf } from '../../web/src/flight/job_options.js';
+import { mapIdle } from './support/browser.js';
+import { photoFiles } from './support/photo_files.js';
+import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
+
+const { setUp } = usePages();
+const contract = JSON.parse(readFileSync(new URL('../../api/openapi.json', import.meta.url), 'utf8')).components.schemas.JobOptions.properties;
+
+test('the form offers what the contract allows', () => {
+  assert.deepEqual(kMethods, contract.method.enum);
+  assert.deepEqual(kFormats, contract.format.enum);
+  assert.deepEqual(kLayers, contract.layers.items.enum);
+  const limits = (/** @type {string} */ name, scale = 1) => ({ least: contract[name].minimum * scale, most: contract[name].maximum * scale });
+  assert.deepEqual(kLimits.resolution_cm, limits('gsd_m', 100));
+  assert.deepEqual(kLimits.max_look_deg, limits('max_look_deg'));
+  assert.deepEqual(kLimits.readout_ms, limits('readout_ms'));
+  assert.deepEqual(kLimits.quality, { ...limits('quality'), is_whole: true });
+  for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44' }).options)) assert.ok(name in contract, name);
+});
+
+test('what was typed is what is asked for, and comes back into the form', () => {
+  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44' };
+  const { options: asked, faults } = optionsOf(form);
+  assert.deepEqual(faults, []);
+  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44] });
+  assert.deepEqual(formOf(asked), { ...form, resolution_cm: '2.5' });
+  assert.deepEqual(optionsOf(kStandard).options, { layers: kLayers }, 'nothing chosen is nothing asked for');
+  for (const preset of Object.values(kPresets)) assert.deepEqual(formOf(optionsOf(preset).options), preset);
+  assert.deepEqual(formOf(/** @type {any} */ ({ gsd_m: 'x', method: 7, layers: 'all', origin: {} })), { ...kStandard, layers: [] }, 'what another page kept is not trusted');
+});
+
+test('what the server would refuse is said of each field', () => {
+  const faults = (/** @type {any} */ change) => optionsOf({ ...kStandard, ...change }).faults;
+  for (const [field, values] of Object.entries({ resolution_cm: ['0', 'x', '1e3', '10001', '-2'], max_look_deg: ['9', '76'], readout_ms: ['-1', '501'], quality: ['0', '101', '85.5'], origin: ['46', 'north', '91, 7'] })) {
+    for (const value of values) assert.deepEqual(faults({ [field]: value }), [field], `${field} ${value}`);
+  }
+});
+
+for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {
+  test(`a map is made again with other options on a ${screen}, and a preset is kept`, options, async () => {
+    const opened = await setUp({ job_ms: 300 }, context);
+    const { page, mock } = opened;
+    const flight = mock.seedReady('Meadow');
+    await page.goto(`${mock.url}#/flights/${flight.id}`);
+    await mapIdle(page);
+    await page.click('#processing-details summary');
+    assert.match((await page.textContent('#processing-details')) ?? '', /Options\s*standard/);
+    await page.click('#run-again');
+    await page.waitForSelector('#options-dialog[open]');
+    assert.ok(await page.locator('label:has(#option-not_finer)').isHidden());
+    await page.fill('#option-resolution_cm', '0');
+    assert.match((await page.textContent('#option-resolution_cm-fault')) ?? '', /from 0\.1 to 10,000/);
+    await assertAccessible(page, 'options with a fault');
+    await page.click('#options-submit');
+    assert.equal(flight.job ?? null, null, 'nothing is sent that would be refused');
+    await page.selectOption('#option-preset', 'quick');
+    assert.equal(await page.inputValue('#option-resolution_cm'), '20');
+    assert.ok(await page.isChecked('#option-not_finer'));
+    await page.fill('#option-resolution_cm', '15');
+    assert.equal(await page.inputValue('#option-preset'), '');
+    await page.fill('#preset-name', 'Orchard');
+    await page.click('#preset-keep');
+    assert.equal(await page.inputValue('#option-preset'), 'own:Orchard');
+    flight.refuses_jobs = { status: 422, detail: 'The option "gsd_m" is not for this flight.' };
+    await page.click('#options-submit');
+    await page.waitForSelector('#options-refusal');
+    assert.match((await page.textContent('#options-refusal')) ?? '', /not for this flight/);
+    flight.refuses_jobs = null;
+    await page.click('#options-submit');
+    await page.waitForSelector('#options-dialog', { state: 'detached' });
+    assert.deepEqual(flight.job.options, { layers: [], gsd_m: 0.15, not_finer_than_photos: true });
+    await page.waitForFunction(() => document.querySelector('#processing-details')?.textContent?.includes('15 cm'));
+
+    // A reload later the preset is there, until it is deleted.
+    await page.reload();
+    await mapIdle(page);
+    await page.click('#processing-details summary');
+    await page.click('#run-again');
+    assert.equal(await page.inputValue('#option-resolution_cm'), '15', 'it begins with what the map was made with');
+    await page.selectOption('#option-preset', 'standard');
+    assert.equal(await page.inputValue('#option-resolution_cm'), '');
+    await page.selectOption('#option-preset', 'own:Orchard');
+    assert.equal(await page.inputValue('#option-resolution_cm'), '15');
+    await page.click('#preset-forget');
+    assert.equal(await page.locator('#option-preset option', { hasText: 'Orchard' }).count(), 0);
+    await page.keyboard.press('Escape');
+    await page.waitForSelector('#options-dialog', { state: 'detached' });
+    await assertQuiet(opened, [/422/]);
+  });
+}
+
+test('options chosen during an upload count for its map', options, async () => {
+  const opened = await setUp({ job_ms: 300 });
+  const { page, mock } = opened;
+  const release = mock.holdUploads();
+  await page.setInputFiles('#files-input', photoFiles(4));
+  await page.waitForSelector('#upload #options-open');
+  await page.click('#options-open');
+  await page.click('#options-dialog .option-more summary');
+  await page.fill('#option-quality', '95');
+  await page.click('#options-submit');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
+  assert.match((await page.textContent('#options-chosen')) ?? '', /Image quality 95/);
+  release();
+  await mapIdle(page);
+  assert.equal([...mock.flights.values()][0].job.options.quality, 95);
+  await assertQuiet(opened);
+});

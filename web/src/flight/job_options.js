@@ -1,0 +1,130 @@
+// How a map is made, as the form has it and as the server takes it (JobOptions of the contract); what was chosen for
+// each flight of this page; and presets, which this browser keeps. Pure but for these.
+import { keptChoice } from '../shared/language.js';
+import { parsePlace } from '../map/parse_place.js';
+
+/**
+ * @typedef {object} OptionsForm empty texts and null are left to the server
+ * @property {string} resolution_cm of a pixel
+ * @property {boolean} not_finer than the photos' own pixels
+ * @property {string} method
+ * @property {string[]} layers
+ * @property {string} max_look_deg
+ * @property {string} readout_ms
+ * @property {string} format
+ * @property {string} quality
+ * @property {string} origin where a flight without any position took off
+ */
+/** @typedef {Record<string, any>} JobOptions */
+/** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'origin'} TypedField */
+
+export const kMethods = ['auto', 'images', 'imu', 'features', 'direct'];
+export const kFormats = ['auto', 'webp'];
+export const kLayers = ['photo', 'error', 'height'];
+/** What the contract allows. @type {Record<Exclude<TypedField, 'origin'>, {least: number, most: number, is_whole?: boolean}>} */
+export const kLimits = {
+  resolution_cm: { least: 0.1, most: 10_000 },
+  max_look_deg: { least: 10, most: 75 },
+  readout_ms: { least: 0, most: 500 },
+  quality: { least: 1, most: 100, is_whole: true },
+};
+
+/** @type {Readonly<OptionsForm>} */
+export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '' };
+
+/** Those that come with the page, by their names in strings.options.presets. @type {Record<'standard'|'quick'|'detailed', OptionsForm>} */
+export const kPresets = {
+  standard: kStandard,
+  quick: { ...kStandard, resolution_cm: '20', layers: [] },
+  detailed: { ...kStandard, quality: '95' },
+};
+
+/** @param {string} text as people of many countries write numbers @returns {number} NaN where it is none */
+const numberOf = (text) => (/^[+-]?(\d+([.,]\d*)?|[.,]\d+)$/.test(text.trim()) ? Number(text.trim().replace(',', '.')) : NaN);
+
+/**
+ * @param {OptionsForm} form
+ * @returns {{options: JobOptions, faults: TypedField[]}} faults: fields that the server would refuse
+ */
+export function optionsOf(form) {
+  /** @type {TypedField[]} */
+  const faults = [];
+  const typed = (/** @type {Exclude<TypedField, 'origin'>} */ field) => {
+    if (form[field].trim() === '') return null;
+    const value = numberOf(form[field]);
+    const { least, most, is_whole } = kLimits[field];
+    if (!(value >= least && value <= most) || (is_whole && !Number.isInteger(value))) faults.push(field);
+    return value;
+  };
+  const [resolution_cm, max_look_deg, readout_ms, quality] = [typed('resolution_cm'), typed('max_look_deg'), typed('readout_ms'), typed('quality')];
+  const origin = form.origin.trim() === '' ? null : parsePlace(form.origin);
+  if (origin && 'fault' in origin) faults.push('origin');
+  return {
+    options: {
+      layers: kLayers.filter((layer) => form.layers.includes(layer)),
+      ...(resolution_cm === null ? {} : { gsd_m: resolution_cm / 100, not_finer_than_photos: form.not_finer }),
+      ...(form.method === 'auto' ? {} : { method: form.method }),
+      ...(max_look_deg === null ? {} : { max_look_deg }),
+      ...(readout_ms === null ? {} : { readout_ms }),
+      ...(form.format === 'auto' ? {} : { format: form.format }),
+      ...(quality === null ? {} : { quality }),
+      ...(origin && 'place' in origin ? { origin: [origin.place[1], origin.place[0]] } : {}),
+    },
+    faults,
+  };
+}
+
+/** @param {JobOptions} options of a job @returns {OptionsForm} */
+export function formOf(options) {
+  const text = (/** @type {unknown} */ value) => (typeof value === 'number' ? String(value) : '');
+  const word = (/** @type {unknown} */ value, /** @type {string[]} */ words) => (typeof value === 'string' && words.includes(value) ? value : words[0]);
+  return {
+    resolution_cm: typeof options.gsd_m === 'number' ? String(Number((options.gsd_m * 100).toPrecision(6))) : '',
+    not_finer: typeof options.gsd_m !== 'number' || options.not_finer_than_photos === true,
+    method: word(options.method, kMethods),
+    layers: Array.isArray(options.layers) ? kLayers.filter((layer) => options.layers.includes(layer)) : [],
+    max_look_deg: text(options.max_look_deg),
+    readout_ms: text(options.readout_ms),
+    format: word(options.format, kFormats),
+    quality: text(options.quality),
+    origin: Array.isArray(options.origin) ? options.origin.join(', ') : '',
+  };
+}
+
+/** @type {Map<string, JobOptions>} by flight */
+const chosen = new Map();
+
+/** What this page's next job for a flight is asked for. @param {string} flight_id @returns {JobOptions} */
+export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? optionsOf(kStandard).options;
+
+/** @param {string} flight_id @param {JobOptions} options */
+export const chooseOptions = (flight_id, options) => void chosen.set(flight_id, options);
+
+const kKey = 'skyquilt.presets';
+const kMostPresets = 50;
+
+/** The user's own; whatever else lies there is passed over. @returns {Record<string, OptionsForm>} */
+export function keptPresets() {
+  /** @type {Record<string, OptionsForm>} */
+  const presets = {};
+  try {
+    const kept = JSON.parse(keptChoice(kKey) ?? '{}');
+    for (const [name, options] of Object.entries(kept)) if (options && typeof options === 'object') presets[name] = formOf(options);
+  } catch (error) {
+    console.debug('presets cannot be read', error);
+  }
+  return presets;
+}
+
+/** @param {string} name @param {OptionsForm|null} form null: it goes @returns {boolean} whether this browser keeps it */
+export function keepPreset(name, form) {
+  const { [name]: _, ...others } = keptPresets();
+  const presets = form ? { ...others, [name]: form } : others;
+  if (Object.keys(presets).length > kMostPresets) return false;
+  try {
+    localStorage.setItem(kKey, JSON.stringify(Object.fromEntries(Object.entries(presets).map(([key, value]) => [key, optionsOf(value).options]))));
+    return true;
+  } catch {
+    return false;  // private windows keep nothing
+  }
+}

@@ -1,0 +1,213 @@
+// Asks how a map is to be made: a preset, or each option with what it does. Says beside a field what the server would
+// refuse, before anything is sent.
+/** @import { Flight } from '../shared/types.js' */
+/** @import { JobOptions, OptionsForm, TypedField } from './job_options.js' */
+import { h, put } from '../shared/dom.js';
+import { strings } from '../shared/flight_strings.js';
+import { icon } from '../shared/icons.js';
+import { chooseOptions, chosenOptions, formOf, keepPreset, keptPresets, kFormats, kLayers, kLimits, kMethods, kPresets, optionsOf } from './job_options.js';
+
+const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
+
+/**
+ * @param {{title: string, hint?: string, submit: string, options: JobOptions, on_submit: (options: JobOptions) => Promise<void>|void}} question
+ *   on_submit: what it throws is shown, and the dialog stays
+ */
+export function askOptions({ title, hint = '', submit, options, on_submit }) {
+  const words = strings.options;
+  const text = (/** @type {TypedField} */ name, /** @type {string} */ placeholder) =>
+    h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: name === 'origin' ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
+  const choice = (/** @type {string} */ name, /** @type {string[]} */ values, /** @type {Record<string, string>} */ labels) =>
+    h('select', { id: `option-${name}`, class: 'field', 'aria-describedby': `option-${name}-hint` }, ...values.map((value) => h('option', { value }, labels[value])));
+  const box = (/** @type {string} */ id, /** @type {string} */ label) => {
+    const input = h('input', { type: 'checkbox', id });
+    return { input, row: h('label', { class: 'check', for: id }, input, h('span', {}, label)) };
+  };
+
+  const typed = {
+    resolution_cm: text('resolution_cm', words.as_photos),
+    max_look_deg: text('max_look_deg', '65'),
+    readout_ms: text('readout_ms', words.automatic),
+    quality: text('quality', '85'),
+    origin: text('origin', words.none),
+  };
+  const fields = /** @type {TypedField[]} */ (Object.keys(typed));
+  const method = choice('method', kMethods, words.methods);
+  const format = choice('format', kFormats, words.formats);
+  const not_finer = box('option-not_finer', words.not_finer);
+  const layers = kLayers.map((name) => ({ name, ...box(`option-layer-${name}`, /** @type {Record<string, string>} */ (strings.map.overlays)[name]) }));
+  /** @type {Record<string, HTMLElement>} */
+  const faults = Object.fromEntries(fields.map((name) => [name, h('small', { class: 'bad', id: `option-${name}-fault`, role: 'alert' })]));
+
+  const row = (/** @type {string} */ name, /** @type {HTMLElement} */ field, /** @type {HTMLElement|null} */ more = null) =>
+    h(
+      'div',
+      { class: 'export-row' },
+      h('label', { for: field.id }, /** @type {Record<string, string>} */ (words.names)[name]),
+      h('div', { class: 'option-field' }, field, h('small', { class: 'muted', id: `${field.id}-hint` }, /** @type {Record<string, string>} */ (words.hints)[name]), faults[name] ?? null, more),
+    );
+
+  /** @returns {OptionsForm} */
+  const read = () => ({
+    .../** @type {Record<TypedField, string>} */ (Object.fromEntries(fields.map((name) => [name, typed[name].value]))),
+    not_finer: not_finer.input.checked,
+    method: method.value,
+    format: format.value,
+    layers: layers.filter(({ input }) => input.checked).map(({ name }) => name),
+  });
+  /** @param {OptionsForm} form */
+  const fill = (form) => {
+    for (const name of fields) typed[name].value = form[name];
+    method.value = form.method;
+    format.value = form.format;
+    not_finer.input.checked = form.not_finer;
+    for (const { name, input } of layers) input.checked = form.layers.includes(name);
+    check();
+  };
+  /** Says what is wrong. @returns {JobOptions|null} null: something is */
+  const check = () => {
+    const found = optionsOf(read());
+    for (const name of fields) {
+      const is_wrong = found.faults.includes(name);
+      typed[name].setAttribute('aria-invalid', String(is_wrong));
+      faults[name].textContent = !is_wrong ? '' : name === 'origin' ? words.bad_place : words.bad_number(kLimits[name].least, kLimits[name].most);
+    }
+    not_finer.row.hidden = typed.resolution_cm.value.trim() === '';
+    return found.faults.length > 0 ? null : found.options;
+  };
+
+  const preset = h('select', { id: 'option-preset', class: 'field' });
+  const forget = h('button', { type: 'button', class: 'button small', id: 'preset-forget' }, words.forget);
+  const drawPresets = (/** @type {string} */ shown) => {
+    const own = Object.keys(keptPresets()).sort();
+    put(
+      preset,
+      h('option', { value: '' }, words.own_choice),
+      ...Object.keys(kPresets).map((name) => h('option', { value: name }, words.presets[/** @type {keyof typeof kPresets} */ (name)])),
+      ...own.map((name) => h('option', { value: kOwn + name }, name)),
+    );
+    preset.value = shown;
+    forget.hidden = !preset.value.startsWith(kOwn);
+  };
+  preset.addEventListener('change', () => {
+    const name = preset.value;
+    const form = name.startsWith(kOwn) ? keptPresets()[name.slice(kOwn.length)] : kPresets[/** @type {keyof typeof kPresets} */ (name)];
+    if (form) fill(form);
+    forget.hidden = !name.startsWith(kOwn);
+  });
+  forget.addEventListener('click', () => {
+    keepPreset(preset.value.slice(kOwn.length), null);
+    drawPresets('');
+  });
+  const name_of_preset = h('input', { id: 'preset-name', class: 'field', type: 'text', maxlength: 60, placeholder: words.preset_name, 'aria-label': words.preset_name });
+  const keep = h('button', { type: 'button', class: 'button small', id: 'preset-keep' }, words.keep);
+  keep.addEventListener('click', () => {
+    const name = name_of_preset.value.trim();
+    if (name === '' || !check()) return name_of_preset.focus();
+    if (keepPreset(name, read())) {
+      drawPresets(kOwn + name);
+      name_of_preset.value = '';
+    } else refuse(words.not_kept);
+  });
+
+  const refusal = h('div', { 'aria-live': 'assertive' });
+  const refuse = (/** @type {string} */ why) => {
+    put(refusal, why && h('p', { class: 'callout callout-error', role: 'alert', id: 'options-refusal' }, why));
+    if (why) refusal.scrollIntoView({ block: 'nearest' });
+  };
+  const send = h('button', { type: 'submit', class: 'button primary', id: 'options-submit' }, submit);
+  const form = h(
+    'form',
+    { class: 'export-form', id: 'options-form', novalidate: true },
+    h('div', { class: 'export-row' }, h('label', { for: preset.id }, words.preset), h('div', { class: 'export-fields' }, preset, forget)),
+    row('resolution_cm', typed.resolution_cm, not_finer.row),
+    row('method', method),
+    h('fieldset', { class: 'option-layers' }, h('legend', {}, words.names.layers), ...layers.map(({ row: line }) => line), h('small', { class: 'muted' }, words.hints.layers)),
+    h(
+      'details',
+      { class: 'option-more' },
+      h('summary', {}, words.more),
+      row('max_look_deg', typed.max_look_deg),
+      row('readout_ms', typed.readout_ms),
+      row('format', format),
+      row('quality', typed.quality),
+      row('origin', typed.origin),
+    ),
+    h('div', { class: 'export-row' }, h('label', { for: name_of_preset.id }, words.keep_as), h('div', { class: 'export-fields' }, name_of_preset, keep)),
+    refusal,
+    h('div', { class: 'dialog-actions' }, h('button', { type: 'button', class: 'button', on: { click: () => dialog.close() } }, strings.flights.cancel), send),
+  );
+  form.addEventListener('input', (event) => {
+    if (event.target !== preset && event.target !== name_of_preset) drawPresets('');
+    check();
+  });
+  form.addEventListener('submit', async (event) => {
+    event.preventDefault();
+    refuse('');
+    const asked = check();
+    if (!asked) {
+      const wrong = fields.find((name) => typed[name].getAttribute('aria-invalid') === 'true') ?? 'resolution_cm';
+      typed[wrong].closest('details')?.setAttribute('open', '');
+      typed[wrong].focus();
+      return;
+    }
+    send.disabled = true;
+    try {
+      await on_submit(asked);
+      dialog.close();
+    } catch (error) {
+      refuse(error instanceof Error ? error.message : String(error));
+    }
+    send.disabled = false;
+  });
+  const dialog = h('dialog', { class: 'dialog', 'aria-labelledby': 'options-title', id: 'options-dialog' }, h('h2', { id: 'options-title', class: 'dialog-title' }, title), hint && h('p', { class: 'muted' }, hint), form);
+  dialog.addEventListener('close', () => dialog.remove());
+  document.body.append(dialog);
+  drawPresets('');
+  fill(formOf(options));
+  dialog.showModal();
+}
+
+/** @param {JobOptions} options @returns {string} what differs from the usual, in words; '' for nothing */
+export function optionWords(options) {
+  const words = strings.options;
+  const form = formOf(options);
+  return [
+    form.resolution_cm && `${form.resolution_cm} cm`,
+    form.method !== 'auto' && words.methods[/** @type {keyof typeof words.methods} */ (form.method)],
+    form.max_look_deg && `${words.names.max_look_deg} ${form.max_look_deg}°`,
+    form.readout_ms && `${words.names.readout_ms} ${form.readout_ms} ms`,
+    form.format !== 'auto' && words.formats[/** @type {keyof typeof words.formats} */ (form.format)],
+    form.quality && `${words.names.quality} ${form.quality}`,
+    form.origin && `${words.names.origin} ${form.origin}`,
+  ].filter(Boolean).join(' · ');
+}
+
+/** What a finished map was made with, as far as is known. @param {Flight} flight @returns {JobOptions} */
+export const lastOptions = ({ id, job }) => (job?.options && !('place' in job.options) ? job.options : chosenOptions(id));
+
+/**
+ * For a map that is still to be made: what is chosen stands beside the button and counts when the job is begun.
+ * @param {string} flight_id
+ * @returns {HTMLElement}
+ */
+export function optionsButton(flight_id) {
+  const words = strings.options;
+  const chosen = h('small', { class: 'muted', id: 'options-chosen' });
+  const draw = () => {
+    const text = optionWords(chosenOptions(flight_id));
+    chosen.textContent = text && words.chosen(text);
+  };
+  const ask = () =>
+    askOptions({
+      title: words.title,
+      submit: words.use,
+      options: chosenOptions(flight_id),
+      on_submit: (options) => {
+        chooseOptions(flight_id, options);
+        draw();
+      },
+    });
+  draw();
+  return h('span', { class: 'option-choice' }, h('button', { type: 'button', class: 'button small', id: 'options-open', on: { click: ask } }, icon('sliders'), words.action), chosen);
+}
