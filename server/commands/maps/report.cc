@@ -11,10 +11,12 @@
 #include <string>
 #include <system_error>
 
+#include "core/base/try.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
 #include "server/commands/work_beside.h"
 #include "server/reports/map_picture.h"
+#include "server/reports/print_pdf.h"
 #include "server/reports/report_page.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -31,6 +33,18 @@ struct ReportArguments {
   int picture_px = 1600;
   bool overwrite = false;
 };
+
+bool IsPdf(const fs::path& out) { return out.extension() == ".pdf" || out.extension() == ".PDF"; }
+
+Result<void> WritePdf(const std::string& page, const fs::path& out, const fs::path& work_dir) {
+  const fs::path html = work_dir / "report.html", pdf = work_dir / "report.pdf";
+  SKYQUILT_TRY(storage::WriteFileAtomically(html, page));
+  SKYQUILT_TRY(PrintPdf(html, pdf, work_dir));
+  std::error_code error;
+  fs::rename(pdf, out, error);
+  if (error) return storage::FileError("cannot write", out, error.value());
+  return {};
+}
 
 void Run(const ReportArguments& arguments) {
   const fs::path out = fs::absolute(arguments.out);
@@ -51,9 +65,10 @@ void Run(const ReportArguments& arguments) {
   const Result<std::string> page =
       ReportPage(*report, *picture, fmt::format("{:%Y-%m-%d}", fmt::gmtime(now)));
   if (!page) Fail(kReportCommand, page.error());
-  const Result<void> written = storage::WriteFileAtomically(out, *page);
+  const Result<void> written =
+      IsPdf(out) ? WritePdf(*page, out, work.path()) : storage::WriteFileAtomically(out, *page);
   if (!written) Fail(kReportCommand, written.error());
-  fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(page->size()) / 1e6);
+  fmt::print("{} ({:.1f} MB)\n", out.string(), static_cast<double>(fs::file_size(out)) / 1e6);
 }
 
 }  // namespace
@@ -65,7 +80,10 @@ void AddReportCommand(CLI::App& app) {
   command->add_option("MAP", arguments->map_dir, "Folder that \"stitch\" wrote")
       ->required()
       ->check(CLI::ExistingDirectory);
-  command->add_option("-o,--out", arguments->out, "HTML file to write: one file, to be mailed or printed")
+  command
+      ->add_option(
+          "-o,--out", arguments->out,
+          "File to write, to be mailed or printed: .html, or .pdf where WeasyPrint or Chromium is installed")
       ->required();
   command->add_option("--picture-px", arguments->picture_px, "Longer side of the map's picture in pixels")
       ->check(CLI::Range(200, 4000))
@@ -73,7 +91,8 @@ void AddReportCommand(CLI::App& app) {
   command->add_flag("--overwrite", arguments->overwrite, "Replace the file if it is there");
   command->footer(
       "\nExample:\n"
-      "  skyquilt report map -o report.html");
+      "  skyquilt report map -o report.html\n"
+      "  skyquilt report map -o report.pdf");
   command->callback([arguments] { Run(*arguments); });
 }
 

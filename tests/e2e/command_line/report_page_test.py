@@ -1,6 +1,7 @@
 """A finished map on one page: its picture to scale, its figures, what was left out; no other file needed."""
 import base64
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -44,6 +45,36 @@ class ReportPage(unittest.TestCase):
         self.assertIn("--overwrite", self.report().stderr)
         self.assertEqual(self.report("--overwrite", "--picture-px", "300").returncode, 0)
         self.assertLess((self.scratch / "report.html").stat().st_size, len(page))
+
+    def pdf(self, path=None):
+        return subprocess.run([BINARY, "report", self.scratch / "map", "-o", self.scratch / "report.pdf"], capture_output=True, text=True,
+                              env={**os.environ, **({} if path is None else {"PATH": path})})
+
+    @unittest.skipUnless(any(shutil.which(name) for name in ("weasyprint", "chromium", "google-chrome", "wkhtmltopdf")), "nothing here prints PDF")
+    def test_as_pdf(self):
+        done = self.pdf()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        printed = (self.scratch / "report.pdf").read_bytes()
+        self.assertTrue(printed.startswith(b"%PDF-"))
+        self.assertGreater(len(printed), 20_000, "the picture is in it")
+        self.assertEqual(sorted(path.name for path in self.scratch.iterdir()), ["map", "report.pdf", "sim"])
+        if shutil.which("pdftotext"):
+            text = subprocess.run(["pdftotext", self.scratch / "report.pdf", "-"], check=True, capture_output=True, text=True).stdout
+            self.assertIn("broken.jpg", text)
+
+    def test_pdf_without_a_program_that_prints(self):
+        empty = self.scratch / "bin"
+        empty.mkdir()
+        done = self.pdf(str(empty))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("apt install weasyprint", done.stderr)
+        (empty / "weasyprint").write_text("#!/bin/sh\necho out of paper >&2\nexit 3\n")
+        (empty / "weasyprint").chmod(0o755)
+        done = self.pdf(str(empty))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("weasyprint could not print the report", done.stderr)
+        self.assertIn("out of paper", done.stderr)
+        self.assertFalse((self.scratch / "report.pdf").exists())
 
     def test_a_folder_without_a_map(self):
         done = subprocess.run([BINARY, "report", self.scratch / "sim", "-o", self.scratch / "a.html"], capture_output=True, text=True)

@@ -101,7 +101,7 @@ export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? optionsOf(k
 export const chooseOptions = (flight_id, options) => void chosen.set(flight_id, options);
 
 const kKey = 'skyquilt.presets';
-const kMostPresets = 50;
+const kMaxPresets = 50;
 
 /** The user's own; whatever else lies there is passed over. @returns {Record<string, OptionsForm>} */
 export function keptPresets() {
@@ -120,7 +120,7 @@ export function keptPresets() {
 export function keepPreset(name, form) {
   const { [name]: _, ...others } = keptPresets();
   const presets = form ? { ...others, [name]: form } : others;
-  if (Object.keys(presets).length > kMostPresets) return false;
+  if (Object.keys(presets).length > kMaxPresets) return false;
   try {
     localStorage.setItem(kKey, JSON.stringify(Object.fromEntries(Object.entries(presets).map(([key, value]) => [key, optionsOf(value).options]))));
     return true;

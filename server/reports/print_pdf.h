@@ -1,0 +1,17 @@
+// PrintPdf: an HTML page as PDF, by whichever printing program this machine has (WeasyPrint, Chromium, Chrome
+// or wkhtmltopdf: they are found by name and not part of Skyquilt). Blocking, two minutes at most. Errors:
+// kUnavailable (there is none; says what to install), kTimeout, kInternal (it failed; its last words are
+// told).
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/result.h"
+
+namespace skyquilt::server {
+
+// `html`: a page that needs no other file. `work_dir`: a folder for what the program puts down.
+Result<void> PrintPdf(const std::filesystem::path& html, const std::filesystem::path& pdf,
+                      const std::filesystem::path& work_dir);
+
+}  // namespace skyquilt::server
