@@ -31,15 +31,15 @@ function photosOf(set, photos) {
 }
 
 /** A flight by the API, without the page. */
-async function makeFlight(url, name, photos, options = {}) {
-  const post = (path, value) => fetch(`${url}${path}`, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(value) });
+async function makeFlight(url, name, photos, options = {}, headers = {}) {
+  const post = (path, value) => fetch(`${url}${path}`, { method: 'POST', headers: { 'Content-Type': 'application/json', ...headers }, body: JSON.stringify(value) });
   const { id } = await (await post('api/v1/flights', { name })).json();
   for (const path of photos) {
-    await fetch(`${url}api/v1/flights/${id}/files/${encodeURIComponent(basename(path))}`, { method: 'PUT', body: readFileSync(path) });
+    await fetch(`${url}api/v1/flights/${id}/files/${encodeURIComponent(basename(path))}`, { method: 'PUT', body: readFileSync(path), headers });
   }
   await post(`api/v1/flights/${id}/jobs`, { options });
   for (;;) {
-    const flight = await (await fetch(`${url}api/v1/flights/${id}`)).json();
+    const flight = await (await fetch(`${url}api/v1/flights/${id}`, { headers })).json();
     if (flight.job.finished_at) return flight;
     await new Promise((resolve) => setTimeout(resolve, 500));
   }
@@ -82,6 +82,18 @@ const states = {
     await page.waitForSelector('#photo-card:not([hidden])');
     await page.waitForTimeout(800);
     await mapIdle(page);
+  },
+  async viewer(page, made) {
+    await states.photo(page, made);
+    await page.click('#photo-open');
+    await page.waitForSelector('.viewer-mark:not([hidden])');
+    await page.waitForTimeout(800);
+  },
+  async options(page, { beach }) {
+    await openFlight(page, beach);
+    await page.click('#processing-details summary');
+    await page.click('#run-again');
+    await page.click('.option-more summary');
   },
   async layers(page, { beach }) {
     await openFlight(page, beach);
@@ -139,7 +151,9 @@ const states = {
     await page.waitForTimeout(300);
   },
 };
-// The dark scheme and the large screen are told by a few.
+// The other language, the dark scheme and the large screen are told by a few.
+const languages = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) =>
+  scheme === 'light' && screen !== '4k' && ['home', 'map', 'options', 'report', 'error'].includes(state) ? ['en', 'de'] : ['en'];
 const shows = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) => {
   if (screen === '4k') return scheme === 'light' && ['home', 'map', 'report'].includes(state);
   return scheme === 'light' || ['empty', 'home', 'map', 'uploading', 'report', 'error'].includes(state);
@@ -149,16 +163,34 @@ const shows = (/** @type {string} */ state, /** @type {string} */ screen, /** @t
 async function shoot(browser, url, state, reach, after = async () => {}) {
   for (const [screen, options] of Object.entries(screens)) {
     for (const colorScheme of ['light', 'dark']) {
-      const name = `${state}-${screen}-${colorScheme}`;
-      if (!shows(state, screen, colorScheme) || !name.includes(only)) continue;
-      const { page, context, console_errors } = await openPage(browser, url, { ...options, colorScheme });
-      page.on('dialog', (/** @type {any} */ dialog) => dialog.accept());
-      await reach(page);
-      await page.screenshot({ path: join(out, `${name}.jpg`), quality: 70, type: 'jpeg' });
-      await context.close();
-      await after();
-      console.log(name, ...console_errors);
+      for (const locale of languages(state, screen, colorScheme)) {
+        const name = `${state}-${screen}-${colorScheme}${locale === 'en' ? '' : `-${locale}`}`;
+        if (!shows(state, screen, colorScheme) || !name.includes(only)) continue;
+        const { page, context, console_errors } = await openPage(browser, url, { ...options, colorScheme, locale });
+        page.on('dialog', (/** @type {any} */ dialog) => dialog.accept());
+        await reach(page);
+        await page.screenshot({ path: join(out, `${name}.jpg`), quality: 70, type: 'jpeg' });
+        await context.close();
+        await after();
+        console.log(name, ...console_errors);
+      }
     }
+  }
+}
+
+/** What who has a link to one flight of a server with tokens sees. */
+async function shootGuest(browser, photos) {
+  const data = join(work, 'guarded');
+  const added = spawnSync(binary, ['token', 'add', 'owner', '--data', data, '--scope', 'upload'], { encoding: 'utf8' });
+  const owner = { Authorization: `Bearer ${/** @type {RegExpMatchArray} */ (added.stdout.match(/sq_\S+/))[0]}` };
+  const guarded = await startServer(data);
+  try {
+    const flight = await makeFlight(guarded.url, 'Brighton Beach', photos, {}, owner);
+    const shared = await fetch(`${guarded.url}api/v1/flights/${flight.id}/shares`, { method: 'POST', headers: { 'Content-Type': 'application/json', ...owner }, body: '{}' });
+    const { page: address } = await shared.json();
+    await shoot(browser, new URL(address, guarded.url).href, 'guest', (page) => mapIdle(page));
+  } finally {
+    await guarded.stop();
   }
 }
 
@@ -199,6 +231,7 @@ try {
     });
   }
   if ('brighton_beach'.includes(only)) await shootMapAlone(browser, server.url, beach);
+  if ('guest'.includes(only.split('-')[0])) await shootGuest(browser, photos);
 } finally {
   await browser.close();
   await server.stop();
