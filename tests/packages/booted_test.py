@@ -1,6 +1,7 @@
 """The package on a bare Debian 12 whose systemd runs: the service starts by itself, makes a map within all that its unit
 takes from it, comes back after a kill, and stops before it is removed."""
 import json
+import os
 import re
 import shutil
 import time
@@ -29,6 +30,7 @@ echo all went well
 """
 
 
+@unittest.skipUnless(os.environ.get("SKYQUILT_BOOT_TESTS") == "1", "boots a system: asked for by SKYQUILT_BOOT_TESTS=1")
 @unittest.skipIf(REASON, REASON)
 @unittest.skipUnless(shutil.which("nsenter"), "nsenter is not here")
 class Service(unittest.TestCase):
