@@ -11,10 +11,13 @@
 #include "api/exports/exports.h"
 #include "api/flights/flights.h"
 #include "api/flights/locate.h"
+#include "api/flights/point.h"
+#include "api/flights/statistics.h"
 #include "api/flights/trash.h"
 #include "api/flights/verdict.h"
 #include "api/jobs/jobs.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/ogc/features.h"
 #include "api/ogc/ogc.h"
 #include "api/ogc/processes.h"
 #include "api/ops/ops.h"
@@ -41,6 +44,8 @@ Router BuildApi(Service& service) {
   AddOwnAccessRoute(router, service);
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);
+  AddPointRoute(router, service);
+  AddStatisticsRoute(router, service);
   AddFileRoutes(router, service);
   AddMultipartRoutes(router, service);
   AddTusRoutes(router, service);
@@ -56,9 +61,10 @@ Router BuildApi(Service& service) {
   AddWmtsRoutes(router, service);
   AddWmsRoutes(router, service);
   AddOgcRoutes(router, service);
+  AddFeatureRoutes(router, service);
   AddProcessRoutes(router, service);
   AddArcgisRoutes(router, service);
-  AddStacRoute(router, service);
+  AddStacRoutes(router, service);
   AddConnectRoutes(router, service);
   AddNodeRoutes(router, service);
   AddNodeChangeRoutes(router, service);

@@ -13,6 +13,7 @@
 #include "api/basemap/basemap.h"
 #include "api/events/event_hub.h"
 #include "api/ops/metrics.h"
+#include "api/tiles/tile_facts.h"
 #include "core/base/result.h"
 #include "core/flight/lists/input_file.h"
 #include "storage/catalogue/catalogue.h"
@@ -55,6 +56,7 @@ struct Service {
   int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
+  TileFactsMemory tile_facts{};
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers

@@ -22,6 +22,17 @@ constexpr std::string_view kOpenToOneFlight[] = {"/api/v1/access",
                                                  "/tms",
                                                  "/tms/1.0.0",
                                                  "/arcgis/rest/services",
+                                                 "/tiles/index.json",
+                                                 "/wmts",
+                                                 "/wmts/1.0.0/WMTSCapabilities.xml",
+                                                 "/wms",
+                                                 "/stac",
+                                                 "/stac/conformance",
+                                                 "/stac/collections",
+                                                 "/stac/collections/flights",
+                                                 "/stac/collections/flights/items",
+                                                 "/stac/collections/flights/items/{item}",
+                                                 "/stac/search",
                                                  "/ogc",
                                                  "/ogc/conformance",
                                                  "/ogc/tileMatrixSets",
@@ -39,7 +50,11 @@ std::optional<std::string> ParameterOf(const Request& request, std::string_view 
 
 // The flight that an address is about; none where it names none, or nothing that is there.
 Result<std::optional<std::string>> FlightOf(Service& service, const Request& request) {
-  if (auto flight = ParameterOf(request, "flight")) return flight;
+  // "ID.photos" is a collection of the flight (api/ogc).
+  if (const auto flight = ParameterOf(request, "flight"))
+    return std::optional(flight->substr(0, flight->find('.')));
+  // "ID-r3" is its map as an item (api/stac).
+  if (const auto item = ParameterOf(request, "item")) return std::optional(item->substr(0, item->find('-')));
   if (const auto tileset = ParameterOf(request, "tileset")) {
     return std::optional(tileset->substr(0, tileset->find('.')));
   }
@@ -114,6 +129,19 @@ Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& 
     page.flights.push_back(*std::move(flight));
   } else if (flight.error().code != ErrorCode::kNotFound) {
     return flight.error();
+  }
+  return page;
+}
+
+Result<storage::MapPage> ListVisibleMaps(Service& service, const Request& request, int limit,
+                                         const std::optional<std::string>& cursor) {
+  if (request.only_flight.empty()) return service.catalogue.ListMaps(limit, cursor);
+  storage::MapPage page;
+  SKYQUILT_TRY_ASSIGN(const storage::FlightPage flights, ListVisibleFlights(service, request, 1, cursor));
+  for (const storage::Flight& flight : flights.flights) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<storage::Revision> revision,
+                        service.catalogue.ActiveRevision(flight.id));
+    if (revision) page.maps.push_back({flight.id, flight.name, *revision});
   }
   return page;
 }

@@ -11,12 +11,13 @@
 namespace skyquilt::api {
 namespace {
 
-Response Describe(const Basemap& basemap) {
+Response Describe(const Basemap& basemap, const Request& request) {
   const std::vector<std::string> tiles =
       basemap.tiles.empty() ? std::vector<std::string>() : std::vector{JsonString(basemap.tiles)};
   std::vector<std::pair<std::string_view, std::string>> fields = {{"tilejson", JsonString("3.0.0")},
                                                                   {"tiles", JsonArray(tiles)}};
-  if (!basemap.pmtiles.empty()) fields.emplace_back("pmtiles", JsonString("/basemap.pmtiles"));
+  if (!basemap.pmtiles.empty())
+    fields.emplace_back("pmtiles", JsonString(request.base_path + "/basemap.pmtiles"));
   if (!basemap.attribution.empty()) fields.emplace_back("attribution", JsonString(basemap.attribution));
   return Json(200, JsonObject(fields));
 }
@@ -65,7 +66,8 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
 }
 
 void AddBasemapRoutes(Router& router, const Basemap& basemap) {
-  router.Add(Method::kGet, "/basemap.json", [basemap](const Request&) { return Describe(basemap); });
+  router.Add(Method::kGet, "/basemap.json",
+             [basemap](const Request& request) { return Describe(basemap, request); });
   router.Add(Method::kGet, "/basemap.pmtiles",
              [basemap](const Request& r) { return SendPmtiles(basemap, r); });
 }

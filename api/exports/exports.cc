@@ -28,7 +28,8 @@ std::string AddressOfExport(const MapExport& made) {
   return fmt::format("/api/v1/flights/{}/exports/{}", made.flight_id, made.id);
 }
 
-std::string ExportJson(Service& service, const MapExport& made, std::int64_t shown_revision) {
+std::string ExportJson(Service& service, const Request& asked, const MapExport& made,
+                       std::int64_t shown_revision) {
   const Value request = Value::parse(made.request, nullptr, false);
   const auto wished = [&](const char* field) {
     return request.is_object() && request.contains(field) ? request[field] : Value();
@@ -52,8 +53,9 @@ std::string ExportJson(Service& service, const MapExport& made, std::int64_t sho
   json["created_at"] = FormatTime(made.created);
   json["finished_at"] = made.finished ? Value(FormatTime(*made.finished)) : Value();
   json["expires_at"] = made.expires ? Value(FormatTime(service.db.ages().OnTheWall(*made.expires))) : Value();
-  json["href"] = AddressOfExport(made);
-  json["download"] = is_there ? Value(AddressOfExport(made) + "/file") : Value();
+  const std::string address = asked.base_path + AddressOfExport(made);
+  json["href"] = address;
+  json["download"] = is_there ? Value(address + "/file") : Value();
   return json.dump(-1, ' ', false, Value::error_handler_t::replace);
 }
 
@@ -90,7 +92,7 @@ Result<std::string> QueueExport(Service& service, const Request& request, const 
   SKYQUILT_TRY_ASSIGN(const MapExport added,
                       service.db.Again([&] { return service.exports.Add(wanted, storage::Now()); }));
   address = AddressOfExport(added);
-  return ExportJson(service, added, map.revision);
+  return ExportJson(service, request, added, map.revision);
 }
 
 Response AskForExport(Service& service, const Request& request, const std::string& body) {
@@ -108,11 +110,11 @@ Result<std::int64_t> ShownRevisionOf(Service& service, const std::string& flight
   return flight.active_revision.value_or(0);
 }
 
-Result<std::string> ListExports(Service& service, const std::string& flight_id) {
+Result<std::string> ListExports(Service& service, const Request& request, const std::string& flight_id) {
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::vector<MapExport> exports, service.exports.List(flight_id));
   std::vector<std::string> items;
-  for (const MapExport& one : exports) items.push_back(ExportJson(service, one, shown));
+  for (const MapExport& one : exports) items.push_back(ExportJson(service, request, one, shown));
   return JsonObject({{"exports", JsonArray(items)}});
 }
 
@@ -125,7 +127,7 @@ Result<MapExport> FindExport(Service& service, const Request& request) {
 Result<std::string> ShowExport(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const MapExport found, FindExport(service, request));
   SKYQUILT_TRY_ASSIGN(const std::int64_t shown, ShownRevisionOf(service, found.flight_id));
-  return ExportJson(service, found, shown);
+  return ExportJson(service, request, found, shown);
 }
 
 Result<void> RemoveExport(Service& service, const Request& request) {
@@ -178,7 +180,7 @@ void AddExportRoutes(Router& router, Service& service) {
         });
       });
   router.Add(Method::kGet, kAll, [&](const Request& request) {
-    return AnswerExports(request, ListExports(service, request.Parameter("flight")));
+    return AnswerExports(request, ListExports(service, request, request.Parameter("flight")));
   });
   router.Add(Method::kGet, kOne,
              [&](const Request& request) { return AnswerExports(request, ShowExport(service, request)); });

@@ -61,6 +61,7 @@ Response ListFlights(Service& service, const Request& request) {
     Result<FlightView> view = WithJobAndMap(service, std::move(flight));
     if (!view) return Problem(view.error(), request);
     view->may_change = MayChange(request, view->flight.owner);
+    view->base_path = request.base_path;
     items.push_back(FlightJson(*view, now));
   }
   Response response = Json(200, JsonObject({{"flights", JsonArray(items)},
@@ -77,6 +78,7 @@ Response GetFlight(Service& service, const Request& request) {
   Result<FlightView> view = ViewFlight(service, request.Parameter("flight"));
   if (!view) return Problem(view.error(), request);
   view->may_change = MayChange(request, view->flight.owner);
+  view->base_path = request.base_path;
   return Json(200, FlightJson(*view, storage::Now()));
 }
 

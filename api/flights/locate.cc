@@ -17,44 +17,18 @@ namespace {
 
 using Value = nlohmann::ordered_json;
 
-Result<double> Number(const Request& request, const char* name) {
-  const std::string_view text = request.Query(name).value_or("");
-  double number = 0.0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() ||
-      !std::isfinite(number)) {
-    return Error{ErrorCode::kInvalidArgument, std::string("The parameter \"") + name + "\" must be a number.",
-                 ""};
-  }
-  return number;
-}
-
-Result<pipeline::LocatedMap> ReadMap(Service& service, const std::string& id) {
-  SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));
-  const Result<storage::LocalBlob> fetched = FetchProduct(service, shown, "locate.json");
-  if (!fetched && fetched.error().code != ErrorCode::kNotFound) return fetched.error();
-  std::ifstream file(fetched ? fetched->path : std::filesystem::path(), std::ios::binary);
-  if (!file) {
-    return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",
-                 shown.prefix};
-  }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return pipeline::ParseLocateJson(text.str());
-}
-
 Response Answer(const Value& value) {
   return Json(200, value.dump(-1, ' ', false, Value::error_handler_t::replace));
 }
 
 Response At(Service& service, const Request& request) {
-  const Result<double> lon_deg = Number(request, "lon");
+  const Result<double> lon_deg = NumberParameter(request, "lon");
   if (!lon_deg) return Problem(lon_deg.error(), request);
-  const Result<double> lat_deg = Number(request, "lat");
+  const Result<double> lat_deg = NumberParameter(request, "lat");
   if (!lat_deg) return Problem(lat_deg.error(), request);
   const Result<geo::LatLon> position = geo::LatLon::Make(*lat_deg, *lon_deg);
   if (!position) return Problem(position.error(), request);
-  const Result<pipeline::LocatedMap> map = ReadMap(service, request.Parameter("flight"));
+  const Result<pipeline::LocatedMap> map = ReadLocatedMap(service, request.Parameter("flight"));
   if (!map) return Problem(map.error(), request);
   Value photos = Value::array();
   for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
@@ -69,11 +43,11 @@ Response At(Service& service, const Request& request) {
 }
 
 Response GroundOf(Service& service, const Request& request) {
-  const Result<double> x = Number(request, "x");
+  const Result<double> x = NumberParameter(request, "x");
   if (!x) return Problem(x.error(), request);
-  const Result<double> y = Number(request, "y");
+  const Result<double> y = NumberParameter(request, "y");
   if (!y) return Problem(y.error(), request);
-  const Result<pipeline::LocatedMap> map = ReadMap(service, request.Parameter("flight"));
+  const Result<pipeline::LocatedMap> map = ReadLocatedMap(service, request.Parameter("flight"));
   if (!map) return Problem(map.error(), request);
   const Result<pipeline::GroundPoint> point =
       pipeline::GroundAtPixel(*map, request.Parameter("name"), {*x, *y});
@@ -83,6 +57,32 @@ Response GroundOf(Service& service, const Request& request) {
 }
 
 }  // namespace
+
+Result<double> NumberParameter(const Request& request, const char* name) {
+  const std::string_view text = request.Query(name).value_or("");
+  double number = 0.0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size() ||
+      !std::isfinite(number)) {
+    return Error{ErrorCode::kInvalidArgument, std::string("The parameter \"") + name + "\" must be a number.",
+                 ""};
+  }
+  return number;
+}
+
+Result<pipeline::LocatedMap> ReadLocatedMap(Service& service, const std::string& id) {
+  SKYQUILT_TRY_ASSIGN(const ShownMap shown, FindShownMap(service, id));
+  const Result<storage::LocalBlob> fetched = FetchProduct(service, shown, "locate.json");
+  if (!fetched && fetched.error().code != ErrorCode::kNotFound) return fetched.error();
+  std::ifstream file(fetched ? fetched->path : std::filesystem::path(), std::ios::binary);
+  if (!file) {
+    return Error{ErrorCode::kNotFound, "This map was made before cameras were kept with it. Stitch it again.",
+                 shown.prefix};
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  return pipeline::ParseLocateJson(text.str());
+}
 
 void AddLocateRoutes(Router& router, Service& service) {
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/at",

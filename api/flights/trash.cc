@@ -49,6 +49,7 @@ Response Restore(Service& service, const Request& request) {
   Result<FlightView> view = ViewFlight(service, id);
   if (!view) return Problem(view.error(), request);
   view->may_change = MayChange(request, view->flight.owner);
+  view->base_path = request.base_path;
   return Json(200, FlightJson(*view, storage::Now()));
 }
 

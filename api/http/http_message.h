@@ -58,8 +58,9 @@ struct Request {
   std::vector<std::pair<std::string, std::string>> query;       // decoded; the first of a name counts
   Headers headers;
   std::optional<std::uint64_t> content_length;
-  std::string body;      // small bodies only; empty for uploads
-  std::string base_url;  // "http://host:port", for absolute links; no slash at the end
+  std::string body;       // small bodies only; empty for uploads
+  std::string base_url;   // "http://host:port/base", for absolute links; no slash at the end
+  std::string base_path;  // "/base", before paths of this server in answers; empty: it lies at the root
   std::string request_id;
   std::string client;          // who counts as one when shares are dealt out; empty: this machine itself
   Work work = Work::kCompute;  // where it is carried out now; a handler that needs a later kind asks for it

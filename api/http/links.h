@@ -18,4 +18,7 @@ std::string TokenInQuery(const Request& request);
 std::string WithToken(std::string_view base_url, std::string_view path, std::string_view token);
 std::string LinkTo(const Request& request, std::string_view path);
 
+// A text as it stands in an address, behind a '=' or as a segment.
+std::string EncodedForQuery(std::string_view text);
+
 }  // namespace skyquilt::api

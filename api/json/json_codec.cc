@@ -179,14 +179,15 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
     value["captured"] = {{"first", revision->first_capture}, {"last", revision->last_capture}};
   }
   value["gsd_m"] = revision ? ordered_json(revision->gsd_m) : ordered_json(nullptr);
-  value["tilejson"] =
-      revision ? ordered_json(fmt::format("/tiles/{}.json", view.flight.id)) : ordered_json(nullptr);
+  value["tilejson"] = revision ? ordered_json(fmt::format("{}/tiles/{}.json", view.base_path, view.flight.id))
+                               : ordered_json(nullptr);
   value["preview"] = nullptr;
   if (view.preview) {
     value["preview"] = {{"edition", view.preview->edition},
                         {"photos", view.preview->photos},
                         {"bounds", view.preview->bounds.ToArray()},
-                        {"tilejson", fmt::format("/tiles/{}.json?rev={}", view.flight.id, kPreviewRevision)}};
+                        {"tilejson", fmt::format("{}/tiles/{}.json?rev={}", view.base_path, view.flight.id,
+                                                 kPreviewRevision)}};
   }
   value["error"] = view.job ? ErrorOf(*view.job) : ordered_json(nullptr);
   value["may_change"] = view.may_change;

@@ -25,6 +25,7 @@ struct FlightView {
   std::optional<storage::Job> job;            // the latest
   std::optional<storage::Revision> revision;  // what is shown
   std::optional<storage::Preview> preview;    // until then
+  std::string base_path = {};                 // before paths of this server (Request::base_path)
   bool may_change = true;                     // may who asks (api/auth/flight_access)?
 };
 

@@ -13,10 +13,11 @@
 namespace skyquilt::api {
 int MapView::tile_size_px() const { return TileSizePx(*tileset); }
 
-std::vector<int> MapView::tile_sizes_px() const {
-  const int stored_px = tile_size_px();
-  if (stored_px == kUsualTilePx || !CutDepth(kUsualTilePx, stored_px)) return {stored_px};
-  return {kUsualTilePx, stored_px};
+std::vector<int> MapView::tile_sizes_px() const { return TileSizesOf(tile_size_px()); }
+
+std::vector<int> TileSizesOf(int stored_size_px) {
+  if (stored_size_px == kUsualTilePx || !CutDepth(kUsualTilePx, stored_size_px)) return {stored_size_px};
+  return {kUsualTilePx, stored_size_px};
 }
 
 Result<int> MapView::SizeOfSet(std::string_view matrix_set) const {
@@ -45,13 +46,16 @@ std::string MatrixSetName(int tile_size_px) {
 std::vector<TileMatrix> MatricesOf(const MapView& map) { return MatricesOf(map, map.tile_size_px()); }
 
 std::vector<TileMatrix> MatricesOf(const MapView& map, int tile_size_px) {
-  constexpr double kOgcPixelM = 0.00028;
-  const geo::LatLonBounds& bounds = map.revision().bounds;
+  return MatricesOf(map.revision(), map.tile_size_px(), tile_size_px);
+}
+
+std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored_size_px, int tile_size_px) {
+  const geo::LatLonBounds& bounds = revision.bounds;
   const Eigen::Vector2d north_west = geo::MercFromLatLon(bounds.NorthWest());
   const Eigen::Vector2d south_east = geo::MercFromLatLon(bounds.SouthEast());
   std::vector<TileMatrix> matrices;
-  const int depth = CutDepth(tile_size_px, map.tile_size_px()).value_or(0);
-  for (int zoom = map.revision().min_zoom + depth; zoom <= map.revision().max_zoom + depth; ++zoom) {
+  const int depth = CutDepth(tile_size_px, stored_size_px).value_or(0);
+  for (int zoom = revision.min_zoom + depth; zoom <= revision.max_zoom + depth; ++zoom) {
     TileMatrix matrix;
     matrix.zoom = zoom;
     matrix.pixel_m = geo::PixelSizeInMercM(zoom, tile_size_px);

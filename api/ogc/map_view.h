@@ -15,6 +15,9 @@ namespace skyquilt::api {
 // What OGC's own link relations begin with.
 inline const std::string kOgcRel = "http://www.opengis.net/def/rel/ogc/1.0/";
 
+// The side of a pixel as OGC has it in scale denominators.
+inline constexpr double kOgcPixelM = 0.00028;
+
 struct MapView {
   std::string id;  // of the flight
   std::string name;
@@ -23,6 +26,7 @@ struct MapView {
   std::string token;  // "token=..." where the request came with one: links go on with it
 
   const storage::Revision& revision() const { return tileset->revision; }
+  storage::ShownFlight shown() const { return {id, name, revision()}; }
   int tile_size_px() const;
   // Of the tiles to be had: 256 first, which every program knows, then that of the stored ones.
   std::vector<int> tile_sizes_px() const;
@@ -38,13 +42,16 @@ Result<MapView> FindMap(Service& service, const Request& request, const std::str
 // One zoom of the square that all Web Mercator tilings share.
 struct TileMatrix {
   int zoom = 0;
-  double scale_denominator = 0.0;  // of OGC's 0.28 mm pixel
+  double scale_denominator = 0.0;  // of kOgcPixelM
   double pixel_m = 0.0;            // in merc
   // The tiles that the map's bounds touch.
   std::uint32_t min_column = 0, max_column = 0, min_row = 0, max_row = 0;
 };
 std::vector<TileMatrix> MatricesOf(const MapView& map);
 std::vector<TileMatrix> MatricesOf(const MapView& map, int tile_size_px);  // one of the map's sizes
+std::vector<TileMatrix> MatricesOf(const storage::Revision& revision, int stored_size_px, int tile_size_px);
+// Of the tiles to be had of a map that has them stored in this size, as MapView::tile_sizes_px.
+std::vector<int> TileSizesOf(int stored_size_px);
 // "WebMercatorQuad", or with the side of its tiles where that is not 256.
 std::string MatrixSetName(int tile_size_px);
 

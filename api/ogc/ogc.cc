@@ -4,12 +4,14 @@
 
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "api/auth/flight_access.h"
 #include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/ogc/features.h"
 #include "api/ogc/map_view.h"
 #include "api/ogc/ogc_format.h"
 #include "api/tiles/cut_tile.h"
@@ -70,28 +72,54 @@ Response Conformance(const Request&) {
                            "ogcapi-common-2/1.0/conf/collections", "ogcapi-tiles-1/1.0/conf/core",
                            "ogcapi-tiles-1/1.0/conf/tileset", "ogcapi-tiles-1/1.0/conf/tilesets-list",
                            "ogcapi-tiles-1/1.0/conf/geodata-tilesets", "ogcapi-tiles-1/1.0/conf/png",
-                           "ogcapi-tiles-1/1.0/conf/jpeg", "tms/2.0/conf/tilematrixset"}) {
+                           "ogcapi-tiles-1/1.0/conf/jpeg", "tms/2.0/conf/tilematrixset",
+                           "ogcapi-features-1/1.0/conf/core", "ogcapi-features-1/1.0/conf/geojson"}) {
     classes.push_back(std::string("http://www.opengis.net/spec/") + name);
   }
   return Document({{"conformsTo", classes}});
 }
 
-Value Collection(const MapView& map) {
+// Imported maps have no photos.
+std::span<const PhotoFeatures> FeaturesOf(const storage::ShownFlight& map) {
+  if (map.revision.photos_total == 0) return {};
+  return kPhotoFeatures;
+}
+
+Value Collection(const Request& request, const storage::ShownFlight& map) {
+  const auto link = [&](const std::string& path, const std::string& rel, const char* type,
+                        const char* title) { return Link(LinkTo(request, path), rel, type, title); };
   Value links = Value::array();
-  const std::string at = "/ogc/collections/" + map.id;
-  links.push_back(Link(map.Link(at), "self", "application/json", "This map"));
-  links.push_back(
-      Link(map.Link(at + "/map/tiles"), kOgcRel + "tilesets-map", "application/json", "Its tilesets"));
-  links.push_back(Link(map.Link("/stac/" + map.id), "describedby", "application/geo+json", "STAC item"));
+  const std::string at = "/ogc/collections/" + map.flight_id;
+  links.push_back(link(at, "self", "application/json", "This map"));
+  links.push_back(link(at + "/map/tiles", kOgcRel + "tilesets-map", "application/json", "Its tilesets"));
+  links.push_back(link("/stac/" + map.flight_id, "describedby", "application/geo+json", "STAC item"));
+  for (const PhotoFeatures kind : FeaturesOf(map)) {
+    links.push_back(link("/ogc/collections/" + NameOfCollection(map.flight_id, kind), "related",
+                         "application/json",
+                         kind == PhotoFeatures::kPhotos ? "Its photos" : "Footprints of its photos"));
+  }
   Value collection;
-  collection["id"] = map.id;
+  collection["id"] = map.flight_id;
   collection["title"] = map.name;
   collection["extent"] = {
-      {"spatial", {{"bbox", Value::array({map.revision().bounds.ToArray()})}, {"crs", kCrs84}}}};
+      {"spatial", {{"bbox", Value::array({map.revision.bounds.ToArray()})}, {"crs", kCrs84}}}};
   collection["dataType"] = "map";
   collection["crs"] = {kMercator};
   collection["links"] = links;
   return collection;
+}
+
+// Of the map, or of its photos.
+Response DescribeCollection(Service& service, const Request& request) {
+  const std::string& name = request.Parameter("flight");
+  const auto kind = PhotoFeaturesNamed(name);
+  const Result<MapView> map = FindMap(service, request, kind ? name.substr(0, name.find('.')) : name);
+  if (!map) return Problem(map.error(), request);
+  const storage::ShownFlight shown = map->shown();
+  if (!kind) return Document(Collection(request, shown));
+  if (FeaturesOf(shown).empty())
+    return Problem({ErrorCode::kNotFound, "This map was not made of photos.", ""}, request);
+  return Document(Value::parse(PhotoCollection(request, shown, *kind)));
 }
 
 Response Collections(Service& service, const Request& request) {
@@ -110,13 +138,13 @@ Response Collections(Service& service, const Request& request) {
     return Problem({ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""},
                    request);
   }
-  const Result<storage::FlightPage> page = ListVisibleFlights(service, request, limit, cursor);
+  const Result<storage::MapPage> page = ListVisibleMaps(service, request, limit, cursor);
   if (!page) return Problem(page.error(), request);
   Value collections = Value::array();
-  for (const storage::Flight& flight : page->flights) {
-    if (!flight.active_revision) continue;
-    const Result<MapView> map = FindMap(service, request, flight.id);
-    if (map) collections.push_back(Collection(*map));  // one that was deleted meanwhile is left out
+  for (const storage::ShownFlight& map : page->maps) {
+    collections.push_back(Collection(request, map));
+    for (const PhotoFeatures kind : FeaturesOf(map))
+      collections.push_back(Value::parse(PhotoCollection(request, map, kind)));
   }
   const MapView at = Anywhere(request);
   Value links = Value::array({Link(at.Link("/ogc/collections"), "self", "application/json", "This list")});
@@ -292,7 +320,7 @@ void AddOgcRoutes(Router& router, Service& service) {
     };
   };
   router.Add(Method::kGet, "/ogc/collections/{flight}",
-             AsJson(of_map([](const MapView& map, const Request&) { return Document(Collection(map)); })));
+             AsJson([&](const Request& r) { return DescribeCollection(service, r); }));
   router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles",
              AsJson(of_map([](const MapView& map, const Request&) { return Tilesets(map); })));
   router.Add(Method::kGet, "/ogc/collections/{flight}/map/tiles/{set}",

@@ -43,6 +43,22 @@ Result<void> CheckTakesJson(const Request& request) {
                "This document is there as JSON: ask for f=json or with \"Accept: application/json\".", ""};
 }
 
+Result<void> CheckTakesGeoJson(const Request& request) {
+  constexpr const char* kTypes[] = {"application/geo+json", "application/json"};
+  if (const auto wanted = request.Query("f")) {
+    for (const char* name : {"geojson", "json", kTypes[0], kTypes[1]}) {
+      if (EqualsIgnoringCase(*wanted, name)) return {};
+    }
+  } else {
+    const std::string_view accept = request.headers.Find("Accept");
+    for (const char* type : kTypes) {
+      if (AcceptedQuality(accept, type) > 0) return {};
+    }
+  }
+  return Error{ErrorCode::kNotAcceptable,
+               "Features are there as GeoJSON: ask for f=json or with \"Accept: application/geo+json\".", ""};
+}
+
 Result<std::optional<PictureFormat>> TileFormatFor(const Request& request, const storage::Tileset& tileset) {
   if (const auto wanted = request.Query("f")) {
     const std::optional<PictureFormat> format = TileFormatNamed(*wanted);

@@ -12,6 +12,8 @@ namespace skyquilt::api {
 
 // Documents are there as JSON alone.
 Result<void> CheckTakesJson(const Request& request);
+// Lists of features as GeoJSON.
+Result<void> CheckTakesGeoJson(const Request& request);
 // Absent: as stored, which the client takes.
 Result<std::optional<image::PictureFormat>> TileFormatFor(const Request& request,
                                                           const storage::Tileset& tileset);

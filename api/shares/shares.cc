@@ -131,8 +131,10 @@ Response AddShare(Service& service, const Request& request, const std::string& b
   auto members = Described(token);
   members.emplace_back("token", JsonString(text));
   // Behind '#', so that no server or proxy on the way writes it down.
-  members.emplace_back("page", JsonString(fmt::format("/#/flights/{}?token={}", flight_id, text)));
-  members.emplace_back("embed", JsonString(fmt::format("/embed/{}#token={}", flight_id, text)));
+  members.emplace_back(
+      "page", JsonString(fmt::format("{}/#/flights/{}?token={}", request.base_path, flight_id, text)));
+  members.emplace_back("embed",
+                       JsonString(fmt::format("{}/embed/{}#token={}", request.base_path, flight_id, text)));
   return Json(201, JsonObject(members));
 }
 

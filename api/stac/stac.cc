@@ -2,109 +2,262 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 
+#include "api/auth/flight_access.h"
+#include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
-#include "api/json/json_codec.h"
-#include "api/ogc/map_view.h"
-#include "api/stac/capture_times.h"
+#include "api/stac/stac_item.h"
+#include "api/stac/stac_search.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
 
-using Value = nlohmann::ordered_json;
+using StacJson = nlohmann::ordered_json;
 
-Value Link(const std::string& href, const char* rel, const char* type) {
-  return {{"rel", rel}, {"href", href}, {"type", type}};
+constexpr const char* kJsonType = "application/json";
+constexpr const char* kGeoJsonType = "application/geo+json";
+constexpr int kRowsAtOnce = 1000;  // of the catalogue, while a search looks for what fits
+
+StacJson StacLink(const Request& request, const std::string& path, const char* rel, const char* type) {
+  return {{"rel", rel}, {"href", LinkTo(request, path)}, {"type", type}};
 }
 
-// When the photos were taken, earliest and latest; empty where no camera knew it.
-std::set<std::string> CaptureTimes(storage::BlobStore& blobs, const std::string& prefix, double lon_deg) {
-  const Result<storage::LocalBlob> fetched = blobs.Local(prefix + "photos.geojson");
-  std::ifstream file(fetched ? fetched->path : std::filesystem::path(), std::ios::binary);
-  const Value photos = Value::parse(file, nullptr, false);
-  std::set<std::string> times;
-  if (!photos.is_object()) return times;
-  for (const Value& photo : photos.value("features", Value::array())) {
-    const Value& time = photo.at("properties").at("captured_at");
-    const auto utc = time.is_string() ? UtcOfCapture(time.get<std::string>(), lon_deg) : std::nullopt;
-    if (!utc) continue;
-    times.insert(*utc);
-    if (times.size() > 2) times.erase(std::next(times.begin()));
-  }
-  return times;
+Response StacDocument(const StacJson& value, const char* type = kJsonType) {
+  Response response = Text(200, value.dump(-1, ' ', false, StacJson::error_handler_t::replace), type);
+  response.headers.Add("Cache-Control", "no-cache");
+  return response;
 }
 
-Value Item(const MapView& map, storage::BlobStore& blobs, const std::string& prefix) {
-  const auto& [west, south, east, north] = map.revision().bounds;
-  Value ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
-  Value item;
-  item["type"] = "Feature";
-  item["stac_version"] = "1.0.0";
-  item["stac_extensions"] = {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
-                             "https://stac-extensions.github.io/web-map-links/v1.1.0/schema.json"};
-  item["id"] = fmt::format("{}-r{}", map.id, map.revision().revision);
-  item["bbox"] = map.revision().bounds.ToArray();
-  item["geometry"] = {{"type", "Polygon"}, {"coordinates", Value::array({ring})}};
-  item["properties"] = {{"title", map.name},
-                        {"datetime", FormatTime(map.revision().created)},
-                        {"created", FormatTime(map.revision().created)},
-                        {"gsd", map.revision().gsd_m},
-                        {"proj:epsg", 3857}};
-  if (const std::set<std::string> times = CaptureTimes(blobs, prefix, 0.5 * (west + east)); !times.empty()) {
-    item["properties"]["datetime"] = *times.begin();
-    item["properties"]["start_datetime"] = *times.begin();
-    item["properties"]["end_datetime"] = *times.rbegin();
+StacJson ConformanceClasses() {
+  return {"https://api.stacspec.org/v1.0.0/core",
+          "https://api.stacspec.org/v1.0.0/collections",
+          "https://api.stacspec.org/v1.0.0/ogcapi-features",
+          "https://api.stacspec.org/v1.0.0/item-search",
+          "http://www.opengis.net/spec/ogcapi-features-1/1.0/conf/core",
+          "http://www.opengis.net/spec/ogcapi-features-1/1.0/conf/geojson"};
+}
+
+std::string CollectionPath() { return std::string("/stac/collections/") + kStacCollection; }
+
+Response StacRoot(const Request& request) {
+  StacJson links = StacJson::array();
+  links.push_back(StacLink(request, "/stac", "self", kJsonType));
+  links.push_back(StacLink(request, "/stac", "root", kJsonType));
+  links.push_back(
+      StacLink(request, "/openapi.json", "service-desc", "application/vnd.oai.openapi+json;version=3.1"));
+  links.push_back(StacLink(request, "/docs", "service-doc", "text/html"));
+  links.push_back(StacLink(request, "/stac/conformance", "conformance", kJsonType));
+  links.push_back(StacLink(request, "/stac/collections", "data", kJsonType));
+  links.push_back(StacLink(request, CollectionPath(), "child", kJsonType));
+  for (const char* method : {"GET", "POST"}) {
+    links.push_back(StacLink(request, "/stac/search", "search", kGeoJsonType));
+    links.back()["method"] = method;
   }
-  Value links = Value::array();
-  links.push_back(Link(map.Link("/stac/" + map.id), "self", "application/geo+json"));
-  links.push_back(Link(map.Link("/ogc/collections/" + map.id), "related", "application/json"));
-  Value xyz = Link(map.Link(fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}", map.id)), "xyz", "image/jpeg");
-  links.push_back(xyz);
-  links.push_back(Link(map.Link(fmt::format("/tiles/{}.json", map.id)), "tilejson", "application/json"));
-  Value wmts = Link(map.Link("/wmts/" + map.id + "/1.0.0/WMTSCapabilities.xml"), "wmts", "application/xml");
-  wmts["wmts:layer"] = "map";
-  links.push_back(wmts);
-  Value wms = Link(map.Link("/wms/" + map.id), "wms", "image/png");
-  wms["wms:layers"] = {"map"};
-  links.push_back(wms);
-  item["links"] = links;
-  const std::string api = "/api/v1/flights/" + map.id;
-  const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
-    return Value{{"href", map.Link(api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
+  return StacDocument({{"type", "Catalog"},
+                       {"stac_version", "1.0.0"},
+                       {"id", "skyquilt"},
+                       {"title", "Skyquilt"},
+                       {"description", "Maps made of aerial photos"},
+                       {"conformsTo", ConformanceClasses()},
+                       {"links", links}});
+}
+
+// Where all maps lie, and when their photos were taken.
+struct WholeExtent {
+  std::optional<geo::LatLonBounds> bounds;
+  std::optional<std::string> first, last;
+};
+Result<WholeExtent> ExtentOfAll(Service& service, const Request& request) {
+  WholeExtent whole;
+  std::optional<std::string> cursor;
+  do {
+    SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, kRowsAtOnce, cursor));
+    for (const storage::ShownFlight& map : page.maps) {
+      if (whole.bounds) whole.bounds->Include(map.revision.bounds);
+      if (!whole.bounds) whole.bounds = map.revision.bounds;
+      const auto times = CaptureTimesOf(map.revision);
+      if (!times) continue;
+      if (!whole.first || times->first < *whole.first) whole.first = times->first;
+      if (!whole.last || times->last > *whole.last) whole.last = times->last;
+    }
+    cursor = page.next_cursor;
+  } while (cursor);
+  return whole;
+}
+
+Result<StacJson> TheCollection(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const WholeExtent whole, ExtentOfAll(service, request));
+  const geo::LatLonBounds bounds = whole.bounds.value_or(geo::LatLonBounds{-180.0, -90.0, 180.0, 90.0});
+  const auto time_or_null = [](const std::optional<std::string>& time) {
+    return time ? StacJson(*time) : StacJson();
   };
-  item["assets"] = {
-      {"cog",
-       asset("/download.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "Map", "data")},
-      {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
-      {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
-      {"report", asset("/report", "application/json", "How it was made", "metadata")},
-      {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
-  if (blobs.Find(prefix + "mosaic.pmtiles")) {
-    constexpr const char* kPmtiles = "application/vnd.pmtiles";
-    item["assets"]["pmtiles"] = asset("/download.pmtiles", kPmtiles, "Tiles", "data");
-    item["links"].push_back(Link(map.Link(api + "/download.pmtiles"), "pmtiles", kPmtiles));
+  StacJson links = StacJson::array();
+  links.push_back(StacLink(request, CollectionPath(), "self", kJsonType));
+  links.push_back(StacLink(request, "/stac", "root", kJsonType));
+  links.push_back(StacLink(request, "/stac", "parent", kJsonType));
+  links.push_back(StacLink(request, CollectionPath() + "/items", "items", kGeoJsonType));
+  StacJson collection;
+  collection["type"] = "Collection";
+  collection["stac_version"] = "1.0.0";
+  collection["id"] = kStacCollection;
+  collection["title"] = "Flights";
+  collection["description"] = "The finished map of each flight";
+  collection["license"] = "proprietary";
+  collection["extent"] = {
+      {"spatial", {{"bbox", StacJson::array({bounds.ToArray()})}}},
+      {"temporal",
+       {{"interval",
+         StacJson::array({StacJson::array({time_or_null(whole.first), time_or_null(whole.last)})})}}}};
+  collection["links"] = links;
+  return collection;
+}
+
+Response CollectionDocument(Service& service, const Request& request) {
+  const Result<StacJson> collection = TheCollection(service, request);
+  return collection ? StacDocument(*collection) : Problem(collection.error(), request);
+}
+
+Response CollectionList(Service& service, const Request& request) {
+  const Result<StacJson> collection = TheCollection(service, request);
+  if (!collection) return Problem(collection.error(), request);
+  StacJson links = StacJson::array();
+  links.push_back(StacLink(request, "/stac/collections", "self", kJsonType));
+  links.push_back(StacLink(request, "/stac", "root", kJsonType));
+  return StacDocument({{"collections", StacJson::array({*collection})}, {"links", links}});
+}
+
+struct FoundMaps {
+  std::vector<storage::ShownFlight> maps;
+  std::optional<std::string> next_cursor;
+};
+Result<FoundMaps> Find(Service& service, const Request& request, const StacSearch& search) {
+  FoundMaps found;
+  std::optional<std::string> cursor = search.cursor;
+  do {
+    SKYQUILT_TRY_ASSIGN(storage::MapPage page, ListVisibleMaps(service, request, kRowsAtOnce, cursor));
+    for (storage::ShownFlight& map : page.maps) {
+      if (!search.Finds(map)) continue;
+      if (static_cast<int>(found.maps.size()) == search.limit) {
+        found.next_cursor = found.maps.back().flight_id;
+        return found;
+      }
+      found.maps.push_back(std::move(map));
+    }
+    cursor = page.next_cursor;
+  } while (cursor);
+  return found;
+}
+
+// `next`: the link to the next page, with its cursor.
+using NextLink = std::function<StacJson(const std::string& cursor)>;
+
+Response AnswerSearch(Service& service, const Request& request, const Result<StacSearch>& search,
+                      const std::string& self, const NextLink& next) {
+  if (!search) return Problem(search.error(), request);
+  const Result<FoundMaps> found = Find(service, request, *search);
+  if (!found) return Problem(found.error(), request);
+  StacJson features = StacJson::array();
+  for (const storage::ShownFlight& map : found->maps)
+    features.push_back(StacJson::parse(StacItem(request, service.store.blobs(), map)));
+  StacJson links = StacJson::array();
+  links.push_back(StacLink(request, "/stac", "root", kJsonType));
+  links.push_back(StacLink(request, self, "self", kGeoJsonType));
+  if (found->next_cursor) links.push_back(next(*found->next_cursor));
+  return StacDocument({{"type", "FeatureCollection"},
+                       {"features", features},
+                       {"numberReturned", found->maps.size()},
+                       {"links", links}},
+                      kGeoJsonType);
+}
+
+// The address that was asked for, with another cursor; the token is put behind it as in all our addresses.
+std::string SameSearch(const Request& request, const std::string& path, const std::string& cursor) {
+  std::string address = path + "?";
+  for (const auto& [name, value] : request.query) {
+    if (name == "cursor" || name == "token") continue;
+    address += EncodedForQuery(name) + "=" + EncodedForQuery(value) + "&";
   }
-  return item;
+  return address + "cursor=" + cursor;
+}
+
+Response SearchByAddress(Service& service, const Request& request, const std::string& path,
+                         Result<StacSearch> search) {
+  return AnswerSearch(service, request, search, path, [&](const std::string& cursor) {
+    StacJson link = StacLink(request, SameSearch(request, path, cursor), "next", kGeoJsonType);
+    link["method"] = "GET";
+    return link;
+  });
+}
+
+Response SearchByBody(Service& service, const Request& request, const std::string& body) {
+  return AnswerSearch(service, request, ParseStacBody(body), "/stac/search", [&](const std::string& cursor) {
+    StacJson link = StacLink(request, "/stac/search", "next", kGeoJsonType);
+    link["method"] = "POST";
+    link["body"] = StacJson::parse(body);
+    link["body"]["cursor"] = cursor;
+    return link;
+  });
+}
+
+// Of the map that a flight shows.
+Response AnswerItem(Service& service, const Request& request, const std::string& flight_id,
+                    const std::string& item_id) {
+  const auto shown = [&]() -> Result<storage::ShownFlight> {
+    SKYQUILT_TRY(CheckId(flight_id, "flight"));
+    SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
+    SKYQUILT_TRY_ASSIGN(const std::optional<storage::Revision> revision,
+                        service.catalogue.ActiveRevision(flight_id));
+    if (!revision) return Error{ErrorCode::kNotFound, "This flight has no map yet.", ""};
+    return storage::ShownFlight{flight_id, flight.name, *revision};
+  }();
+  if (!shown) return Problem(shown.error(), request);
+  if (!item_id.empty() && item_id != StacItemId(*shown)) {
+    return Problem(
+        {ErrorCode::kNotFound,
+         "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".", ""},
+        request);
+  }
+  Response response = Text(200, StacItem(request, service.store.blobs(), *shown), kGeoJsonType);
+  response.headers.Add("Cache-Control", "no-cache");
+  return response;
 }
 
 }  // namespace
 
-void AddStacRoute(Router& router, Service& service) {
+void AddStacRoutes(Router& router, Service& service) {
+  router.AddQuick(Method::kGet, "/stac", StacRoot);
+  router.AddQuick(Method::kGet, "/stac/conformance", [](const Request&) {
+    return StacDocument({{"conformsTo", ConformanceClasses()}});
+  });
+  router.Add(Method::kGet, "/stac/collections", [&](const Request& r) { return CollectionList(service, r); });
+  router.Add(Method::kGet, CollectionPath(),
+             [&](const Request& r) { return CollectionDocument(service, r); });
+  router.Add(Method::kGet, CollectionPath() + "/items", [&](const Request& request) {
+    return SearchByAddress(service, request, CollectionPath() + "/items", ParseStacQuery(request));
+  });
+  router.Add(Method::kGet, CollectionPath() + "/items/{item}", [&](const Request& request) {
+    const std::string& item = request.Parameter("item");
+    return AnswerItem(service, request, item.substr(0, item.find('-')), item);
+  });
+  router.Add(Method::kGet, "/stac/search", [&](const Request& request) {
+    return SearchByAddress(service, request, "/stac/search", ParseStacQuery(request));
+  });
+  router.AddUpload(
+      Method::kPost, "/stac/search",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsJson(request)) {
+          return Problem({ErrorCode::kUnsupportedFormat,
+                          "Send the search as JSON, with \"Content-Type: application/json\".", ""},
+                         request);
+        }
+        return CollectBody(
+            [&service, request](const std::string& body) { return SearchByBody(service, request, body); });
+      });
   router.Add(Method::kGet, "/stac/{flight}", [&](const Request& request) {
-    const Result<MapView> map = FindMap(service, request, request.Parameter("flight"));
-    if (!map) return Problem(map.error(), request);
-    Response response =
-        Text(200,
-             Item(*map, service.store.blobs(), storage::RevisionPrefix(map->id, map->revision().revision))
-                 .dump(-1, ' ', false, Value::error_handler_t::replace),
-             "application/geo+json");
-    response.headers.Add("Cache-Control", "no-cache");
-    return response;
+    return AnswerItem(service, request, request.Parameter("flight"), "");
   });
 }
 

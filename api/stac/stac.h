@@ -1,5 +1,6 @@
-// A map as a STAC 1.0 item: where it is, when its photos were taken, and every way to have it.
-// https://github.com/radiantearth/stac-spec/blob/v1.0.0/item-spec/item-spec.md
+// STAC API 1.0: the maps that a client may read as one collection, "flights", with item search by box, shape
+// and time; and /stac/{flight}, the item of one map. A token sees in all of them what it may read alone.
+// https://github.com/radiantearth/stac-api-spec/tree/v1.0.0
 #pragma once
 
 #include "api/http/router.h"
@@ -7,6 +8,6 @@
 
 namespace skyquilt::api {
 
-void AddStacRoute(Router& router, Service& service);
+void AddStacRoutes(Router& router, Service& service);
 
 }  // namespace skyquilt::api

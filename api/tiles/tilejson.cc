@@ -4,15 +4,18 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "api/auth/flight_access.h"
 #include "api/http/etag.h"
 #include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/ogc/feature_query.h"
 #include "api/tiles/cut_tile.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/lat_lon_bounds.h"
+#include "storage/db/ids.h"
 
 namespace skyquilt::api {
 namespace {
@@ -30,22 +33,27 @@ struct ShownMap {
       below;  // what stands between the flight and the zoom: "", a layer's name or a size, with its '/'
 };
 
-Value Document(const Request& request, const storage::Flight& flight, const ShownMap& shown) {
+Value Document(const Request& request, const std::string& flight_id, const std::string& flight_name,
+               const ShownMap& shown) {
   const auto& [west, south, east, north] = shown.bounds;
   const int center_zoom = std::max(shown.min_zoom, shown.max_zoom - 4);
   Value document;
   document["tilejson"] = "3.0.0";
-  document["name"] = flight.name;
+  document["name"] = flight_name;
   document["version"] = shown.version;
   document["scheme"] = "xyz";
   document["tiles"] = {LinkTo(
-      request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", flight.id, shown.below, shown.revision))};
+      request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", flight_id, shown.below, shown.revision))};
   document["bounds"] = shown.bounds.ToArray();
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
   document["maxzoom"] = shown.max_zoom;
   document["tileSize"] = shown.tile_size_px;
   return document;
+}
+
+Value Document(const Request& request, const storage::Flight& flight, const ShownMap& shown) {
+  return Document(request, flight.id, flight.name, shown);
 }
 
 // By its stored tiles, or by those of 256 pixels that are cut from them.
@@ -121,6 +129,40 @@ Result<Value> LayerDocument(Service& service, const Request& request, const stor
   return document;
 }
 
+// TileJSON of all maps, newest first, as tileserver-gl lists them: what a page needs to offer them.
+Result<Response> TileIndex(Service& service, const Request& request) {
+  constexpr int kMaxListed = 1000;
+  SKYQUILT_TRY_ASSIGN(const int limit,
+                      ParseLimit(request.Query("limit").value_or(""), kMaxListed, kMaxListed));
+  std::optional<std::string> cursor;
+  if (const auto given = request.Query("cursor")) {
+    if (!storage::IsId(*given))
+      return Error{ErrorCode::kInvalidArgument, "The parameter \"cursor\" is not one that a list gave.", ""};
+    cursor = *given;
+  }
+  SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
+  Value list = Value::array();
+  for (const storage::ShownFlight& map : page.maps) {
+    const Result<TileFacts> tiles = service.tile_facts.Of(service.tilesets, map);
+    if (!tiles) continue;  // deleted meanwhile, or damaged: its own address says so
+    const storage::Revision& revision = map.revision;
+    list.push_back(Document(request, map.flight_id, map.name,
+                            {fmt::format("{}.0.0", revision.revision), std::to_string(revision.revision),
+                             revision.bounds, revision.min_zoom, revision.max_zoom, tiles->side_px, ""}));
+    list.back()["id"] = map.flight_id;
+    list.back()["url"] = LinkTo(request, fmt::format("/tiles/{}.json", map.flight_id));
+  }
+  Response response =
+      Text(200, list.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
+  response.headers.Add("Cache-Control", "no-cache");
+  if (page.next_cursor) {
+    const std::string next =
+        LinkTo(request, fmt::format("/tiles/index.json?limit={}&cursor={}", limit, *page.next_cursor));
+    response.headers.Add("Link", "<" + next + ">; rel=\"next\"");
+  }
+  return response;
+}
+
 // The router knows whole segments only: "{name}.json" is taken apart here.
 Result<std::string> BeforeJson(std::string_view segment) {
   if (!segment.ends_with(".json"))
@@ -164,6 +206,8 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
 }  // namespace
 
 void AddTileJsonRoute(Router& router, Service& service) {
+  router.Add(Method::kGet, "/tiles/index.json",
+             [&](const Request& request) { return TileResponse(TileIndex(service, request), request); });
   router.Add(Method::kGet, "/tiles/{tileset}", [&](const Request& request) {
     const Result<std::string> id = BeforeJson(request.Parameter("tileset"));
     if (!id) return TileResponse(id.error(), request);

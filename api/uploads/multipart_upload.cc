@@ -81,8 +81,9 @@ class NewFlight final : public BodySink {
     const Result<storage::Job> job = Start();
     if (!job) return Problem(job.error(), request_);
     is_kept_ = true;
-    const Result<FlightView> view = ViewFlight(service_, flight_id_);
+    Result<FlightView> view = ViewFlight(service_, flight_id_);
     if (!view) return Problem(view.error(), request_);
+    view->base_path = request_.base_path;
     const storage::Time now = storage::Now();
     Response response = Json(202, JsonObject({{"flight", FlightJson(*view, now)},
                                               {"job", JobJson(*job, now)},

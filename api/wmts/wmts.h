@@ -1,4 +1,5 @@
-// WMTS 1.0.0 of one map, both bindings complete: KVP at /wmts/{flight}, REST below it. OGC 07-057r7.
+// WMTS 1.0.0, both bindings: of one map at /wmts/{flight}, with the layer "map", and at /wmts of all maps
+// that a request may read, each a layer by the flight's id. OGC 07-057r7.
 #pragma once
 
 #include "api/http/router.h"

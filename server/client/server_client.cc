@@ -107,6 +107,14 @@ Error Refusal(const ClientAnswer& answer) {
   }
 }
 
+// A server below a path of its host names its addresses with that path, which stands in `url` as well.
+std::string AddressOf(const std::string& url, const std::string& path) {
+  const std::size_t root = url.find('/', url.find("://") + 3);
+  const std::string base = root == std::string::npos ? "" : url.substr(root);
+  if (!base.empty() && path.starts_with(base + "/")) return url.substr(0, root) + path;
+  return url + path;
+}
+
 }  // namespace
 
 std::string ClientAnswer::Header(const std::string& name) const {
@@ -144,7 +152,7 @@ Result<ClientAnswer> ServerClient::SendOnce(const ClientRequest& request) {
   // Nothing is sent anywhere but to the server that was named.
   if (is_whole && !request.path.starts_with(state_->settings.url + "/"))
     return Error{ErrorCode::kUnprocessable, "The server sent us elsewhere: " + request.path + ".", ""};
-  const std::string address = is_whole ? request.path : state_->settings.url + request.path;
+  const std::string address = is_whole ? request.path : AddressOf(state_->settings.url, request.path);
   std::unique_ptr<curl_slist, FreeList> headers(curl_slist_append(nullptr, "Expect:"));
   const auto add = [&](const std::string& line) {
     curl_slist* longer = curl_slist_append(headers.get(), line.c_str());

@@ -88,6 +88,7 @@ Result<HttpSettings> SettingsFrom(const ServeOptions& options, bool has_tokens) 
   settings.address = address;
   settings.public_url = options.public_url;
   while (settings.public_url.ends_with('/')) settings.public_url.pop_back();
+  settings.base_path = options.base_path;
   settings.hosts = options.hosts;
   settings.always_checks_host = !options.hosts.empty();
   if (!settings.public_url.empty()) settings.hosts.push_back(HostOf(settings.public_url));

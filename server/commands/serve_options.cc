@@ -10,6 +10,7 @@
 #include "server/commands/config_file.h"
 #include "server/commands/fail.h"
 #include "server/routing/origin_policy.h"
+#include "server/routing/public_address.h"
 #include "server/usage/blob_options.h"
 #include "server/usage/catalogue_options.h"
 #include "server/usage/one_of.h"
@@ -33,7 +34,7 @@ void AddBounds(CLI::App& command, ServeOptions& options) {
     add(name, value, what)->check(CLI::Range(least, kMaxCount))->capture_default_str();
   };
   add("trusted-proxy", options.trusted_proxies,
-      "Address (or network, as 10.0.0.0/8) of a proxy whose X-Forwarded-For says who the client is; may be given several times")
+      "Address (or network, as 10.0.0.0/8) of a proxy whose X-Forwarded-For, -Proto, -Host and -Prefix are believed; may be given several times")
       ->delimiter(',');
   add_number("connections-per-address", options.connections_per_address, 0,
              "Connections that one client address may hold; 0: no bound");
@@ -65,6 +66,7 @@ void RefuseUnknownVariables() {
                                            "cut-above",
                                            "web",
                                            "public-url",
+                                           "base-path",
                                            "basemap",
                                            "basemap-attribution",
                                            "webhooks",
@@ -152,6 +154,16 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
                   "How others reach this server, where a proxy is before it")
       ->check(IsHttpUrl)
       ->envname(VariableOf("public-url"));
+  command
+      .add_option(
+          "--base-path", options.base_path,
+          "Path that this server lies under at a proxy, as /skyquilt, whether the proxy takes it off or "
+          "not")
+      ->check([](const std::string& path) {
+        return IsBasePath(path) ? ""
+                                : "must be a path as /skyquilt or /maps/drone, without a slash at its end";
+      })
+      ->envname(VariableOf("base-path"));
   command
       .add_option("--webhooks", options.webhooks,
                   "Whom this server may tell of ended jobs: nobody (off), public addresses, or any")

@@ -27,6 +27,7 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:8080";
   std::string web_dir;
   std::string public_url;
+  std::string base_path;
   std::string basemap;
   std::string basemap_attribution;
   std::string webhooks = "off";

@@ -18,6 +18,7 @@
 #include "server/http/connection.h"
 #include "server/http/response_head.h"
 #include "server/routing/client_address.h"
+#include "server/routing/public_address.h"
 #include "server/routing/request_log.h"
 #include "server/routing/route_request.h"
 
@@ -67,6 +68,8 @@ class Session : public std::enable_shared_from_this<Session> {
     while (goes_on) {
       is_head_ = false;
       cors_ = {};
+      base_path_.clear();
+      work_.reset();
       const Connection::Head got = co_await connection_->ReadHead();
       if (got == Connection::Head::kClosed) co_return;
       started_ = Clock::now();
@@ -89,7 +92,9 @@ class Session : public std::enable_shared_from_this<Session> {
     keep_alive_ = keep_alive_ && connection_->KeepsAlive();
     is_head_ = head.method == "HEAD";
     const bool has_body = head.is_chunked || head.content_length.value_or(0) > 0;
-    Routed routed = RouteRequest(head, context_.router, context_.settings, context_.service, request_id_);
+    Routed routed = RouteRequest(head, context_.router, context_.settings, context_.service, request_id_,
+                                 connection_->peer());
+    base_path_ = routed.request.base_path;
     routed.request.client = ClientAddress(connection_->peer(), routed.request.headers, context_.settings);
     cors_ = std::move(routed.cors);
     if (routed.route != nullptr && routed.route->upload) {
@@ -107,7 +112,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Awaitable<api::Response> CarryOut(const api::Route& route, api::Request& request) {
     bool is_checked = false;
     const auto call = [&] {
-      return Guarded(request, [&] {
+      const Clock::time_point begun = Clock::now();
+      api::Response made = Guarded(request, [&] {
         if (!is_checked) {
           if (auto refused = Refused(request, route)) return *std::move(refused);
           is_checked = true;
@@ -119,6 +125,8 @@ class Session : public std::enable_shared_from_this<Session> {
         }
         return answer;
       });
+      work_ = work_.value_or(Clock::duration::zero()) + (Clock::now() - begun);
+      return made;
     };
     api::Response response;
     response.wants = route.work;
@@ -242,9 +250,22 @@ class Session : public std::enable_shared_from_this<Session> {
     co_return true;
   }
 
+  // For whoever asks where the time goes: that of the handler, and of all from the request's head on, which
+  // waiting for a thread is a part of (https://www.w3.org/TR/server-timing/).
+  void AddTiming(api::Headers& headers) const {
+    if (!work_) return;
+    const auto milliseconds = [](Clock::duration time) {
+      return std::chrono::duration<double, std::milli>(time).count();
+    };
+    headers.Add("Server-Timing", fmt::format("work;dur={:.2f}, total;dur={:.2f}", milliseconds(*work_),
+                                             milliseconds(Clock::now() - started_)));
+  }
+
   Awaitable<void> Send(api::Response response, bool is_quick) {
     const RequestHead& request_head = connection_->head();
     for (const auto& [name, value] : cors_.list()) response.headers.Add(name, value);
+    PutBasePath(response.headers, base_path_);
+    AddTiming(response.headers);
     const bool is_live = response.live != nullptr;
     const bool has_length = response.status != 204 && response.status != 304 && !is_live;
     if (is_live) keep_alive_ = false;  // the end of the connection is the only end it has
@@ -314,7 +335,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t key_ = 0;
   std::string request_id_;
   api::Headers cors_;
+  std::string base_path_;  // of the request that is answered
   Clock::time_point started_;
+  std::optional<Clock::duration> work_;  // of the handler; absent: none was asked
   bool is_head_ = false;
   bool is_upload_ = false;
   bool keep_alive_ = true;

@@ -20,8 +20,9 @@ struct HttpSettings {
   int compute_threads = 2;                    // that make pictures, plans and verdicts
   std::size_t max_waiting = 64;               // requests for each kind of thread, beside those that run
   std::size_t max_of_client = 16;             // requests that wait or run, of one client and kind of thread
-  std::vector<AddressRange> trusted_proxies;  // whose X-Forwarded-For is believed
+  std::vector<AddressRange> trusted_proxies;  // whose X-Forwarded headers are believed
   std::string public_url;  // "https://maps.example.org", for absolute links behind a proxy; empty: by Host
+  std::string base_path;   // "/skyquilt": the path that it lies under at a proxy; empty: none
   std::vector<std::string> hosts;   // names that it goes by, besides those of loopback and the address
   bool always_checks_host = false;  // also where a token is asked for
   std::vector<std::string>

@@ -53,6 +53,11 @@ std::string Hops(const api::Headers& headers) {
 
 }  // namespace
 
+bool IsTrustedProxy(const std::string& peer, const HttpSettings& settings) {
+  const std::optional<AddressBytes> address = ParseAddress(peer);
+  return address && IsTrusted(*address, settings);
+}
+
 std::string ClientAddress(const std::string& peer, const api::Headers& headers,
                           const HttpSettings& settings) {
   std::optional<AddressBytes> address = ParseAddress(peer);

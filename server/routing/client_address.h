@@ -13,5 +13,7 @@
 namespace skyquilt::server {
 
 std::string ClientAddress(const std::string& peer, const api::Headers& headers, const HttpSettings& settings);
+// The other end is a proxy that the operator trusts.
+bool IsTrustedProxy(const std::string& peer, const HttpSettings& settings);
 
 }  // namespace skyquilt::server

@@ -8,6 +8,7 @@
 #include "api/http/problem.h"
 #include "api/http/target.h"
 #include "server/routing/origin_policy.h"
+#include "server/routing/public_address.h"
 
 namespace skyquilt::server {
 namespace {
@@ -27,9 +28,12 @@ api::Response Options(const std::string& allow) {
   return response;
 }
 
-std::string BaseUrl(const RequestHead& head, const HttpSettings& settings) {
-  if (!settings.public_url.empty()) return settings.public_url;
-  return head.host.empty() ? std::string() : "http://" + head.host;
+// The page's own addresses count from the slash.
+api::Response ToBaseWithSlash(const std::string& target, const std::string& base_path) {
+  api::Response response;
+  response.status = 308;
+  response.headers.Add("Location", base_path + "/" + target.substr(base_path.size()));
+  return response;
 }
 
 }  // namespace
@@ -37,8 +41,15 @@ std::string BaseUrl(const RequestHead& head, const HttpSettings& settings) {
 std::string PathOf(const std::string& target) { return target.substr(0, target.find('?')); }
 
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    api::Service& service, const std::string& request_id) {
+                    api::Service& service, const std::string& request_id, const std::string& peer) {
   Routed routed;
+  const PublicAddress address = PublicAddressOf(head, peer, settings);
+  routed.request.base_path = address.base_path;
+  if (IsBaseWithoutSlash(head.target, settings.base_path)) {
+    routed.response = ToBaseWithSlash(head.target, settings.base_path);
+    return routed;
+  }
+  head.target = WithoutBasePath(head.target, settings.base_path);
   const std::string path = PathOf(head.target);
   const auto answer = [&](api::Response response) {
     routed.route = nullptr;
@@ -94,7 +105,7 @@ Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSett
   routed.request.parameters = std::move(match.parameters);
   routed.request.query = std::move(target->query);
   routed.request.content_length = head.content_length;
-  routed.request.base_url = BaseUrl(head, settings);
+  routed.request.base_url = address.base_url;
   routed.request.request_id = request_id;
   routed.request.headers = std::move(head.headers);
   // A range is of a GET's body alone (RFC 9110, 14.2).

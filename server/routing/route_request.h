@@ -20,9 +20,9 @@ struct Routed {
   api::Headers cors;  // for the answer, whatever it is: what pages of other sites may do with it
 };
 
-// Takes the headers out of the head.
+// Takes the headers out of the head, and the base path off its target. `peer`: the connection's other end.
 Routed RouteRequest(RequestHead& head, const api::Router& router, const HttpSettings& settings,
-                    api::Service& service, const std::string& request_id);
+                    api::Service& service, const std::string& request_id, const std::string& peer);
 
 // A target without its query: what may be shown and logged.
 std::string PathOf(const std::string& target);

@@ -95,6 +95,31 @@ std::string MarkedName(const std::string& name, std::string_view mark) {
   return fmt::format("{} ({}){}", stem, mark, name.substr(stem.size()));
 }
 
+// Of the revision that each flight shows, in the order of RevisionFrom.
+constexpr const char* kRevisionColumns =
+    "r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
+    " photos_aligned, photos_pose_only, photos_left_out, first_capture, last_capture";
+constexpr const char* kShownRevisions =
+    " FROM flight f JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision ";
+
+Revision RevisionFrom(const Statement& query) {
+  Revision revision;
+  revision.revision = query.ColumnInt64(0);
+  revision.created = FromUs(query.ColumnInt64(1));
+  revision.bounds = {query.ColumnDouble(2), query.ColumnDouble(3), query.ColumnDouble(4),
+                     query.ColumnDouble(5)};
+  revision.min_zoom = static_cast<int>(query.ColumnInt64(6));
+  revision.max_zoom = static_cast<int>(query.ColumnInt64(7));
+  revision.gsd_m = query.ColumnDouble(8);
+  revision.photos_total = static_cast<int>(query.ColumnInt64(9));
+  revision.photos_aligned = static_cast<int>(query.ColumnInt64(10));
+  revision.photos_pose_only = static_cast<int>(query.ColumnInt64(11));
+  revision.photos_left_out = static_cast<int>(query.ColumnInt64(12));
+  revision.first_capture = query.ColumnText(13);
+  revision.last_capture = query.ColumnText(14);
+  return revision;
+}
+
 }  // namespace
 
 Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& file, Time now) const {
@@ -372,29 +397,38 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
 
 Result<std::optional<Revision>> Catalogue::ActiveRevision(const std::string& flight_id) const {
   const auto db = db_.Read();
-  SKYQUILT_TRY_ASSIGN(
-      Statement query,
-      db->Prepare(
-          "SELECT r.revision, r.created_us, west, south, east, north, min_zoom, max_zoom, gsd_m, photos_total,"
-          " photos_aligned, photos_pose_only, photos_left_out, first_capture, last_capture FROM flight f"
-          " JOIN revision r ON r.flight_id=f.id AND r.revision=f.active_revision WHERE f.id=? AND f.deleted_us IS NULL"));
+  SKYQUILT_TRY_ASSIGN(Statement query,
+                      db->Prepare(std::string("SELECT ") + kRevisionColumns + kShownRevisions +
+                                  "WHERE f.id=? AND f.deleted_us IS NULL"));
   SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
   if (!row) return std::optional<Revision>();
-  Revision revision;
-  revision.revision = query.ColumnInt64(0);
-  revision.created = FromUs(query.ColumnInt64(1));
-  revision.bounds = {query.ColumnDouble(2), query.ColumnDouble(3), query.ColumnDouble(4),
-                     query.ColumnDouble(5)};
-  revision.min_zoom = static_cast<int>(query.ColumnInt64(6));
-  revision.max_zoom = static_cast<int>(query.ColumnInt64(7));
-  revision.gsd_m = query.ColumnDouble(8);
-  revision.photos_total = static_cast<int>(query.ColumnInt64(9));
-  revision.photos_aligned = static_cast<int>(query.ColumnInt64(10));
-  revision.photos_pose_only = static_cast<int>(query.ColumnInt64(11));
-  revision.photos_left_out = static_cast<int>(query.ColumnInt64(12));
-  revision.first_capture = query.ColumnText(13);
-  revision.last_capture = query.ColumnText(14);
-  return std::optional<Revision>(revision);
+  return std::optional<Revision>(RevisionFrom(query));
+}
+
+Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>& cursor) const {
+  const auto db = db_.Read();
+  SKYQUILT_TRY_ASSIGN(
+      Statement query,
+      db->Prepare(std::string("SELECT ") + kRevisionColumns + ", f.id, f.name" + kShownRevisions +
+                  "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL "
+                  "ORDER BY f.id DESC LIMIT ?2"));
+  if (cursor) {
+    query.Bind(1, *cursor);
+  } else {
+    query.BindNull(1);
+  }
+  query.Bind(2, limit + 1);  // one extra row shows whether another page follows
+  MapPage page;
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return page;
+    if (static_cast<int>(page.maps.size()) == limit) {
+      page.next_cursor = page.maps.back().flight_id;
+      return page;
+    }
+    page.maps.push_back(
+        {std::string(query.ColumnText(15)), std::string(query.ColumnText(16)), RevisionFrom(query)});
+  }
 }
 
 Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight_id) const {

@@ -58,6 +58,18 @@ struct FlightPage {
   std::optional<std::string> next_cursor;
 };
 
+// A flight that shows a finished map.
+struct ShownFlight {
+  std::string flight_id;
+  std::string name;
+  Revision revision;
+};
+
+struct MapPage {
+  std::vector<ShownFlight> maps;  // of the newest flights first
+  std::optional<std::string> next_cursor;
+};
+
 struct AddedFile {
   bool replaced = false;
   std::string replaced_stored_name;  // the caller removes this file now
@@ -79,6 +91,8 @@ class Catalogue {
   Result<Flight> GetFlight(const std::string& id) const;
   // Flights older than `cursor` (an id that an earlier page ended with), or the newest.
   Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;
+  // The same of the flights that show a map, each with it.
+  Result<MapPage> ListMaps(int limit, const std::optional<std::string>& cursor) const;
   Result<void> RenameFlight(const std::string& id, const std::string& name);
   Result<void> SetFlightOptions(const std::string& id, const std::string& options);
   // For good, also from the trash. Files, revisions and jobs go with it; a worker that runs one of its jobs

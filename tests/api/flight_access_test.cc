@@ -276,6 +276,8 @@ TEST(FlightAccess, ATokenOfOneFlightReadsThatOneAlone) {
           {"{style}", "default"},
           {"{asset}", "all.zip"},
           {"{export}", w.job},
+          {"{item}", flight + "-r1"},
+          {"{feature}", "a.jpg"},
           {"{process}", "stitch"}};
       for (const auto& [name, value] : values) {
         for (std::size_t found = text.find(name); found != std::string::npos; found = text.find(name)) {

@@ -123,14 +123,15 @@ TEST_F(HttpServerTest, AnswersHeadLikeGetWithoutTheBody) {
   const RawAnswer get = client.Ask("GET /version HTTP/1.1\r\n" + kHost + "\r\n");
   client.Send("HEAD /version HTTP/1.1\r\n" + kHost + "\r\n");
   const RawAnswer head = client.Receive(false);
-  const auto without_id_and_date = [](std::string text) {
-    for (const char* name : {"Date: ", "X-Request-Id: "}) {
+  EXPECT_NE(get.head.find("Server-Timing: work;dur="), std::string::npos);
+  const auto without_id_and_times = [](std::string text) {
+    for (const char* name : {"Date: ", "X-Request-Id: ", "Server-Timing: "}) {
       const std::size_t at = text.find(name);
       text.erase(at, text.find("\r\n", at) - at);
     }
     return text;
   };
-  EXPECT_EQ(without_id_and_date(head.head), without_id_and_date(get.head));
+  EXPECT_EQ(without_id_and_times(head.head), without_id_and_times(get.head));
   EXPECT_EQ(client.Ask("GET /healthz HTTP/1.1\r\n" + kHost + "\r\n").status, 200);
 }
 

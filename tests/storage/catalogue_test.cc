@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "storage/catalogue/trash.h"
 #include "storage/db/ids.h"
 #include "storage/jobs/job_queue.h"
 #include "tests/storage/postgres/test_catalogue.h"
@@ -46,6 +47,39 @@ TEST_F(CatalogueTest, PagesThroughAllFlightsOnceNewestFirst) {
   } while (cursor);
   std::sort(made.rbegin(), made.rend());
   EXPECT_EQ(seen, made);
+}
+
+TEST_F(CatalogueTest, PagesThroughMapsWithWhatTheySay) {
+  JobQueue queue(*db_);
+  std::vector<std::string> with_map;
+  for (int i = 0; i < 5; ++i) {
+    const std::string id = catalogue_.AddFlight("field", "{}", Now())->id;
+    if (i == 2) continue;  // nothing finished yet
+    ASSERT_TRUE(queue.Add(id, "{}", Now()));
+    const Lease lease = **queue.Claim("test", Now());
+    Revision revision;
+    revision.revision = **queue.ReserveRevision(lease);
+    revision.bounds = {1.0 * i, 2.0, 3.0 + i, 4.0};
+    revision.first_capture = "2024-06-01T10:00:00+02:00";
+    ASSERT_TRUE(*queue.Publish(lease, revision, Now()));
+    with_map.insert(with_map.begin(), id);
+  }
+  ASSERT_TRUE(Trash(*db_).Put(with_map[1], Now()));
+  with_map.erase(with_map.begin() + 1);
+  std::vector<std::string> listed;
+  std::optional<std::string> cursor;
+  do {
+    const auto page = catalogue_.ListMaps(2, cursor);
+    ASSERT_TRUE(page);
+    for (const ShownFlight& map : page->maps) {
+      listed.push_back(map.flight_id);
+      EXPECT_EQ(map.name, "field");
+      EXPECT_EQ(map.revision.bounds, (*catalogue_.ActiveRevision(map.flight_id))->bounds);
+      EXPECT_EQ(map.revision.first_capture, "2024-06-01T10:00:00+02:00");
+    }
+    cursor = page->next_cursor;
+  } while (cursor);
+  EXPECT_EQ(listed, with_map);
 }
 
 TEST_F(CatalogueTest, ReplacesAFileOfTheSameNameAndSaysWhichBytesToDrop) {

@@ -54,13 +54,14 @@ void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
 }
 
 std::int64_t PublishSmallTileset(const DataDir& dir, CatalogueDb& db, const std::string& flight_id,
-                                 const std::vector<SmallTile>& tiles, int tile_size_px) {
+                                 const std::vector<SmallTile>& tiles, int tile_size_px,
+                                 const std::optional<Revision>& facts) {
   JobQueue queue(db);
   SKYQUILT_CHECK(queue.Add(flight_id, "{}", Now()).ok(), "the job was refused");
   const Lease lease = **queue.Claim("test", Now());
-  Revision revision;
+  Revision revision = facts.value_or(Revision{});
   revision.revision = **queue.ReserveRevision(lease);
-  revision.bounds = {-180, -85, 180, 85};
+  if (!facts) revision.bounds = {-180, -85, 180, 85};
   revision.min_zoom = tiles.front().z;
   revision.max_zoom = tiles.back().z;
   const auto folder = dir.Revision(flight_id, revision.revision);

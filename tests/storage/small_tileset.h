@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "storage/catalogue/catalogue.h"
 #include "storage/db/catalogue_db.h"
 #include "storage/folder/data_dir.h"
 
@@ -23,8 +25,10 @@ struct SmallTile {
 void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
                        const std::vector<SmallTile>& tiles, int tile_size_px = 256);
 
-// The whole way of a job: queued, claimed, files in place, published. Answers the revision.
+// The whole way of a job: queued, claimed, files in place, published. Answers the revision. `facts`: what the
+// catalogue is told of it beside its number and zooms; without them it covers the world.
 std::int64_t PublishSmallTileset(const DataDir& dir, CatalogueDb& db, const std::string& flight_id,
-                                 const std::vector<SmallTile>& tiles, int tile_size_px = 256);
+                                 const std::vector<SmallTile>& tiles, int tile_size_px = 256,
+                                 const std::optional<Revision>& facts = std::nullopt);
 
 }  // namespace skyquilt::storage

@@ -7,6 +7,7 @@ import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/map/coordinates.js';
 import { tilesIn } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
+import { at, baseOf } from '../../web/src/shared/router.js';
 import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatGsd, formatLength } from '../../web/src/shared/format.js';
 import { parseRoute, routeHash } from '../../web/src/shared/router.js';
 import { looksLikePhoto, selectFiles } from '../../web/src/upload/drop_files.js';
@@ -312,4 +313,15 @@ test('a server that is away fails no file, and what it had of a file does not co
   await end;
   assert.equal(tries, 30);
   assert.deepEqual([queue.picture.done, queue.picture.failed], [1, 0]);
+});
+
+test('addresses lie below the path that the page lies below', () => {
+  for (const [pathname, base] of [['/', ''], ['/index.html', ''], ['/embed/01abc', ''], ['/skyquilt/', '/skyquilt'], ['/skyquilt/embed/01abc', '/skyquilt'], ['/maps/drone/', '/maps/drone']]) {
+    assert.equal(baseOf(pathname), base, pathname);
+  }
+  assert.equal(at('/tiles/x.json', '/skyquilt'), '/skyquilt/tiles/x.json');
+  assert.equal(at('/skyquilt/tiles/x.json', '/skyquilt'), '/skyquilt/tiles/x.json');
+  assert.equal(at('/skyquilted', '/skyquilt'), '/skyquilt/skyquilted');
+  assert.equal(at('https://example.org/x', '/skyquilt'), 'https://example.org/x');
+  assert.equal(at('/tiles/x.json', ''), '/tiles/x.json');
 });

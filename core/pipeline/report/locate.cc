@@ -59,6 +59,15 @@ std::optional<Eigen::Vector3d> MeetGround(const ground::GroundSurface& ground, c
   return point_at_z(0.5 * (high + below));
 }
 
+Eigen::Vector3d GroundInEnu(const LocatedMap& map, const geo::LatLon& position) {
+  // The vertical of the position is not quite that of the frame: a few rounds settle the height.
+  constexpr int kRounds = 5;
+  Eigen::Vector3d point = map.frame.EnuAtHeight(position, map.ground.MeanHeight());
+  for (int i = 0; i < kRounds; ++i)
+    point = map.frame.EnuAtHeight(position, map.ground.HeightAt(point.head<2>()));
+  return point;
+}
+
 }  // namespace
 
 Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
@@ -91,12 +100,12 @@ Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
                      SigmaUnder(camera->error_radius_m, off_nadir_rad)};
 }
 
+geo::Wgs84 GroundAt(const LocatedMap& map, const geo::LatLon& position) {
+  return map.frame.Wgs84FromEnu(GroundInEnu(map, position));
+}
+
 std::vector<Sighting> PhotosAtPoint(const LocatedMap& map, const geo::LatLon& position) {
-  // The vertical of the position is not quite that of the frame: a few rounds settle the height.
-  constexpr int kRounds = 5;
-  Eigen::Vector3d point = map.frame.EnuAtHeight(position, map.ground.MeanHeight());
-  for (int i = 0; i < kRounds; ++i)
-    point = map.frame.EnuAtHeight(position, map.ground.HeightAt(point.head<2>()));
+  const Eigen::Vector3d point = GroundInEnu(map, position);
   std::vector<Sighting> sightings;
   for (const LocatedCamera& camera : map.cameras) {
     const std::optional<Eigen::Vector2d> pixel =

@@ -43,6 +43,9 @@ struct GroundPoint {
 Result<GroundPoint> GroundAtPixel(const LocatedMap& map, std::string_view photo,
                                   const Eigen::Vector2d& pixel_in_image);
 
+// The ground straight below or above a position, as the map was rendered.
+geo::Wgs84 GroundAt(const LocatedMap& map, const geo::LatLon& position);
+
 struct Sighting {
   std::string photo;
   Eigen::Vector2d pixel_in_image = Eigen::Vector2d::Zero();

@@ -136,7 +136,7 @@ class Gis(MapFileTestCase):
                          (ring[-1], {(west, south), (east, south), (east, north), (west, north)}))
         told = item["properties"]
         _, photos = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/photos.geojson")
-        times = sorted(photo["properties"]["captured_at"] for photo in photos["features"])
+        times = sorted(photo["properties"]["captured_at"][:19] + "Z" for photo in photos["features"])
         self.assertEqual((told["datetime"], told["start_datetime"], told["end_datetime"]), (times[0], times[0], times[-1]))
         for asset in item["assets"].values():
             status, headers, _ = self.server.request("HEAD", asset["href"].removeprefix(self.address("")))
@@ -167,6 +167,87 @@ class Gis(MapFileTestCase):
                 self.assertAlmostEqual(ours, theirs, places=6)
             picture = wms.getmap(layers=["map"], srs="EPSG:4326", bbox=box, size=(300, 200), format="image/png")
             self.assertTrue(picture.read().startswith(b"\x89PNG"))
+
+    def test_owslib_reads_all_maps_at_one_address(self):
+        try:
+            from owslib.wms import WebMapService
+            from owslib.wmts import WebMapTileService
+        except ImportError:
+            self.skipTest("python3-owslib is not here")
+        wmts = WebMapTileService(self.address("/wmts"))
+        self.assertIn(self.flight_id, wmts.contents)
+        column, row, *_ = self.inner_window()
+        tile = wmts.gettile(layer=self.flight_id, tilematrixset="WebMercatorQuad", tilematrix=str(self.tilejson["maxzoom"]), row=row,
+                            column=column, format="image/png")
+        self.assertTrue(tile.read().startswith(b"\x89PNG"))
+        for version in ("1.1.1", "1.3.0"):
+            wms = WebMapService(self.address("/wms"), version=version)
+            self.assertIn(self.flight_id, wms.contents)
+            box = wms[self.flight_id].boundingBoxWGS84
+            asked = {"layers": [self.flight_id], "srs": "EPSG:4326", "bbox": box, "size": (300, 200), "format": "image/png"}
+            self.assertTrue(wms.getmap(**asked).read().startswith(b"\x89PNG"))
+            told = wms.getfeatureinfo(**asked, query_layers=[self.flight_id], info_format="application/json", xy=(150, 100))
+            seen = json.loads(told.read())["features"][0]["properties"]
+            self.assertLessEqual({"red", "green", "blue", "height_m", "photo"}, set(seen))
+
+    def test_gdal_and_qgis_read_all_maps_at_one_address(self):
+        self.check_against_mbtiles(self.gdal.Open(f"WMTS:{self.address('/wmts')},layer={self.flight_id}"))
+        layers = self.gdal.Open(f"WMS:{self.address('/wms')}").GetSubDatasets()
+        self.assertIn(f"LAYERS={self.flight_id}", "".join(layer[0] for layer in layers))
+        capabilities = urllib.parse.quote(self.address("/wmts") + "?SERVICE=WMTS&REQUEST=GetCapabilities", safe="")
+        self.check_qgis([f"crs=EPSG:3857&format=image/png&layers={self.flight_id}&styles=default&tileMatrixSet=WebMercatorQuad&url={capabilities}"])
+
+    def test_gdal_and_owslib_read_photos_as_features(self):
+        from osgeo import ogr
+        for kind, geometry in (("photos", ogr.wkbPoint), ("footprints", ogr.wkbPolygon)):
+            collection = f"{self.flight_id}.{kind}"
+            dataset = self.gdal.OpenEx(f"OAPIF:{self.address('/ogc')}", self.gdal.OF_VECTOR)
+            layer = dataset.GetLayerByName(collection)
+            self.assertEqual(layer.GetFeatureCount(), self.photo_count)
+            feature = layer.GetNextFeature()
+            self.assertEqual(feature.GetGeometryRef().GetGeometryType(), geometry)
+            layer.SetSpatialFilterRect(0, 0, 1, 1)
+            self.assertEqual(layer.GetFeatureCount(), 0)
+        try:
+            from owslib.ogcapi.features import Features
+        except ImportError:
+            return
+        features = Features(self.address("/ogc"))
+        self.assertIn(f"{self.flight_id}.photos", features.feature_collections())
+        page = features.collection_items(f"{self.flight_id}.photos", limit=2)
+        self.assertEqual((page["numberReturned"], page["numberMatched"]), (2, self.photo_count))
+
+    def test_a_place_tells_its_photo_and_an_area_its_figures(self):
+        west, south, east, north = self.tilejson["bounds"]
+        lon, lat = (west + east) / 2, (south + north) / 2
+        status, point = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/point?lon={lon}&lat={lat}")
+        self.assertEqual(status, 200)
+        _, seen = self.server.json("GET", f"/api/v1/flights/{self.flight_id}/at?lon={lon}&lat={lat}")
+        self.assertEqual(point["photo"]["name"], seen["photos"][0]["name"])
+        mbtiles = self.gdal.Open(str(self.path("mbtiles")))
+        left, pixel_m, _, top, _, _ = mbtiles.GetGeoTransform()
+        x, y = lon / 180 * WORLD_M, math.asinh(math.tan(math.radians(lat))) / math.pi * WORLD_M
+        want = mbtiles.ReadAsArray(int((x - left) / pixel_m), int((top - y) / pixel_m), 1, 1)[:3, 0, 0]
+        self.assertEqual([point["colour"][name] for name in ("red", "green", "blue")], [int(value) for value in want])
+        ring = [[west, south], [east, south], [east, north], [west, north], [west, south]]
+        status, told = self.server.json("POST", f"/api/v1/flights/{self.flight_id}/statistics", {"type": "Polygon", "coordinates": [ring]})
+        self.assertEqual(status, 200)
+        pixels = mbtiles.ReadAsArray()
+        shown = pixels[3] >= 128
+        self.assertEqual((told["zoom"], told["pixels"]), (self.tilejson["maxzoom"], int(shown.sum())))
+        for band, values in zip(told["bands"], pixels):
+            self.assertAlmostEqual(band["mean"], float(values[shown].mean()), places=6)
+            self.assertEqual((band["min"], band["max"]), (int(values[shown].min()), int(values[shown].max())))
+
+    def test_stac_finds_the_map(self):
+        west, south, east, north = self.tilejson["bounds"]
+        status, found = self.server.json("POST", "/stac/search", {"bbox": [west, south, east, north], "limit": 1})
+        self.assertEqual((status, len(found["features"])), (200, 1))
+        _, item = self.server.json("GET", f"/stac/{self.flight_id}")
+        self.assertEqual(found["features"][0], item)
+        at = urllib.parse.quote(item["properties"]["datetime"])
+        self.assertEqual(self.server.json("GET", f"/stac/search?datetime={at}")[1]["numberReturned"], 1)
+        self.assertEqual(self.server.json("GET", "/stac/search?bbox=0,0,1,1")[1]["numberReturned"], 0)
 
     def test_openlayers_reads_the_capabilities(self):
         clients = install_clients()
@@ -218,7 +299,7 @@ class Gis(MapFileTestCase):
         wmts, wms = f"/wmts/{self.flight_id}", f"/wms/{self.flight_id}"
         for path, status, word in ((wmts + "?request=GetMap", 501, b"OperationNotSupported"),
                                    (wmts + "?request=GetTile&version=2", 400, b"InvalidParameterValue"),
-                                   (wmts + "?request=GetFeatureInfo", 501, b"OperationNotSupported"),
+                                   (wmts + "?request=GetFeatureInfo", 400, b"MissingParameterValue"),
                                    (wmts + "?request=GetTile&layer=map", 400, b"MissingParameterValue"),
                                    (wmts + "/map/default/WebMercatorQuad/1/9/9.png", 400, b"TileOutOfRange"),
                                    (wmts + "/other/default/WebMercatorQuad/1/0/0.png", 404, b"NotFound"),

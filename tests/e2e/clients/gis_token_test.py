@@ -92,13 +92,14 @@ class Guarded(MapFileTestCase):
         except ImportError:
             self.skipTest("python3-owslib is not here")
         column, row, *_ = self.inner_window()
-        wmts = WebMapTileService(self.guarded(f"/wmts/{self.flight_id}"))
-        tile = wmts.gettile(layer="map", tilematrixset="WebMercatorQuad", tilematrix=str(self.tilejson["maxzoom"]), row=row,
-                            column=column, format="image/png")
-        self.assertTrue(tile.read().startswith(b"\x89PNG"))
-        wms = WebMapService(self.guarded(f"/wms/{self.flight_id}"), version="1.3.0")
-        picture = wms.getmap(layers=["map"], srs="EPSG:4326", bbox=wms["map"].boundingBoxWGS84, size=(300, 200), format="image/png")
-        self.assertTrue(picture.read().startswith(b"\x89PNG"))
+        for path, layer in ((f"/{self.flight_id}", "map"), ("", self.flight_id)):  # one map's address, and that of all
+            wmts = WebMapTileService(self.guarded(f"/wmts{path}"))
+            tile = wmts.gettile(layer=layer, tilematrixset="WebMercatorQuad", tilematrix=str(self.tilejson["maxzoom"]), row=row,
+                                column=column, format="image/png")
+            self.assertTrue(tile.read().startswith(b"\x89PNG"))
+            wms = WebMapService(self.guarded(f"/wms{path}"), version="1.3.0")
+            picture = wms.getmap(layers=[layer], srs="EPSG:4326", bbox=wms[layer].boundingBoxWGS84, size=(300, 200), format="image/png")
+            self.assertTrue(picture.read().startswith(b"\x89PNG"))
 
     def test_readers_of_map_files_find_the_stored_tiles(self):
         clients = install_clients()

@@ -5,7 +5,7 @@
 
 #include "api/http/target.h"
 #include "api/tiles/tile_path.h"
-#include "api/wms/wms.h"
+#include "api/wms/wms_request.h"
 #include "core/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -20,6 +20,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                    "a picture beyond the limit");
     SKYQUILT_CHECK(std::isfinite(map->east - map->west) && map->west < map->east && map->south < map->north,
                    "a window that is none");
+  }
+  if (const auto info = ParseGetFeatureInfo(request)) {
+    SKYQUILT_CHECK(info->column >= 0 && info->column < info->map.width_px && info->row >= 0 &&
+                       info->row < info->map.height_px,
+                   "a pixel beside the picture");
+    SKYQUILT_CHECK(info->map.layers.size() <= kMaxWmsLayers, "layers beyond the limit");
   }
   if (request.query.size() >= 3) {
     const auto path =

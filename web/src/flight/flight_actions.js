@@ -3,6 +3,7 @@
 import { readable, withToken } from '../shared/access.js';
 import { showError } from '../shared/announce.js';
 import { downloadPath, downloadSize } from '../shared/api.js';
+import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { formatBytes } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
@@ -93,7 +94,7 @@ function showQgis(flight) {
     put(
       body,
       h('ol', { class: 'numbered' }, ...words.qgis_steps.map((text) => h('li', {}, text))),
-      h('a', { class: 'button primary', id: 'qgis-file', href: withToken(`/connect/${encodeURIComponent(flight.id)}/qgis.qlr`, token), download: '' }, icon('download'), words.qgis_file),
+      h('a', { class: 'button primary', id: 'qgis-file', href: withToken(at(`/connect/${encodeURIComponent(flight.id)}/qgis.qlr`), token), download: '' }, icon('download'), words.qgis_file),
       h('p', { class: 'muted' }, words.qgis_live),
       token && h('p', { class: 'muted' }, strings.links.carries_token),
     );

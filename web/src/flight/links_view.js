@@ -4,6 +4,7 @@ import { pageToken, withToken } from '../shared/access.js';
 import { announce, showError } from '../shared/announce.js';
 import { addShare, ownAccess } from '../shared/api.js';
 import { connectFiles, josmAddress, saveText } from './connect_files.js';
+import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { mayChange } from './flight_words.js';
 import { icon } from '../shared/icons.js';
@@ -119,7 +120,7 @@ async function drawAddresses(flight, tilejson, element) {
     token && h('p', { class: 'muted' }, words.carries_token),
     addressField(words.xyz, template),
     addressField(words.josm, josmAddress(template, tilejson)),
-    addressField(words.tilejson, withToken(new URL(flight.tilejson ?? '', location.origin).href, token)),
+    addressField(words.tilejson, withToken(new URL(at(flight.tilejson ?? ''), location.origin).href, token)),
   );
 }
 

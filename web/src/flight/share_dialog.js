@@ -1,6 +1,7 @@
 // Shares a flight: makes a link that opens this one alone, for a while, lists those that were made, and revokes them.
 /** @import { Flight, Share } from '../shared/types.js' */
 import { addShare, listShares, removeShare } from '../shared/api.js';
+import { at } from '../shared/router.js';
 import { h, put } from '../shared/dom.js';
 import { formatDate } from '../shared/format.js';
 import { xmlText } from './connect_files.js';
@@ -11,7 +12,7 @@ const kDays = /** @type {(number|null)[]} */ ([1, 7, 30, 365, null]);
 const kUsualDays = 30;
 
 /** @param {string} page as the server names it, "/#/flights/..." */
-const absolute = (page) => new URL(page, location.origin).href;
+const absolute = (page) => new URL(at(page), location.origin).href;
 
 /**
  * What a website takes to show the map in a frame, at the place that is shown now where the map was moved.
@@ -19,8 +20,8 @@ const absolute = (page) => new URL(page, location.origin).href;
  * @param {string} embed as the server names it, "/embed/..."
  */
 function embedField(flight, embed) {
-  const at = new URLSearchParams(location.hash.split('?')[1] ?? '').get('at');
-  const address = absolute(embed) + (at ? `${embed.includes('#') ? '&' : '#'}at=${at}` : '');
+  const view = new URLSearchParams(location.hash.split('?')[1] ?? '').get('at');
+  const address = absolute(embed) + (view ? `${embed.includes('#') ? '&' : '#'}at=${view}` : '');
   return addressField(strings.share.embed, `<iframe src="${xmlText(address)}" title="${xmlText(flight.name)}" width="800" height="500" style="border:0" loading="lazy" allowfullscreen></iframe>`);
 }
 

@@ -1,4 +1,5 @@
 // The first thing one sees: what to do, where to drop, and the same for the command line.
+import { serverAddress } from '../shared/router.js';
 import { h } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
 import { copyButton } from '../flight/links_view.js';
@@ -10,7 +11,7 @@ import { strings } from '../shared/strings.js';
  */
 export function welcomeView(actions) {
   const words = strings.welcome;
-  const command = `photos=(); for f in *.JPG; do photos+=(-F "files=@$f"); done; curl -F name="${words.curl_flight}" "\${photos[@]}" ${location.origin}/api/v1/flights`;
+  const command = `photos=(); for f in *.JPG; do photos+=(-F "files=@$f"); done; curl -F name="${words.curl_flight}" "\${photos[@]}" ${serverAddress()}/api/v1/flights`;
   return h(
     'div',
     { class: 'welcome-inner' },

@@ -3,6 +3,7 @@
 /** @import { TileJson } from '../shared/types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
 import { authorization } from '../shared/access.js';
+import { at } from '../shared/router.js';
 import { keptChoice } from '../shared/language.js';
 
 /** @typedef {'none'|'land'|'server'} BasemapKind */
@@ -16,7 +17,7 @@ let offered = null;
 
 /** What the server's operator chose; null for nothing. Asked once. */
 export function offeredBasemap() {
-  offered ??= fetch('/basemap.json', { headers: authorization() }).then(
+  offered ??= fetch(at('/basemap.json'), { headers: authorization() }).then(
     async (response) => {
       const tilejson = response.ok ? await response.json() : { tiles: [] };
       return tilejson.pmtiles || tilejson.tiles.length > 0 ? tilejson : null;
@@ -71,7 +72,7 @@ export async function basemapParts(kind) {
     // Neither library may come with the first view: this module does.
     const [{ PMTiles, Protocol }, { addProtocol }] = await Promise.all([import('../../vendor/pmtiles.mjs'), import('../../vendor/maplibre-gl.mjs')]);
     const protocol = new Protocol();
-    const archive = new PMTiles(new URL(tilejson.pmtiles, location.href).href);
+    const archive = new PMTiles(new URL(at(tilejson.pmtiles), location.href).href);
     protocol.add(archive);
     addProtocol('pmtiles', protocol.tile);
     const { minZoom, maxZoom } = await archive.getHeader();

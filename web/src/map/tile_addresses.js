@@ -1,5 +1,7 @@
 // Which tile lies where, and under what address.
 /** @import { Bounds } from '../shared/types.js' */
+import { at } from '../shared/router.js';
+
 
 /**
  * Web Mercator position in tiles of a zoom level.
@@ -22,7 +24,7 @@ export function tilePosition(lon_deg, lat_deg, zoom) {
 export function ownHost(template) {
   const braces = template.replaceAll('{', '%7B').replaceAll('}', '%7D');
   const url = new URL(braces, location.href);
-  return (location.origin + url.pathname + url.search).replaceAll('%7B', '{').replaceAll('%7D', '}');
+  return (location.origin + at(url.pathname) + url.search).replaceAll('%7B', '{').replaceAll('%7D', '}');
 }
 
 /**

@@ -1,6 +1,7 @@
 // The access token that a shared server requires. It comes from a share link (#/flights/ID?token=..., which is sent to
 // nobody, or ?token=...), and stays for this tab, or from the user, and stays in this browser. Requests carry it in their header; pictures and downloads, which cannot, in their
 // address, where the server takes it for reading only.
+import { at } from './router.js';
 import { h } from './dom.js';
 import { strings } from './strings.js';
 
@@ -43,7 +44,7 @@ export const authorization = () => (token() ? { Authorization: `Bearer ${token()
 
 /** @param {string} path @returns {string} the same for an <img> or a link */
 export function readable(path) {
-  return withToken(path, token());
+  return withToken(at(path), token());
 }
 
 /** The page's own token, for addresses that are handed out; '' where there is none. */

@@ -2,6 +2,7 @@
 /** @import { Access, Flight, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { askForToken, authorization, readable } from './access.js';
 import { kFallback, language } from './language.js';
+import { at } from './router.js';
 import { strings } from './strings.js';
 
 /** What went wrong, in the server's words where it gave some (RFC 9457). */
@@ -66,7 +67,7 @@ async function request(method, path, body, signal) {
   /** @type {Response} */
   let response;
   try {
-    response = await fetch(path, {
+    response = await fetch(at(path), {
       method,
       signal,
       headers: { ...authorization(), ...(body ? { 'Content-Type': 'application/json' } : {}) },
@@ -251,7 +252,7 @@ export const downloadPath = (id, kind) => `${flight_path(id)}/download.${kind}`;
  * @returns {Promise<number|null>} null when the server does not say
  */
 export async function downloadSize(id, kind) {
-  const response = await fetch(downloadPath(id, kind), { method: 'HEAD', headers: authorization() });
+  const response = await fetch(at(downloadPath(id, kind)), { method: 'HEAD', headers: authorization() });
   const length = response.ok ? Number(response.headers.get('Content-Length') ?? NaN) : NaN;
   return Number.isFinite(length) ? length : null;
 }

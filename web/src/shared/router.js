@@ -1,4 +1,5 @@
-// The address after '#' says what is open, so that a reload or a sent link shows the same.
+// The page's address: what is after '#' says what is open, so that a reload or a sent link shows the same; its path, where
+// on its host this server lies: at the root, or below a path that a proxy gives it ("/skyquilt").
 
 /**
  * @typedef {{view: 'home'}
@@ -48,3 +49,21 @@ export function watchRoute(show) {
   addEventListener('hashchange', () => show(parseRoute(location.hash)));
   show(parseRoute(location.hash));
 }
+
+/**
+ * @param {string} pathname of the page: "/skyquilt/" or, of the bare map, "/skyquilt/embed/FLIGHT"
+ * @returns {string} "/skyquilt", or '' at the root
+ */
+export const baseOf = (pathname) => pathname.replace(/\/(embed\/)?[^/]*$/, '');
+
+const kBase = baseOf(globalThis.location?.pathname ?? '/');
+
+/**
+ * @param {string} path from the server's root; what is below the base already, or no path at all, stays as it is
+ * @param {string} [base]
+ * @returns {string} from the host's root
+ */
+export const at = (path, base = kBase) => (path.startsWith('/') && !path.startsWith(`${base}/`) ? base + path : path);
+
+/** The server's address, without a slash at its end. */
+export const serverAddress = () => location.origin + kBase;

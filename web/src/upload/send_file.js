@@ -3,6 +3,7 @@
 import { DetailedError, Upload } from '../../vendor/tus.mjs';
 import { authorization } from '../shared/access.js';
 import { ApiError, problem } from '../shared/api.js';
+import { at } from '../shared/router.js';
 import { strings } from '../shared/strings.js';
 
 // Smaller files go with the request that announces them; larger ones after it, so that a cut loses nothing.
@@ -36,7 +37,7 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
       settle();
     };
     const upload = new Upload(file, {
-      endpoint: '/api/v1/uploads',
+      endpoint: at('/api/v1/uploads'),
       headers: authorization(),
       metadata: { flight: flight_id, filename: name },
       fingerprint: async () => ['skyquilt', flight_id, name, file.size, when].join('|'),

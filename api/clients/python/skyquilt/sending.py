@@ -95,7 +95,9 @@ class Sender:
             location = answer.headers.get("Location", "")
         if not location:
             raise NotASkyquilt(f"{self._transport.url} takes no uploads.")
-        return urllib.parse.urlsplit(location).path
+        # A server below a path of its host names its addresses with that path, which stands in the URL as well.
+        path, base = (urllib.parse.urlsplit(address).path for address in (location, self._transport.url))
+        return path[len(base.rstrip("/")):] if path.startswith(base.rstrip("/") + "/") else path
 
     def _send_file(self, file: LocalFile) -> None:
         with file.path.open("rb") as content:

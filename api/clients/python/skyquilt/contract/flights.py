@@ -63,10 +63,20 @@ class Flights(Calls):
         """Deleted flights that can be restored, the latest first."""
         return cast("models.ListTrashAnswer", self._send("GET", "/api/v1/trash"))
 
+    def map_statistics(self, flight: str, body: Dict[str, Any]) -> models.MapStatistics:
+        """Area and colours within a polygon."""
+        return cast("models.MapStatistics", self._send("POST", "/api/v1/flights/{flight}/statistics", json_body=body,
+                                                       path={"flight": flight}))
+
     def photos_at(self, flight: str, lon: float, lat: float) -> models.PhotosAtAnswer:
         """The photos that see a place, the most vertical view first."""
         return cast("models.PhotosAtAnswer", self._send("GET", "/api/v1/flights/{flight}/at", path={"flight": flight},
                                                         query={"lon": lon, "lat": lat}))
+
+    def point_of_map(self, flight: str, lon: float, lat: float) -> models.PointOfMap:
+        """Colour, height and photo of a place."""
+        return cast("models.PointOfMap", self._send("GET", "/api/v1/flights/{flight}/point", path={"flight": flight},
+                                                    query={"lon": lon, "lat": lat}))
 
     def remove_flight(self, flight: str) -> None:
         """Remove a deleted flight for good, with its files and map. For the token that made it, and those of scope

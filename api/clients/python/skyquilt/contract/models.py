@@ -260,6 +260,51 @@ class TileJson(TileJsonForSure, total=False):
     encoding: Literal['terrarium']
 
 
+class PointOfMapColour(TypedDict):
+    red: int
+    green: int
+    blue: int
+    alpha: int
+
+
+class PointOfMap(TypedDict):
+    """What a map shows at a place."""
+    lon: float
+    lat: float
+    revision: int
+    # Of the finest pixel there; null: the map has nothing
+    colour: Optional[PointOfMapColour]
+    # Of the ground, counted from the zero that the flight's heights have
+    height_m: Optional[float]
+    # The photo that shows the place; null: none is known
+    photo: Optional[Any]
+
+
+class MapStatisticsBandsItem(TypedDict):
+    name: str
+    min: Optional[float]
+    max: Optional[float]
+    mean: Optional[float]
+    std: Optional[float]
+    # Pixels of each value from 0 to 255
+    histogram: List[int]
+
+
+class MapStatistics(TypedDict):
+    """What a map shows within a polygon."""
+    revision: int
+    # Of the pixels that were counted: the finest at which they are at most 8 million
+    zoom: int
+    # Of such a pixel, on the ground
+    pixel_m: float
+    # Of the polygon, on the ellipsoid
+    area_m2: float
+    # Of the ground within it that the map shows
+    covered_m2: float
+    pixels: int
+    bands: List[MapStatisticsBandsItem]
+
+
 class AddExportBodyForSure(TypedDict):
     """What AddExportBody always has."""
     format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz']

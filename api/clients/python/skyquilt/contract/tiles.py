@@ -1,7 +1,7 @@
 """The map, tile by tile.
 
 Written by generate.py from api/openapi.json; changes belong there."""
-from typing import Literal, Mapping, Optional, Union, cast
+from typing import Any, List, Literal, Mapping, Optional, Union, cast
 
 from . import models
 from ..transport import Calls, Answer
@@ -47,3 +47,7 @@ class Tiles(Calls):
         """TileJSON 3.0.0 of a flight's map in tiles of 256 pixels, whatever the size of the stored ones."""
         return cast("models.TileJson", self._send("GET", "/tiles/{flight}/256.json", path={"flight": flight},
                                                   query={"rev": rev}))
+
+    def tile_json_index(self, *, limit: Optional[int] = None, cursor: Optional[str] = None) -> List[Any]:
+        """TileJSON of all maps, the newest flights first."""
+        return cast("List[Any]", self._send("GET", "/tiles/index.json", query={"limit": limit, "cursor": cursor}))

@@ -1,0 +1,195 @@
+#include "api/flights/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/json/json_text.h"
+#include "api/tiles/tiles.h"
+#include "core/base/try.h"
+#include "core/geo/geodesic_area.h"
+#include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
+#include "storage/exports/custom/export_request.h"
+
+namespace skyquilt::api {
+namespace {
+
+using StatisticsJson = nlohmann::ordered_json;
+
+constexpr std::array kBandNames = {"red", "green", "blue"};
+constexpr int kSolidAlpha = 128;  // what is more transparent is the map's fringe
+
+struct BandCount {
+  std::array<std::int64_t, 256> histogram{};
+
+  StatisticsJson Told(std::int64_t pixels, const char* name) const {
+    StatisticsJson told = {
+        {"name", name}, {"min", nullptr}, {"max", nullptr}, {"mean", nullptr}, {"std", nullptr}};
+    double sum = 0.0, squares = 0.0;
+    int least = 255, greatest = 0;
+    for (int value = 0; value < 256; ++value) {
+      const std::int64_t count = histogram[static_cast<std::size_t>(value)];
+      if (count == 0) continue;
+      least = std::min(least, value);
+      greatest = value;
+      sum += static_cast<double>(count) * value;
+      squares += static_cast<double>(count) * value * value;
+    }
+    if (pixels > 0) {
+      const double mean = sum / static_cast<double>(pixels);
+      told["min"] = least;
+      told["max"] = greatest;
+      told["mean"] = mean;
+      told["std"] = std::sqrt(std::max(0.0, squares / static_cast<double>(pixels) - mean * mean));
+    }
+    told["histogram"] = histogram;
+    return told;
+  }
+};
+
+// Of what polygon and map have in common; absent: nothing.
+std::optional<geo::Bounds2> CommonInMerc(const storage::Boundary& boundary,
+                                         const storage::Revision& revision) {
+  geo::LatLonBounds common = storage::Common(boundary.Bounds(), revision.bounds);
+  common.south_deg = std::max(common.south_deg, -85.05);
+  common.north_deg = std::min(common.north_deg, 85.05);
+  if (!(common.west_deg < common.east_deg) || !(common.south_deg < common.north_deg)) return std::nullopt;
+  return geo::MercFromLatLonBounds(common);
+}
+
+// Square metres of ground under one of Web Mercator.
+double GroundPerMerc(double lat_deg) {
+  const double sin_lat = std::sin(geo::DegToRad(lat_deg));
+  const double along = geo::GroundMetresPerMercMetre(lat_deg);
+  const double w = 1.0 - geo::kWgs84EccentricitySquared * sin_lat * sin_lat;
+  return along * along * (1.0 - geo::kWgs84EccentricitySquared) / w;
+}
+
+class StatisticsCounter {
+ public:
+  StatisticsCounter(const storage::Tileset& tileset, const storage::Boundary& boundary, int zoom)
+      : tileset_(tileset),
+        side_px_(TileSizePx(tileset)),
+        pixel_m_(geo::PixelSizeInMercM(zoom, side_px_)),
+        mask_(boundary, zoom, side_px_) {}
+
+  Result<void> Add(const geo::TileId& tile) {
+    if (mask_.Mask(tile, inside_) == storage::Cover::kNone) return {};
+    SKYQUILT_TRY_ASSIGN(std::optional<storage::FoundTile> found, tileset_.reader->Find(tile));
+    if (!found) return {};
+    SKYQUILT_TRY_ASSIGN(const std::string bytes, tileset_.reader->Load(*std::move(found)));
+    SKYQUILT_TRY_ASSIGN(const image::RgbaImage picture, image::DecodePicture(bytes));
+    if (picture.width_px != side_px_ || picture.height_px != side_px_)
+      return Error{ErrorCode::kCorrupt, "A stored tile has another size than its map says.", ""};
+    const double top_m = tile.BoundsInMerc().max.y();
+    for (int row = 0; row < side_px_; ++row) {
+      std::int64_t in_row = 0;
+      for (int column = 0; column < side_px_; ++column) {
+        const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(side_px_) +
+                        static_cast<std::size_t>(column);
+        const std::uint8_t* pixel = picture.rgba.data() + 4 * at;
+        if (inside_[at] == 0 || pixel[3] < kSolidAlpha) continue;
+        ++in_row;
+        for (std::size_t band = 0; band < kBandNames.size(); ++band) ++bands_[band].histogram[pixel[band]];
+      }
+      if (in_row == 0) continue;
+      pixels_ += in_row;
+      const double lat_deg = geo::LatLonFromMerc({0.0, top_m - (row + 0.5) * pixel_m_}).lat_deg;
+      covered_m2_ += static_cast<double>(in_row) * pixel_m_ * pixel_m_ * GroundPerMerc(lat_deg);
+    }
+    return {};
+  }
+
+  void Tell(StatisticsJson& json) const {
+    json["covered_m2"] = covered_m2_;
+    json["pixels"] = pixels_;
+    json["bands"] = StatisticsJson::array();
+    for (std::size_t band = 0; band < kBandNames.size(); ++band)
+      json["bands"].push_back(bands_[band].Told(pixels_, kBandNames[band]));
+  }
+
+ private:
+  const storage::Tileset& tileset_;
+  const int side_px_;
+  const double pixel_m_;
+  const storage::BoundaryOnZoom mask_;
+  std::vector<std::uint8_t> inside_;
+  std::array<BandCount, kBandNames.size()> bands_;
+  std::int64_t pixels_ = 0;
+  double covered_m2_ = 0.0;
+};
+
+// The outlines less their holes.
+double AreaOf(const storage::Boundary& boundary) {
+  double area_m2 = 0.0;
+  for (const storage::Boundary::Polygon& polygon : boundary.polygons) {
+    for (std::size_t ring = 0; ring < polygon.size(); ++ring)
+      area_m2 += (ring == 0 ? 1.0 : -1.0) * geo::GeodesicAreaM2(polygon[ring]);
+  }
+  return std::max(area_m2, 0.0);
+}
+
+}  // namespace
+
+Result<std::string> MapStatistics(Service& service, const std::string& flight_id, std::string_view polygon) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(CheckJsonText(polygon));
+  SKYQUILT_TRY_ASSIGN(const storage::Boundary boundary, storage::ParseBoundary(polygon));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
+  const storage::Revision& revision = tileset->revision;
+  const std::optional<geo::Bounds2> common = CommonInMerc(boundary, revision);
+  const int side_px = TileSizePx(*tileset);
+  int zoom = revision.max_zoom;
+  if (common) {
+    const double area = (common->max.x() - common->min.x()) * (common->max.y() - common->min.y());
+    while (zoom > revision.min_zoom && area / std::pow(geo::PixelSizeInMercM(zoom, side_px), 2) > kMaxPixels)
+      --zoom;
+  }
+  StatisticsCounter counter(*tileset, boundary, zoom);
+  if (common) {
+    const geo::TileId first = geo::TileId::AtMerc(zoom, {common->min.x(), common->max.y()});
+    const geo::TileId last = geo::TileId::AtMerc(zoom, {common->max.x(), common->min.y()});
+    for (std::int64_t y = first.y(); y <= last.y(); ++y) {
+      for (std::int64_t x = first.x(); x <= last.x(); ++x) {
+        SKYQUILT_TRY_ASSIGN(const geo::TileId tile, geo::TileId::Make(zoom, x, y));
+        SKYQUILT_TRY(counter.Add(tile));
+      }
+    }
+  }
+  StatisticsJson json;
+  json["revision"] = revision.revision;
+  json["zoom"] = zoom;
+  json["pixel_m"] = geo::PixelSizeInMercM(zoom, side_px) *
+                    geo::GroundMetresPerMercMetre(boundary.Bounds().Middle().lat_deg);
+  json["area_m2"] = AreaOf(boundary);
+  counter.Tell(json);
+  return json.dump();
+}
+
+void AddStatisticsRoute(Router& router, Service& service) {
+  router.AddUpload(
+      Method::kPost, "/api/v1/flights/{flight}/statistics",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        const std::string_view type = request.headers.Find("Content-Type");
+        if (!IsJson(request) &&
+            !EqualsIgnoringCase(type.substr(0, type.find_first_of("; ")), "application/geo+json")) {
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the polygon as GeoJSON: curl -H 'Content-Type: application/geo+json' -d @AREA.geojson ...",
+               ""},
+              request);
+        }
+        return CollectBody([&service, request](const std::string& body) {
+          const Result<std::string> told = MapStatistics(service, request.Parameter("flight"), body);
+          return told ? Json(200, *told) : Problem(told.error(), request);
+        });
+      });
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,23 @@
+// What a map shows within a polygon: its area, how much of it the map covers, and of each colour the least,
+// the greatest, the mean, the spread and a histogram. Of the finest zoom at which the polygon has at most
+// kMaxPixels pixels; the answer says which. Any thread; takes up to half a second. Errors: kInvalidArgument,
+// kUnprocessable (no polygon), kNotFound (no such flight, or no map yet), kCorrupt, kIo.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "api/http/router.h"
+#include "api/service.h"
+
+namespace skyquilt::api {
+
+inline constexpr double kMaxPixels = 8 << 20;
+
+// `polygon`: GeoJSON (storage/exports/custom/boundary). JSON text.
+Result<std::string> MapStatistics(Service& service, const std::string& flight_id, std::string_view polygon);
+
+void AddStatisticsRoute(Router& router, Service& service);
+
+}  // namespace skyquilt::api

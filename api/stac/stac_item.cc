@@ -1,0 +1,100 @@
+#include "api/stac/stac_item.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/http/links.h"
+#include "api/json/json_codec.h"
+#include "api/stac/stac_search.h"
+#include "storage/folder/data_dir.h"
+
+namespace skyquilt::api {
+namespace {
+
+using ItemJson = nlohmann::ordered_json;
+
+ItemJson ItemLink(const std::string& href, const char* rel, const char* type) {
+  return {{"rel", rel}, {"href", href}, {"type", type}};
+}
+
+// Maps that lie elsewhere are read from their PMTiles: all of them have one.
+bool HasPmtiles(storage::BlobStore& blobs, const storage::ShownFlight& map) {
+  return !blobs.IsFolder() ||
+         blobs.Find(storage::RevisionPrefix(map.flight_id, map.revision.revision) + "mosaic.pmtiles").ok();
+}
+
+ItemJson PropertiesOf(const storage::ShownFlight& map) {
+  const std::string created = FormatTime(map.revision.created);
+  ItemJson properties = {{"title", map.name},
+                         {"datetime", created},
+                         {"created", created},
+                         {"gsd", map.revision.gsd_m},
+                         {"proj:epsg", 3857}};
+  if (const auto times = CaptureTimesOf(map.revision)) {
+    properties["datetime"] = times->first;
+    properties["start_datetime"] = times->first;
+    properties["end_datetime"] = times->last;
+  }
+  // Of imported maps the resolution may not be known; STAC wants one above zero or none.
+  if (!(map.revision.gsd_m > 0.0)) properties.erase("gsd");
+  return properties;
+}
+
+}  // namespace
+
+std::string StacItemId(const storage::ShownFlight& map) {
+  return fmt::format("{}-r{}", map.flight_id, map.revision.revision);
+}
+
+std::string StacItem(const Request& request, storage::BlobStore& blobs, const storage::ShownFlight& map) {
+  const std::string& id = map.flight_id;
+  const auto to = [&](const std::string& path) { return LinkTo(request, path); };
+  const auto& [west, south, east, north] = map.revision.bounds;
+  const ItemJson ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
+  ItemJson item;
+  item["type"] = "Feature";
+  item["stac_version"] = "1.0.0";
+  item["stac_extensions"] = {"https://stac-extensions.github.io/projection/v1.1.0/schema.json",
+                             "https://stac-extensions.github.io/web-map-links/v1.1.0/schema.json"};
+  item["id"] = StacItemId(map);
+  item["collection"] = kStacCollection;
+  item["bbox"] = map.revision.bounds.ToArray();
+  item["geometry"] = {{"type", "Polygon"}, {"coordinates", ItemJson::array({ring})}};
+  item["properties"] = PropertiesOf(map);
+  const std::string collection = std::string("/stac/collections/") + kStacCollection;
+  ItemJson links = ItemJson::array();
+  links.push_back(ItemLink(to(collection + "/items/" + StacItemId(map)), "self", "application/geo+json"));
+  links.push_back(ItemLink(to(collection), "parent", "application/json"));
+  links.push_back(ItemLink(to(collection), "collection", "application/json"));
+  links.push_back(ItemLink(to("/stac"), "root", "application/json"));
+  links.push_back(ItemLink(to("/ogc/collections/" + id), "related", "application/json"));
+  links.push_back(ItemLink(to(fmt::format("/tiles/{}/{{z}}/{{x}}/{{y}}", id)), "xyz", "image/jpeg"));
+  links.push_back(ItemLink(to(fmt::format("/tiles/{}.json", id)), "tilejson", "application/json"));
+  ItemJson wmts = ItemLink(to("/wmts/" + id + "/1.0.0/WMTSCapabilities.xml"), "wmts", "application/xml");
+  wmts["wmts:layer"] = "map";
+  links.push_back(wmts);
+  ItemJson wms = ItemLink(to("/wms/" + id), "wms", "image/png");
+  wms["wms:layers"] = {"map"};
+  links.push_back(wms);
+  const std::string api = "/api/v1/flights/" + id;
+  const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
+    return ItemJson{{"href", to(api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
+  };
+  item["assets"] = {
+      {"cog",
+       asset("/download.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "Map", "data")},
+      {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
+      {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
+      {"report", asset("/report", "application/json", "How it was made", "metadata")},
+      {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
+  if (HasPmtiles(blobs, map)) {
+    constexpr const char* kPmtiles = "application/vnd.pmtiles";
+    item["assets"]["pmtiles"] = asset("/download.pmtiles", kPmtiles, "Tiles", "data");
+    links.push_back(ItemLink(to(api + "/download.pmtiles"), "pmtiles", kPmtiles));
+  }
+  item["links"] = links;
+  return item.dump(-1, ' ', false, ItemJson::error_handler_t::replace);
+}
+
+}  // namespace skyquilt::api

@@ -1,0 +1,19 @@
+// StacItem: a map as a STAC 1.0 item: where it is, when its photos were taken, and every way to have it; and
+// the addresses of the catalogue that it belongs to. Any thread.
+// https://github.com/radiantearth/stac-spec/blob/v1.0.0/item-spec/item-spec.md
+#pragma once
+
+#include <string>
+
+#include "api/http/http_message.h"
+#include "storage/blobs/blob_store.h"
+#include "storage/catalogue/catalogue.h"
+
+namespace skyquilt::api {
+
+// "ID-r3": another revision is another item.
+std::string StacItemId(const storage::ShownFlight& map);
+// JSON text. Asks the store only for what not every map has.
+std::string StacItem(const Request& request, storage::BlobStore& blobs, const storage::ShownFlight& map);
+
+}  // namespace skyquilt::api

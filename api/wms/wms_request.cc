@@ -1,0 +1,154 @@
+#include "api/wms/wms_request.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "api/ogc/feature_info.h"
+#include "api/ogc/map_view.h"
+#include "core/base/try.h"
+
+namespace skyquilt::api {
+namespace {
+
+std::optional<double> WmsNumber(std::string_view text) {
+  double number = 0.0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size())
+    return std::nullopt;
+  if (!std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+std::optional<std::array<double, 4>> FourNumbers(std::string_view text) {
+  std::array<double, 4> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (i == 3)) return std::nullopt;
+    const std::optional<double> number = WmsNumber(text.substr(0, comma));
+    if (!number) return std::nullopt;
+    numbers[i] = *number;
+    text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+  }
+  return numbers;
+}
+
+Error BadWms(const char* code, std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message), code};
+}
+
+Result<int> Side(const Request& request, const char* name) {
+  const std::optional<double> number = WmsNumber(Parameter(request, name).value_or(""));
+  if (!number || *number != std::floor(*number) || *number < 1 || *number > kMaxWmsSidePx) {
+    return BadWms("", fmt::format("{} must be a whole number from 1 to {}.", name, kMaxWmsSidePx));
+  }
+  return static_cast<int>(*number);
+}
+
+Result<std::vector<std::string>> LayersIn(const Request& request, const char* name) {
+  const std::string text = Parameter(request, name).value_or("");
+  if (text.empty()) return BadWms("LayerNotDefined", fmt::format("{} must name a layer.", name));
+  std::vector<std::string> layers;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    layers.push_back(text.substr(at, end - at));
+    at = end + 1;
+    if (layers.size() > kMaxWmsLayers)
+      return BadWms("", fmt::format("{} must name at most {} layers.", name, kMaxWmsLayers));
+  }
+  return layers;
+}
+
+Result<void> CheckStyles(const Request& request) {
+  const std::string styles = Parameter(request, "STYLES").value_or("");
+  for (std::size_t at = 0; at <= styles.size();) {
+    const std::size_t end = std::min(styles.find(',', at), styles.size());
+    const std::string style = styles.substr(at, end - at);
+    if (!style.empty() && style != "default")
+      return BadWms("StyleNotDefined", "The only style is the default.");
+    at = end + 1;
+  }
+  return {};
+}
+
+// All but layers, styles and format.
+Result<WmsMap> ParseWindow(const Request& request) {
+  WmsMap map;
+  const bool is_newer = IsNewerWms(request);
+  const std::string crs = Parameter(request, is_newer ? "CRS" : "SRS").value_or("");
+  const auto box = FourNumbers(Parameter(request, "BBOX").value_or(""));
+  if (!box) return BadWms("", "BBOX must be four numbers.");
+  const auto& [first, second, third, fourth] = *box;
+  if (crs == "EPSG:3857" || crs == "EPSG:900913") {
+    map = {.west = first, .south = second, .east = third, .north = fourth};
+  } else if (crs == "CRS:84" || (crs == "EPSG:4326" && !is_newer)) {
+    map = {.west = first, .south = second, .east = third, .north = fourth, .is_geographic = true};
+  } else if (crs == "EPSG:4326") {
+    map = {.west = second, .south = first, .east = fourth, .north = third, .is_geographic = true};
+  } else {
+    return BadWms(is_newer ? "InvalidCRS" : "InvalidSRS",
+                  "Coordinate systems are EPSG:3857, EPSG:4326 and CRS:84.");
+  }
+  const double most = map.is_geographic ? 400.0 : 1e8;
+  if (!(map.west < map.east) || !(map.south < map.north) || std::abs(map.west) > most ||
+      std::abs(map.east) > most || std::abs(map.south) > most || std::abs(map.north) > most) {
+    return BadWms("", "BBOX must go from its lower left to its upper right corner, within the world.");
+  }
+  SKYQUILT_TRY_ASSIGN(const int width, Side(request, "WIDTH"));
+  SKYQUILT_TRY_ASSIGN(const int height, Side(request, "HEIGHT"));
+  if (width * height > kMaxWmsPixels) return BadWms("", "WIDTH times HEIGHT must not be above 8 million.");
+  map.width_px = width;
+  map.height_px = height;
+  return map;
+}
+
+}  // namespace
+
+bool IsNewerWms(const Request& request) {
+  const std::string version =
+      Parameter(request, "VERSION").value_or(Parameter(request, "WMTVER").value_or("1.3.0"));
+  return version >= "1.3";
+}
+
+Result<WmsMap> ParseGetMap(const Request& request) {
+  SKYQUILT_TRY_ASSIGN(std::vector<std::string> layers, LayersIn(request, "LAYERS"));
+  SKYQUILT_TRY(CheckStyles(request));
+  SKYQUILT_TRY_ASSIGN(WmsMap map, ParseWindow(request));
+  map.layers = std::move(layers);
+  const std::string format = Parameter(request, "FORMAT").value_or("");
+  if (format == "image/jpeg") {
+    map.format = image::PictureFormat::kJpeg;
+  } else if (format == "image/webp") {
+    map.format = image::PictureFormat::kWebp;
+  } else if (!format.starts_with("image/png")) {
+    return BadWms("InvalidFormat", "Formats are image/png, image/jpeg and image/webp.");
+  }
+  map.is_transparent = EqualsIgnoringCase(Parameter(request, "TRANSPARENT").value_or("FALSE"), "TRUE");
+  return map;
+}
+
+Result<WmsInfo> ParseGetFeatureInfo(const Request& request) {
+  WmsInfo info;
+  SKYQUILT_TRY_ASSIGN(info.map, ParseWindow(request));
+  SKYQUILT_TRY_ASSIGN(info.map.layers, LayersIn(request, "QUERY_LAYERS"));
+  const bool is_newer = IsNewerWms(request);
+  const auto pixel = [&](const char* name, int side_px) -> Result<int> {
+    const std::optional<double> number = WmsNumber(Parameter(request, name).value_or(""));
+    if (!number || *number != std::floor(*number) || *number < 0 || *number >= side_px)
+      return BadWms("InvalidPoint",
+                    fmt::format("{} must be a whole number from 0 to {}.", name, side_px - 1));
+    return static_cast<int>(*number);
+  };
+  SKYQUILT_TRY_ASSIGN(info.column, pixel(is_newer ? "I" : "X", info.map.width_px));
+  SKYQUILT_TRY_ASSIGN(info.row, pixel(is_newer ? "J" : "Y", info.map.height_px));
+  info.type = Parameter(request, "INFO_FORMAT").value_or("application/json");
+  if (!IsInfoFormat(info.type)) {
+    return BadWms("InvalidFormat",
+                  "Formats are application/json, application/geo+json, text/plain and text/html.");
+  }
+  return info;
+}
+
+}  // namespace skyquilt::api

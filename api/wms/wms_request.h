@@ -1,0 +1,40 @@
+// The parameters of WMS' operations, checked. OGC 01-068r3 (1.1.1) and 06-042 (1.3.0). Pure; any thread.
+// Errors: kInvalidArgument, whose detail is WMS' own code or empty.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/http/http_message.h"
+#include "core/image/picture_format.h"
+
+namespace skyquilt::api {
+
+// The window of a GetMap request.
+struct WmsMap {
+  std::vector<std::string> layers;                          // from the bottom up; at least one
+  double west = 0.0, south = 0.0, east = 0.0, north = 0.0;  // merc metres, or degrees where is_geographic
+  bool is_geographic = false;
+  int width_px = 0;
+  int height_px = 0;
+  bool is_transparent = false;
+  image::PictureFormat format = image::PictureFormat::kPng;
+};
+Result<WmsMap> ParseGetMap(const Request& request);
+
+// A pixel of such a window, whose format does not matter.
+struct WmsInfo {
+  WmsMap map;  // its layers are those that are asked
+  int column = 0, row = 0;
+  std::string type;
+};
+Result<WmsInfo> ParseGetFeatureInfo(const Request& request);
+
+// 1.3.0, which is also meant where no version is said.
+bool IsNewerWms(const Request& request);
+
+inline constexpr int kMaxWmsSidePx = 4096;
+inline constexpr int kMaxWmsPixels = 8 << 20;
+inline constexpr std::size_t kMaxWmsLayers = 16;
+
+}  // namespace skyquilt::api

@@ -1,0 +1,34 @@
+// PublicAddress: how others reach this server, as its answers name it: the operator's --public-url, else the
+// name that the request came to, below --base-path. Where the other end is a proxy that the operator trusts
+// (--trusted-proxy), what that says counts before the request: X-Forwarded-Proto, -Host and -Prefix. From
+// anybody else these are passed over, for they end up in documents. Pure; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "api/http/http_message.h"
+#include "server/http/http_settings.h"
+#include "server/http/request_head.h"
+
+namespace skyquilt::server {
+
+struct PublicAddress {
+  std::string base_url;   // "https://maps.example.org/skyquilt"; no slash at the end
+  std::string base_path;  // "/skyquilt", or empty
+};
+PublicAddress PublicAddressOf(const RequestHead& head, const std::string& peer, const HttpSettings& settings);
+
+// "/skyquilt" or "/a/b": segments of letters, digits and -._~; empty is none.
+bool IsBasePath(std::string_view text);
+
+// What a target means below the base path: "/skyquilt/tiles/x?rev=1" is "/tiles/x?rev=1". Targets that are
+// not below it stay as they are: a proxy may have taken it off.
+std::string WithoutBasePath(const std::string& target, const std::string& base_path);
+// "/skyquilt" itself, without the slash that addresses on the page count from.
+bool IsBaseWithoutSlash(std::string_view target, const std::string& base_path);
+
+// Location and Link name paths of this server: below the base path, as others see them.
+void PutBasePath(api::Headers& headers, const std::string& base_path);
+
+}  // namespace skyquilt::server

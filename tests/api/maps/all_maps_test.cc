@@ -1,0 +1,177 @@
+// WMTS, WMS and the list of TileJSON of all maps at one address, and what lies under a pixel of them.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/tiles/transcode_tile.h"
+#include "core/image/picture_codec.h"
+#include "tests/api/sample_service.h"
+
+namespace skyquilt::api {
+namespace {
+
+using nlohmann::json;
+
+std::string PlainTile(std::uint8_t red, std::uint8_t green, std::uint8_t blue, int side_px = 256) {
+  image::RgbaImage tile = image::RgbaImage::Transparent(side_px, side_px);
+  for (std::size_t i = 0; i < tile.rgba.size(); i += 4) {
+    tile.rgba[i] = red;
+    tile.rgba[i + 1] = green;
+    tile.rgba[i + 2] = blue;
+    tile.rgba[i + 3] = 255;
+  }
+  return EncodeTile(std::move(tile), image::PictureFormat::kPng);
+}
+
+class AllMapsTest : public testing::Test {
+ protected:
+  AllMapsTest() {
+    sample_.Publish(red_, {{2, 1, 2, PlainTile(200, 10, 20)}});
+    sample_.Publish(large_, {{2, 1, 2, PlainTile(10, 200, 20, 512)}}, 512);
+  }
+  std::string Body(const std::string& path, Headers headers = {}) {
+    const Response response = sample_.Get(path, std::move(headers));
+    EXPECT_EQ(response.status, 200) << path << " " << response.body;
+    return response.body;
+  }
+  std::array<int, 4> PixelOf(const std::string& path) {
+    const auto picture = image::DecodePicture(Body(path));
+    EXPECT_TRUE(picture) << path;
+    if (!picture) return {};
+    const std::uint8_t* pixel = picture->Pixel(picture->width_px / 2, picture->height_px / 2);
+    return {pixel[0], pixel[1], pixel[2], pixel[3]};
+  }
+
+  SampleService sample_;
+  std::string red_ = sample_.NewFlight();
+  std::string large_ = sample_.NewFlight();
+  std::string without_ = sample_.NewFlight();
+};
+
+// Tile 2/1/1 is west of Greenwich and north of the equator.
+constexpr const char* kBox =
+    "&CRS=CRS:84&BBOX=-80,10,-10,60&WIDTH=100&HEIGHT=90&FORMAT=image/png&TRANSPARENT=TRUE";
+
+TEST_F(AllMapsTest, WmtsHasALayerForEachMap) {
+  for (const char* path :
+       {"/wmts", "/wmts?service=WMTS&request=GetCapabilities", "/wmts/1.0.0/WMTSCapabilities.xml"}) {
+    const std::string text = Body(path);
+    for (const std::string& flight : {red_, large_}) {
+      EXPECT_NE(text.find("<ows:Identifier>" + flight + "</ows:Identifier>"), std::string::npos) << path;
+      EXPECT_NE(text.find("/wmts/" + flight + "/map/{Style}/"), std::string::npos) << path;
+    }
+    EXPECT_EQ(text.find(without_), std::string::npos);
+    EXPECT_NE(text.find("<ows:Identifier>WebMercatorQuad512</ows:Identifier>"), std::string::npos);
+  }
+  const std::string tile =
+      "&TileMatrixSet=WebMercatorQuad&TileMatrix=2&TileRow=1&TileCol=1&Format=image/png&Style=default";
+  EXPECT_EQ(PixelOf("/wmts?Request=GetTile&Layer=" + red_ + tile), (std::array{200, 10, 20, 255}));
+  const std::string deeper =
+      "&TileMatrixSet=WebMercatorQuad&TileMatrix=3&TileRow=2&TileCol=2&Format=image/png";
+  EXPECT_EQ(PixelOf("/wmts?Request=GetTile&Layer=" + large_ + deeper), (std::array{10, 200, 20, 255}));
+  for (const std::string& layer : {std::string("map"), std::string("nothing"), std::string("..")})
+    EXPECT_EQ(sample_.Get("/wmts?Request=GetTile&Layer=" + layer + tile).status, 400) << layer;
+  EXPECT_EQ(sample_.Get("/wmts?cursor=x").status, 400);
+}
+
+TEST_F(AllMapsTest, WmsLaysLayersOverEachOther) {
+  for (const char* version : {"1.3.0", "1.1.1"}) {
+    const std::string text = Body(std::string("/wms?REQUEST=GetCapabilities&VERSION=") + version);
+    for (const std::string& flight : {red_, large_})
+      EXPECT_NE(text.find("<Name>" + flight + "</Name>"), std::string::npos);
+  }
+  const std::string get = std::string("/wms?REQUEST=GetMap&VERSION=1.3.0&STYLES=") + kBox + "&LAYERS=";
+  EXPECT_EQ(PixelOf(get + red_), (std::array{200, 10, 20, 255}));
+  EXPECT_EQ(PixelOf(get + red_ + "," + large_), (std::array{10, 200, 20, 255}));
+  EXPECT_EQ(PixelOf(get + large_ + "," + red_), (std::array{200, 10, 20, 255}));
+  std::string many = red_;
+  for (int i = 0; i < 16; ++i) many += "," + red_;
+  for (const std::string& layers : {std::string(), std::string("map"), red_ + ",", many}) {
+    const Response response = sample_.Get(get + layers);
+    EXPECT_EQ(response.status, 400) << layers;
+    if (layers != many) EXPECT_NE(response.body.find("LayerNotDefined"), std::string::npos) << layers;
+  }
+  const std::string wrong = "/wms?REQUEST=GetMap&VERSION=1.3.0&STYLES=&FORMAT=image/png&LAYERS=" + red_;
+  for (const char* window :
+       {"&CRS=EPSG:999999&BBOX=0,0,1,1&WIDTH=9&HEIGHT=9", "&CRS=CRS:84&BBOX=0,0,1,1&WIDTH=1e9&HEIGHT=1",
+        "&CRS=CRS:84&BBOX=1,0,0,1&WIDTH=9&HEIGHT=9", "&CRS=CRS:84&BBOX=nan,0,0,1&WIDTH=9&HEIGHT=9",
+        "&CRS=CRS:84&BBOX=0,0,1,1&WIDTH=-1&HEIGHT=9"}) {
+    EXPECT_EQ(sample_.Get(wrong + window).status, 400) << window;
+  }
+}
+
+TEST_F(AllMapsTest, FeatureInfoSaysWhatIsUnderAPixel) {
+  const std::string ask = std::string("/wms?REQUEST=GetFeatureInfo&VERSION=1.3.0&I=50&J=45") + kBox +
+                          "&LAYERS=" + red_ + "&QUERY_LAYERS=" + red_;
+  const json answer = json::parse(Body(ask));
+  ASSERT_EQ(answer["features"].size(), 1u);
+  EXPECT_EQ(answer["features"][0]["properties"]["red"], 200);
+  EXPECT_EQ(answer["features"][0]["id"], red_);
+  EXPECT_NE(Body(ask + "&INFO_FORMAT=text/plain").find("green = 10"), std::string::npos);
+  EXPECT_NE(Body(ask + "&INFO_FORMAT=text/html").find("<td>200</td>"), std::string::npos);
+  EXPECT_EQ(sample_.Get(ask + "&INFO_FORMAT=image/png").status, 400);
+  const std::string own = std::string("/wms/") + red_ +
+                          "?REQUEST=GetFeatureInfo&VERSION=1.1.1&SRS=EPSG:4326" +
+                          "&BBOX=-80,10,-10,60&WIDTH=100&HEIGHT=90&QUERY_LAYERS=map";
+  EXPECT_EQ(json::parse(Body(own + "&X=50&Y=45"))["features"][0]["properties"]["blue"], 20);
+  for (const char* pixel : {"", "&X=100&Y=1", "&X=-1&Y=1", "&X=1.5&Y=1", "&X=1&Y=1e9"})
+    EXPECT_EQ(sample_.Get(own + pixel).status, 400) << pixel;
+  const std::string tile =
+      "/wmts?Request=GetFeatureInfo&TileMatrixSet=WebMercatorQuad&TileMatrix=2&TileRow=1&TileCol=1"
+      "&Format=image/png&InfoFormat=application/json&Layer=" +
+      red_;
+  EXPECT_EQ(json::parse(Body(tile + "&I=3&J=4"))["features"][0]["properties"]["red"], 200);
+  EXPECT_EQ(sample_.Get(tile + "&I=256&J=4").status, 400);
+  EXPECT_EQ(sample_.Get(tile).status, 400);
+}
+
+TEST_F(AllMapsTest, PointsTellTheColour) {
+  const std::string at = "/api/v1/flights/" + red_ + "/point";
+  const json inside = json::parse(Body(at + "?lon=-45&lat=40"));
+  EXPECT_EQ(inside["colour"], json::parse(R"({"red":200,"green":10,"blue":20,"alpha":255})"));
+  EXPECT_TRUE(inside["photo"].is_null());
+  EXPECT_TRUE(json::parse(Body(at + "?lon=100&lat=40"))["colour"].is_null());
+  EXPECT_TRUE(json::parse(Body(at + "?lon=0&lat=90"))["colour"].is_null());
+  for (const char* query :
+       {"", "?lon=1", "?lon=x&lat=1", "?lon=1&lat=91", "?lon=1e9&lat=1", "?lon=nan&lat=1"})
+    EXPECT_EQ(sample_.Get(at + query).status, 400) << query;
+  EXPECT_EQ(sample_.Get("/api/v1/flights/" + without_ + "/point?lon=1&lat=1").status, 404);
+}
+
+TEST_F(AllMapsTest, TheListOfTileJsonHasPages) {
+  const json all = json::parse(Body("/tiles/index.json"));
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0]["id"], large_);
+  EXPECT_EQ(all[0]["tileSize"], 512);
+  const json alone = json::parse(Body("/tiles/" + large_ + ".json"));
+  for (const auto& [key, value] : alone.items()) EXPECT_EQ(all[0][key], value) << key;
+  const Response first = sample_.Get("/tiles/index.json?limit=1");
+  EXPECT_EQ(json::parse(first.body).size(), 1u);
+  const std::string link(first.headers.Find("Link"));
+  const std::string next = link.substr(std::string("<http://127.0.0.1:1").size(), link.find('>') - 19);
+  EXPECT_EQ(json::parse(Body(next))[0]["id"], red_);
+  for (const char* query : {"?limit=-1", "?limit=0", "?cursor=.."})
+    EXPECT_EQ(sample_.Get(std::string("/tiles/index.json") + query).status, 400) << query;
+}
+
+TEST_F(AllMapsTest, ATokenOfOneFlightSeesThatOne) {
+  const Headers share = sample_.MakeToken("shared", storage::Scope::kRead, {}, red_);
+  for (const char* path : {"/wmts", "/wms", "/tiles/index.json", "/wmts/1.0.0/WMTSCapabilities.xml"}) {
+    EXPECT_EQ(sample_.Get(path).status, 401) << path;
+    const std::string text = Body(path, share);
+    EXPECT_NE(text.find(red_), std::string::npos) << path;
+    EXPECT_EQ(text.find(large_), std::string::npos) << path;
+  }
+  const std::string get = std::string("/wms?REQUEST=GetMap&VERSION=1.3.0") + kBox + "&LAYERS=";
+  EXPECT_EQ(sample_.Get(get + red_, share).status, 200);
+  EXPECT_EQ(sample_.Get(get + large_, share).status, 400);
+  EXPECT_EQ(sample_.Get(get + red_ + "," + large_, share).status, 400);
+  const std::string tile =
+      "/wmts?Request=GetTile&TileMatrixSet=WebMercatorQuad&TileMatrix=2&TileRow=1&TileCol=1"
+      "&Format=image/png&Layer=";
+  EXPECT_EQ(sample_.Get(tile + red_, share).status, 200);
+  EXPECT_EQ(sample_.Get(tile + large_, share).status, 400);
+}
+
+}  // namespace
+}  // namespace skyquilt::api

@@ -1,0 +1,82 @@
+// How the server is named in its answers, behind proxies that are trusted and others.
+#include "server/routing/public_address.h"
+
+#include <gtest/gtest.h>
+
+namespace skyquilt::server {
+namespace {
+
+RequestHead Head(std::initializer_list<std::pair<const char*, const char*>> headers) {
+  RequestHead head;
+  head.host = "inner:8080";
+  for (const auto& [name, value] : headers) head.headers.Add(name, value);
+  return head;
+}
+
+HttpSettings Trusting() {
+  HttpSettings settings;
+  settings.trusted_proxies.push_back(*AddressRange::From("10.0.0.0/8"));
+  return settings;
+}
+
+TEST(PublicAddress, IsWhatTheRequestCameTo) {
+  HttpSettings settings;
+  EXPECT_EQ(PublicAddressOf(Head({}), "10.1.1.1", settings).base_url, "http://inner:8080");
+  settings.base_path = "/skyquilt";
+  EXPECT_EQ(PublicAddressOf(Head({}), "10.1.1.1", settings).base_url, "http://inner:8080/skyquilt");
+  settings.public_url = "https://maps.example.org";
+  EXPECT_EQ(PublicAddressOf(Head({}), "10.1.1.1", settings).base_url, "https://maps.example.org/skyquilt");
+  settings.public_url = "https://maps.example.org/skyquilt";
+  EXPECT_EQ(PublicAddressOf(Head({}), "10.1.1.1", settings).base_url, "https://maps.example.org/skyquilt");
+}
+
+TEST(PublicAddress, BelievesTrustedProxiesAlone) {
+  const RequestHead head = Head({{"X-Forwarded-Proto", "https"},
+                                 {"X-Forwarded-Host", "maps.example.org, inner"},
+                                 {"X-Forwarded-Prefix", "/drone/maps/"}});
+  const PublicAddress believed = PublicAddressOf(head, "10.1.1.1", Trusting());
+  EXPECT_EQ(believed.base_url, "https://maps.example.org/drone/maps");
+  EXPECT_EQ(believed.base_path, "/drone/maps");
+  EXPECT_EQ(PublicAddressOf(head, "192.168.1.1", Trusting()).base_url, "http://inner:8080");
+  EXPECT_EQ(PublicAddressOf(head, "10.1.1.1", HttpSettings()).base_url, "http://inner:8080");
+}
+
+TEST(PublicAddress, PassesOverWhatIsNoAddress) {
+  for (const char* host : {"", "a\"b", "<script>", "a/b", "a b", "a@b"}) {
+    const auto head = Head({{"X-Forwarded-Host", host}});
+    EXPECT_EQ(PublicAddressOf(head, "10.1.1.1", Trusting()).base_url, "http://inner:8080") << host;
+  }
+  for (const char* prefix :
+       {"x", "//evil", "/a//b", "/..", "/a/../b", "/a?b", "/a\"b", "/a%2e", "/", "/a b"}) {
+    const auto head = Head({{"X-Forwarded-Prefix", prefix}});
+    EXPECT_EQ(PublicAddressOf(head, "10.1.1.1", Trusting()).base_path, "") << prefix;
+  }
+}
+
+TEST(PublicAddress, BasePathsAreTakenOffTargets) {
+  EXPECT_EQ(WithoutBasePath("/skyquilt/tiles/x?rev=1", "/skyquilt"), "/tiles/x?rev=1");
+  EXPECT_EQ(WithoutBasePath("/skyquilt/", "/skyquilt"), "/");
+  EXPECT_EQ(WithoutBasePath("/skyquiltx/tiles", "/skyquilt"), "/skyquiltx/tiles");
+  EXPECT_EQ(WithoutBasePath("/tiles", "/skyquilt"), "/tiles");
+  EXPECT_EQ(WithoutBasePath("/skyquilt/tiles", ""), "/skyquilt/tiles");
+  EXPECT_TRUE(IsBaseWithoutSlash("/skyquilt?a=b", "/skyquilt"));
+  EXPECT_FALSE(IsBaseWithoutSlash("/skyquilt/", "/skyquilt"));
+  EXPECT_FALSE(IsBaseWithoutSlash("", ""));
+}
+
+TEST(PublicAddress, HeadersNameThePathOnce) {
+  api::Headers headers;
+  headers.Add("Location", "/api/v1/jobs/x");
+  headers.Add("Link", "</api/v1/flights?cursor=x>; rel=\"next\"");
+  PutBasePath(headers, "/skyquilt");
+  PutBasePath(headers, "/skyquilt");
+  EXPECT_EQ(headers.Find("Location"), "/skyquilt/api/v1/jobs/x");
+  EXPECT_EQ(headers.Find("Link"), "</skyquilt/api/v1/flights?cursor=x>; rel=\"next\"");
+  api::Headers elsewhere;
+  elsewhere.Add("Location", "https://example.org/x");
+  PutBasePath(elsewhere, "/skyquilt");
+  EXPECT_EQ(elsewhere.Find("Location"), "https://example.org/x");
+}
+
+}  // namespace
+}  // namespace skyquilt::server
