@@ -75,11 +75,13 @@ Result<std::string> TextAt(const json& value, const char* key) {
                fmt::format("The server's answer has no \"{}\"; is it a Skyquilt?", key), ""};
 }
 
-Result<json> PostJson(ServerClient& client, const std::string& path, const json& value) {
+Result<json> PostJson(ServerClient& client, const std::string& path, const json& value,
+                      const std::string& once_key) {
   ClientRequest request;
   request.method = "POST";
   request.path = path;
   request.headers = {{"Content-Type", "application/json"}};
+  if (!once_key.empty()) request.headers.emplace_back("Idempotency-Key", once_key);
   request.body = value.dump(-1, ' ', false, json::error_handler_t::replace);
   SKYQUILT_TRY_ASSIGN(const ClientAnswer answer, client.Send(request));
   return Parsed(answer);
@@ -197,7 +199,11 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
     std::error_code failed;
     const std::uint64_t bytes = fs::file_size(file.path, failed);
     if (failed) return Error{ErrorCode::kIo, file.path.string() + ": " + failed.message() + ".", ""};
-    if (bytes > 0) outgoing.push_back({file, bytes});  // an empty file says nothing
+    if (bytes == 0) continue;  // an empty file says nothing
+    outgoing.push_back({file, bytes});
+    // Of files of one name in several folders: a server takes no folders.
+    std::string& name = outgoing.back().file.name;
+    std::replace(name.begin(), name.end(), '/', '_');
   }
   if (outgoing.empty()) return Error{ErrorCode::kUnprocessable, "There are no files to send.", ""};
   Tally* counting = nullptr;
@@ -209,7 +215,8 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   uploaded.flight_id = options.flight_id;
   progress.BeginStage("upload");
   if (uploaded.flight_id.empty()) {
-    SKYQUILT_TRY_ASSIGN(const json made, PostJson(client, "/api/v1/flights", {{"name", options.name}}));
+    SKYQUILT_TRY_ASSIGN(const json made, PostJson(client, "/api/v1/flights", {{"name", options.name}},
+                                                  options.flight_once_key));
     SKYQUILT_TRY_ASSIGN(uploaded.flight_id, TextAt(made, "id"));
   }
   on_flight(uploaded.flight_id);
@@ -228,8 +235,8 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   }
   counting = nullptr;
   if (!options.makes_map) return uploaded;
-  SKYQUILT_TRY_ASSIGN(const json job,
-                      PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs", json::object()));
+  SKYQUILT_TRY_ASSIGN(const json job, PostJson(client, "/api/v1/flights/" + uploaded.flight_id + "/jobs",
+                                               json::object(), options.job_once_key));
   SKYQUILT_TRY_ASSIGN(uploaded.job_id, TextAt(job, "id"));
   if (options.waits) SKYQUILT_TRY(WaitForJob(client, uploaded.job_id, progress));
   return uploaded;

@@ -20,6 +20,8 @@ struct UploadOptions {
   std::string flight_id;  // of one that is there; empty: a new one
   bool makes_map = true;
   bool waits = true;
+  // By which a flight or a job that is asked for again is known to be the same; empty: it is another.
+  std::string flight_once_key, job_once_key;
 };
 
 struct UploadedFlight {

@@ -12,10 +12,12 @@
 #include "server/commands/maps/report.h"
 #include "server/commands/maps/simulate.h"
 #include "server/commands/maps/stitch.h"
-#include "server/commands/maps/upload.h"
+#include "server/commands/maps/validate.h"
 #include "server/commands/serve.h"
 #include "server/commands/token.h"
 #include "server/commands/unpack.h"
+#include "server/commands/uploads/upload.h"
+#include "server/commands/uploads/watch.h"
 #include "server/commands/verdict.h"
 #include "server/commands/worker.h"
 
@@ -25,10 +27,12 @@ void AddCommands(CLI::App& app) {
   AddStitchCommand(app);
   AddServeCommand(app);
   AddUploadCommand(app);
+  AddWatchCommand(app);
   AddLocateCommand(app);
   AddPlaceCommand(app);
   AddExportCommand(app);
   AddReportCommand(app);
+  AddValidateCommand(app);
   AddImportCommand(app);
   AddInspectCommand(app);
   AddCompareCommand(app);

@@ -1,4 +1,4 @@
-#include "server/commands/maps/upload.h"
+#include "server/commands/uploads/upload.h"
 
 #include <fmt/core.h>
 

@@ -1,0 +1,90 @@
+#include "server/watch/watch_talk.h"
+
+#include <fmt/core.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <map>
+
+#include "core/base/printable.h"
+
+namespace skyquilt::server {
+namespace {
+
+volatile sig_atomic_t watch_ends = 0;
+
+void OnWatchSignal(int) { watch_ends = 1; }
+
+void TakeWatchSignals(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;  // without SA_RESTART: who waits is woken
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace
+
+struct WatchTalk::Said {
+  std::map<std::string, std::string> lines;
+};
+
+WatchTalk::WatchTalk() : is_terminal_(isatty(STDERR_FILENO) != 0), said_(std::make_unique<Said>()) {
+  watch_ends = 0;
+  TakeWatchSignals(OnWatchSignal);
+}
+
+WatchTalk::~WatchTalk() {
+  EndProgress();
+  TakeWatchSignals(SIG_DFL);
+}
+
+void WatchTalk::Say(const std::string& line) {
+  EndProgress();
+  fmt::print("{}\n", Printable(line));
+  std::fflush(stdout);
+}
+
+void WatchTalk::SayOnce(const std::string& about, const std::string& line) {
+  std::string& last = said_->lines[about];
+  if (last == line) return;
+  last = line;
+  Say(line);
+}
+
+void WatchTalk::Forget(const std::string& about) { said_->lines.erase(about); }
+
+bool WatchTalk::IsCancelled() const { return watch_ends != 0; }
+
+void WatchTalk::BeginStage(std::string_view) {
+  EndProgress();
+  const std::lock_guard lock(mutex_);
+  last_quarter_ = 0;
+  drawn_at_ = std::chrono::steady_clock::now();
+}
+
+void WatchTalk::Report(double fraction, std::string_view message) {
+  const std::lock_guard lock(mutex_);
+  const auto now = std::chrono::steady_clock::now();
+  if (is_terminal_) {
+    if (now - drawn_at_ < std::chrono::milliseconds(100) && fraction < 1.0) return;
+    drawn_at_ = now;
+    has_open_line_ = true;
+    fmt::print(stderr, "\r\x1b[K  {:3.0f} %  {}", 100.0 * fraction, Printable(std::string(message)));
+    std::fflush(stderr);
+    return;
+  }
+  const int quarter = static_cast<int>(fraction * 4.0);
+  if (quarter <= last_quarter_ || now - drawn_at_ < std::chrono::seconds(2)) return;
+  last_quarter_ = quarter;
+  drawn_at_ = now;
+  fmt::print(stderr, "  {:.0f} % ({})\n", 100.0 * fraction, Printable(std::string(message)));
+}
+
+void WatchTalk::EndProgress() {
+  const std::lock_guard lock(mutex_);
+  if (has_open_line_) fmt::print(stderr, "\r\x1b[K");
+  has_open_line_ = false;
+}
+
+}  // namespace skyquilt::server

@@ -1,0 +1,223 @@
+"""`skyquilt watch` against the real server: a card becomes flights, once, through restarts, kills, a server that is away, a
+disk that comes and goes and photos that are still being written. Nothing on the card changes."""
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from server_support import BINARY, ServerTestCase, wait_until  # noqa: E402
+
+
+def at_hour(photo, hour):
+    """The same photo of another time of day, by the clock of the camera and of the GPS."""
+    clock, gps = b"2024:06:01 10:", struct.pack("<IIII", 10, 1, 0, 1)
+    assert clock in photo and photo.count(gps) == 1
+    return photo.replace(clock, b"2024:06:01 %02d:" % hour).replace(gps, struct.pack("<IIII", hour, 1, 0, 1))
+
+
+class Watch(ServerTestCase):
+    def setUp(self):
+        super().setUp()
+        self.card = pathlib.Path(tempfile.mkdtemp(prefix="card_", dir=self.scratch))
+        self.state = pathlib.Path(tempfile.mkdtemp(prefix="state_", dir=self.scratch))
+        self.watches = []
+
+    def tearDown(self):
+        for watch in self.watches:
+            if watch.poll() is None:
+                watch.kill()
+            watch.wait()
+            watch.stdout.close()
+        super().tearDown()
+
+    def fill(self, folder, photos, hour=10):
+        folder = self.card / folder
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in photos:
+            (folder / name).write_bytes(at_hour(content, hour))
+
+    def words(self, server, *words):
+        return [BINARY, "watch", self.card, "--server", f"http://127.0.0.1:{server if isinstance(server, int) else server.port}",
+                "--no-map", *([] if "--settle" in words else ["--settle", "1"]), *words]
+
+    def env(self):
+        return {**os.environ, "XDG_STATE_HOME": str(self.state)}
+
+    def once(self, server, *words):
+        return subprocess.run(self.words(server, "--once", *words), capture_output=True, text=True, env=self.env(), timeout=120)
+
+    def watch(self, server, *words):
+        log = open(self.state / "log", "a+")
+        self.addCleanup(log.close)
+        watch = subprocess.Popen(self.words(server, *words), stdout=subprocess.PIPE, stderr=log, text=True, env=self.env())
+        self.watches.append(watch)
+        return watch
+
+    def hear(self, watch, words):
+        """Waits for a line with these words."""
+        while words not in (line := watch.stdout.readline()):
+            self.assertTrue(line, f"it ended and never said {words!r}")
+
+    def end(self, watch):
+        watch.send_signal(signal.SIGTERM)
+        said = watch.communicate(timeout=30)[0]
+        self.assertEqual(watch.returncode, 0, said)
+        return said
+
+    def flights(self, server):
+        """{name: names of its files}"""
+        found = {}
+        for flight in server.json("GET", "/api/v1/flights")[1]["flights"]:
+            files = server.json("GET", f"/api/v1/flights/{flight['id']}/files")[1]["files"]
+            found[flight["name"]] = sorted(file["name"] for file in files)
+        return found
+
+    def contents(self):
+        return {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in self.card.rglob("*") if path.is_file()}
+
+    def test_a_card_becomes_its_flights_and_only_once(self):
+        self.fill("DCIM/100MEDIA", self.photos[:2])
+        self.fill("DCIM/101MEDIA", [(self.photos[0][0], self.photos[2][1])])  # the camera counts from the start again
+        self.fill("DCIM/101MEDIA", [("later.JPG", self.photos[3][1])], hour=15)
+        self.fill("DCIM/field_7/images", self.photos[4:])
+        (self.card / "DCIM/field_7/images/notes.docx").write_bytes(b"PK\3\4 of no interest")
+        (self.card / "MISC/THM").mkdir(parents=True)
+        (self.card / "MISC/THM/1.JPG").write_bytes(self.photos[0][1])
+        before = self.contents()
+        server = self.serve()
+        done = self.once(server, "--name", "Farm: ")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("3 new flights, 6 files sent", done.stdout)
+        flights = self.flights(server)
+        field = next(name for name in flights if "field_7" in name)
+        self.assertEqual(field, "Farm: field_7, 2024-06-01 10:00")
+        self.assertEqual(flights[field], [name for name, _ in self.photos[4:]])
+        self.assertEqual(sorted(len(files) for files in flights.values()), [1, 2, 3])
+        rolled = next(files for files in flights.values() if len(files) == 3)
+        self.assertEqual(rolled, sorted([self.photos[0][0], self.photos[1][0], "101MEDIA_" + self.photos[0][0]]))
+        # The card again, in another slot, by another process: nothing.
+        moved = self.card.with_name(self.card.name + "_slot_b")
+        shutil.copytree(self.card, moved)
+        self.assertEqual(self.contents(), before)
+        self.card = moved
+        again = self.once(server)
+        self.assertIn("0 new flights, 0 files sent", again.stdout)
+        self.assertEqual(self.flights(server), flights)
+        # One photo more joins its flight.
+        self.fill("DCIM/field_7/images", [("more.JPG", self.photos[3][1])])
+        more = self.once(server)
+        self.assertIn("0 new flights, 1 files sent", more.stdout)
+        self.assertEqual(self.flights(server)[field], sorted(flights[field] + ["more.JPG"]))
+        # Deleted there, it does not come back by itself.
+        for flight in server.json("GET", "/api/v1/flights")[1]["flights"]:
+            server.request("DELETE", f"/api/v1/flights/{flight['id']}")
+        self.assertIn("0 new flights, 0 files sent", self.once(server).stdout)
+        self.assertEqual(self.flights(server), {})
+        self.fill("DCIM/field_7/images", [("last.JPG", self.photos[0][1] + b"\0")])
+        self.assertIn("1 new flights, 4 files sent", self.once(server).stdout)
+
+    def test_a_folder_that_fills_is_sent_when_it_rests(self):
+        server = self.serve()
+        watch = self.watch(server, "--settle", "2")
+        self.fill("job", self.photos[:2])
+        cut = self.card / "job" / self.photos[2][0]
+        content = self.photos[2][1]
+        for share in (0.2, 0.5, 0.8):
+            cut.write_bytes(content[:int(len(content) * share)])
+            time.sleep(0.8)
+        self.assertEqual(self.flights(server), {})
+        cut.write_bytes(content)
+        wait_until(lambda: self.flights(server), "nothing was sent")
+        wait_until(lambda: len(list(self.flights(server).values())[0]) == 3, f"not all was sent: {self.flights(server)}")
+        self.fill("job", self.photos[3:5])
+        self.hear(watch, "2 files sent to the flight they belong to")
+        self.assertEqual(len(list(self.flights(server).values())[0]), 5)
+        self.assertEqual(len(self.flights(server)), 1)
+        self.assertIn("1 new flights, 5 files sent", self.end(watch))
+
+    def test_a_photo_that_never_ends_holds_up_nobody(self):
+        self.fill("job", self.photos[:2])
+        (self.card / "job" / "broken.JPG").write_bytes(self.photos[2][1][:-5000])
+        (self.card / "job" / "empty.JPG").write_bytes(b"")
+        server = self.serve()
+        done = self.once(server)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("2 photos are cut off", done.stdout)
+        self.assertEqual(list(self.flights(server).values()), [[name for name, _ in self.photos[:2]]])
+
+    def test_a_server_that_is_away_is_waited_for_and_a_kill_makes_nothing_twice(self):
+        self.fill("job", self.photos)
+        (self.card / "job" / "track.gpx").write_text("<gpx version='1.1'><trk><trkseg>" + "".join(
+            f"<trkpt lat='46.8' lon='7.{i:04}'><time>2024-06-01T10:00:{i % 60:02}Z</time></trkpt>" for i in range(60)) + "</trkseg></trk></gpx>")
+        first = self.serve()
+        port = first.port
+        first.kill()
+        watch = self.watch(port)
+        while "It is asked again" not in watch.stdout.readline():
+            self.assertIsNone(watch.poll())
+        for _ in range(4):  # killed wherever it is
+            server = self.serve("--listen", f"127.0.0.1:{port}") if not self.servers[-1].process.poll() is None else self.servers[-1]
+            time.sleep(0.7)
+            watch.kill()
+            watch.wait()
+            watch = self.watch(port)
+        wait_until(lambda: any(len(files) == 7 for files in self.flights(server).values()), "not all was sent")
+        self.assertEqual(len(self.flights(server)), 1, self.flights(server))
+        self.end(watch)
+        self.assertIn("0 new flights, 0 files sent", self.once(server).stdout)
+        self.assertEqual(len(self.flights(server)), 1)
+
+    def test_a_disk_that_comes_goes_and_comes(self):
+        server = self.serve()
+        elsewhere = self.card.with_name(self.card.name + "_elsewhere")
+        self.card.rename(elsewhere)
+        watch = self.watch(server)
+        self.assertIn("is not there; waiting for it", watch.stdout.readline())
+        (elsewhere / "a").mkdir()
+        (elsewhere / "a" / "1.JPG").write_bytes(self.photos[0][1])
+        elsewhere.rename(self.card)
+        self.hear(watch, "a, 2024-06-01 10:00: 1 files sent")
+        self.card.rename(elsewhere)
+        self.hear(watch, "is not there; waiting for it")
+        (elsewhere / "b").mkdir()
+        (elsewhere / "b" / "2.JPG").write_bytes(self.photos[1][1])
+        elsewhere.rename(self.card)
+        self.hear(watch, "b, 2024-06-01 10:00: 1 files sent")
+        self.assertIn("2 new flights, 2 files sent", self.end(watch))
+        self.assertEqual(sorted(self.flights(server).values()), [["1.JPG"], ["2.JPG"]])
+
+    def test_maps_are_made_once(self):
+        self.fill("job", self.photos)
+        server = self.serve()
+        done = subprocess.run([word for word in self.words(server, "--once") if word != "--no-map"], capture_output=True, text=True, env=self.env())
+        self.assertEqual(done.returncode, 0, done.stderr)
+        flight = server.json("GET", "/api/v1/flights")[1]["flights"][0]["id"]
+        wait_until(lambda: server.json("GET", f"/api/v1/flights/{flight}")[1]["state"] == "ready", "no map was made")
+
+    def test_refusals_are_in_words(self):
+        server = self.serve()
+        self.fill("job", self.photos[:1])
+        gone = subprocess.run([BINARY, "watch", self.card / "none", "--once", "--server", f"http://127.0.0.1:{server.port}"],
+                              capture_output=True, text=True, env=self.env())
+        self.assertEqual((gone.returncode, gone.stderr.count("is not there")), (1, 1))
+        away = subprocess.run(self.words(9, "--once", "--patience", "1"), capture_output=True, text=True, env=self.env(), timeout=120)
+        self.assertEqual(away.returncode, 1)
+        self.assertIn("does not answer", away.stderr)
+        nonsense = subprocess.run([BINARY, "watch", self.card, "--server", "maps"], capture_output=True, text=True, env=self.env())
+        self.assertIn("is no address", nonsense.stderr)
+        subprocess.run([BINARY, "token", "add", "pilot", "--scope", "upload", "--data", server.data], check=True, capture_output=True)
+        wait_until(lambda: server.request("GET", "/api/v1/flights")[0] == 401, "the token is not asked for")
+        refused = self.once(server)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("SKYQUILT_TOKEN", refused.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
