@@ -5,6 +5,7 @@
 #include "api/auth/own_access.h"
 #include "api/basemap/basemap.h"
 #include "api/connect/connect.h"
+#include "api/control/control.h"
 #include "api/downloads/downloads.h"
 #include "api/downloads/original_file.h"
 #include "api/events/events.h"
@@ -46,6 +47,7 @@ Router BuildApi(Service& service) {
   AddLocateRoutes(router, service);
   AddPointRoute(router, service);
   AddStatisticsRoute(router, service);
+  AddControlRoutes(router, service);
   AddFileRoutes(router, service);
   AddMultipartRoutes(router, service);
   AddTusRoutes(router, service);

@@ -12,10 +12,12 @@ namespace {
 
 class Collector final : public BodySink {
  public:
-  explicit Collector(std::function<Response(std::string)> answer) : answer_(std::move(answer)) {}
+  Collector(std::function<Response(std::string)> answer, std::size_t max_bytes)
+      : answer_(std::move(answer)), max_bytes_(max_bytes) {}
   Result<void> Write(std::span<const std::uint8_t> bytes) override {
-    if (body_.size() + bytes.size() > kMaxJsonBytes) {
-      return Error{ErrorCode::kTooLarge, "The body is longer than 64 KiB.", ""};
+    if (body_.size() + bytes.size() > max_bytes_) {
+      return Error{ErrorCode::kTooLarge, fmt::format("The body is longer than {} KiB.", max_bytes_ >> 10),
+                   ""};
     }
     body_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return {};
@@ -24,6 +26,7 @@ class Collector final : public BodySink {
 
  private:
   std::function<Response(std::string)> answer_;
+  std::size_t max_bytes_;
   std::string body_;
 };
 
@@ -49,8 +52,9 @@ Response NoContent() {
   return response;
 }
 
-std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer) {
-  return std::make_unique<Collector>(std::move(answer));
+std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer,
+                                      std::size_t max_bytes) {
+  return std::make_unique<Collector>(std::move(answer), max_bytes);
 }
 
 Result<void> CheckId(const std::string& id, const char* what) {

@@ -1,6 +1,7 @@
 // The few shapes of answers that handlers share. Pure.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,8 +15,10 @@ Response Json(int status, std::string body);
 Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
 
-// Collects a body of at most 64 KiB and hands it to `answer`.
-std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer);
+inline constexpr std::size_t kMaxCollectedBytes = std::size_t{64} << 10;
+// Collects a body of at most `max_bytes` and hands it to `answer`.
+std::unique_ptr<BodySink> CollectBody(std::function<Response(std::string body)> answer,
+                                      std::size_t max_bytes = kMaxCollectedBytes);
 
 // kNotFound for what cannot be an id of ours, before it comes near the disk.
 Result<void> CheckId(const std::string& id, const char* what);

@@ -61,7 +61,8 @@ Response Retry(Service& service, const Request& request) {
   if (!ended) return Problem(ended.error(), request);
   if (!ended->finished) return Problem({ErrorCode::kConflict, "This job has not ended yet.", ""}, request);
   const Result<pipeline::MosaicOptions> options = ParseJobOptions(ended->options);
-  if (options && options->placing && ended->state == storage::JobState::kSuccessful) {
+  if (options && options->placing && !options->placing->is_by_lists &&
+      ended->state == storage::JobState::kSuccessful) {
     return Problem(
         {ErrorCode::kConflict,
          "This job has placed the map already; once more it would move it again. Start a job with new "

@@ -112,9 +112,14 @@ Result<geo::LatLon> PlaceOf(const json& value) {
 
 Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
   constexpr std::size_t kMaxPairs = 100;
-  if (!value.is_array() || value.empty() || value.size() > kMaxPairs)
-    return Refuse("place", "must be a list of 1 to 100 pairs of \"shown\" and \"is\"");
   pipeline::PlaceRequest request;
+  if (value == "control") {
+    request.is_by_lists = true;
+    options->placing = std::move(request);
+    return {};
+  }
+  if (!value.is_array() || value.empty() || value.size() > kMaxPairs)
+    return Refuse("place", "must be \"control\" or a list of 1 to 100 pairs of \"shown\" and \"is\"");
   for (const json& pair : value) {
     if (!pair.is_object() || pair.size() != 2 || !pair.contains("shown") || !pair.contains("is"))
       return Refuse(

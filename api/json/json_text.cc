@@ -1,10 +1,13 @@
 #include "api/json/json_text.h"
 
+#include <fmt/format.h>
+
 namespace skyquilt::api {
 
-Result<void> CheckJsonText(std::string_view text) {
-  if (text.size() > kMaxJsonBytes)
-    return Error{ErrorCode::kTooLarge, "The JSON body is longer than 64 KiB.", ""};
+Result<void> CheckJsonText(std::string_view text, std::size_t max_bytes) {
+  if (text.size() > max_bytes)
+    return Error{ErrorCode::kTooLarge, fmt::format("The JSON body is longer than {} KiB.", max_bytes >> 10),
+                 ""};
   int depth = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -1,5 +1,5 @@
-// CheckJsonText: cheap limits before a JSON text is parsed: at most 64 KiB and 32 levels, so that no client
-// can make the parser recurse or the document grow. Pure.
+// CheckJsonText: cheap limits before a JSON text is parsed: at most so many bytes and 32 levels, so that no
+// client can make the parser recurse or the document grow. Pure.
 #pragma once
 
 #include <string_view>
@@ -11,6 +11,6 @@ namespace skyquilt::api {
 inline constexpr std::size_t kMaxJsonBytes = 64 * 1024;
 inline constexpr int kMaxJsonDepth = 32;
 
-Result<void> CheckJsonText(std::string_view text);
+Result<void> CheckJsonText(std::string_view text, std::size_t max_bytes = kMaxJsonBytes);
 
 }  // namespace skyquilt::api

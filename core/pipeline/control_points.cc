@@ -21,6 +21,7 @@ std::vector<alignment::ControlPoint> ControlPointsOf(const std::vector<flight::G
           {sighting.image_name, {sighting.pixel_x - 0.5, sighting.pixel_y - 0.5}});
     }
   }
+  std::erase_if(points, [](const alignment::ControlPoint& point) { return point.sightings.empty(); });
   return points;
 }
 

@@ -1,5 +1,5 @@
 // ControlPointsOf: the ground control points of a flight (ODM's gcp_list format) as the alignment wants them.
-// None is not an error. Pure; any thread.
+// Points that are marked in no photo are not among them. None is not an error. Pure; any thread.
 #pragma once
 
 #include <vector>

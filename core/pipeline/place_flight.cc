@@ -22,6 +22,7 @@
 #include "core/pipeline/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
 #include "core/pipeline/placing/move_to_control.h"
+#include "core/pipeline/placing/place_by_lists.h"
 #include "core/pipeline/placing/place_known.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/plausible_poses.h"
@@ -58,8 +59,9 @@ struct Recalled {
   std::vector<NamedDigest> added;  // files that it did not have
 };
 
-std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory,
-                                    const std::vector<NamedDigest>& inputs) {
+// `apart`: names of files that may have come or changed since.
+std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory, const std::vector<NamedDigest>& inputs,
+                                    const std::set<std::string>& apart = {}) {
   if (memory.Recall().empty()) return std::nullopt;
   Result<FlightFacts> facts = ParseFacts(memory.Recall());
   // Facts that cannot be read are as good as none: the flight is placed anew.
@@ -70,13 +72,14 @@ std::optional<Recalled> RecallFiles(const pyramid::MapMemory& memory,
   }
   std::set<std::string> known;
   for (const NamedDigest& input : facts->inputs) {
+    if (apart.contains(input.file.name)) continue;
     const auto same = given.find(input.file.name);
     if (same == given.end() || same->second != input.digest) return std::nullopt;
     known.insert(input.file.name);
   }
   Recalled recalled{*std::move(facts), {}};
   for (const NamedDigest& input : inputs) {
-    if (!known.contains(input.file.name)) recalled.added.push_back(input);
+    if (!known.contains(input.file.name) && !apart.contains(input.file.name)) recalled.added.push_back(input);
   }
   return recalled;
 }
@@ -102,11 +105,16 @@ bool MayAppend(const Recalled& recalled, const flight::Flight& read, const Mosai
                      [&](const NamedDigest& input) { return photos.contains(input.file.name); });
 }
 
+std::set<std::string> NamesOf(const std::vector<flight::GcpList>& lists) {
+  std::set<std::string> names;
+  for (const flight::GcpList& list : lists) names.insert(list.file_name);
+  return names;
+}
+
 // The flight got its first surveyed points, and nothing else.
 bool MayMove(const Recalled& recalled, const flight::Flight& read, const MosaicOptions& options) {
   if (options.method != AlignMethod::kAuto || !recalled.facts.is_placed) return false;
-  std::set<std::string> lists;
-  for (const flight::GcpList& list : read.gcp_lists) lists.insert(list.file_name);
+  const std::set<std::string> lists = NamesOf(read.gcp_lists);
   return lists.size() == recalled.added.size() &&
          std::all_of(recalled.added.begin(), recalled.added.end(),
                      [&](const NamedDigest& input) { return lists.contains(input.file.name); });
@@ -222,12 +230,23 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
   return facts;
 }
 
-// The finished map of these files, where the user says that it lies.
+// `lists` as the map knew them: what it was not placed by is new to the next run too.
+void KeepAsKnown(const std::vector<NamedDigest>& known, const std::set<std::string>& lists,
+                 std::vector<NamedDigest>& inputs) {
+  std::erase_if(inputs, [&](const NamedDigest& input) { return lists.contains(input.file.name); });
+  for (const NamedDigest& input : known) {
+    if (lists.contains(input.file.name)) inputs.push_back(input);
+  }
+}
+
+// The finished map of these files, where the user says that it lies; surveyed points may have come or changed
+// since it was made. `inputs`: becomes what the placed map is of.
 Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceRequest& request,
-                                    const pyramid::MapMemory* memory, const std::vector<NamedDigest>& inputs,
+                                    const pyramid::MapMemory* memory, std::vector<NamedDigest>& inputs,
                                     StageRunner& stages) {
   std::optional<Recalled> recalled;
-  if (memory != nullptr) recalled = RecallFiles(*memory, inputs);
+  const std::set<std::string> lists = NamesOf(read.gcp_lists);
+  if (memory != nullptr) recalled = RecallFiles(*memory, inputs, lists);
   if (!recalled || !recalled->added.empty() || !recalled->facts.appearance) {
     return Error{
         ErrorCode::kConflict,
@@ -238,10 +257,19 @@ Result<PlacedFlight> PlaceWhereTold(const flight::Flight& read, const PlaceReque
   FillPhotos(read, recalled->facts.flight);
   PlacedFlight placed;
   const double was_m = MedianGsdM(recalled->facts);
-  SKYQUILT_TRY_ASSIGN(placed.facts,
-                      stages.Run("align", [&] { return PlaceKnown(recalled->facts, request); }));
+  SKYQUILT_TRY_ASSIGN(placed.facts, stages.Run("align", [&] {
+    return request.is_by_lists ? PlaceByLists(recalled->facts, read.gcp_lists)
+                               : PlaceKnown(recalled->facts, request);
+  }));
+  if (!request.is_by_lists) KeepAsKnown(recalled->facts.inputs, lists, inputs);
   placed.gsd_m = recalled->facts.appearance->gsd_m * MedianGsdM(placed.facts) / was_m;
   return placed;
+}
+
+// Points that the finished map only fits when it is bent: the photos are aligned anew with them, as a flight
+// that came with its points is.
+bool IsToBeBent(const Result<PlacedFlight>& told, const PlaceRequest& request) {
+  return !told && request.is_by_lists && told.error().message.starts_with(kContradictWords);
 }
 
 // Nothing: better to place the flight as a whole.
@@ -321,11 +349,17 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
   });
   if (!read) return read.error();
 
+  const std::vector<flight::GcpList> lists = read->gcp_lists;
   PlacedFlight placed;
   std::optional<FlightFacts> facts;
-  if (options.placing) {
-    SKYQUILT_TRY_ASSIGN(placed, PlaceWhereTold(*read, *options.placing, memory, inputs, stages));
-    facts = std::move(placed.facts);
+  bool is_told = options.placing.has_value();
+  if (is_told) {
+    Result<PlacedFlight> told = PlaceWhereTold(*read, *options.placing, memory, inputs, stages);
+    is_told = !IsToBeBent(told, *options.placing);
+    if (is_told) {
+      SKYQUILT_TRY_ASSIGN(placed, std::move(told));
+      facts = std::move(placed.facts);
+    }
   } else if (memory != nullptr) {
     if (std::optional<Recalled> recalled = Recall(*memory, options, inputs)) {
       if (recalled->added.empty()) {
@@ -348,7 +382,8 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     facts = std::move(anew);
   }
   placed.facts = *std::move(facts);
-  if (!options.placing) {  // that keeps what the map was made with
+  TellMarks(lists, placed.facts);
+  if (!is_told) {  // that keeps what the map was made with
     for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
       photo.max_look_rad =
           std::min(geo::DegToRad(options.max_look_deg), std::max(photo.tied_look_rad, kUntiedLookRad));

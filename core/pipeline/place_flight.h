@@ -1,7 +1,8 @@
 // PlaceFlight: the first half of the flow: from files to placed photos and the ground below them; with a
 // memory of an earlier run as little of it as has changed: the same files are not compared again, and a few
-// photos more are placed against the others, or the finished map is brought to where options.placing says.
-// Blocking. Errors: as BuildMosaic.
+// photos more are placed against the others, or the finished map is brought to where options.placing says
+// (and aligned anew where it is to go to surveyed points that it fits only when it is bent). Blocking.
+// Errors: as BuildMosaic.
 #pragma once
 
 #include <optional>

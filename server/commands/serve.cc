@@ -28,6 +28,7 @@
 #include "server/exports/export_runner.h"
 #include "server/housekeeper.h"
 #include "server/http/http_server.h"
+#include "server/intake/control_apart.h"
 #include "server/intake/unpack_apart.h"
 #include "server/intake/verdict_apart.h"
 #include "server/intake/verdicts.h"
@@ -239,6 +240,7 @@ void RunServer(const ServeOptions& options) {
     return verdicts.Of(files, mosaic_options);
   };
   service.unpack = UnpackApart;
+  service.read_control = ControlApart;
   service.storage_in_place = [&opened] { return opened.watch.Check(); };
   const Result<void> recovered = Recover(opened.dir, catalogue, queue, storage::Previews(*opened.db),
                                          service.spool, service.db.ages().Now());

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "server/confinement/process_limits.h"
+#include "server/intake/control_apart.h"
 #include "server/intake/verdict_apart.h"
 
 namespace skyquilt::server {
@@ -16,6 +17,7 @@ namespace {
 struct VerdictOptions {
   int parent = 0;
   std::int64_t cpu_s = 0;
+  bool is_of_control = false;
 };
 
 }  // namespace
@@ -27,9 +29,14 @@ void AddVerdictCommand(CLI::App& app) {
   command->group("");  // not in the list of commands
   command->add_option("--parent", options->parent, "Stop when this process is gone")->required();
   command->add_option("--cpu-s", options->cpu_s, "Seconds of CPU it may take")->required();
+  command->add_flag("--control", options->is_of_control, "Read a list of control points instead");
   command->callback([options] {
     if (!FollowParent(options->parent, SIGKILL)) return;
-    VerdictHere(options->cpu_s);
+    if (options->is_of_control) {
+      ControlHere(options->cpu_s);
+    } else {
+      VerdictHere(options->cpu_s);
+    }
     _exit(0);  // what libraries do at the end of a process may be a call that it has no right to any more
   });
 }

@@ -263,7 +263,8 @@ Result<std::vector<std::string>> Catalogue::FlightIds() const {
   return query.AllText();
 }
 
-Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredFile& file, Time now) {
+Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredFile& file, Time now,
+                                     const std::optional<std::string>& expected) {
   return db_.Again([&]() -> Result<AddedFile> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
@@ -275,6 +276,10 @@ Result<AddedFile> Catalogue::AddFile(const std::string& flight_id, const StoredF
       SKYQUILT_TRY_ASSIGN(const bool row, old.Bind(1, flight_id).Bind(2, file.name).Step());
       added.replaced = row;
       if (row) added.replaced_stored_name = old.ColumnText(0);
+    }
+    if (expected && *expected != added.replaced_stored_name) {
+      return Error{ErrorCode::kPreconditionFailed,
+                   fmt::format("The file {} was changed elsewhere meanwhile.", file.name), ""};
     }
     if (added.replaced) {
       SKYQUILT_TRY(RequireNotRunning(*db, flight_id));

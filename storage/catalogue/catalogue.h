@@ -103,7 +103,10 @@ class Catalogue {
   Result<std::vector<std::string>> FlightIds() const;
 
   // Takes the place of a file of the same name; kConflict while a job reads the flight's files.
-  Result<AddedFile> AddFile(const std::string& flight_id, const StoredFile& file, Time now);
+  // With `expected`, the stored name of what it replaces (empty: nothing): kPreconditionFailed where another
+  // is there.
+  Result<AddedFile> AddFile(const std::string& flight_id, const StoredFile& file, Time now,
+                            const std::optional<std::string>& expected = std::nullopt);
   // Never replaces: picks "a (2).jpg" for a second "a.jpg" and says so in the answer's name. With
   // `upload_id`, that resumable upload is done in the same transaction.
   Result<StoredFile> AddFileUnderFreeName(const std::string& flight_id, const StoredFile& file, Time now,

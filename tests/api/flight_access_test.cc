@@ -123,6 +123,13 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
       Sends(M::kPost, at_flight("/files"), kFormBody, {{"Content-Type", FormType()}});
   asks[{M::kPut, "/api/v1/flights/{flight}/files/{name}"}] =
       Sends(M::kPut, at_flight("/files/a.jpg"), "other");
+  asks[{M::kPut, "/api/v1/flights/{flight}/control"}] = [](World& w, const Headers& who) {
+    w.sample.service().read_control = [](const std::filesystem::path&) {
+      return Result<std::string>(std::string("{}"));
+    };
+    const std::string point = R"({"points":[{"name":"a","x":7.1,"y":46.8}]})";
+    return w.sample.Send(M::kPut, "/api/v1/flights/" + w.free_flight + "/control", point, who);
+  };
   asks[{M::kDelete, "/api/v1/flights/{flight}/files/{name}"}] = Sends(M::kDelete, at_flight("/files/a.jpg"));
   asks[{M::kPost, "/api/v1/flights/{flight}/jobs"}] = Sends(M::kPost, at_flight("/jobs"), "{}");
   asks[{M::kGet, "/api/v1/flights/{flight}/shares"}] = Sends(M::kGet, at_flight("/shares"));

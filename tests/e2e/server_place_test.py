@@ -1,9 +1,14 @@
 """A finished map is brought to where things on it really are, by pairs of places given to a job, without its photos
 being compared again."""
+import json
 import math
+import pathlib
+import sys
 import unittest
 
 from server_support import ServerTestCase
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "command_line"))
+from control_test import gcp_list  # noqa: E402
 
 
 def moved(place, north_m, east_m):
@@ -56,6 +61,48 @@ class PlaceOnTheServer(ServerTestCase):
         self.assertEqual(self.bounds(server, flight), scaled)
         warnings = " ".join(server.json("GET", f"/api/v1/flights/{flight}/report")[1]["warnings"])
         self.assertIn("placed by hand", warnings)
+
+    def test_control_points_are_kept_and_place_the_map(self):
+        server = self.serve()
+        flight = self.made(server)
+        truth = json.loads(pathlib.Path(self.scratch, "sim", "truth", "poses.json").read_text())
+        rows = [row.split() for row in gcp_list(truth, [(-6, -6), (8, -5), (0, 9)]).splitlines()[1:]]
+        points = {}
+        for x, y, z, column, row, photo, name in rows:
+            # Surveyed elsewhere, so that the map has to move.
+            point = points.setdefault(name, {"name": name, "x": float(x) + 0.001, "y": float(y), "height": float(z), "marks": []})
+            point["marks"].append({"photo": photo, "x": float(column) - 0.5, "y": float(row) - 0.5})
+        address = f"/api/v1/flights/{flight}/control"
+        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": "control"}})
+        failed = server.wait_for_job(job["id"])
+        self.assertEqual(failed["state"], "failed")
+        self.assertIn("No surveyed point is marked", failed["error"]["message"])
+        self.assertEqual(server.json("GET", address)[1]["points"], [])
+        status, kept = server.json("PUT", address, {"reference_system": "EPSG:4326", "points": list(points.values())})
+        self.assertEqual(status, 200, kept)
+        self.assertEqual(len(server.json("GET", address)[1]["points"]), 3)
+        before = self.bounds(server, flight)
+        status, job = server.json("POST", f"/api/v1/flights/{flight}/jobs", {"options": {"place": "control"}})
+        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+        after = self.bounds(server, flight)
+        self.assertAlmostEqual(after["south_west"][1] - before["south_west"][1], 0.001, delta=1e-4)
+        report = server.json("GET", f"/api/v1/flights/{flight}/report")[1]
+        control = report["alignment"]["ground_control"]
+        self.assertEqual([point["is_used"] for point in control], [True] * 3)
+        self.assertEqual(sum(len(point["marks"]) for point in control), len(rows))
+        self.assertLess(max(mark["residual_px"] for point in control for mark in point["marks"]), 20)
+        # Once more finds nothing to move, and more of the same job is no harm.
+        self.assertEqual(server.json("POST", f"/api/v1/jobs/{job['id']}/retry")[0], 202)
+        # A mark that changed is no reason to align anew where the map is moved by hand.
+        kept["points"][0]["marks"][0]["x"] += 1
+        self.assertEqual(server.wait_for_job(server.json("GET", f"/api/v1/jobs?flight={flight}")[1]["jobs"][0]["id"])["state"], "successful")
+        status, changed = server.json("PUT", address, kept)
+        self.assertEqual(status, 200, changed)
+        corner = self.bounds(server, flight)["south_west"]
+        job = self.place(server, flight, [{"shown": corner, "is": moved(corner, 5, 5)}])
+        self.assertEqual(job["state"], "successful", job)
+        status, refused = server.json("PUT", address, {"points": [{"name": "a", "x": 1}]})
+        self.assertEqual(status, 422, refused)
 
     def test_refusals(self):
         server = self.serve()

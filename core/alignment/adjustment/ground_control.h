@@ -24,6 +24,16 @@ struct ControlPoint {
   std::vector<ControlSighting> sightings;
 };
 
+// How far a mark lies from where its photo shows the surveyed point.
+struct ControlMarkReport {
+  std::string photo;  // as the flight calls it
+  double residual_px = 0.0;
+  double residual_m = 0.0;  // of that on the ground, straight down
+  bool is_used = false;     // not contradicted by the point's other marks
+
+  bool operator==(const ControlMarkReport&) const = default;
+};
+
 // What became of one: adjusted minus surveyed.
 struct ControlReport {
   std::string name;
@@ -32,6 +42,7 @@ struct ControlReport {
   std::string reason;  // why it is not used
   double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
   double residual_px = 0.0;
+  std::vector<ControlMarkReport> marks;  // once the map has its place
 
   bool operator==(const ControlReport&) const = default;
 };

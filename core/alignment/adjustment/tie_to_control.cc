@@ -94,6 +94,28 @@ std::optional<Track> MarkedPhotos::TrackOf(const ControlPoint& point, ControlRep
   return track;
 }
 
+std::vector<ControlMarkReport> MarkedPhotos::ResidualsOf(const ControlPoint& point,
+                                                         const Eigen::Vector3d& point_in_enu,
+                                                         const std::optional<Track>& used) const {
+  std::vector<ControlMarkReport> residuals;
+  for (const ControlSighting& sighting : point.sightings) {
+    const auto photo = number_of_.find(Key(sighting.photo_name));
+    if (photo == number_of_.end()) continue;
+    const View& view = views_[photo->second];
+    if (!view.intrinsics.IsInImage(sighting.pixel_in_image)) continue;
+    const double residual_px = ReprojectionErrorPx(
+        view, Observation{photo->second, sighting.pixel_in_image, kSightingSigmaPx}, point_in_enu);
+    if (!std::isfinite(residual_px)) continue;  // behind the camera
+    const bool is_used = used && std::any_of(used->observations.begin(), used->observations.end(),
+                                             [&](const Observation& one) {
+                                               return static_cast<int>(one.photo) == photo->second;
+                                             });
+    residuals.push_back(
+        {names_[static_cast<std::size_t>(photo->second)], residual_px, residual_px * view.GsdM(), is_used});
+  }
+  return residuals;
+}
+
 void TieToControl(const poses::PosedFlight& posed, const std::vector<ControlPoint>& control,
                   BundleProblem& problem, std::vector<ControlReport>& reports) {
   problem.control.clear();

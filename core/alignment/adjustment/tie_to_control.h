@@ -26,6 +26,11 @@ class MarkedPhotos {
   // the others contradict is left out, which `told` says as well.
   std::optional<Track> TrackOf(const ControlPoint& point, ControlReport& told) const;
 
+  // How far each of the point's marks lies from where its photo shows `point_in_enu`; of all photos, tied or
+  // not. `used`: the marks by which the point is known.
+  std::vector<ControlMarkReport> ResidualsOf(const ControlPoint& point, const Eigen::Vector3d& point_in_enu,
+                                             const std::optional<Track>& used) const;
+
  private:
   const std::vector<std::string>& names_;
   const std::vector<View>& views_;

@@ -37,6 +37,18 @@ std::vector<alignment::View> ViewsOf(const FlightFacts& known) {
   return views;
 }
 
+struct NamesAndTies {
+  std::vector<std::string> names;
+  std::vector<char> is_tied;
+
+  explicit NamesAndTies(const FlightFacts& known) {
+    for (const AlignedPhoto& photo : known.flight.photos) {
+      names.push_back(photo.photo.name);
+      is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
+    }
+  }
+};
+
 // The box that the ground is known in: a grid's own; for a plane below what the cameras may see of it.
 geo::Bounds2 BoundsOfGround(const FlightFacts& facts) {
   const ground::GroundSurface& ground = facts.ground;
@@ -116,20 +128,32 @@ void MoveFlight(const Similarity3& new_from_old, FlightFacts& facts) {
 std::vector<MarkedPoint> MarkedPointsOf(const FlightFacts& known,
                                         const std::vector<alignment::ControlPoint>& control,
                                         std::vector<alignment::ControlReport>& reports) {
-  std::vector<std::string> names;
-  std::vector<char> is_tied;
-  for (const AlignedPhoto& photo : known.flight.photos) {
-    names.push_back(photo.photo.name);
-    is_tied.push_back(photo.placement == alignment::Placement::kAligned ? 1 : 0);
-  }
+  const NamesAndTies photos_of(known);
   const std::vector<alignment::View> views = ViewsOf(known);
-  const alignment::MarkedPhotos photos(names, views, is_tied);
+  const alignment::MarkedPhotos photos(photos_of.names, views, photos_of.is_tied);
   std::vector<MarkedPoint> marked;
   for (const alignment::ControlPoint& point : control) {
     const std::optional<alignment::Track> track = photos.TrackOf(point, reports.emplace_back());
     if (track) marked.push_back({track->point_in_enu, point, reports.size() - 1});
   }
   return marked;
+}
+
+std::vector<MarksOfPoint> MarkResiduals(const FlightFacts& placed,
+                                        const std::vector<alignment::ControlPoint>& control) {
+  const NamesAndTies known(placed);
+  const std::vector<alignment::View> views = ViewsOf(placed);
+  const alignment::MarkedPhotos photos(known.names, views, known.is_tied);
+  std::vector<MarksOfPoint> points;
+  for (const alignment::ControlPoint& point : control) {
+    alignment::ControlReport ignored;
+    const std::optional<alignment::Track> track = photos.TrackOf(point, ignored);
+    Vector3d surveyed = placed.flight.frame.EnuAtHeight(point.position, 0.0);
+    surveyed = placed.flight.frame.EnuAtHeight(
+        point.position, track ? track->point_in_enu.z() : placed.ground.HeightAt(surveyed.head<2>()));
+    points.push_back({point.name, photos.ResidualsOf(point, surveyed, track)});
+  }
+  return points;
 }
 
 double MedianGsdM(const FlightFacts& known) {

@@ -199,10 +199,10 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
   if (misses_m.size() < kMinPoints || misses_m.size() < 2 * (marked.size() - misses_m.size())) {
     return Refused(
         ErrorCode::kUnprocessable,
-        fmt::format("The surveyed points contradict each other: no turn, scale and shift of the map brings "
+        fmt::format("{}: no turn, scale and shift of the map brings "
                     "most of them within {:.2f} m of where they were surveyed.{} Check the order of the "
                     "coordinates, the reference system in the first line, and the marks.",
-                    agreed_m, WhyNot(reports)));
+                    kContradictWords, agreed_m, WhyNot(reports)));
   }
   Similarity3 move = fitted->target_from_source;
   const bool has_heights = std::any_of(pairs.begin(), pairs.end(),

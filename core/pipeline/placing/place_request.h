@@ -26,6 +26,7 @@ struct PlaceRequest {
   double north_deg = 0.0;  // the direction on the map as it is that is north, clockwise from its top
   std::vector<flight::GcpList> control;  // instead of all above
   std::vector<ShownPair> pairs;          // instead of all above
+  bool is_by_lists = false;              // instead of all above: by the surveyed points among the files
   bool is_again = false;                 // also a map that has its place
 };
 

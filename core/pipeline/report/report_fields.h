@@ -132,6 +132,14 @@ void VisitFields(Pair& pair, Visit& visit) {
   visit("by_direct", pair.is_by_direct);
 }
 
+template <IsA<alignment::ControlMarkReport> Mark, typename Visit>
+void VisitFields(Mark& mark, Visit& visit) {
+  visit("photo", mark.photo);
+  visit("residual_px", mark.residual_px);
+  visit("residual_m", mark.residual_m);
+  visit("is_used", mark.is_used);
+}
+
 template <IsA<alignment::ControlReport> Point, typename Visit>
 void VisitFields(Point& point, Visit& visit) {
   visit("name", point.name);
@@ -142,6 +150,7 @@ void VisitFields(Point& point, Visit& visit) {
   visit("miss_north_m", point.miss_north_m);
   visit("miss_up_m", point.miss_up_m);
   visit("residual_px", point.residual_px);
+  visit.IfAny("marks", point.marks);
 }
 
 template <IsA<alignment::SecondLegReport> Leg, typename Visit>

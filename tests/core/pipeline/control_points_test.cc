@@ -48,6 +48,13 @@ TEST(ControlPoints, OfSeveralListsStandBesideEachOther) {
   EXPECT_EQ(points[1].sightings.size(), 1u);
 }
 
+TEST(ControlPoints, ThatNoPhotoIsMarkedWithAreLeftOut) {
+  const auto points = ControlPointsOf(
+      {Read("EPSG:4326\n7.1 46.8 500 0 0 - a\n7.2 46.8 500 100.5 200.5 A.JPG b\n7.3 46.8 500 0 0 - c\n")});
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points[0].name, "b");
+}
+
 TEST(ControlPoints, OfNoListAreNone) { EXPECT_TRUE(ControlPointsOf({}).empty()); }
 
 }  // namespace

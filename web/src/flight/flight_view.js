@@ -2,7 +2,8 @@
 /** @import { Flight, Job, Report } from '../shared/types.js' */
 /** @import { Stage } from '../map/stage.js' */
 import { announce, showError } from '../shared/announce.js';
-import { ApiError, getFlight, getReport, serverWords, startJob, startPlacing } from '../shared/api.js';
+import { ApiError, getFlight, getReport, serverWords, startControl, startJob, startPlacing } from '../shared/api.js';
+import { controlSection } from '../control/control_section.js';
 import { h, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { chosenOptions } from './job_options.js';
@@ -49,6 +50,9 @@ export class FlightView {
   #report = null;
   /** @type {(() => void)|null} */
   #endFollowing = null;
+  /** @type {{element: HTMLElement, close: () => void}|null} */
+  #control = null;
+  #is_control_open = false;
 
   /**
    * @param {string} id
@@ -71,6 +75,7 @@ export class FlightView {
     this.#abort.abort();
     this.#endWork();
     this.#endFollowing?.();
+    this.#control?.close();
   }
 
   // Until there is a map, its preview grows.
@@ -282,6 +287,21 @@ export class FlightView {
     });
   }
 
+  /** @param {Flight} flight @param {Report} report @param {import('../shared/types.js').PhotoCollection} photos */
+  #controlOf(flight, report, photos) {
+    const may_change = mayChange(flight) && !isImported(flight);
+    if (!may_change && !report.alignment?.ground_control?.length) return null;
+    const apply = async () => {
+      placing_jobs.add((await startControl(flight.id)).id);
+      this.stage.fitNext();
+      await this.refresh();
+    };
+    return controlSection({ flight, report, photos, stage: this.stage, may_change, apply }, {
+      is_open: this.#is_control_open,
+      on_toggle: (is_open) => (this.#is_control_open = is_open),
+    });
+  }
+
   /** @param {Flight} flight */
   #drawWaiting(flight) {
     const view = waitingView(flight, {
@@ -330,12 +350,15 @@ export class FlightView {
     if (this.#abort.signal.aborted) return;
     if (found instanceof Error) showError(found);
     this.#report = found instanceof Error ? null : found;
+    this.#control?.close();
+    this.#control = this.#report && shown.photos ? this.#controlOf(flight, this.#report, shown.photos) : null;
     const place = (/** @type {HTMLElement} */ opener) => this.#place(flight, found, opener);
     const again = () => this.#again(flight);
     const may_remake = mayChange(flight) && !isImported(flight);
     put(
       this.#result,
       found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, may_remake ? { place, again } : null),
+      this.#control?.element,
       linksView(flight, shown.tilejson),
     );
     await shown.drawn;

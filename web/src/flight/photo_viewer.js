@@ -5,11 +5,10 @@
 import { announce } from '../shared/announce.js';
 import { h } from '../shared/dom.js';
 import { compassNeedle, icon } from '../shared/icons.js';
-import { followPointer } from '../shared/follow_pointer.js';
 import { strings } from '../shared/flight_strings.js';
 import { filmstrip } from './filmstrip.js';
+import { kZoomStep, photoPlane } from './photo_plane.js';
 
-const kZoomStep = 1.5;
 const kPanStep_px = 80;
 const kMark_px = 36;
 const kNorth = 'skyquilt.photo_north';
@@ -44,9 +43,9 @@ export function openPhotos(photos, first, on_step) {
         'div',
         { class: 'viewer-tools' },
         north,
-        button(icon('plus'), words.zoom_in, () => zoom(kZoomStep)),
-        button(icon('minus'), words.zoom_out, () => zoom(1 / kZoomStep)),
-        button(icon('fit'), words.whole, () => showWhole()),
+        button(icon('plus'), words.zoom_in, () => plane.zoom(kZoomStep)),
+        button(icon('minus'), words.zoom_out, () => plane.zoom(1 / kZoomStep)),
+        button(icon('fit'), words.whole, () => plane.showWhole()),
         save,
         button(icon('close'), words.close, () => dialog.close()),
       ),
@@ -57,58 +56,27 @@ export function openPhotos(photos, first, on_step) {
 
   let shown = first;
   let is_north = localStorage.getItem(kNorth) === 'yes';
-  // What is in the middle of the view, in pixels of the image, and how it is drawn there.
-  let middle = { x: 0, y: 0 };
-  let scale = 1;
   let is_first = true;
 
   const turn_rad = () => (is_north ? ((photos[shown].record.yaw_deg ?? 0) * Math.PI) / 180 : 0);
-  /** @param {number} x @param {number} y @param {number} angle clockwise on the screen */
-  const turned = (x, y, angle) => ({ x: x * Math.cos(angle) - y * Math.sin(angle), y: x * Math.sin(angle) + y * Math.cos(angle) });
-  const draw = () => {
-    const angle = turn_rad();
-    const [width, height] = [view.clientWidth, view.clientHeight];
-    image.style.transform = `translate(${width / 2}px, ${height / 2}px) rotate(${angle}rad) scale(${scale}) translate(${-(middle.x + 0.5)}px, ${-(middle.y + 0.5)}px)`;
-    image.style.imageRendering = scale >= 3 ? 'pixelated' : 'auto';
-    needle.style.transform = `rotate(${angle - ((photos[shown].record.yaw_deg ?? 0) * Math.PI) / 180}rad)`;
-    const { pixel } = photos[shown];
-    if (!pixel) return;
-    const at = turned((pixel.x - middle.x) * scale, (pixel.y - middle.y) * scale, angle);
-    mark.style.transform = `translate(${width / 2 + at.x - kMark_px / 2}px, ${height / 2 + at.y - kMark_px / 2}px)`;
-  };
-  const wholeScale = () => {
-    const [sin, cos] = [Math.abs(Math.sin(turn_rad())), Math.abs(Math.cos(turn_rad()))];
-    const { naturalWidth: width, naturalHeight: height } = image;
-    return Math.min(view.clientWidth / (width * cos + height * sin), view.clientHeight / (width * sin + height * cos));
-  };
-  const showWhole = () => {
-    scale = wholeScale();
-    middle = { x: (image.naturalWidth - 1) / 2, y: (image.naturalHeight - 1) / 2 };
-    draw();
-  };
-  /** @param {number} x_px on the screen @param {number} y_px */
-  const pan = (x_px, y_px) => {
-    const by = turned(x_px / scale, y_px / scale, -turn_rad());
-    middle = { x: middle.x - by.x, y: middle.y - by.y };
-    draw();
-  };
-  /** @param {number} by @param {number} [x_px] from the middle of the view, stays where it is @param {number} [y_px] */
-  const zoom = (by, x_px = 0, y_px = 0) => {
-    const next = Math.min(16, Math.max(wholeScale() / 2, scale * by));
-    const from = turned(x_px, y_px, -turn_rad());
-    const kept = 1 / scale - 1 / next;
-    middle = { x: middle.x + from.x * kept, y: middle.y + from.y * kept };
-    scale = next;
-    draw();
-  };
+  const plane = photoPlane(view, image, {
+    turn_rad,
+    on_draw: () => {
+      needle.style.transform = `rotate(${turn_rad() - ((photos[shown].record.yaw_deg ?? 0) * Math.PI) / 180}rad)`;
+      const { pixel } = photos[shown];
+      if (!pixel) return;
+      const at = plane.onScreen(pixel);
+      mark.style.transform = `translate(${at.x - kMark_px / 2}px, ${at.y - kMark_px / 2}px)`;
+    },
+  });
   /** @param {boolean} on */
   const setNorth = (on) => {
-    const was_whole = Math.abs(scale - wholeScale()) < 1e-6 && Math.abs(middle.x - (image.naturalWidth - 1) / 2) < 1;
+    const was_whole = plane.isWhole();
     is_north = on;
     localStorage.setItem(kNorth, on ? 'yes' : 'no');
     north.setAttribute('aria-pressed', String(on));
-    if (was_whole) showWhole();
-    else draw();
+    if (was_whole) plane.showWhole();
+    else plane.draw();
   };
   const show = (/** @type {number} */ index) => {
     shown = (index + photos.length) % photos.length;
@@ -136,23 +104,17 @@ export function openPhotos(photos, first, on_step) {
     note.hidden = true;
     image.hidden = false;
     mark.hidden = !pixel;
-    if (!pixel) showWhole();
-    else {
-      // The next photo of the same place is shown as near, so that they can be told apart.
-      if (is_first) scale = Math.max(wholeScale(), 1 / window.devicePixelRatio);
-      middle = { ...pixel };
-      draw();
-    }
+    if (!pixel) plane.showWhole();
+    // The next photo of the same place is shown as near, so that they can be told apart.
+    else plane.show(pixel, is_first ? Math.max(plane.wholeScale(), 1 / window.devicePixelRatio) : plane.scale);
     is_first = false;
   });
   image.addEventListener('error', () => {
     note.textContent = words.cannot_show;
     is_first = false;
   });
-  new ResizeObserver(() => draw()).observe(view);
-  followPointer(view, { pan, zoom });
   /** @type {Record<string, () => void>} */
-  const keys = { '+': () => zoom(kZoomStep), '=': () => zoom(kZoomStep), '-': () => zoom(1 / kZoomStep), 0: showWhole, n: () => setNorth(!is_north) };
+  const keys = { '+': () => plane.zoom(kZoomStep), '=': () => plane.zoom(kZoomStep), '-': () => plane.zoom(1 / kZoomStep), 0: plane.showWhole, n: () => setNorth(!is_north) };
   /** @type {Record<string, [number, number]>} */
   const arrows = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
   dialog.addEventListener('keydown', (event) => {
@@ -162,7 +124,7 @@ export function openPhotos(photos, first, on_step) {
     event.preventDefault();
     if (run) run();
     else if (arrow[0] !== 0 && !event.shiftKey && photos.length > 1) show(shown - arrow[0]);
-    else pan(arrow[0] * kPanStep_px, arrow[1] * kPanStep_px);
+    else plane.pan(arrow[0] * kPanStep_px, arrow[1] * kPanStep_px);
   });
   dialog.addEventListener('close', () => {
     strip.close();

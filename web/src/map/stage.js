@@ -1,17 +1,19 @@
 // The large part of the window: the map of the open flight with everything that floats over it. The map library is
 // loaded when the first map is wanted, so that the first view is light.
-/** @import { Bounds, Flight, PhotoCollection, Sighting, TileJson } from '../shared/types.js' */
+/** @import { Bounds, Flight, PhotoCollection, TileJson } from '../shared/types.js' */
 /** @import { MapView } from './map_view.js' */
 /** @import { PlaceSubject } from './place_tool.js' */
 import { showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
 import { byId, h, loadStyle, put } from '../shared/dom.js';
 import { go, parseRoute } from '../shared/router.js';
+import { controlMark } from './control_mark.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
 import { placeTool } from './place_tool.js';
 import { photoCard } from '../flight/photo_card.js';
+import { byQuality } from './sighting_order.js';
 import { strings } from '../shared/flight_strings.js';
 import { hashWithPlace, placeOfHash } from './view_address.js';
 import { uploadOf } from '../upload/running_uploads.js';
@@ -39,6 +41,8 @@ export class Stage {
   #fits_next = false;
   #turn = 0;
   #place_turn = 0;
+  /** @type {{remove: () => void}[]} */
+  #control = [];
 
   constructor() {
     this.area = byId('map-area');
@@ -328,6 +332,17 @@ export class Stage {
     view.fit({ ...this.#padding(), ...room }, true);
   }
 
+  /**
+   * The control points that are open in the panel, with their names.
+   * @param {{name: string, place: [number, number], label: string, is_marked: boolean}[]} points
+   * @param {(name: string) => void} on_choose
+   */
+  showControl(points, on_choose) {
+    for (const mark of this.#control) mark.remove();
+    const view = this.#view;
+    this.#control = view ? points.map((point) => controlMark(view, point, on_choose)) : [];
+  }
+
   /** The map that comes next lies elsewhere: it is shown whole. */
   fitNext() {
     this.#fits_next = true;
@@ -394,20 +409,6 @@ let map_style = null;
 function loadMapView() {
   map_style ??= loadStyle('vendor/maplibre-gl.css', document.querySelector('link[rel="stylesheet"]'));
   return Promise.all([import('./map_view.js'), map_style]).then(([module]) => module);
-}
-
-// Views that differ by less than this are as good as each other; then the better placed is.
-const kSameView_deg = 4;
-
-/**
- * Aligned photos first, then the most vertical views, then those that are placed best.
- * @param {Sighting} a
- * @param {Sighting} b
- */
-function byQuality(a, b) {
-  const rank = (/** @type {Sighting} */ { placement }) => (placement === 'pose_only' ? 1 : 0);
-  const view = (/** @type {Sighting} */ { off_nadir_deg = 0 }) => Math.floor(off_nadir_deg / kSameView_deg);
-  return rank(a) - rank(b) || view(a) - view(b) || (a.sigma_m ?? 0) - (b.sigma_m ?? 0);
 }
 
 /** @param {string} id */

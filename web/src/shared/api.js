@@ -191,6 +191,9 @@ export function startPlacing(id, pairs) {
   return request('POST', `${flight_path(id)}/jobs`, { options: { place, layers: kLayers } });
 }
 
+/** Brings the finished map to the flight's control points. @param {string} id @returns {Promise<Job>} */
+export const startControl = (id) => request('POST', `${flight_path(id)}/jobs`, { options: { place: 'control', layers: kLayers } });
+
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Job>} */
 export const getJob = (id, signal) => request('GET', `/api/v1/jobs/${encodeURIComponent(id)}`, undefined, signal);
 
@@ -212,6 +215,19 @@ export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/phot
  */
 export async function getSightings(id, lon, lat) {
   return (await request('GET', `${flight_path(id)}/at?lon=${lon}&lat=${lat}`)).photos;
+}
+
+/**
+ * Where on the map a photo's pixel lies.
+ * @param {string} id
+ * @param {string} name of the photo
+ * @param {number} x pixels: the centre of the first one is 0
+ * @param {number} y
+ * @returns {Promise<[number, number]>} longitude, latitude
+ */
+export async function getGround(id, name, x, y) {
+  const { lon, lat } = await request('GET', `${flight_path(id)}/photos/${encodeURIComponent(name)}/ground?x=${x}&y=${y}`);
+  return [lon, lat];
 }
 
 /** @param {string} id @param {string} name @returns {string} where the photo itself can be read */

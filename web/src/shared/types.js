@@ -127,7 +127,21 @@
  * @property {number} peak_memory_bytes
  * @property {string[]} warnings
  * @property {boolean} [is_placed] false: nothing says where on Earth the flight was
- * @property {{placed_by?: 'images'|'records'}|null} [alignment]
+ * @property {{placed_by?: 'images'|'records', ground_control?: ControlFigures[]}|null} [alignment]
+ */
+
+/**
+ * A surveyed point in a report: adjusted minus surveyed, and how far its marks lie off.
+ * @typedef {object} ControlFigures
+ * @property {string} name
+ * @property {number} sightings
+ * @property {boolean} is_used
+ * @property {string} reason why it is not used
+ * @property {number} miss_east_m
+ * @property {number} miss_north_m
+ * @property {number} miss_up_m
+ * @property {number} residual_px
+ * @property {{photo: string, residual_px: number, residual_m: number, is_used: boolean}[]} [marks]
  */
 
 /**

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <tuple>
 
@@ -14,7 +15,25 @@ namespace skyquilt::flight {
 namespace {
 
 constexpr std::size_t kMaxSightings = 100'000;
+constexpr std::size_t kMaxGcpPoints = 100'000;
 constexpr std::size_t kMinFlatPoints = 3;
+constexpr std::ptrdiff_t kTabsOfWholeRow = 6;
+
+// With a tab between all seven fields blanks are part of names.
+void SplitRow(std::string_view line, std::vector<std::string_view>& words) {
+  words.clear();
+  if (std::count(line.begin(), line.end(), '\t') >= kTabsOfWholeRow) {
+    std::size_t at = 0;
+    for (std::ptrdiff_t field = 0; field <= kTabsOfWholeRow && at <= line.size(); ++field) {
+      const std::size_t tab = std::min(line.find('\t', at), line.size());
+      words.push_back(Trim(line.substr(at, tab - at)));
+      at = tab + 1;
+    }
+    const auto is_empty = [](std::string_view word) { return word.empty(); };
+    if (std::none_of(words.begin(), words.end(), is_empty)) return;  // else they only align columns
+  }
+  SplitBlanks(line, words);
+}
 
 // x y z px py image: five numbers, then a name.
 bool IsSighting(const std::vector<std::string_view>& words) {
@@ -32,7 +51,10 @@ void DropHeightsThatAreFillers(GcpList& list) {
   for (const GcpPoint& point : list.points) {
     if (!point.height_m || *point.height_m != 0.0) return;
   }
-  for (GcpPoint& point : list.points) point.height_m.reset();
+  for (GcpPoint& point : list.points) {
+    point.height_m.reset();
+    point.height.reset();
+  }
   list.warnings.emplace_back("all heights are 0; they are taken as not surveyed");
 }
 
@@ -53,8 +75,8 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
   list.reference_system = Trim(line);
   std::map<std::tuple<double, double, double>, std::size_t> known;
   std::vector<std::string_view> words;
-  while (lines.Next(line) && list.sightings.size() < kMaxSightings) {
-    SplitBlanks(line, words);
+  while (lines.Next(line) && list.sightings.size() < kMaxSightings && list.points.size() < kMaxGcpPoints) {
+    SplitRow(line, words);
     if (words.empty() || words[0].front() == '#') continue;
     const auto refuse = [&](std::string_view why) {
       if (list.warnings.size() < 100)
@@ -79,15 +101,19 @@ Result<GcpList> ParseGcpList(std::string_view name, LogBytes bytes) {
       point.name = words.size() > 6 ? std::string(words[6].substr(0, kMaxNameLength))
                                     : fmt::format("gcp{}", list.points.size() + 1);
       point.position = *position;
+      point.x = x;
+      point.y = y;
+      point.height = z;
       if (z) point.height_m = *z * srs.metres_per_unit();
       list.points.push_back(std::move(point));
     }
+    if (words[5] == kNoImage) continue;
     list.sightings.push_back({std::string(words[5].substr(0, kMaxNameLength)), *ParseNumber(words[3]),
                               *ParseNumber(words[4]), entry->second});
   }
-  if (list.sightings.size() == kMaxSightings && lines.Next(line))
+  if ((list.sightings.size() == kMaxSightings || list.points.size() == kMaxGcpPoints) && lines.Next(line))
     list.warnings.push_back(fmt::format("more than {} sightings; the rest was left out", kMaxSightings));
-  if (list.sightings.empty()) {
+  if (list.points.empty()) {
     return Error{
         ErrorCode::kCorrupt,
         fmt::format("{} holds no ground control point; rows are \"x y z pixel_x pixel_y image\"", name), ""};

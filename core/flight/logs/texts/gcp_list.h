@@ -1,9 +1,12 @@
 // Ground control points as ODM lists them (gcp_list.txt): a reference system in the first line, then
-// "x y z pixel_x pixel_y image [name]" per sighting, cut at tabs or blanks. Any thread.
+// "x y z pixel_x pixel_y image [name]" per sighting, cut at tabs or blanks. A row whose six tabs or more cut
+// it may have blanks within its names; one whose image is "-" is a point that no photo is marked with yet.
+// Any thread.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
@@ -12,6 +15,9 @@
 #include "core/geo/lat_lon.h"
 
 namespace skyquilt::flight {
+
+// Stands for the image of a point that is surveyed and not marked yet.
+inline constexpr std::string_view kNoImage = "-";
 
 // One point seen in one photo.
 struct GcpSighting {
@@ -25,7 +31,9 @@ struct GcpPoint {
   std::string name;  // as written, else "gcp1", ... in the order of the file
   geo::LatLon position;
   std::optional<double>
-      height_m;  // above the zero of the file's system: the ellipsoid unless it says otherwise
+      height_m;             // above the zero of the file's system: the ellipsoid unless it says otherwise
+  double x = 0.0, y = 0.0;  // as written, in the file's system
+  std::optional<double> height;  // likewise, in the unit of x and y or, with degrees, in metres
 };
 
 struct GcpList {

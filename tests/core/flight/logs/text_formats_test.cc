@@ -205,6 +205,28 @@ TEST(ParseGcpList, JoinsSightingsOfOnePoint) {
   EXPECT_EQ(list->warnings.size(), 1u);
 }
 
+TEST(ParseGcpList, KeepsPointsThatNoPhotoIsMarkedWithAndNamesWithBlanks) {
+  const std::string text =
+      "EPSG:32611\n340000.5\t3810000.25\t12.5\t10\t20\tDJI 0001.JPG\tcorner of the shed\n"
+      "340010\t3810010\tnan\t0\t0\t-\tunmarked\n340020 3810020 13 0 0 - third\n";
+  ASSERT_TRUE(LooksLikeGcpList(BytesOf(text)));
+  const auto list = ParseGcpList("gcp_list.txt", BytesOf(text));
+  ASSERT_TRUE(list.ok());
+  EXPECT_TRUE(list->warnings.empty());
+  ASSERT_EQ(list->points.size(), 3u);
+  EXPECT_EQ(list->points[0].name, "corner of the shed");
+  EXPECT_EQ(list->points[0].x, 340000.5);
+  EXPECT_EQ(list->points[0].y, 3810000.25);
+  EXPECT_EQ(list->points[0].height, 12.5);
+  EXPECT_FALSE(list->points[1].height);
+  EXPECT_EQ(list->points[2].name, "third");
+  ASSERT_EQ(list->sightings.size(), 1u);
+  EXPECT_EQ(list->sightings[0].image_name, "DJI 0001.JPG");
+  const auto unmarked = ParseGcpList("gcp_list.txt", BytesOf("EPSG:4326\n7.1 46.8 500 0 0 - a\n"));
+  ASSERT_TRUE(unmarked.ok()) << "points can be surveyed before any is marked";
+  EXPECT_TRUE(unmarked->sightings.empty());
+}
+
 TEST(ParseGcpList, ConvertsHeightsWithTheUnitOfTheSystem) {
   const std::string text =
       "EPSG:2251\n26607594.75468351 -26813.882366498266 563.1987598425 1331 350 DJI_0002.JPG\n";

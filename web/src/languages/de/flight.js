@@ -1,6 +1,7 @@
 // German: uploads and an open flight, with its map, photos, report, exports and shares.
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
+import { control_words } from './control.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
 const files = { one: 'Datei', other: 'Dateien' };
@@ -234,6 +235,7 @@ export const flight_words = {
       minutes: 'Minuten und Sekunden müssen kleiner als 60 sein.',
     },
   },
+  control: control_words,
   compare: {
     heading: 'Vergleich',
     with: 'Vergleichen mit',

@@ -5,6 +5,7 @@
 // tests/web/languages/words.test.js says what is missing.
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
+import { control_words } from './control.js';
 
 export const flight_words = {
   options: option_words,
@@ -231,6 +232,7 @@ export const flight_words = {
       minutes: 'Minutes and seconds must be below 60.',
     },
   },
+  control: control_words,
   compare: {
     heading: 'Compare',
     with: 'Compare with',

@@ -36,6 +36,11 @@ class Flights(Calls):
         """What who asks may do here."""
         return cast("models.GetAccessAnswer", self._send("GET", "/api/v1/access"))
 
+    def get_control(self, flight: str) -> models.ControlPoints:
+        """The surveyed points of a flight and where they are marked in its photos."""
+        return cast("models.ControlPoints", self._send("GET", "/api/v1/flights/{flight}/control",
+                                                       path={"flight": flight}))
+
     def get_flight(self, flight: str) -> models.Flight:
         """One flight."""
         return cast("models.Flight", self._send("GET", "/api/v1/flights/{flight}", path={"flight": flight}))
@@ -77,6 +82,14 @@ class Flights(Calls):
         """Colour, height and photo of a place."""
         return cast("models.PointOfMap", self._send("GET", "/api/v1/flights/{flight}/point", path={"flight": flight},
                                                     query={"lon": lon, "lat": lat}))
+
+    def put_control(self, flight: str, body: models.ControlPoints, *,
+                    if_match: Optional[str] = None) -> models.ControlPoints:
+        """Keep these surveyed points and marks in place of those there were. They lie among the flight's files as
+        gcp_list.txt, which the stitcher reads. A job with the option place: control brings the finished map to
+        them."""
+        return cast("models.ControlPoints", self._send("PUT", "/api/v1/flights/{flight}/control", json_body=body,
+                                                       path={"flight": flight}, headers={"If-Match": if_match}))
 
     def remove_flight(self, flight: str) -> None:
         """Remove a deleted flight for good, with its files and map. For the token that made it, and those of scope

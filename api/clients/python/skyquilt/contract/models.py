@@ -38,8 +38,9 @@ class JobOptions(TypedDict, total=False):
     # Latitude and longitude of the take-off in degrees, for a flight that recorded no position at all
     origin: Optional[List[float]]
     # Of a job for a finished map: it is brought to where things that it shows really are, and no photo is compared
-    # again. One pair shifts it, two or more turn and scale it too
-    place: List[JobOptionsPlaceItem]
+    # again. One pair shifts it, two or more turn and scale it too. "control": it is brought to the surveyed points
+    # among the flight's files, and aligned anew where it fits them only when it is bent
+    place: Union[List[JobOptionsPlaceItem], Literal['control']]
     # A flight without any position landed where it took off
     landed_at_start: bool
     # Tilesets of their own beside the map: which photo a pixel came from, how far off it may lie, how high the ground
@@ -303,6 +304,46 @@ class MapStatistics(TypedDict):
     covered_m2: float
     pixels: int
     bands: List[MapStatisticsBandsItem]
+
+
+class ControlMark(TypedDict):
+    # Name of the photo
+    photo: str
+    # Column in pixels; the centre of the first is 0
+    x: float
+    # Row in pixels; the centre of the first is 0
+    y: float
+
+
+class ControlPointForSure(TypedDict):
+    """What ControlPoint always has."""
+    name: str
+    # East or longitude, in the reference system
+    x: float
+    # North or latitude, in the reference system
+    y: float
+
+
+class ControlPoint(ControlPointForSure, total=False):
+    # In the unit of the reference system; null where it was not surveyed
+    height: Optional[float]
+    # Degrees east; said by the server, and not read
+    lon: float
+    # Degrees north; said by the server, and not read
+    lat: float
+    marks: List[ControlMark]
+
+
+class ControlPointsForSure(TypedDict):
+    """What ControlPoints always has."""
+    points: List[ControlPoint]
+
+
+class ControlPoints(ControlPointsForSure, total=False):
+    # Of x, y and height, as a gcp_list.txt names it in its first line: EPSG:32611, WGS84 UTM 11N, +proj=...
+    reference_system: str
+    # Said by the server: rows of the list that were left out, and why
+    warnings: List[str]
 
 
 class AddExportBodyForSure(TypedDict):

@@ -1,0 +1,84 @@
+// Lists of surveyed points as they come, also broken ones; and where a map is expected to show a point.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { guessedPlace, shownFromSurveyed } from '../../../web/src/control/control_guess.js';
+import { parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
+import { residualsOf } from '../../../web/src/control/control_residuals.js';
+
+const point = (name, x, y, height = null, marks = []) => ({ name, x, y, height, marks });
+
+test('a gcp_list.txt is read with its marks', () => {
+  const list = parseControlList('EPSG:32611\n235269.88\t3811198.11\t0.5\t1443.45\t917.22\tIMG_0037.jpg\tgcp02\n235269.88 3811198.11 0.5 235.5 410.5 IMG_0121.jpg gcp02\n1 2 nan 0 0 - later\nnonsense\n');
+  assert.equal(list.reference_system, 'EPSG:32611');
+  assert.equal(list.points.length, 2);
+  assert.deepEqual(list.points[0].marks[1], { photo: 'IMG_0121.jpg', x: 235, y: 410 });
+  assert.deepEqual(list.points[1], point('later', 1, 2));
+  assert.deepEqual(list.bad_lines, [5]);
+});
+
+test('tables are read with commas, semicolons, tabs or blanks, with and without a header', () => {
+  const wanted = [point('A', 323456.12, 4005678.34, 12.5), point('B 2', 323460, 4005680, null)];
+  for (const text of [
+    'A, 323456.12, 4005678.34, 12.5\nB 2, 323460, 4005680',
+    'EPSG:32632\r\nName;Nord;Ost;Höhe\r\nA;4005678,34;323456,12;12,5\r\nB 2;4005680;323460;',
+    'id\televation\teasting (m)\tnorthing (m)\nA\t12.5\t323456.12\t4005678.34\nB 2\t\t323460\t4005680',
+    '# a comment\n"A","323456.12","4005678.34","12.5"\n"B 2","323460","4005680",""',
+    'epsg,name,x,y,z\n32632,A,323456.12,4005678.34,12.5\n32632,B 2,323460,4005680,',
+  ]) assert.deepEqual(parseControlList(text).points, wanted, text);
+  assert.equal(parseControlList('epsg,name,x,y,z\n32632,A,1,2,3').reference_system, 'EPSG:32632');
+  assert.deepEqual(parseControlList('7.1 46.8 500.1\n7.2 46.9 500.2').points.map(({ name, x }) => [name, x]), [['gcp1', 7.1], ['gcp2', 7.2]]);
+  assert.deepEqual(parseControlList('1 7.1 46.8\n2 7.2 46.9').points, [point('1', 7.1, 46.8), point('2', 7.2, 46.9)]);
+});
+
+test('what is no list is no points, and never a failure', () => {
+  for (const text of ['', '\n\n', '\u0000\uffff', 'EPSG:4326', 'a,b,c', ',,,,\n;;;;', '1', '{"points": []}', '"', 'x;y\n;', 'A 1e999 3 4', '\uFEFF', 'name,x,y\nA,NaN,Infinity', '\t'.repeat(1000)]) {
+    assert.deepEqual(parseControlList(text).points, [], JSON.stringify(text.slice(0, 20)));
+  }
+  const many = parseControlList(Array.from({ length: 30_000 }, (_, i) => `P${i},${i}.5,1.5`).join('\n'));
+  assert.equal(many.points.length, 2000);
+  let text = 'EPSG:4326\nA;7,1;46,8;500\n1 2 3 4 5 b.jpg c\n';
+  let seed = 7;
+  for (let i = 0; i < 3000; i += 1) {
+    seed = (seed * 48271) % 2147483647;
+    const at = seed % text.length;
+    const changed = text.slice(0, at) + String.fromCharCode(seed % 127) + text.slice(at + (seed % 3));
+    for (const { name, marks } of parseControlList(changed).points) assert.ok(typeof name === 'string' && Array.isArray(marks));
+    if (i % 50 === 0) text = changed.slice(0, 200) || 'x';
+  }
+});
+
+test('an imported list replaces coordinates and keeps marks; marks name photos as the flight calls them', () => {
+  const before = [point('A', 1, 2, null, [{ photo: 'DJI_1.JPG', x: 5, y: 6 }]), point('B', 3, 4)];
+  const merged = withPoints(before, [point('A', 10, 20, 1, [{ photo: 'dji_2', x: 1, y: 1 }, { photo: 'dji_1.jpg', x: 7, y: 8 }]), point('C', 5, 6)], ['DJI_1.JPG', 'DJI_2.JPG']);
+  assert.deepEqual(merged.map(({ name }) => name), ['A', 'B', 'C']);
+  assert.equal(merged[0].x, 10);
+  assert.deepEqual(merged[0].marks, [{ photo: 'DJI_1.JPG', x: 7, y: 8 }, { photo: 'DJI_2.JPG', x: 1, y: 1 }]);
+});
+
+test('where a map shows a point is told by its mark, its survey or the other points', () => {
+  const at = (name, lon, lat) => ({ ...point(name, lon, lat), lon, lat });
+  const points = [at('A', 7.1, 46.8), at('B', 7.102, 46.8), at('C', 7.1, 46.801)];
+  assert.deepEqual(guessedPlace(points[2], new Map(), points, true), [7.1, 46.801]);
+  assert.equal(guessedPlace(points[2], new Map(), points, false), null);
+  // The map lies at 0, 0, turned by a quarter and half as large.
+  const shown = new Map([['A', [0, 0]], ['B', [0, 0.001 * Math.cos((46.8 * Math.PI) / 180)]]]);
+  const [lon, lat] = guessedPlace(points[2], shown, points, false);
+  assert.ok(Math.abs(lon + 0.0005) < 1e-6 && Math.abs(lat) < 1e-6, `${lon}, ${lat}`);
+  assert.equal(guessedPlace(points[0], shown, points, false), shown.get('A'));
+  // One that is marked says by how much a placed map is off.
+  const near = guessedPlace(points[1], new Map([['A', [7.1001, 46.8002]]]), points, true);
+  assert.ok(Math.abs(near[0] - 7.1021) < 1e-6 && Math.abs(near[1] - 46.8002) < 1e-6);
+  assert.equal(shownFromSurveyed([]), null);
+  assert.equal(shownFromSurveyed([{ shown: [0, 0], is: [1, 1] }, { shown: [1, 0], is: [1, 1] }]), null);
+});
+
+test('points and marks that stand out are flagged', () => {
+  const mark = (photo, residual_px, is_used = true) => ({ photo, residual_px, residual_m: residual_px / 100, is_used });
+  const figures = (name, east, marks, is_used = true) => ({ name, sightings: 2, is_used, reason: '', miss_east_m: east, miss_north_m: 0, miss_up_m: 0, residual_px: 1, marks });
+  const report = /** @type {any} */ ({ gsd_m: 0.02, alignment: { ground_control: [
+    figures('A', 0.02, [mark('1', 1), mark('2', 9)]), figures('B', 0.03, [mark('1', 1.2), mark('2', 80, false)]), figures('C', 0.5, [mark('1', 0.8)]), figures('D', 30, [], false)] } });
+  const found = residualsOf(report);
+  assert.deepEqual(found.map(({ is_outlier }) => is_outlier), [false, false, true, true]);
+  assert.deepEqual(found.flatMap(({ marks }) => marks.map(({ is_outlier }) => is_outlier)), [false, true, false, true, false]);
+  assert.deepEqual(residualsOf(null), []);
+});

@@ -1,0 +1,193 @@
+// The control points of an open flight: changed here at once, sent to the server a moment later, undone step by step.
+// Events: 'change' (the points), 'saved' (what the state of saving is).
+/** @import { ControlMark, ControlPoint } from './control_lists.js' */
+import { authorization } from '../shared/access.js';
+import { ApiError, problem } from '../shared/api.js';
+import { strings } from '../shared/flight_strings.js';
+
+/** @typedef {{reference_system: string, points: ControlPoint[]}} ControlPoints */
+
+const kPause_ms = 500;
+const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
+const kMaxUndo = 200;
+
+const address = (/** @type {string} */ id) => `/api/v1/flights/${encodeURIComponent(id)}/control`;
+
+/**
+ * @param {string} id of the flight
+ * @param {RequestInit} [init]
+ * @returns {Promise<{document: ControlPoints, etag: string}>}
+ */
+async function ask(id, init = {}) {
+  let response;
+  try {
+    response = await fetch(address(id), { ...init, headers: { ...authorization(), ...init.headers } });
+  } catch {
+    throw new ApiError(0, strings.errors.unreachable);
+  }
+  const text = await response.text();
+  if (!response.ok) throw problem(response.status, text);
+  return { document: JSON.parse(text), etag: response.headers.get('ETag') ?? '' };
+}
+
+export class ControlDocument extends EventTarget {
+  /** @type {ControlPoints} */
+  #now = { reference_system: '', points: [] };
+  #etag = '';
+  /** @type {string[]} */
+  #before = [];
+  /** @type {ReturnType<typeof setTimeout>|undefined} */
+  #timer = undefined;
+  #is_dirty = false;
+  /** @type {Promise<void>|null} */
+  #saving = null;
+  #is_closed = false;
+  /** @type {'saved'|'saving'|'waiting'|'failed'} */
+  state = 'saved';
+  failure = '';
+
+  /** @param {string} id of the flight */
+  constructor(id) {
+    super();
+    this.id = id;
+  }
+
+  get points() {
+    return this.#now.points;
+  }
+  get reference_system() {
+    return this.#now.reference_system;
+  }
+  get can_undo() {
+    return this.#before.length > 0;
+  }
+
+  async load() {
+    const { document, etag } = await ask(this.id);
+    this.#now = document;
+    this.#etag = etag;
+    this.#before = [];
+    this.#is_dirty = false;
+    this.#tell('saved');
+    this.dispatchEvent(new Event('change'));
+  }
+
+  /** @param {string} name @returns {ControlPoint|undefined} */
+  point(name) {
+    return this.points.find((point) => point.name === name);
+  }
+
+  /** @param {ControlPoints} next */
+  change(next) {
+    this.#before.push(JSON.stringify(this.#now));
+    if (this.#before.length > kMaxUndo) this.#before.shift();
+    this.#put(next);
+  }
+
+  /**
+   * @param {string} name
+   * @param {string} photo
+   * @param {{x: number, y: number}|null} pixel null: none there any more
+   * @param {boolean} [is_going_on] the same movement as the change before: one step to undo
+   */
+  mark(name, photo, pixel, is_going_on = false) {
+    const points = this.points.map((point) => {
+      if (point.name !== name) return point;
+      const at = point.marks.findIndex((mark) => mark.photo === photo);
+      /** @type {ControlMark[]} */
+      const others = point.marks.filter((_, i) => i !== at);
+      return { ...point, marks: pixel ? [...others.slice(0, at < 0 ? others.length : at), { photo, ...pixel }, ...others.slice(at < 0 ? others.length : at)] : others };
+    });
+    const next = { ...this.#now, points };
+    if (is_going_on) this.#put(next);
+    else this.change(next);
+  }
+
+  undo() {
+    const before = this.#before.pop();
+    if (before) this.#put(JSON.parse(before));
+  }
+
+  /** @param {ControlPoints} next */
+  #put(next) {
+    this.#now = next;
+    this.#is_dirty = true;
+    this.#tell('saving');
+    this.dispatchEvent(new Event('change'));
+    this.#later(kPause_ms);
+  }
+
+  /** @param {number} pause_ms */
+  #later(pause_ms) {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => void this.flush().catch(() => undefined), pause_ms);
+  }
+
+  /** Sends what was not sent yet; fails where the server did not take it. */
+  async flush() {
+    clearTimeout(this.#timer);
+    while (this.#saving) await this.#saving.catch(() => undefined);
+    if (!this.#is_dirty) return;
+    this.#saving = this.#save();
+    try {
+      await this.#saving;
+    } finally {
+      this.#saving = null;
+    }
+    if (this.#is_dirty) await this.flush();
+  }
+
+  async #save() {
+    const sent = this.#now;
+    this.#is_dirty = false;
+    const points = sent.points.map(({ name, x, y, height, marks }) => ({ name, x, y, height, marks }));
+    try {
+      const { document, etag } = await ask(this.id, {
+        method: 'PUT',
+        headers: { 'Content-Type': 'application/json', 'If-Match': this.#etag },
+        body: JSON.stringify({ reference_system: sent.reference_system, points }),
+      });
+      this.#etag = etag;
+      // Where points lie on Earth the server says; marks may have been set meanwhile.
+      const placed = new Map(document.points.map((point) => [point.name, point]));
+      this.#now = { ...this.#now, points: this.points.map((point) => {
+        const said = placed.get(point.name);
+        return said && said.x === point.x && said.y === point.y ? { ...point, lon: said.lon, lat: said.lat } : point;
+      }) };
+      if (!this.#is_dirty) this.#tell('saved');
+      this.dispatchEvent(new Event('change'));
+    } catch (error) {
+      await this.#onRefused(error);
+      throw error;
+    }
+  }
+
+  /** @param {unknown} error */
+  async #onRefused(error) {
+    const status = error instanceof ApiError ? error.status : -1;
+    const words = error instanceof Error ? error.message : String(error);
+    if (status === 412) {
+      // Somebody else was first: what is there now is shown.
+      await this.load().catch(() => undefined);
+      this.#tell('failed', strings.control.changed_elsewhere);
+      return;
+    }
+    this.#is_dirty = true;
+    const is_passing = status === 409 || (error instanceof ApiError && error.is_passing);
+    this.#tell(is_passing ? 'waiting' : 'failed', words);
+    if (is_passing && !this.#is_closed) this.#later(kPatience_ms);
+  }
+
+  /** @param {'saved'|'saving'|'waiting'|'failed'} state */
+  #tell(state, failure = '') {
+    this.state = state;
+    this.failure = failure;
+    this.dispatchEvent(new Event('saved'));
+  }
+
+  /** Saves what is left. */
+  close() {
+    this.#is_closed = true;
+    if (this.#is_dirty) void this.flush().catch(() => undefined);
+  }
+}

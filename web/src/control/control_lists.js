@@ -1,0 +1,156 @@
+// Lists of surveyed points as people have them: ODM's gcp_list.txt (reference system, then a row per mark) and tables of
+// name, x, y, height with commas, semicolons, tabs or blanks, with or without a header. Pure; never throws.
+/** @typedef {{photo: string, x: number, y: number}} ControlMark pixels: the centre of the first one is (0, 0) */
+/**
+ * @typedef {object} ControlPoint
+ * @property {string} name
+ * @property {number} x east or longitude, in the list's reference system
+ * @property {number} y north or latitude
+ * @property {number|null} height
+ * @property {ControlMark[]} marks
+ * @property {number} [lon] degrees, once the server has said them
+ * @property {number} [lat]
+ */
+/** @typedef {{reference_system: string, points: ControlPoint[], bad_lines: number[], is_swapped: boolean}} ReadList reference_system: '' where the list names none; bad_lines: counted from 1; is_swapped: y came first, as the header says */
+
+const kMaxRows = 20_000;
+const kMaxPoints = 2000;
+const kUnmarked = '-';
+// A pixel counts from its middle here and from the corner of the first one in gcp_list.txt.
+const kMiddleOfPixel = 0.5;
+
+const kSystem = /^\s*(EPSG:\d{3,6}\b.*|WGS ?84\b[^,;]*|\+proj=.*)\s*$/i;
+
+/** @type {[keyof Columns, RegExp][]} */
+const kColumnNames = [
+  ['name', /^(name|id|nr|no|point|point ?(name|id|nr|no)|label|gcp|code|punkt|punktname|punktnummer|bezeichnung)$/],
+  ['x', /^(x|e|east|easting|lon|long|longitude|longitude deg|lng|ost|ostwert|rechtswert|rechts|länge)$/],
+  ['y', /^(y|n|north|northing|lat|latitude|latitude deg|nord|nordwert|hochwert|hoch|breite)$/],
+  ['height', /^(z|h|height|alt|altitude|elev|elevation|ellipsoidal height|höhe|hoehe)$/],
+  ['system', /^(epsg|crs|srs|system)$/],
+];
+/** @typedef {{name?: number, x?: number, y?: number, height?: number, system?: number}} Columns */
+
+/** @param {string} text @param {boolean} has_comma decimals may be written with a comma @returns {number} NaN where it is none */
+function numberOf(text, has_comma) {
+  const plain = has_comma ? text.replace(',', '.') : text;
+  const number = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
+  return Number.isFinite(number) ? number : NaN;
+}
+
+/** @param {string} line @returns {string[]} */
+function split(line) {
+  const separator = [';', '\t', ','].find((one) => line.split(one).length > 2);
+  return (separator ? line.split(separator) : line.trim().split(/\s+/)).map((field) => field.trim().replace(/^"(.*)"$/, '$1'));
+}
+
+/** @param {string[]} fields @returns {Columns|null} where the row names x and y */
+function columnsOf(fields) {
+  /** @type {Columns} */
+  const columns = {};
+  fields.forEach((field, i) => {
+    const word = field.toLowerCase().replace(/^#\s*/, '').replace(/\s*[[(].*$/, '').replace(/_/g, ' ').trim();
+    const kind = kColumnNames.find(([, pattern]) => pattern.test(word))?.[0];
+    if (kind && columns[kind] === undefined) columns[kind] = i;
+  });
+  return columns.x !== undefined && columns.y !== undefined ? columns : null;
+}
+
+/** Without a header: a name first, but for three numbers alone. @param {string[][]} rows @returns {Columns} */
+function guessedColumns(rows) {
+  const is_nameless = rows.every((fields) => fields.length === 3 && fields.every((field) => /\d[.,]\d/.test(field)));
+  return is_nameless ? { x: 0, y: 1, height: 2 } : { name: 0, x: 1, y: 2, height: 3 };
+}
+
+/** A mark of gcp_list.txt. @param {string[]} fields */
+const isMarkRow = (fields) =>
+  fields.length >= 6 && fields.slice(0, 5).every((field, i) => !Number.isNaN(numberOf(field, false)) || (i === 2 && /^nan$/i.test(field))) && Number.isNaN(numberOf(fields[5], false));
+
+/**
+ * @param {string} text
+ * @returns {ReadList}
+ */
+export function parseControlList(text) {
+  /** @type {ReadList} */
+  const list = { reference_system: '', points: [], bad_lines: [], is_swapped: false };
+  /** @type {{fields: string[], line: number}[]} */
+  const rows = [];
+  /** @type {Columns|null} */
+  let columns = null;
+  text.replace(/^\uFEFF/, '').split(/\r\n|\r|\n/, kMaxRows).forEach((line, i) => {
+    const system = rows.length === 0 && list.reference_system === '' ? line.match(kSystem) : null;
+    if (system) {
+      list.reference_system = system[1].trim();
+      return;
+    }
+    if (line.trim() === '') return;
+    const fields = split(line);
+    if (rows.length === 0 && !columns && (columns = columnsOf(fields))) return;
+    if (!line.startsWith('#')) rows.push({ fields, line: i + 1 });
+  });
+  if (columns === null && rows.some(({ fields }) => isMarkRow(fields))) readMarks(rows, list);
+  else readTable(rows, columns ?? guessedColumns(rows.map(({ fields }) => fields)), list);
+  if (columns && /** @type {Columns} */ (columns).y !== undefined) list.is_swapped = Number(/** @type {Columns} */ (columns).y) < Number(/** @type {Columns} */ (columns).x);
+  return list;
+}
+
+/** @param {{fields: string[], line: number}[]} rows @param {ReadList} list */
+function readMarks(rows, list) {
+  /** @type {Map<string, ControlPoint>} */
+  const known = new Map();
+  for (const { fields, line } of rows) {
+    if (!isMarkRow(fields)) {
+      list.bad_lines.push(line);
+      continue;
+    }
+    const [x, y, z, pixel_x, pixel_y] = fields.slice(0, 5).map((field) => numberOf(field, false));
+    const key = `${x} ${y} ${z}`;
+    let point = known.get(key);
+    if (!point) {
+      if (known.size === kMaxPoints) continue;
+      point = { name: fields[6] || `gcp${known.size + 1}`, x, y, height: Number.isNaN(z) ? null : z, marks: [] };
+      known.set(key, point);
+      list.points.push(point);
+    }
+    if (fields[5] !== kUnmarked && !point.marks.some(({ photo }) => photo === fields[5]))
+      point.marks.push({ photo: fields[5], x: pixel_x - kMiddleOfPixel, y: pixel_y - kMiddleOfPixel });
+  }
+}
+
+/** @param {{fields: string[], line: number}[]} rows @param {Columns} columns @param {ReadList} list */
+function readTable(rows, columns, list) {
+  for (const { fields, line } of rows) {
+    const at = (/** @type {number|undefined} */ column) => (column === undefined ? '' : (fields[column] ?? ''));
+    const [x, y] = [numberOf(at(columns.x), true), numberOf(at(columns.y), true)];
+    if (Number.isNaN(x) || Number.isNaN(y) || list.points.length === kMaxPoints) {
+      list.bad_lines.push(line);
+      continue;
+    }
+    const height = numberOf(at(columns.height), true);
+    const system = at(columns.system);
+    if (system !== '' && list.reference_system === '') list.reference_system = /^\d+$/.test(system) ? `EPSG:${system}` : system;
+    list.points.push({ name: at(columns.name) || `gcp${list.points.length + 1}`, x, y, height: Number.isNaN(height) ? null : height, marks: [] });
+  }
+}
+
+/** As the stitcher compares names of photos: in any case, with or without their ending. @param {string} name */
+export const photoKey = (name) => name.replace(/\.[^.]*$/, '').toLowerCase();
+
+/**
+ * Points of a list among those that are there: the same name has its coordinates replaced and its marks kept.
+ * @param {ControlPoint[]} points
+ * @param {ControlPoint[]} added
+ * @param {string[]} photos of the flight: marks name them as they are called
+ * @returns {ControlPoint[]}
+ */
+export function withPoints(points, added, photos) {
+  const names = new Map(photos.map((name) => [photoKey(name), name]));
+  const merged = new Map(points.map((point) => [point.name, point]));
+  for (const point of added) {
+    const before = merged.get(point.name);
+    const marks = new Map((before?.marks ?? []).map((mark) => [photoKey(mark.photo), mark]));
+    for (const mark of point.marks) marks.set(photoKey(mark.photo), { ...mark, photo: names.get(photoKey(mark.photo)) ?? mark.photo });
+    merged.set(point.name, { ...point, marks: [...marks.values()] });
+  }
+  return [...merged.values()];
+}

@@ -1,0 +1,199 @@
+// The panel of a flight's control points: the list with what is marked and how far it is missed, what is lacking, and the
+// button that brings the map to the points. The points are on the map as well.
+/** @import { ControlSubject } from './control_section.js' */
+/** @import { ControlPoint } from './control_lists.js' */
+/** @import { PointResidual } from './control_residuals.js' */
+import { showError, showNote } from '../shared/announce.js';
+import { h, put } from '../shared/dom.js';
+import { formatLength } from '../shared/format.js';
+import { icon } from '../shared/icons.js';
+import { fixed, number } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
+import { ControlDocument } from './control_document.js';
+import { openImport, openPointForm } from './control_forms.js';
+import { controlPlaces } from './control_places.js';
+import { residualOfMark, residualsOf } from './control_residuals.js';
+import { openMarking } from './marking_dialog.js';
+
+const kMinMarks = 2;
+const kMinPoints = { placed: 1, nowhere: 3 };
+
+/** @param {string} picture @param {string} label @param {() => void} run @param {string} [id] */
+const iconButton = (picture, label, run, id = '') =>
+  h('button', { type: 'button', class: 'icon-button', id: id || null, 'aria-label': label, title: label, on: { click: run } }, icon(picture));
+
+/** @param {number} px */
+const pixels = (px) => `${fixed(px, px < 10 ? 1 : 0)}\u00a0px`;
+
+/**
+ * @param {ControlSubject} subject
+ * @returns {{element: HTMLElement, close: () => void}}
+ */
+export function controlPanel({ flight, report, photos, stage, may_change, apply }) {
+  const words = strings.control;
+  const control = new ControlDocument(flight.id);
+  const is_placed = report.is_placed !== false;
+  const places = controlPlaces(flight, photos, is_placed);
+  const residuals = residualsOf(report);
+  const names = photos.features.map(({ properties }) => properties.name);
+
+  const button = (/** @type {string} */ id, /** @type {string} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, kind = '') =>
+    h('button', { type: 'button', class: `button small ${kind}`, id, on: { click: run } }, icon(picture), label);
+  const body = h('tbody', {});
+  const table = h(
+    'table',
+    { class: 'control-table', id: 'control-points', hidden: true },
+    h('thead', {}, h('tr', {}, ...[words.point, words.marks, words.residual].map((text) => h('th', { scope: 'col' }, text)), may_change && h('td', {}))),
+    body,
+  );
+  const hint = h('p', { class: 'muted', id: 'control-hint' });
+  const state = h('p', { class: 'control-state', id: 'control-state', role: 'status' });
+  const advice = h('p', { class: 'muted', id: 'control-advice' });
+  const go = button('control-apply', 'move', words.apply, () => void start(), 'primary');
+  const element = h(
+    'div',
+    {},
+    may_change &&
+      h('div', { class: 'row no-print' },
+        button('control-import-open', 'upload', words.import, () => openImport(control, names)),
+        button('control-add', 'plus', words.add, () => openPointForm(control, null))),
+    hint,
+    h('div', { class: 'control-scroll', role: 'group', 'aria-label': words.heading, tabindex: 0 }, table),
+    state,
+    may_change && h('div', { class: 'control-apply no-print' }, advice, go),
+    residualTable(residuals),
+  );
+  let is_closed = false;
+  let is_starting = false;
+  let map_turn = 0;
+
+  const usable = () => control.points.filter(({ marks }) => marks.length >= kMinMarks).length;
+  const needed = is_placed ? kMinPoints.placed : kMinPoints.nowhere;
+
+  /** @param {ControlPoint} point */
+  const row = (point) => {
+    const found = residuals.find(({ name }) => name === point.name);
+    return h(
+      'tr',
+      { 'data-point': point.name, class: found?.is_outlier ? 'outlier' : null },
+      h('th', { scope: 'row' }, may_change
+        ? h('button', { type: 'button', class: 'text-button', 'aria-label': words.mark_point(point.name), on: { click: () => void mark(point.name) } }, point.name)
+        : point.name),
+      h('td', { class: point.marks.length >= kMinMarks ? 'control-ready' : null }, point.marks.length >= kMinMarks && icon('check'), number(point.marks.length)),
+      h('td', { title: found?.reason || null }, found ? residualText(found) : ''),
+      may_change &&
+        h('td', { class: 'control-tools' },
+          iconButton('pencil', words.change(point.name), () => openPointForm(control, point)),
+          iconButton('trash', words.remove(point.name), () => remove(point.name))),
+    );
+  };
+  const draw = () => {
+    const focused = body.contains(document.activeElement) ? document.activeElement?.getAttribute('aria-label') : null;
+    put(body, ...control.points.map(row));
+    if (focused) /** @type {HTMLElement|null} */ (body.querySelector(`[aria-label="${CSS.escape(focused)}"]`))?.focus();
+    table.hidden = control.points.length === 0;
+    const texts = control.points.length > 0 ? (may_change ? words.hint_mark : '') : may_change ? words.hint_empty : words.none;
+    hint.textContent = texts;
+    hint.hidden = texts === '';
+    const lacking = needed - usable();
+    advice.textContent = control.points.length === 0 ? '' : lacking > 0 ? words.lacking(lacking) : is_placed && usable() < kMinPoints.nowhere ? words.shifts : words.ready(usable());
+    go.hidden = control.points.length === 0;
+    go.disabled = lacking > 0 || is_starting;
+    void drawMap();
+  };
+  const drawMap = async () => {
+    const turn = (map_turn += 1);
+    const shown = await places.onMap(control.points);
+    if (turn !== map_turn || is_closed) return;
+    const marks = new Map(control.points.map((point) => [point.name, point.marks.length]));
+    stage.showControl(shown.map(({ name, place }) => ({ name, place, is_marked: (marks.get(name) ?? 0) >= kMinMarks, label: words.on_map(name, marks.get(name) ?? 0) })), (name) => {
+      if (may_change) void mark(name);
+    });
+  };
+  const drawState = () => {
+    const texts = { saved: control.points.length > 0 ? words.saved : '', saving: words.saving, waiting: `${words.waiting} ${control.failure}`, failed: control.failure };
+    state.textContent = may_change ? texts[control.state] : '';
+    state.classList.toggle('control-fault', control.state === 'failed' || control.state === 'waiting');
+  };
+  const remove = (/** @type {string} */ name) => {
+    control.change({ reference_system: control.reference_system, points: control.points.filter((point) => point.name !== name) });
+    showNote(words.removed(name), { action: { label: words.undo, run: () => control.undo() } });
+  };
+  const mark = async (/** @type {string} */ name) => {
+    const point = control.point(name);
+    if (!point) return;
+    try {
+      const seen = await places.photosOf(point, control.points);
+      if (is_closed) return;
+      if (seen.length === 0) {
+        showNote(words.unseen(name));
+        return;
+      }
+      openMarking(control, name, seen, {
+        residual_of: (photo) => {
+          const found = residualOfMark(residuals, name, photo);
+          return found ? words.was_missed(pixels(found.px)) : '';
+        },
+        on_close: () => /** @type {HTMLElement|null} */ (body.querySelector(`[aria-label="${CSS.escape(words.mark_point(name))}"]`))?.focus(),
+      });
+    } catch (error) {
+      showError(error);
+    }
+  };
+  const start = async () => {
+    is_starting = true;
+    draw();
+    try {
+      await control.flush();
+      await apply();
+    } catch (error) {
+      showError(error);
+    }
+    is_starting = false;
+    if (!is_closed) draw();
+  };
+
+  control.addEventListener('change', draw);
+  control.addEventListener('saved', drawState);
+  hint.textContent = strings.photo.loading;
+  go.hidden = true;
+  control.load().catch((error) => {
+    hint.textContent = error instanceof Error ? error.message : String(error);
+  });
+  return {
+    element,
+    close() {
+      is_closed = true;
+      control.close();
+      stage.showControl([], () => undefined);
+    },
+  };
+}
+
+/** @param {PointResidual} found */
+const residualText = (found) => (found.is_used ? `${formatLength(found.horizontal_m)} · ${pixels(found.px)}` : strings.control.not_used);
+
+/** @param {PointResidual[]} residuals @returns {HTMLElement|null} */
+function residualTable(residuals) {
+  const words = strings.control;
+  const marks = residuals.flatMap((point) => point.marks.map((mark) => ({ point, mark })));
+  if (marks.length === 0) return null;
+  const worst = marks.filter(({ mark }) => mark.is_outlier).length;
+  return h(
+    'details',
+    { class: 'control-residuals', id: 'control-residuals' },
+    h('summary', {}, words.residuals, worst > 0 && h('span', { class: 'amber' }, ` ${words.outliers(worst)}`)),
+    h(
+      'div',
+      { class: 'control-scroll', role: 'group', 'aria-label': words.residuals, tabindex: 0 },
+      h(
+        'table',
+        { class: 'control-table' },
+        h('thead', {}, h('tr', {}, ...[words.point, words.photo, words.residual].map((text) => h('th', { scope: 'col' }, text)))),
+        h('tbody', {}, ...marks.map(({ point, mark }) =>
+          h('tr', { class: mark.is_outlier ? 'outlier' : null }, h('th', { scope: 'row' }, point.name), h('td', {}, mark.photo), h('td', {}, `${pixels(mark.px)} · ${formatLength(mark.m)}`, mark.is_outlier && h('span', { class: 'control-flag' }, ` ${words.outlier}`))))),
+      ),
+    ),
+    h('p', { class: 'muted' }, words.residuals_hint),
+  );
+}

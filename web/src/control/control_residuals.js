@@ -1,0 +1,45 @@
+// How far surveyed points and their marks lie from where the finished map has them, from its report; those that stand out
+// are flagged. Pure.
+/** @import { ControlFigures, Report } from '../shared/types.js' */
+import { photoKey } from './control_lists.js';
+
+/** @typedef {{photo: string, px: number, m: number, is_outlier: boolean}} MarkResidual */
+/** @typedef {{name: string, is_used: boolean, reason: string, horizontal_m: number, up_m: number, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
+
+const kOutlying = 3;   // times the median
+const kMinPx = 3;      // less is as well as one clicks
+const kMinGsds = 3;
+
+/** @param {number[]} values @returns {number} NaN of none */
+export function median(values) {
+  const sorted = [...values].sort((a, b) => a - b);
+  const half = sorted.length / 2;
+  return sorted.length % 2 ? sorted[Math.floor(half)] : (sorted[half - 1] + sorted[half]) / 2;
+}
+
+/** @param {Report|null} report @returns {PointResidual[]} empty where the map was made without points */
+export function residualsOf(report) {
+  /** @type {ControlFigures[]} */
+  const points = report?.alignment?.ground_control ?? [];
+  const horizontal = (/** @type {ControlFigures} */ point) => Math.hypot(point.miss_east_m, point.miss_north_m);
+  const usual_m = median(points.filter(({ is_used }) => is_used).map(horizontal)) || 0;
+  const usual_px = median(points.flatMap(({ marks = [] }) => marks.filter(({ is_used }) => is_used).map(({ residual_px }) => residual_px))) || 0;
+  return points.map((point) => ({
+    name: point.name,
+    is_used: point.is_used,
+    reason: point.reason,
+    horizontal_m: horizontal(point),
+    up_m: point.miss_up_m,
+    px: point.residual_px,
+    is_outlier: !point.is_used || horizontal(point) > Math.max(kOutlying * usual_m, kMinGsds * (report?.gsd_m ?? 0)),
+    marks: (point.marks ?? []).map(({ photo, residual_px, residual_m, is_used }) => ({
+      photo,
+      px: residual_px,
+      m: residual_m,
+      is_outlier: !is_used && point.is_used || residual_px > Math.max(kOutlying * usual_px, kMinPx),
+    })),
+  }));
+}
+
+/** @param {PointResidual[]} residuals @param {string} name @param {string} photo */
+export const residualOfMark = (residuals, name, photo) => residuals.find((one) => one.name === name)?.marks.find((mark) => photoKey(mark.photo) === photoKey(photo)) ?? null;

@@ -1,0 +1,203 @@
+// Marking a surveyed point in photos, over the whole window: where the map expects it is circled; a click puts the mark,
+// which can be dragged or moved with the arrow keys (Shift: ten pixels, Ctrl: a tenth). A loupe shows what is marked.
+// Page Up and Page Down step through the photos, Delete removes the mark, Ctrl+Z undoes, Escape closes.
+/** @import { SeenPhoto } from '../flight/photo_card.js' */
+/** @import { Spot } from '../flight/photo_plane.js' */
+/** @import { ControlDocument } from './control_document.js' */
+import { announce } from '../shared/announce.js';
+import { h } from '../shared/dom.js';
+import { icon } from '../shared/icons.js';
+import { fixed } from '../shared/language.js';
+import { strings } from '../shared/flight_strings.js';
+import { filmstrip } from '../flight/filmstrip.js';
+import { kZoomStep, photoPlane } from '../flight/photo_plane.js';
+import { photoKey } from './control_lists.js';
+import { loupe } from './loupe.js';
+
+const kExpected_px = 44;
+const kMark_px = 32;
+const kNear = 1;  // pixels of the screen for one of the photo, where it is marked
+
+/** @type {Record<string, [number, number]>} */
+const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/**
+ * @param {ControlDocument} control
+ * @param {string} name of the point
+ * @param {SeenPhoto[]} photos that may show it, the best first; pixel: where it is expected
+ * @param {{residual_of: (photo: string) => string, on_close: () => void}} listener
+ */
+export function openMarking(control, name, photos, listener) {
+  const words = strings.control;
+  const image = h('img', { class: 'viewer-image', draggable: 'false' });
+  const expected = h('div', { class: 'viewer-mark marking-expected', hidden: true, 'aria-hidden': 'true' });
+  const mark = h('button', { type: 'button', class: 'marking-mark', id: 'marking-mark', hidden: true, 'aria-label': words.mark_label, tabindex: -1 });
+  const note = h('p', { class: 'viewer-note', role: 'status' });
+  const glass = loupe(image);
+  const view = h('div', { class: 'viewer-view marking-view', tabindex: 0, role: 'application', 'aria-label': words.marking_hint, id: 'marking-view' }, image, expected, mark, glass.element, note);
+  const button = (/** @type {Node} */ picture, /** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) =>
+    h('button', { type: 'button', class: 'icon-button', id, 'aria-label': label, title: label, on: { click: run } }, picture);
+  const title = h('h2', { class: 'card-title' }, words.marking_title(name));
+  const facts = h('p', { class: 'viewer-facts', id: 'marking-facts' });
+  const undo = button(icon('undo'), words.undo, () => control.undo(), 'marking-undo');
+  const remove = button(icon('trash'), words.remove_mark, () => put(null), 'marking-remove');
+  const strip = filmstrip(photos, (index) => show(index));
+  const tools = h(
+    'div',
+    { class: 'viewer-tools' },
+    button(icon('back'), strings.photo.previous, () => show(shown - 1), 'marking-previous'),
+    button(icon('next'), strings.photo.next, () => show(shown + 1), 'marking-next'),
+    undo,
+    remove,
+    button(icon('plus'), strings.photo.zoom_in, () => plane.zoom(kZoomStep), 'marking-zoom-in'),
+    button(icon('minus'), strings.photo.zoom_out, () => plane.zoom(1 / kZoomStep), 'marking-zoom-out'),
+    button(icon('fit'), strings.photo.whole, () => plane.showWhole(), 'marking-whole'),
+    button(icon('close'), strings.photo.close, () => dialog.close(), 'marking-close'),
+  );
+  const head = h('div', { class: 'viewer-head' }, h('div', { class: 'viewer-title' }, title, facts), tools);
+  const dialog = h('dialog', { class: 'dialog viewer', id: 'marking', 'aria-label': words.marking_title(name) }, head, view, strip.element);
+
+  let shown = 0;
+  let is_loaded = false;
+  const photo = () => photos[shown].record.name;
+  const markIn = (/** @type {string} */ of) => control.point(name)?.marks.find((one) => photoKey(one.photo) === photoKey(of)) ?? null;
+  const plane = photoPlane(view, image, {
+    on_draw: () => {
+      place(expected, photos[shown].pixel, kExpected_px);
+      place(mark, markIn(photo()), kMark_px);
+    },
+  });
+  /** @param {HTMLElement} element @param {Spot|null} pixel @param {number} size_px */
+  const place = (element, pixel, size_px) => {
+    element.hidden = !pixel || !is_loaded;
+    if (!pixel) return;
+    const at = plane.onScreen(pixel);
+    element.style.transform = `translate(${at.x - size_px / 2}px, ${at.y - size_px / 2}px)`;
+  };
+  const isWithin = (/** @type {Spot} */ { x, y }) => x >= -0.5 && y >= -0.5 && x < image.naturalWidth - 0.5 && y < image.naturalHeight - 0.5;
+
+  /** @param {Spot|null} pixel @param {boolean} [is_going_on] */
+  const put = (pixel, is_going_on = false) => {
+    if (!is_loaded || (pixel ? !isWithin(pixel) : !markIn(photo()))) return;
+    control.mark(name, markIn(photo())?.photo ?? photo(), pixel, is_going_on);
+    if (!is_going_on) announce(pixel ? words.marked(photo()) : words.mark_removed);
+  };
+  const draw = () => {
+    const own = markIn(photo());
+    facts.textContent = [
+      photo(),
+      strings.photo.of(shown + 1, photos.length),
+      photos[shown].off_vertical_deg === null ? '' : strings.photo.off_vertical(Number(photos[shown].off_vertical_deg)),
+      own ? words.pixel(fixed(own.x, 1), fixed(own.y, 1)) : '',
+      own ? listener.residual_of(photo()) : '',
+    ].filter(Boolean).join(' · ');
+    undo.disabled = !control.can_undo;
+    remove.disabled = !own;
+    [...strip.element.children].forEach((frame, i) => {
+      const is_marked = markIn(photos[i].record.name) !== null;
+      frame.classList.toggle('frame-marked', is_marked);
+      frame.setAttribute('aria-description', is_marked ? words.is_marked : '');
+    });
+    plane.draw();
+    glass.show(own);
+  };
+  const show = (/** @type {number} */ index) => {
+    shown = (index + photos.length) % photos.length;
+    is_loaded = false;
+    note.textContent = strings.photo.loading;
+    note.hidden = false;
+    image.hidden = true;
+    image.alt = photo();
+    image.src = photos[shown].url;
+    strip.show(shown);
+    draw();
+  };
+  image.addEventListener('load', () => {
+    is_loaded = true;
+    note.hidden = true;
+    image.hidden = false;
+    const pixel = markIn(photo()) ?? photos[shown].pixel;
+    if (pixel) plane.show(pixel, Math.max(plane.wholeScale(), kNear));
+    else plane.showWhole();
+    draw();
+  });
+  image.addEventListener('error', () => {
+    note.textContent = strings.photo.cannot_show;
+  });
+  view.addEventListener('click', (event) => {
+    if (!event.defaultPrevented && event.target !== mark) put(plane.pixelAt(event));
+  });
+  view.addEventListener('pointermove', (event) => {
+    if (is_loaded && !is_dragging) glass.show(plane.pixelAt(event));
+  });
+  view.addEventListener('pointerleave', () => glass.show(markIn(photo())));
+
+  let is_dragging = false;
+  let grip = { x: 0, y: 0 };
+  mark.addEventListener('pointerdown', (event) => {
+    const own = markIn(photo());
+    if (!own) return;
+    const at = plane.pixelAt(event);
+    grip = { x: own.x - at.x, y: own.y - at.y };
+    is_dragging = true;
+    has_moved = false;
+    mark.setPointerCapture(event.pointerId);
+  });
+  let has_moved = false;
+  mark.addEventListener('pointermove', (event) => {
+    if (!is_dragging) return;
+    event.stopPropagation();
+    const at = plane.pixelAt(event);
+    put({ x: at.x + grip.x, y: at.y + grip.y }, has_moved);
+    has_moved = true;
+  });
+  for (const end of ['pointerup', 'pointercancel']) mark.addEventListener(end, () => (is_dragging = false));
+
+  /** @type {Record<string, () => void>} */
+  const keys = {
+    '+': () => plane.zoom(kZoomStep),
+    '=': () => plane.zoom(kZoomStep),
+    '-': () => plane.zoom(1 / kZoomStep),
+    0: plane.showWhole,
+    PageDown: () => show(shown + 1),
+    PageUp: () => show(shown - 1),
+    Delete: () => put(null),
+    Backspace: () => put(null),
+  };
+  /** @param {KeyboardEvent} event @returns {(() => void)|undefined} */
+  const actionOf = (event) => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'z') return () => control.undo();
+    const arrow = arrows[event.key];
+    if (arrow) {
+      const step = event.shiftKey ? 10 : event.ctrlKey ? 0.1 : 1;
+      const from = markIn(photo());
+      // Without a mark yet the expected place, or the middle of the view, is where it begins.
+      return () => put(from ? { x: from.x + step * arrow[0], y: from.y + step * arrow[1] } : (photos[shown].pixel ?? plane.pixelAt(middleOf(view))), event.repeat);
+    }
+    return event.ctrlKey || event.metaKey || event.altKey ? undefined : keys[event.key];
+  };
+  dialog.addEventListener('keydown', (event) => {
+    const action = actionOf(event);
+    if (!action) return;
+    event.preventDefault();
+    action();
+  });
+  control.addEventListener('change', draw);
+  dialog.addEventListener('close', () => {
+    control.removeEventListener('change', draw);
+    strip.close();
+    dialog.remove();
+    listener.on_close();
+  });
+  document.body.append(dialog);
+  dialog.showModal();
+  // The first photo that is not marked yet.
+  show(Math.max(0, photos.findIndex(({ record }) => !markIn(record.name))));
+  view.focus();
+}
+
+/** @param {HTMLElement} element */
+function middleOf(element) {
+  const box = element.getBoundingClientRect();
+  return { clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 };
+}
