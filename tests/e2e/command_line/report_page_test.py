@@ -15,12 +15,22 @@ from server_support import BINARY  # noqa: E402
 
 
 class ReportPage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_made_"))
+        subprocess.run([BINARY, "simulate", "-o", cls.made / "sim", "--photos", "6", "--size", "800x600", "--no-world"],
+                       check=True, capture_output=True)
+        (cls.made / "sim/photos/broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no photo")
+        subprocess.run([BINARY, "stitch", cls.made / "sim/photos", "-o", cls.made / "map"], check=True, capture_output=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.made)
+
     def setUp(self):
         self.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_page_"))
-        subprocess.run([BINARY, "simulate", "-o", self.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world"],
-                       check=True, capture_output=True)
-        (self.scratch / "sim/photos/broken.jpg").write_bytes(b"\xff\xd8\xff\xe0 no photo")
-        subprocess.run([BINARY, "stitch", self.scratch / "sim/photos", "-o", self.scratch / "map"], check=True, capture_output=True)
+        for name in ("sim", "map"):
+            shutil.copytree(self.made / name, self.scratch / name)
 
     def tearDown(self):
         shutil.rmtree(self.scratch)
