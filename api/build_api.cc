@@ -16,8 +16,11 @@
 #include "api/flights/statistics.h"
 #include "api/flights/trash.h"
 #include "api/flights/verdict.h"
+#include "api/indices/indices.h"
 #include "api/jobs/jobs.h"
+#include "api/maps/maps.h"
 #include "api/nodeodm/nodeodm.h"
+#include "api/notes/notes.h"
 #include "api/ogc/features.h"
 #include "api/ogc/ogc.h"
 #include "api/ogc/processes.h"
@@ -47,7 +50,9 @@ Router BuildApi(Service& service) {
   AddLocateRoutes(router, service);
   AddPointRoute(router, service);
   AddStatisticsRoute(router, service);
+  AddIndexRoutes(router, service);
   AddControlRoutes(router, service);
+  AddNotesRoutes(router, service);
   AddFileRoutes(router, service);
   AddMultipartRoutes(router, service);
   AddTusRoutes(router, service);
@@ -63,6 +68,7 @@ Router BuildApi(Service& service) {
   AddWmtsRoutes(router, service);
   AddWmsRoutes(router, service);
   AddOgcRoutes(router, service);
+  AddMapRoutes(router, service);
   AddFeatureRoutes(router, service);
   AddProcessRoutes(router, service);
   AddArcgisRoutes(router, service);

@@ -27,6 +27,8 @@
 #include "storage/catalogue/webhooks.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_exports.h"
+#include "storage/rasters/band_rasters.h"
+#include "storage/retention/idle_flights.h"
 #include "storage/tilesets/made_tiles.h"
 #include "storage/tilesets/preview_cache.h"
 #include "storage/tilesets/tileset_cache.h"
@@ -54,9 +56,12 @@ struct Service {
   storage::MapExports exports{db};
   storage::Trash trash{db, storage::FlightRecords(store.dir())};
   int trash_days = 30;  // that a deleted flight can be restored; 0: not at all
+  storage::IdleFlights idle_flights{db};
+  int keep_days = 0;  // after which a flight that nobody changes goes to the trash; 0: never
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
   TileFactsMemory tile_facts{};
+  storage::BandRasters band_rasters{};
   storage::Webhooks webhooks{db};
   storage::NodeDeliveries node_deliveries{db};
   std::string node_engine = kUsualNodeEngine;  // as which the NodeODM-compatible node answers

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "api/exports/exports.h"
+#include "api/flights/retention.h"
 #include "api/flights/trash.h"
 #include "server/routing/request_log.h"
 #include "storage/folder/elsewhere/sweep_blobs.h"
@@ -15,6 +16,8 @@ namespace {
 constexpr std::chrono::minutes kHousekeepingPause{5};
 // It lists all that there is.
 constexpr std::chrono::hours kBlobSweepPause{24};
+// It counts the files of all flights.
+constexpr std::chrono::hours kIdlePause{1};
 
 }  // namespace
 
@@ -39,6 +42,22 @@ void Housekeeper::Run() {
   }
 }
 
+void Housekeeper::TrashIdle() {
+  const auto now = std::chrono::steady_clock::now();
+  if (looked_idle_ && now - *looked_idle_ < kIdlePause) return;
+  const Result<void> done = api::TrashIdleFlights(service_, [&](const storage::IdleFlight& flight) {
+    LogEvent(fmt::format(
+        "the flight \"{}\" had not changed for {} days and is in the trash now; for {} days it can be restored "
+        "there on the page, or by POST /api/v1/flights/{}/restore",
+        flight.name, service_.keep_days, service_.trash_days, flight.id));
+  });
+  if (!done) {
+    LogFailure("-", "flights that nobody changes", done.error().message + " " + done.error().detail);
+    return;
+  }
+  looked_idle_ = now;
+}
+
 void Housekeeper::Round() {
   if (!service_.storage_in_place()) return;  // the folder is gone: what is removed now would be another's
   const Result<void> saved = service_.db.SaveAges();
@@ -50,6 +69,7 @@ void Housekeeper::Round() {
   if (removed && *removed > 0)
     LogEvent(fmt::format("{} flights were deleted {} days ago and are removed now", *removed,
                          service_.trash_days));
+  TrashIdle();
   const Result<int> exports = api::RemoveExpiredExports(service_);
   if (!exports) LogFailure("-", "exports", exports.error().detail);
   service_.db.FillReserve();

@@ -23,12 +23,14 @@ class Housekeeper {
  private:
   void Run();
   void Round();
+  void TrashIdle();
 
   api::Service& service_;
   std::mutex mutex_;
   std::condition_variable end_;
   bool is_ended_ = false;
-  std::optional<std::chrono::steady_clock::time_point> swept_;  // blobs, as a whole
+  std::optional<std::chrono::steady_clock::time_point> swept_;        // blobs, as a whole
+  std::optional<std::chrono::steady_clock::time_point> looked_idle_;  // at flights that nobody changes
   std::thread thread_;
 };
 

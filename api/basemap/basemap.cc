@@ -1,6 +1,7 @@
 #include "api/basemap/basemap.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 
 #include "api/downloads/send_file.h"
@@ -11,6 +12,29 @@
 namespace skyquilt::api {
 namespace {
 
+struct PublicBasemap {
+  std::string_view name;
+  std::string_view tiles;
+  std::string_view attribution;
+  int max_zoom;
+};
+
+constexpr PublicBasemap kPublicBasemaps[] = {
+    {"openstreetmap", "https://tile.openstreetmap.org/{z}/{x}/{y}.png", "© OpenStreetMap contributors", 19},
+    {"opentopomap", "https://tile.opentopomap.org/{z}/{x}/{y}.png",
+     "© OpenStreetMap contributors, SRTM; map style: © OpenTopoMap (CC-BY-SA)", 17},
+    {"carto-light", "https://basemaps.cartocdn.com/light_all/{z}/{x}/{y}.png",
+     "© OpenStreetMap contributors, © CARTO", 20},
+    {"carto-dark", "https://basemaps.cartocdn.com/dark_all/{z}/{x}/{y}.png",
+     "© OpenStreetMap contributors, © CARTO", 20},
+    {"esri-imagery",
+     "https://server.arcgisonline.com/ArcGIS/rest/services/World_Imagery/MapServer/tile/{z}/{y}/{x}",
+     "Esri, Maxar, Earthstar Geographics and the GIS user community", 19},
+    {"usgs-imagery",
+     "https://basemap.nationalmap.gov/arcgis/rest/services/USGSImageryOnly/MapServer/tile/{z}/{y}/{x}",
+     "USGS The National Map", 16},
+};
+
 Response Describe(const Basemap& basemap, const Request& request) {
   const std::vector<std::string> tiles =
       basemap.tiles.empty() ? std::vector<std::string>() : std::vector{JsonString(basemap.tiles)};
@@ -19,6 +43,7 @@ Response Describe(const Basemap& basemap, const Request& request) {
   if (!basemap.pmtiles.empty())
     fields.emplace_back("pmtiles", JsonString(request.base_path + "/basemap.pmtiles"));
   if (!basemap.attribution.empty()) fields.emplace_back("attribution", JsonString(basemap.attribution));
+  if (basemap.max_zoom > 0) fields.emplace_back("maxzoom", std::to_string(basemap.max_zoom));
   return Json(200, JsonObject(fields));
 }
 
@@ -37,6 +62,12 @@ Response SendPmtiles(const Basemap& basemap, const Request& request) {
 
 std::string Basemap::Origin() const { return tiles.substr(0, tiles.find('/', tiles.find("//") + 2)); }
 
+std::vector<std::string> BasemapNames() {
+  std::vector<std::string> names;
+  for (const PublicBasemap& known : kPublicBasemaps) names.emplace_back(known.name);
+  return names;
+}
+
 Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribution) {
   Basemap basemap;
   basemap.attribution = attribution;
@@ -45,6 +76,13 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
                  "The option --basemap-attribution needs --basemap, whose makers it names.", ""};
   }
   if (text.empty()) return basemap;
+  for (const PublicBasemap& known : kPublicBasemaps) {
+    if (text != known.name) continue;
+    basemap.tiles = known.tiles;
+    basemap.max_zoom = known.max_zoom;
+    if (attribution.empty()) basemap.attribution = known.attribution;
+    return basemap;
+  }
   if (text.starts_with("http://") || text.starts_with("https://")) {
     for (const char* part : {"{z}", "{x}", "{y}"}) {
       if (text.find(part) == std::string::npos || text.find_first_of(" \"<>;'") != std::string::npos) {
@@ -58,8 +96,12 @@ Result<Basemap> BasemapFrom(const std::string& text, const std::string& attribut
   }
   std::error_code missing;
   if (!std::filesystem::is_regular_file(text, missing)) {
-    return Error{ErrorCode::kNotFound,
-                 "The basemap file " + text + " does not exist. Check the path given with --basemap.", ""};
+    return Error{
+        ErrorCode::kNotFound,
+        fmt::format("The basemap file {} does not exist. Check the path given with --basemap, or say one of "
+                    "these names: {}.",
+                    text, fmt::join(BasemapNames(), ", ")),
+        ""};
   }
   basemap.pmtiles = std::filesystem::absolute(text);
   return basemap;

@@ -4,13 +4,12 @@
 #include <optional>
 #include <utility>
 
-#include "api/auth/flight_access.h"
 #include "api/control/control_list.h"
 #include "api/flights/flights.h"
-#include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/json/json_codec.h"
+#include "api/uploads/flight_document.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -23,19 +22,6 @@ struct KeptControl {
   std::string etag;
 };
 
-std::string EtagOfList(const std::string& stored_name) {
-  return "\"" + (stored_name.empty() ? "none" : stored_name) + "\"";
-}
-
-// In any case, as a user may have sent it.
-Result<std::optional<storage::StoredFile>> FindList(Service& service, const std::string& flight_id) {
-  SKYQUILT_TRY_ASSIGN(const std::vector<storage::StoredFile> files, service.catalogue.ListFiles(flight_id));
-  for (const storage::StoredFile& file : files) {
-    if (EqualsIgnoringCase(file.name, kListName)) return std::optional(file);
-  }
-  return std::optional<storage::StoredFile>();
-}
-
 Result<std::string> ReadStoredList(Service& service, const std::string& flight_id,
                                    const std::string& stored_name) {
   SKYQUILT_TRY_ASSIGN(const storage::LocalBlob blob, service.store.Fetch(flight_id, stored_name));
@@ -47,10 +33,10 @@ Result<std::string> ReadStoredList(Service& service, const std::string& flight_i
 Result<KeptControl> ReadControlOf(Service& service, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
-  SKYQUILT_TRY_ASSIGN(const auto list, FindList(service, flight_id));
-  if (!list) return KeptControl{NoControlJson(), EtagOfList("")};
+  SKYQUILT_TRY_ASSIGN(const auto list, FindDocument(service, flight_id, kListName));
+  if (!list) return KeptControl{NoControlJson(), EtagOfDocument(list)};
   SKYQUILT_TRY_ASSIGN(std::string json, ReadStoredList(service, flight_id, list->stored_name));
-  return KeptControl{std::move(json), EtagOfList(list->stored_name)};
+  return KeptControl{std::move(json), EtagOfDocument(list)};
 }
 
 // Points that the list's reader left out would be lost without a word.
@@ -72,62 +58,31 @@ Error AsRefusal(const Error& error) {
   return error;
 }
 
-Result<std::string> StoreList(Service& service, const std::string& flight_id, const std::string& text) {
-  SKYQUILT_TRY_ASSIGN(storage::Upload upload,
-                      service.store.Begin(flight_id, static_cast<std::int64_t>(text.size())));
-  SKYQUILT_TRY(upload.Write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
-  return upload.Finish();
-}
-
-Error ControlChangedMeanwhile() {
-  return {ErrorCode::kPreconditionFailed,
-          "The control points were changed elsewhere meanwhile. Read them again, then repeat the change.",
-          ""};
-}
-
-Result<KeptControl> ClearControl(Service& service, const std::string& flight_id,
-                                 const std::optional<storage::StoredFile>& list) {
-  if (list) {
-    SKYQUILT_TRY_ASSIGN(const storage::StoredFile removed,
-                        service.db.Free([&] { return service.catalogue.RemoveFile(flight_id, list->name); }));
-    service.store.Remove(flight_id, removed.stored_name);
-  }
-  return KeptControl{NoControlJson(), EtagOfList("")};
-}
-
 Result<KeptControl> WriteControl(Service& service, const Request& request, const std::string& body) {
   const std::string& flight_id = request.Parameter("flight");
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(RequireFlight(service, flight_id));
   SKYQUILT_TRY_ASSIGN(const std::string text, ControlListText(body));
-  SKYQUILT_TRY_ASSIGN(const auto list, FindList(service, flight_id));
-  const std::string known = list ? list->stored_name : "";
-  const std::string_view wanted = request.headers.Find("If-Match");
-  if (!wanted.empty() && !EtagListMatches(wanted, EtagOfList(known))) return ControlChangedMeanwhile();
-  if (text.empty()) return ClearControl(service, flight_id, list);
-
-  const auto bytes = static_cast<std::int64_t>(text.size());
-  SKYQUILT_TRY_ASSIGN(IncomingBytes incoming, IncomingBytes::Into(service, flight_id));
-  SKYQUILT_TRY(incoming.Take(bytes));
-  SKYQUILT_TRY_ASSIGN(const std::string stored, StoreList(service, flight_id, text));
-  const auto add = [&]() -> Result<KeptControl> {
+  SKYQUILT_TRY_ASSIGN(const auto list, FindDocument(service, flight_id, kListName));
+  SKYQUILT_TRY_ASSIGN(
+      const WantedDocument wanted,
+      CheckIfMatch(request, list,
+                   "The control points were changed elsewhere meanwhile. Read them again, then "
+                   "repeat the change."));
+  if (text.empty()) {
+    SKYQUILT_TRY(RemoveDocument(service, flight_id, list));
+    return KeptControl{NoControlJson(), EtagOfDocument("")};
+  }
+  std::string read;
+  const auto check = [&](const std::string& stored) -> Result<void> {
     Result<std::string> json = ReadStoredList(service, flight_id, stored);
     if (!json) return AsRefusal(json.error());
-    SKYQUILT_TRY(CheckAllWereRead(*json));
-    const storage::StoredFile file{list ? list->name : kListName, stored, bytes};
-    const std::optional<std::string> expected = wanted.empty() ? std::nullopt : std::optional(known);
-    SKYQUILT_TRY_ASSIGN(const storage::AddedFile added,
-                        service.catalogue.AddFile(flight_id, file, storage::Now(), expected));
-    incoming.Kept(bytes);
-    if (added.replaced) {
-      service.store.Remove(flight_id, added.replaced_stored_name);
-      incoming.Freed(list ? list->bytes : 0);
-    }
-    return KeptControl{*std::move(json), EtagOfList(stored)};
+    read = *std::move(json);
+    return CheckAllWereRead(read);
   };
-  Result<KeptControl> kept = add();
-  if (!kept) service.store.Remove(flight_id, stored);
-  return kept;
+  SKYQUILT_TRY_ASSIGN(const std::string stored,
+                      ReplaceDocument(service, flight_id, list, kListName, wanted, text, check));
+  return KeptControl{std::move(read), EtagOfDocument(stored)};
 }
 
 Response AnswerControl(const Result<KeptControl>& kept, const Request& request) {

@@ -96,6 +96,8 @@ void AddDownloadRoutes(Router& router, Service& service) {
   add("/api/v1/flights/{flight}/download.mbtiles", {"mosaic.mbtiles", "application/vnd.sqlite3", "mbtiles"});
   add("/api/v1/flights/{flight}/download.tif",
       {"mosaic.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
+  add("/api/v1/flights/{flight}/bands.tif",
+      {"bands.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "tif"});
   add("/api/v1/flights/{flight}/download.pmtiles", {"mosaic.pmtiles", "application/vnd.pmtiles", "pmtiles"});
   add("/api/v1/flights/{flight}/thumbnail.png", {"thumbnail.png", "image/png", nullptr});
   router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/thumbnail.webp",

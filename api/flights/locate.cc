@@ -37,7 +37,9 @@ Response At(Service& service, const Request& request) {
                       {"y", sighting.pixel_in_image.y()},
                       {"off_nadir_deg", geo::RadToDeg(sighting.off_nadir_rad)},
                       {"placement", alignment::PlacementName(sighting.placement)},
-                      {"sigma_m", sighting.sigma_m}});
+                      {"sigma_m", sighting.sigma_m},
+                      {"sharpness", sighting.sharpness ? Value(*sighting.sharpness) : Value()},
+                      {"quality", sighting.quality}});
   }
   return Answer({{"lon", *lon_deg}, {"lat", *lat_deg}, {"photos", photos}});
 }

@@ -10,6 +10,7 @@
 #include "api/flights/locate.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/indices/index_values.h"
 #include "api/shown_map.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/tiles.h"
@@ -25,19 +26,10 @@ namespace {
 using PointValue = nlohmann::ordered_json;
 using PixelColour = std::array<std::uint8_t, 4>;
 
-// The middle of the pixel of a grid that a coordinate lies in.
-double MiddleOfPixel(double merc_m, double pixel_m) { return (std::floor(merc_m / pixel_m) + 0.5) * pixel_m; }
-
 // Of the finest zoom; nothing where the map has nothing.
 Result<std::optional<PixelColour>> ColourAt(const storage::Tileset& tileset, const Eigen::Vector2d& merc) {
-  MapWindow window;
-  window.width_px = window.height_px = 1;
-  window.pixel_m = geo::PixelSizeInMercM(tileset.revision.max_zoom, TileSizePx(tileset));
-  const double x = MiddleOfPixel(merc.x() + geo::kMercHalfWidthM, window.pixel_m) - geo::kMercHalfWidthM;
-  const double y = geo::kMercHalfWidthM - MiddleOfPixel(geo::kMercHalfWidthM - merc.y(), window.pixel_m);
-  window.x_in_merc = [x](int) { return x; };
-  window.y_in_merc = [y](int) { return y; };
-  SKYQUILT_TRY_ASSIGN(const image::RgbaImage pixel, RenderWindow(tileset, window));
+  SKYQUILT_TRY_ASSIGN(const image::RgbaImage pixel,
+                      RenderWindow(tileset, WindowOfFinestPixel(tileset, merc)));
   if (pixel.rgba[3] == 0) return std::optional<PixelColour>();
   return std::optional(PixelColour{pixel.rgba[0], pixel.rgba[1], pixel.rgba[2], pixel.rgba[3]});
 }
@@ -109,34 +101,7 @@ Result<void> AddGround(Service& service, const storage::Tileset& tileset, const 
   return {};
 }
 
-Result<std::string> AnswerPoint(Service& service, const Request& request) {
-  SKYQUILT_TRY_ASSIGN(const double lon_deg, NumberParameter(request, "lon"));
-  SKYQUILT_TRY_ASSIGN(const double lat_deg, NumberParameter(request, "lat"));
-  SKYQUILT_TRY_ASSIGN(const geo::LatLon position, geo::LatLon::Make(lat_deg, lon_deg));
-  SKYQUILT_TRY_ASSIGN(const MapPoint point, LookAt(service, request.Parameter("flight"), position));
-  return PointJson(point);
-}
-
-}  // namespace
-
-Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const geo::LatLon& position) {
-  SKYQUILT_TRY(CheckId(flight_id, "flight"));
-  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
-  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
-  MapPoint point;
-  point.flight_id = flight_id;
-  point.flight_name = flight.name;
-  point.revision = tileset->revision.revision;
-  point.position = position;
-  // Beyond the square of the tiles there is no map.
-  if (std::abs(position.lat_deg) > 85.0) return point;
-  const Eigen::Vector2d merc = geo::MercFromLatLon(position);
-  SKYQUILT_TRY_ASSIGN(point.rgba, ColourAt(*tileset, merc));
-  SKYQUILT_TRY(AddGround(service, *tileset, merc, point));
-  return point;
-}
-
-std::string PointJson(const MapPoint& point) {
+PointValue AsJson(const MapPoint& point) {
   PointValue json;
   json["lon"] = point.position.lon_deg;
   json["lat"] = point.position.lat_deg;
@@ -149,15 +114,60 @@ std::string PointJson(const MapPoint& point) {
   json["height_m"] = point.height_m ? PointValue(*point.height_m) : PointValue();
   json["photo"] = nullptr;
   if (point.photo) {
-    json["photo"] = {{"name", point.photo->photo},
-                     {"x", point.photo->pixel_in_image.x()},
-                     {"y", point.photo->pixel_in_image.y()},
-                     {"off_nadir_deg", geo::RadToDeg(point.photo->off_nadir_rad)},
-                     {"placement", alignment::PlacementName(point.photo->placement)},
-                     {"sigma_m", point.photo->sigma_m},
-                     {"is_of_pixel", point.is_photo_of_pixel}};
+    json["photo"] = {
+        {"name", point.photo->photo},
+        {"x", point.photo->pixel_in_image.x()},
+        {"y", point.photo->pixel_in_image.y()},
+        {"off_nadir_deg", geo::RadToDeg(point.photo->off_nadir_rad)},
+        {"placement", alignment::PlacementName(point.photo->placement)},
+        {"sigma_m", point.photo->sigma_m},
+        {"sharpness", point.photo->sharpness ? PointValue(*point.photo->sharpness) : PointValue()},
+        {"quality", point.photo->quality},
+        {"is_of_pixel", point.is_photo_of_pixel}};
+  }
+  return json;
+}
+
+Result<std::string> AnswerPoint(Service& service, const Request& request) {
+  SKYQUILT_TRY_ASSIGN(const double lon_deg, NumberParameter(request, "lon"));
+  SKYQUILT_TRY_ASSIGN(const double lat_deg, NumberParameter(request, "lat"));
+  SKYQUILT_TRY_ASSIGN(const geo::LatLon position, geo::LatLon::Make(lat_deg, lon_deg));
+  SKYQUILT_TRY_ASSIGN(const std::optional<IndexLook> look, LookIn(request));
+  const std::string_view ground = request.Query("ground").value_or("true");
+  if (ground != "true" && ground != "false")
+    return Error{ErrorCode::kInvalidArgument, "The parameter \"ground\" is true or false.", ""};
+  SKYQUILT_TRY_ASSIGN(const MapPoint point,
+                      LookAt(service, request.Parameter("flight"), position, look, ground == "true"));
+  PointValue json = AsJson(point);
+  if (look) {
+    json["index"] = {{"title", look->title}, {"expression", look->text}, {"value", nullptr}};
+    if (point.index_value) json["index"]["value"] = *point.index_value;
   }
   return json.dump(-1, ' ', false, PointValue::error_handler_t::replace);
+}
+
+}  // namespace
+
+Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const geo::LatLon& position,
+                        const std::optional<IndexLook>& look, bool with_ground) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, service.catalogue.GetFlight(flight_id));
+  SKYQUILT_TRY_ASSIGN(const std::shared_ptr<const storage::Tileset> tileset, service.tilesets.Get(flight_id));
+  MapPoint point;
+  point.flight_id = flight_id;
+  point.flight_name = flight.name;
+  point.revision = tileset->revision.revision;
+  point.position = position;
+  if (look) SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
+  // Beyond the square of the tiles there is no map.
+  if (std::abs(position.lat_deg) > 85.0) return point;
+  const Eigen::Vector2d merc = geo::MercFromLatLon(position);
+  SKYQUILT_TRY_ASSIGN(point.rgba, ColourAt(*tileset, merc));
+  if (look) {
+    SKYQUILT_TRY_ASSIGN(point.index_value, ValueAt(service, *tileset, look->expression, merc));
+  }
+  if (with_ground) SKYQUILT_TRY(AddGround(service, *tileset, merc, point));
+  return point;
 }
 
 void AddPointRoute(Router& router, Service& service) {

@@ -1,4 +1,5 @@
-// What a map shows at one place: its colour, the height of the ground, and the photo that it comes from. Any
+// What a map shows at one place: its colour, the height of the ground, the photo that it comes from, and the
+// value of an index. Any
 // thread; reads the cameras of the whole flight, so where processor time is fine. Errors: kInvalidArgument
 // (no place), kNotFound (no such flight, or no map yet), kCorrupt, kIo.
 #pragma once
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "api/http/router.h"
+#include "api/indices/index_look.h"
 #include "api/service.h"
 #include "core/geo/lat_lon.h"
 #include "core/pipeline/report/locate.h"
@@ -26,11 +28,12 @@ struct MapPoint {
   // nearly from above.
   std::optional<pipeline::Sighting> photo;
   bool is_photo_of_pixel = false;
+  std::optional<double> index_value;  // of the index that was asked for; absent: none was, or it has no value
 };
 
-Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const geo::LatLon& position);
-// As JSON text.
-std::string PointJson(const MapPoint& point);
+// `with_ground`: height and photo too, which take longer than all else.
+Result<MapPoint> LookAt(Service& service, const std::string& flight_id, const geo::LatLon& position,
+                        const std::optional<IndexLook>& look = std::nullopt, bool with_ground = true);
 
 void AddPointRoute(Router& router, Service& service);
 

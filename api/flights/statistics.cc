@@ -7,14 +7,17 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/flights/locate.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/indices/index_values.h"
 #include "api/json/json_text.h"
 #include "api/tiles/tiles.h"
 #include "core/base/try.h"
 #include "core/geo/geodesic_area.h"
 #include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
+#include "core/indices/value_summary.h"
 #include "storage/exports/custom/export_request.h"
 
 namespace skyquilt::api {
@@ -23,7 +26,6 @@ namespace {
 using StatisticsJson = nlohmann::ordered_json;
 
 constexpr std::array kBandNames = {"red", "green", "blue"};
-constexpr int kSolidAlpha = 128;  // what is more transparent is the map's fringe
 
 struct BandCount {
   std::array<std::int64_t, 256> histogram{};
@@ -63,14 +65,6 @@ std::optional<geo::Bounds2> CommonInMerc(const storage::Boundary& boundary,
   return geo::MercFromLatLonBounds(common);
 }
 
-// Square metres of ground under one of Web Mercator.
-double GroundPerMerc(double lat_deg) {
-  const double sin_lat = std::sin(geo::DegToRad(lat_deg));
-  const double along = geo::GroundMetresPerMercMetre(lat_deg);
-  const double w = 1.0 - geo::kWgs84EccentricitySquared * sin_lat * sin_lat;
-  return along * along * (1.0 - geo::kWgs84EccentricitySquared) / w;
-}
-
 class StatisticsCounter {
  public:
   StatisticsCounter(const storage::Tileset& tileset, const storage::Boundary& boundary, int zoom)
@@ -94,14 +88,14 @@ class StatisticsCounter {
         const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(side_px_) +
                         static_cast<std::size_t>(column);
         const std::uint8_t* pixel = picture.rgba.data() + 4 * at;
-        if (inside_[at] == 0 || pixel[3] < kSolidAlpha) continue;
+        if (inside_[at] == 0 || pixel[3] < kSolidMapAlpha) continue;
         ++in_row;
         for (std::size_t band = 0; band < kBandNames.size(); ++band) ++bands_[band].histogram[pixel[band]];
       }
       if (in_row == 0) continue;
       pixels_ += in_row;
       const double lat_deg = geo::LatLonFromMerc({0.0, top_m - (row + 0.5) * pixel_m_}).lat_deg;
-      covered_m2_ += static_cast<double>(in_row) * pixel_m_ * pixel_m_ * GroundPerMerc(lat_deg);
+      covered_m2_ += static_cast<double>(in_row) * pixel_m_ * pixel_m_ * GroundPerMercArea(lat_deg);
     }
     return {};
   }
@@ -125,6 +119,57 @@ class StatisticsCounter {
   double covered_m2_ = 0.0;
 };
 
+// The values of an index within a polygon.
+class IndexCounter {
+ public:
+  IndexCounter(Service& service, const storage::Tileset& tileset, const storage::Boundary& boundary, int zoom,
+               const IndexLook& look)
+      : service_(service),
+        tileset_(tileset),
+        look_(look),
+        side_px_(TileSizePx(tileset)),
+        mask_(boundary, zoom, side_px_) {}
+
+  Result<void> Add(const geo::TileId& tile) {
+    if (mask_.Mask(tile, inside_) == storage::Cover::kNone) return {};
+    SKYQUILT_TRY_ASSIGN(const IndexValues found,
+                        ValuesOfTile(service_, tileset_, look_.expression, tile, side_px_));
+    for (std::size_t i = 0; i < found.values.size(); ++i) {
+      if (inside_[i] != 0 && found.alphas[i] >= kSolidMapAlpha) values_.push_back(found.values[i]);
+    }
+    return {};
+  }
+
+  // Takes the values.
+  StatisticsJson Told() {
+    const indices::ValueSummary summary = indices::Summarise(std::move(values_));
+    StatisticsJson told = {{"title", look_.title}, {"expression", look_.text}, {"pixels", summary.count}};
+    for (const char* name : {"min", "max", "mean", "std"}) told[name] = nullptr;
+    told["percentiles"] = StatisticsJson::object();
+    for (std::size_t i = 0; i < summary.kPercents.size(); ++i) {
+      auto& percentile = told["percentiles"][fmt::format("p{}", indices::ValueSummary::kPercents[i])];
+      if (summary.count > 0) percentile = summary.percentiles[i];
+    }
+    if (summary.count > 0) {
+      told["min"] = summary.min;
+      told["max"] = summary.max;
+      told["mean"] = summary.mean;
+      told["std"] = summary.std;
+    }
+    told["histogram"] = summary.histogram;
+    return told;
+  }
+
+ private:
+  Service& service_;
+  const storage::Tileset& tileset_;
+  const IndexLook& look_;
+  const int side_px_;
+  const storage::BoundaryOnZoom mask_;
+  std::vector<std::uint8_t> inside_;
+  std::vector<float> values_;
+};
+
 // The outlines less their holes.
 double AreaOf(const storage::Boundary& boundary) {
   double area_m2 = 0.0;
@@ -135,9 +180,21 @@ double AreaOf(const storage::Boundary& boundary) {
   return std::max(area_m2, 0.0);
 }
 
+// How many pixels are looked at, as the request has it.
+Result<double> PixelsWanted(const Request& request) {
+  const auto text = request.Query("max_pixels");
+  if (!text) return kMaxPixels;
+  SKYQUILT_TRY_ASSIGN(const double wanted, NumberParameter(request, "max_pixels"));
+  if (wanted >= kMinPixels && wanted <= kMaxPixels) return wanted;
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("The parameter \"max_pixels\" is a number from {} to {}.", kMinPixels, kMaxPixels),
+               ""};
+}
+
 }  // namespace
 
-Result<std::string> MapStatistics(Service& service, const std::string& flight_id, std::string_view polygon) {
+Result<std::string> MapStatistics(Service& service, const std::string& flight_id, std::string_view polygon,
+                                  const std::optional<IndexLook>& look, double max_pixels) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
   SKYQUILT_TRY(CheckJsonText(polygon));
   SKYQUILT_TRY_ASSIGN(const storage::Boundary boundary, storage::ParseBoundary(polygon));
@@ -148,10 +205,15 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
   int zoom = revision.max_zoom;
   if (common) {
     const double area = (common->max.x() - common->min.x()) * (common->max.y() - common->min.y());
-    while (zoom > revision.min_zoom && area / std::pow(geo::PixelSizeInMercM(zoom, side_px), 2) > kMaxPixels)
+    while (zoom > revision.min_zoom && area / std::pow(geo::PixelSizeInMercM(zoom, side_px), 2) > max_pixels)
       --zoom;
   }
   StatisticsCounter counter(*tileset, boundary, zoom);
+  std::optional<IndexCounter> of_index;
+  if (look) {
+    SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
+    of_index.emplace(service, *tileset, boundary, zoom, *look);
+  }
   if (common) {
     const geo::TileId first = geo::TileId::AtMerc(zoom, {common->min.x(), common->max.y()});
     const geo::TileId last = geo::TileId::AtMerc(zoom, {common->max.x(), common->min.y()});
@@ -159,6 +221,7 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
       for (std::int64_t x = first.x(); x <= last.x(); ++x) {
         SKYQUILT_TRY_ASSIGN(const geo::TileId tile, geo::TileId::Make(zoom, x, y));
         SKYQUILT_TRY(counter.Add(tile));
+        if (of_index) SKYQUILT_TRY(of_index->Add(tile));
       }
     }
   }
@@ -169,7 +232,8 @@ Result<std::string> MapStatistics(Service& service, const std::string& flight_id
                     geo::GroundMetresPerMercMetre(boundary.Bounds().Middle().lat_deg);
   json["area_m2"] = AreaOf(boundary);
   counter.Tell(json);
-  return json.dump();
+  if (of_index) json["index"] = of_index->Told();
+  return json.dump(-1, ' ', false, StatisticsJson::error_handler_t::replace);
 }
 
 void AddStatisticsRoute(Router& router, Service& service) {
@@ -185,8 +249,13 @@ void AddStatisticsRoute(Router& router, Service& service) {
                ""},
               request);
         }
-        return CollectBody([&service, request](const std::string& body) {
-          const Result<std::string> told = MapStatistics(service, request.Parameter("flight"), body);
+        const Result<std::optional<IndexLook>> look = LookIn(request);
+        if (!look) return Problem(look.error(), request);
+        const Result<double> pixels = PixelsWanted(request);
+        if (!pixels) return Problem(pixels.error(), request);
+        return CollectBody([&service, request, look = *look, pixels = *pixels](const std::string& body) {
+          const Result<std::string> told =
+              MapStatistics(service, request.Parameter("flight"), body, look, pixels);
           return told ? Json(200, *told) : Problem(told.error(), request);
         });
       });

@@ -61,12 +61,18 @@ Result<std::string> Whole(BodySource& source) {
 
 }  // namespace
 
-bool TakesGzip(const Request& request) {
-  const std::string_view accepted = request.headers.Find("Accept-Encoding");
-  const std::size_t at = accepted.find("gzip");
-  if (at == std::string_view::npos) return false;
-  const std::string_view weight = accepted.substr(at, accepted.find(',', at) - at);
-  return weight.find("q=0") == std::string_view::npos || weight.find("q=0.") != std::string_view::npos;
+bool TakesCoding(const Request& request, std::string_view coding) {
+  std::string_view rest = request.headers.Find("Accept-Encoding");
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    std::string_view entry = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    entry.remove_prefix(std::min(entry.find_first_not_of(" \t"), entry.size()));
+    const std::string_view name = entry.substr(0, entry.find_first_of("; \t"));
+    if (!EqualsIgnoringCase(name, coding)) continue;
+    return entry.find("q=0") == std::string_view::npos || entry.find("q=0.") != std::string_view::npos;
+  }
+  return false;
 }
 
 Result<void> CompressAnswer(const Request& request, Response& response) {
@@ -77,7 +83,7 @@ Result<void> CompressAnswer(const Request& request, Response& response) {
   const std::uint64_t size = response.source != nullptr ? response.source->length() : response.body.size();
   if (size < kMinBytes || size > kMaxBytes) return {};
   response.headers.Add("Vary", "Accept-Encoding");
-  if (!TakesGzip(request) || request.headers.Has("Range")) return {};
+  if (!TakesCoding(request, "gzip") || request.headers.Has("Range")) return {};
   if (response.source != nullptr) {
     SKYQUILT_TRY_ASSIGN(response.body, Whole(*response.source));
     response.source.reset();

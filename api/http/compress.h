@@ -4,13 +4,15 @@
 // served. Errors: those of reading the file.
 #pragma once
 
+#include <string_view>
+
 #include "api/http/http_message.h"
 #include "core/base/result.h"
 
 namespace skyquilt::api {
 
-// By Accept-Encoding.
-bool TakesGzip(const Request& request);
+// By Accept-Encoding: "gzip", "br".
+bool TakesCoding(const Request& request, std::string_view coding);
 
 Result<void> CompressAnswer(const Request& request, Response& response);
 

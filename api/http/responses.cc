@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "api/http/etag.h"
 #include "api/json/json_text.h"
 #include "storage/db/ids.h"
 
@@ -37,6 +38,16 @@ Response Text(int status, std::string body, std::string content_type) {
   response.status = status;
   response.headers.Add("Content-Type", std::move(content_type));
   response.body = std::move(body);
+  return response;
+}
+
+Response Tagged(const Request& request, Response response) {
+  const std::string etag = StrongEtag(std::hash<std::string>()(response.body));
+  response.headers.Add("ETag", etag);
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    response.body.clear();
+  }
   return response;
 }
 

@@ -14,6 +14,8 @@ namespace skyquilt::api {
 Response Json(int status, std::string body);
 Response NoContent();
 Response Text(int status, std::string body, std::string content_type);
+// The same with a tag of its body, which is left out where the client has it.
+Response Tagged(const Request& request, Response response);
 
 inline constexpr std::size_t kMaxCollectedBytes = std::size_t{64} << 10;
 // Collects a body of at most `max_bytes` and hands it to `answer`.

@@ -88,9 +88,10 @@ Result<std::vector<std::pair<std::string, std::string>>> ParseQuery(std::string_
     if (query.size() == kMaxQueryItems) return Refuse("the query has too many items");
     const std::size_t equals = item.find('=');
     SKYQUILT_TRY_ASSIGN(std::string name, Decode(item.substr(0, equals), "/?", true));
-    SKYQUILT_TRY_ASSIGN(
-        std::string value,
-        Decode(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1), "/?", true));
+    // Brackets, which stand around the names of coordinate systems, browsers leave as they are.
+    SKYQUILT_TRY_ASSIGN(std::string value, Decode(equals == std::string_view::npos ? std::string_view()
+                                                                                   : item.substr(equals + 1),
+                                                  "/?[]", true));
     query.emplace_back(std::move(name), std::move(value));
   }
   return query;

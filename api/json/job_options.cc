@@ -9,6 +9,7 @@
 
 #include "api/json/json_text.h"
 #include "core/base/try.h"
+#include "storage/exports/custom/boundary.h"
 
 namespace skyquilt::api {
 namespace {
@@ -55,11 +56,13 @@ Result<void> SetMaxLook(const json& value, pipeline::MosaicOptions* options) {
 
 Result<void> SetFormat(const json& value, pipeline::MosaicOptions* options) {
   if (value == "auto") {
-    options->encoding = pipeline::TileEncoding::kJpegPng;
+    options->encoding = image::TileEncoding::kJpegWebp;
+  } else if (value == "jpeg-png") {
+    options->encoding = image::TileEncoding::kJpegPng;
   } else if (value == "webp") {
-    options->encoding = pipeline::TileEncoding::kWebp;
+    options->encoding = image::TileEncoding::kWebp;
   } else {
-    return Refuse("format", "must be \"auto\" or \"webp\"");
+    return Refuse("format", "must be \"auto\", \"jpeg-png\" or \"webp\"");
   }
   return {};
 }
@@ -133,6 +136,22 @@ Result<void> SetPlace(const json& value, pipeline::MosaicOptions* options) {
   return {};
 }
 
+Result<void> SetBoundary(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  SKYQUILT_TRY_ASSIGN(options->boundary, storage::ParseBoundary(value.dump()));
+  return {};
+}
+
+Result<void> SetTakeoffHeight(const json& value, pipeline::MosaicOptions* options) {
+  if (value.is_null()) return {};
+  if (!value.is_number()) return Refuse("takeoff_height_m", "must be a number of metres");
+  const auto height_m = value.get<double>();
+  if (!(height_m >= -500.0 && height_m <= 9000.0))
+    return Refuse("takeoff_height_m", "must lie between -500 and 9000 metres above sea level");
+  options->takeoff_height_amsl_m = height_m;
+  return {};
+}
+
 Result<void> SetLandedAtStart(const json& value, pipeline::MosaicOptions* options) {
   if (!value.is_boolean()) return Refuse("landed_at_start", "must be true or false");
   options->landed_at_start = value.get<bool>();
@@ -177,6 +196,10 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = SetMethod(value, &options);
     } else if (field == "origin") {
       set = SetOrigin(value, &options);
+    } else if (field == "boundary") {
+      set = SetBoundary(value, &options);
+    } else if (field == "takeoff_height_m") {
+      set = SetTakeoffHeight(value, &options);
     } else if (field == "landed_at_start") {
       set = SetLandedAtStart(value, &options);
     } else if (field == "place") {
@@ -187,7 +210,7 @@ Result<pipeline::MosaicOptions> ParseJobOptions(std::string_view text) {
       set = Refuse(
           field,
           "is not known; known are gsd_m, not_finer_than_photos, max_look_deg, readout_ms, format, quality, method, origin, "
-          "landed_at_start, place and layers");
+          "boundary, takeoff_height_m, landed_at_start, place and layers");
     }
     if (!set) return set.error();
   }

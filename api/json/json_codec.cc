@@ -93,13 +93,6 @@ const char* FlightState(const FlightView& view) {
   return view.flight.file_count > 0 ? "uploaded" : "empty";
 }
 
-// What nothing places is drawn around latitude 0, longitude 0: a place in the sea.
-bool LiesSomewhere(const geo::LatLonBounds& bounds) {
-  constexpr double kAroundZeroDeg = 0.1;
-  const std::array<double, 4> sides = bounds.ToArray();
-  return std::any_of(sides.begin(), sides.end(), [](double deg) { return std::abs(deg) >= kAroundZeroDeg; });
-}
-
 Result<ordered_json> ParseObject(std::string_view body) {
   if (body.find_first_not_of(" \t\r\n") == std::string_view::npos) return ordered_json::object();
   SKYQUILT_TRY(CheckJsonText(body));
@@ -141,6 +134,12 @@ Result<int> CheckedPriority(const ordered_json& value) {
 }
 
 }  // namespace
+
+bool LiesSomewhere(const geo::LatLonBounds& bounds) {
+  constexpr double kAroundZeroDeg = 0.1;
+  const std::array<double, 4> sides = bounds.ToArray();
+  return std::any_of(sides.begin(), sides.end(), [](double deg) { return std::abs(deg) >= kAroundZeroDeg; });
+}
 
 std::string FormatTime(storage::Time time) {
   const auto seconds = std::chrono::floor<std::chrono::seconds>(time);

@@ -37,6 +37,9 @@ struct FileOutcome {
   std::optional<Error> error;
 };
 
+// What nothing places is drawn around latitude 0, longitude 0: a place in the sea.
+bool LiesSomewhere(const geo::LatLonBounds& bounds);
+
 std::string FlightJson(const FlightView& view, storage::Time now);
 std::string JobJson(const storage::Job& job, storage::Time now);
 std::string FileJson(const storage::StoredFile& file);

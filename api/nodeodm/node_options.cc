@@ -45,7 +45,8 @@ Result<Value> TypedValue(const NodeOption& option, const Value& value) {
     return MustBe("true or false");
   }
   if (type == "string" || type == "enum") {
-    if (value.is_object() || value.is_array()) return MustBe("a text");
+    const bool is_json = std::string_view(option.domain) == "json" && value.is_object();
+    if ((value.is_object() && !is_json) || value.is_array()) return MustBe("a text");
     return Value(value.is_string() ? value.get<std::string>() : value.dump());
   }
   const std::optional<double> number = NumberFrom(value);
@@ -71,6 +72,12 @@ Result<Value> JobOptionsOf(const NodeOption& option, const Value& value) {
     if (centimetres < 0.0) return MustBe("between 0 and 10000 cm");
     if (centimetres == 0.0) return Value(Value::object());
     chosen = {{"gsd_m", std::max(centimetres / 100.0, kFinestGsdM)}, {"not_finer_than_photos", true}};
+  }
+  if (name == "boundary") {
+    if (value == "") return Value(Value::object());
+    const Value area = Value::parse(value.get<std::string>(), nullptr, false);
+    if (!area.is_object()) return MustBe("a GeoJSON polygon");
+    chosen = {{"boundary", area}};
   }
   if (name == "readout_ms" && value == 0) return Value(Value::object());
   SKYQUILT_TRY(ParseJobOptions(chosen.dump(-1, ' ', false, Value::error_handler_t::replace)));

@@ -50,6 +50,14 @@ int QualityIn(std::string_view parameters) {
 
 }  // namespace
 
+bool NamesType(std::string_view accept, std::string_view type) {
+  while (!accept.empty()) {
+    std::string_view parameters = TakeUntil(',', accept);
+    if (EqualsIgnoringCase(TakeUntil(';', parameters), type)) return QualityIn(parameters) > 0;
+  }
+  return false;
+}
+
 int AcceptedQuality(std::string_view accept, std::string_view type) {
   if (Trimmed(accept).empty()) return kFull;
   int closest = 0;

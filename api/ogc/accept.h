@@ -1,6 +1,7 @@
 // AcceptedQuality: how much a client wants a media type, by its Accept header (RFC 9110 12.5.1), in
 // thousandths; 0: it does not take it. The closest range counts; without a header everything is welcome.
-// Pure.
+// NamesType: whether it stands there itself, not within a range: many who send "*/*" mean what they have
+// known for long. Pure.
 #pragma once
 
 #include <string_view>
@@ -8,5 +9,6 @@
 namespace skyquilt::api {
 
 int AcceptedQuality(std::string_view accept, std::string_view type);
+bool NamesType(std::string_view accept, std::string_view type);
 
 }  // namespace skyquilt::api

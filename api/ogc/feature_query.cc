@@ -76,6 +76,12 @@ Result<geo::LatLonBounds> ParseBbox(std::string_view text) {
   return BboxOf(numbers);
 }
 
+std::array<double, 4> GeoJsonBbox(const geo::LatLonBounds& bounds) {
+  const auto& [west, south, east, north] = bounds;
+  if (east - west >= 360.0) return {-180.0, south, 180.0, north};
+  return {west, south, east > 180.0 ? east - 360.0 : east, north};
+}
+
 bool BoxesMeet(const geo::LatLonBounds& a, const geo::LatLonBounds& b) {
   if (a.south_deg > b.north_deg || a.north_deg < b.south_deg) return false;
   return std::ranges::any_of(std::array{-360.0, 0.0, 360.0}, [&](double turn_deg) {

@@ -2,6 +2,7 @@
 // kInvalidArgument, with the parameter and what to write instead.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,8 @@ Result<TimeSpan> ParseTimeSpan(std::string_view text);
 // beyond its east goes across the antimeridian: its east is beyond 180 then.
 Result<geo::LatLonBounds> ParseBbox(std::string_view text);
 Result<geo::LatLonBounds> BboxOf(const std::vector<double>& numbers);
+// The way back: across the antimeridian the east is west of the west (RFC 7946, section 5.2).
+std::array<double, 4> GeoJsonBbox(const geo::LatLonBounds& bounds);
 bool BoxesMeet(const geo::LatLonBounds& a, const geo::LatLonBounds& b);
 
 // 1 and more; what is above `most` means as many as there may be.

@@ -20,17 +20,33 @@ std::vector<int> TileSizesOf(int stored_size_px) {
   return {kUsualTilePx, stored_size_px};
 }
 
-Result<int> MapView::SizeOfSet(std::string_view matrix_set) const {
+std::string MapSet::name() const { return grid ? grid->name() : MatrixSetName(side_px); }
+
+std::vector<MapSet> MapView::sets() const {
+  std::vector<MapSet> sets;
+  for (const int side_px : tile_sizes_px()) sets.push_back({side_px});
+  for (const MapGrid& grid : GridsOf(revision())) sets.push_back({MapGrid::kTilePx, grid});
+  return sets;
+}
+
+Result<MapSet> MapView::SetNamed(std::string_view matrix_set) const {
   std::string names;
-  for (const int side_px : tile_sizes_px()) {
-    const std::string known = MatrixSetName(side_px);
-    if (known == matrix_set) return side_px;
-    names += (names.empty() ? "" : " and ") + known;
+  for (const MapSet& set : sets()) {
+    const std::string known = set.name();
+    if (known == matrix_set) return set;
+    names += (names.empty() ? "" : ", ") + known;
   }
   return Error{ErrorCode::kNotFound, "The tile matrix sets of this map: " + names + ".", ""};
 }
 
 std::string MapView::Link(std::string_view path) const { return WithToken(base_url, path, token); }
+
+MapView Nowhere(const Request& request) {
+  MapView view;
+  view.base_url = request.base_url;
+  view.token = TokenInQuery(request);
+  return view;
+}
 
 Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id) {
   SKYQUILT_TRY(CheckId(flight_id, "flight"));
@@ -96,6 +112,12 @@ std::string XmlText(std::string_view text) {
     }
   }
   return escaped;
+}
+
+Response OgcDocument(std::string json) {
+  Response response = Text(200, std::move(json), "application/json");
+  response.headers.Add("Cache-Control", "no-cache");
+  return response;
 }
 
 Response Xml(std::string body, const char* content_type) {

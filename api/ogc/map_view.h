@@ -3,10 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "api/grids/map_grid.h"
 #include "api/http/http_message.h"
 #include "api/service.h"
 
@@ -17,6 +19,18 @@ inline const std::string kOgcRel = "http://www.opengis.net/def/rel/ogc/1.0/";
 
 // The side of a pixel as OGC has it in scale denominators.
 inline constexpr double kOgcPixelM = 0.00028;
+
+inline constexpr const char* kMercatorUri = "http://www.opengis.net/def/crs/EPSG/0/3857";
+inline constexpr const char* kCrs84Uri = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
+
+// A tile matrix set that a map is to be had in: Web Mercator's with tiles of this side, or a grid that its
+// tiles are resampled to.
+struct MapSet {
+  int side_px = 256;
+  std::optional<MapGrid> grid = std::nullopt;
+
+  std::string name() const;
+};
 
 struct MapView {
   std::string id;  // of the flight
@@ -30,12 +44,16 @@ struct MapView {
   int tile_size_px() const;
   // Of the tiles to be had: 256 first, which every program knows, then that of the stored ones.
   std::vector<int> tile_sizes_px() const;
-  // Of the tiles of a matrix set. kNotFound, with those that there are.
-  Result<int> SizeOfSet(std::string_view matrix_set) const;
+  // Web Mercator's first.
+  std::vector<MapSet> sets() const;
+  // kNotFound, with those that there are.
+  Result<MapSet> SetNamed(std::string_view matrix_set) const;
   // base_url + path, with the token.
   std::string Link(std::string_view path) const;
 };
 
+// One whose answers need no tileset opened: for links alone.
+MapView Nowhere(const Request& request);
 // Errors: kNotFound (no such flight, or no map yet) and the catalogue's.
 Result<MapView> FindMap(Service& service, const Request& request, const std::string& flight_id);
 
@@ -56,6 +74,8 @@ std::vector<int> TileSizesOf(int stored_size_px);
 std::string MatrixSetName(int tile_size_px);
 
 std::string XmlText(std::string_view text);
+// Which is not kept.
+Response OgcDocument(std::string json);
 Response Xml(std::string body, const char* content_type = "application/xml");
 
 // An OWS or WMS parameter by its name, whatever its case.

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "api/ogc/accept.h"
+#include "core/base/check.h"
+#include "core/base/try.h"
 
 namespace skyquilt::api {
 namespace {
@@ -22,12 +24,21 @@ std::optional<PictureFormat> TileFormatNamed(std::string_view name) {
   return std::nullopt;
 }
 
-// Maps hold JPEG within and PNG at their edge, or WebP throughout.
+// Maps hold JPEG within and WebP or PNG at their edge, or WebP throughout.
 bool TakesAsStored(std::string_view accept, const storage::Tileset& tileset) {
-  const auto& metadata = tileset.reader->metadata();
-  const auto stored = metadata.find("format");
-  if (stored != metadata.end() && stored->second == "webp") return AcceptedQuality(accept, "image/webp") > 0;
-  return AcceptedQuality(accept, "image/png") > 0 && AcceptedQuality(accept, "image/jpeg") > 0;
+  const bool takes_webp = AcceptedQuality(accept, "image/webp") > 0,
+             takes_png = AcceptedQuality(accept, "image/png") > 0,
+             takes_jpeg = AcceptedQuality(accept, "image/jpeg") > 0;
+  switch (storage::EncodingOf(tileset.reader->metadata())) {
+    case image::TileEncoding::kWebp:
+      return takes_webp;
+    case image::TileEncoding::kJpegWebp:
+      // Who does not name WebP gets PNG at the edge.
+      return takes_jpeg && (takes_png || NamesType(accept, "image/webp"));
+    case image::TileEncoding::kJpegPng:
+      return takes_jpeg && takes_png;
+  }
+  SKYQUILT_CHECK(false, "an encoding outside the list");
 }
 
 }  // namespace
@@ -59,14 +70,13 @@ Result<void> CheckTakesGeoJson(const Request& request) {
                "Features are there as GeoJSON: ask for f=json or with \"Accept: application/geo+json\".", ""};
 }
 
-Result<std::optional<PictureFormat>> TileFormatFor(const Request& request, const storage::Tileset& tileset) {
+Result<PictureFormat> PictureFormatFor(const Request& request) {
   if (const auto wanted = request.Query("f")) {
     const std::optional<PictureFormat> format = TileFormatNamed(*wanted);
-    if (format) return format;
-    return Error{ErrorCode::kNotAcceptable, "Tiles are there with f=png, f=jpeg and f=webp.", ""};
+    if (format) return *format;
+    return Error{ErrorCode::kNotAcceptable, "Pictures are there with f=png, f=jpeg and f=webp.", ""};
   }
   const std::string_view accept = request.headers.Find("Accept");
-  if (TakesAsStored(accept, tileset)) return std::optional<PictureFormat>();
   std::optional<PictureFormat> best;
   int most = 0;
   for (const PictureFormat format : kTileFormats) {
@@ -74,8 +84,15 @@ Result<std::optional<PictureFormat>> TileFormatFor(const Request& request, const
     if (quality > most) best = format;
     most = std::max(most, quality);
   }
-  if (best) return best;
-  return Error{ErrorCode::kNotAcceptable, "Tiles are there as image/png, image/jpeg and image/webp.", ""};
+  if (best) return *best;
+  return Error{ErrorCode::kNotAcceptable, "Pictures are there as image/png, image/jpeg and image/webp.", ""};
+}
+
+Result<std::optional<PictureFormat>> TileFormatFor(const Request& request, const storage::Tileset& tileset) {
+  if (!request.Query("f") && TakesAsStored(request.headers.Find("Accept"), tileset))
+    return std::optional<PictureFormat>();
+  SKYQUILT_TRY_ASSIGN(const PictureFormat format, PictureFormatFor(request));
+  return std::optional(format);
 }
 
 }  // namespace skyquilt::api

@@ -14,6 +14,8 @@ namespace skyquilt::api {
 Result<void> CheckTakesJson(const Request& request);
 // Lists of features as GeoJSON.
 Result<void> CheckTakesGeoJson(const Request& request);
+// Of a picture that is made for the request: PNG where the client does not care.
+Result<image::PictureFormat> PictureFormatFor(const Request& request);
 // Absent: as stored, which the client takes.
 Result<std::optional<image::PictureFormat>> TileFormatFor(const Request& request,
                                                           const storage::Tileset& tileset);

@@ -68,6 +68,12 @@ std::string Metrics::Text(const storage::JobCounts& jobs) const {
   state("successful", jobs.successful);
   state("failed", jobs.failed);
   state("dismissed", jobs.dismissed);
+  fmt::format_to(
+      out,
+      "# HELP skyquilt_units Units of jobs that are cut, by state; those that are done are not counted.\n"
+      "# TYPE skyquilt_units gauge\n"
+      "skyquilt_units{{state=\"waiting\"}} {}\nskyquilt_units{{state=\"running\"}} {}\n",
+      jobs.waiting_units, jobs.running_units);
   return text;
 }
 

@@ -76,6 +76,7 @@ Result<WholeExtent> ExtentOfAll(Service& service, const Request& request) {
   do {
     SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, kRowsAtOnce, cursor));
     for (const storage::ShownFlight& map : page.maps) {
+      if (!LiesSomewhere(map.revision.bounds)) continue;
       if (whole.bounds) whole.bounds->Include(map.revision.bounds);
       if (!whole.bounds) whole.bounds = map.revision.bounds;
       const auto times = CaptureTimesOf(map.revision);
@@ -107,7 +108,7 @@ Result<StacJson> TheCollection(Service& service, const Request& request) {
   collection["description"] = "The finished map of each flight";
   collection["license"] = "proprietary";
   collection["extent"] = {
-      {"spatial", {{"bbox", StacJson::array({bounds.ToArray()})}}},
+      {"spatial", {{"bbox", StacJson::array({GeoJsonBbox(bounds)})}}},
       {"temporal",
        {{"interval",
          StacJson::array({StacJson::array({time_or_null(whole.first), time_or_null(whole.last)})})}}}};

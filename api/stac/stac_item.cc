@@ -24,6 +24,20 @@ bool HasPmtiles(storage::BlobStore& blobs, const storage::ShownFlight& map) {
          blobs.Find(storage::RevisionPrefix(map.flight_id, map.revision.revision) + "mosaic.pmtiles").ok();
 }
 
+ItemJson Rectangle(double west, double south, double east, double north) {
+  const ItemJson ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
+  return ItemJson::array({ring});
+}
+
+// Across the antimeridian one rectangle on either side of it (RFC 7946, section 3.1.9).
+ItemJson GeometryOf(const geo::LatLonBounds& bounds) {
+  const auto& [west, south, east, north] = bounds;
+  if (east <= 180.0) return {{"type", "Polygon"}, {"coordinates", Rectangle(west, south, east, north)}};
+  return {{"type", "MultiPolygon"},
+          {"coordinates", ItemJson::array({Rectangle(west, south, 180.0, north),
+                                           Rectangle(-180.0, south, east - 360.0, north)})}};
+}
+
 ItemJson PropertiesOf(const storage::ShownFlight& map) {
   const std::string created = FormatTime(map.revision.created);
   ItemJson properties = {{"title", map.name},
@@ -50,8 +64,6 @@ std::string StacItemId(const storage::ShownFlight& map) {
 std::string StacItem(const Request& request, storage::BlobStore& blobs, const storage::ShownFlight& map) {
   const std::string& id = map.flight_id;
   const auto to = [&](const std::string& path) { return LinkTo(request, path); };
-  const auto& [west, south, east, north] = map.revision.bounds;
-  const ItemJson ring = {{west, south}, {east, south}, {east, north}, {west, north}, {west, south}};
   ItemJson item;
   item["type"] = "Feature";
   item["stac_version"] = "1.0.0";
@@ -59,8 +71,8 @@ std::string StacItem(const Request& request, storage::BlobStore& blobs, const st
                              "https://stac-extensions.github.io/web-map-links/v1.1.0/schema.json"};
   item["id"] = StacItemId(map);
   item["collection"] = kStacCollection;
-  item["bbox"] = map.revision.bounds.ToArray();
-  item["geometry"] = {{"type", "Polygon"}, {"coordinates", ItemJson::array({ring})}};
+  item["bbox"] = GeoJsonBbox(map.revision.bounds);
+  item["geometry"] = GeometryOf(map.revision.bounds);
   item["properties"] = PropertiesOf(map);
   const std::string collection = std::string("/stac/collections/") + kStacCollection;
   ItemJson links = ItemJson::array();

@@ -133,6 +133,7 @@ bool StacSearch::Finds(const storage::ShownFlight& map) const {
   if (collections && !has(*collections, kStacCollection)) return false;
   const std::string id = fmt::format("{}-r{}", map.flight_id, map.revision.revision);
   if (ids && !has(*ids, id) && !has(*ids, map.flight_id)) return false;
+  if (!LiesSomewhere(map.revision.bounds)) return false;
   if (bbox && !BoxesMeet(*bbox, map.revision.bounds)) return false;
   if (datetime) {
     const std::string made = FormatTime(map.revision.created);

@@ -1,8 +1,10 @@
-// RenderWindow: any window of a tileset as pixels, at any size: what WMS and 512-pixel tiles need. Bilinear
-// with premultiplied alpha; where the window's pixels are the map's own, their values are exactly those of
-// the tiles. Memory: the window and one row of tiles. Any thread. Errors: kCorrupt, kIo.
+// RenderWindow: any window of a tileset as pixels, at any size: what WMS, OGC API Maps, tiles of other grids
+// and 512-pixel tiles need. Bilinear with premultiplied alpha; where the window's pixels are the map's own,
+// their values are exactly those of the tiles. Memory: the window and one row of tiles; of a window in
+// another coordinate system, warped_window.h has it. Any thread. Errors: kCorrupt, kIo.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 
 #include "core/image/rgba_image.h"
@@ -17,7 +19,14 @@ struct MapWindow {
   std::function<double(int column)> x_in_merc;
   std::function<double(int row)> y_in_merc;
   double pixel_m = 1.0;  // in merc; chooses the zoom
+  // Of a window whose rows and columns do not run along merc, instead of the two above: the merc coordinates
+  // of a place counted in pixels from the upper left corner, so that the middle of the first one is at 0.5,
+  // 0.5. Not a number where the window shows no place on Earth.
+  std::function<Eigen::Vector2d(double column, double row)> merc_of = nullptr;
 };
+
+// One pixel: the one of the finest zoom that a place lies in.
+MapWindow WindowOfFinestPixel(const storage::Tileset& tileset, const Eigen::Vector2d& merc);
 
 Result<image::RgbaImage> RenderWindow(const storage::Tileset& tileset, const MapWindow& window);
 

@@ -26,20 +26,21 @@ std::optional<image::PictureFormat> ParseExtension(std::string_view extension) {
 
 }  // namespace
 
-Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::string_view y_and_extension) {
-  TilePath path;
+Result<TileNumbers> ParseTileNumbers(std::string_view z, std::string_view x,
+                                     std::string_view y_and_extension) {
+  TileNumbers numbers;
   const std::size_t dot = y_and_extension.find('.');
   if (dot != std::string_view::npos) {
-    path.format = ParseExtension(y_and_extension.substr(dot + 1));
-    if (!path.format) {
+    numbers.format = ParseExtension(y_and_extension.substr(dot + 1));
+    if (!numbers.format) {
       return Error{ErrorCode::kInvalidArgument,
                    "A tile is asked for as .jpg, .png, .webp or without extension.", ""};
     }
   }
   std::string_view y = y_and_extension.substr(0, dot);
   constexpr std::string_view kDouble = "@2x";
-  path.is_double = y.ends_with(kDouble);
-  if (path.is_double) y.remove_suffix(kDouble.size());
+  numbers.is_double = y.ends_with(kDouble);
+  if (numbers.is_double) y.remove_suffix(kDouble.size());
   const std::optional<std::int64_t> zoom = ParseTileNumber(z);
   const std::optional<std::int64_t> column = ParseTileNumber(x);
   const std::optional<std::int64_t> row = ParseTileNumber(y);
@@ -47,8 +48,18 @@ Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::stri
     return Error{ErrorCode::kInvalidArgument, "A tile's address is three plain numbers: zoom/column/row.",
                  ""};
   }
-  SKYQUILT_TRY_ASSIGN(const geo::TileId tile, geo::TileId::Make(*zoom, *column, *row));
-  path.tile = tile;
+  numbers.z = *zoom;
+  numbers.x = *column;
+  numbers.y = *row;
+  return numbers;
+}
+
+Result<TilePath> ParseTilePath(std::string_view z, std::string_view x, std::string_view y_and_extension) {
+  SKYQUILT_TRY_ASSIGN(const TileNumbers numbers, ParseTileNumbers(z, x, y_and_extension));
+  TilePath path;
+  SKYQUILT_TRY_ASSIGN(path.tile, geo::TileId::Make(numbers.z, numbers.x, numbers.y));
+  path.format = numbers.format;
+  path.is_double = numbers.is_double;
   return path;
 }
 

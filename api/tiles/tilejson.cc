@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "api/auth/flight_access.h"
-#include "api/http/etag.h"
 #include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/indices/index_values.h"
 #include "api/json/json_codec.h"
 #include "api/ogc/feature_query.h"
 #include "api/tiles/cut_tile.h"
@@ -31,6 +31,8 @@ struct ShownMap {
   int tile_size_px = 256;
   std::string
       below;  // what stands between the flight and the zoom: "", a layer's name or a size, with its '/'
+  std::string ending = {};      // of the row: ".png", or nothing
+  std::string parameters = {};  // behind the revision: "&index=ndvi", or nothing
 };
 
 Value Document(const Request& request, const std::string& flight_id, const std::string& flight_name,
@@ -42,8 +44,9 @@ Value Document(const Request& request, const std::string& flight_id, const std::
   document["name"] = flight_name;
   document["version"] = shown.version;
   document["scheme"] = "xyz";
-  document["tiles"] = {LinkTo(
-      request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}?rev={}", flight_id, shown.below, shown.revision))};
+  document["tiles"] = {
+      LinkTo(request, fmt::format("/tiles/{}/{}{{z}}/{{x}}/{{y}}{}?rev={}{}", flight_id, shown.below,
+                                  shown.ending, shown.revision, shown.parameters))};
   document["bounds"] = shown.bounds.ToArray();
   document["center"] = {(west + east) / 2, (south + north) / 2, center_zoom};
   document["minzoom"] = shown.min_zoom;
@@ -54,6 +57,30 @@ Value Document(const Request& request, const std::string& flight_id, const std::
 
 Value Document(const Request& request, const storage::Flight& flight, const ShownMap& shown) {
   return Document(request, flight.id, flight.name, shown);
+}
+
+// What an index looks like, and where its legend is.
+Value IndexEntry(const Request& request, const std::string& flight_id, const IndexLook& look) {
+  Value entry = {{"title", look.title},
+                 {"expression", look.text},
+                 {"rescale", {look.least, look.most}},
+                 {"colormap", look.ramp_name}};
+  if (!look.name.empty()) entry["id"] = look.name;
+  entry["legend"] = LinkTo(request, fmt::format("/api/v1/flights/{}/legend.svg?{}", flight_id, look.Query()));
+  return entry;
+}
+
+// Which bands a map has, and the indices that can be made of them.
+void AddIndices(Service& service, const Request& request, const storage::Tileset& tileset, Value& document) {
+  const std::vector<std::string> bands = BandsAtHand(service, tileset);
+  document["bands"] = bands;
+  document["indices"] = Value::array();
+  for (const indices::SpectralIndex* index : indices::IndicesOf(bands)) {
+    Value entry = IndexEntry(request, tileset.flight_id, LookOf(*index));
+    entry["tilejson"] =
+        LinkTo(request, fmt::format("/tiles/{}.json?index={}", tileset.flight_id, index->name));
+    document["indices"].push_back(std::move(entry));
+  }
 }
 
 // By its stored tiles, or by those of 256 pixels that are cut from them.
@@ -75,12 +102,24 @@ Result<Value> MapDocument(Service& service, const Request& request, const storag
     shown.tile_size_px = kUsualTilePx;
     shown.below = fmt::format("{}/", kUsualTilePx);
   }
+  SKYQUILT_TRY_ASSIGN(const std::optional<IndexLook> look, LookIn(request));
+  if (look) {
+    SKYQUILT_TRY(CheckBands(service, *tileset, look->expression));
+    shown.ending = ".png";
+    shown.parameters = "&" + look->Query();
+  }
   Value document = Document(request, flight, shown);
   const auto& metadata = tileset->reader->metadata();
   for (const char* key : {"attribution", "description"}) {
     const auto found = metadata.find(key);
     if (found != metadata.end() && !found->second.empty()) document[key] = found->second;
   }
+  if (look) {
+    document["name"] = fmt::format("{}, {}", flight.name, look->title);
+    document["index"] = IndexEntry(request, flight.id, *look);
+    return document;
+  }
+  AddIndices(service, request, *tileset, document);
   for (const auto& [layer, reader] : tileset->layers) {
     const char* name = render::NameOf(layer);
     document["layers"].push_back(
@@ -131,9 +170,9 @@ Result<Value> LayerDocument(Service& service, const Request& request, const stor
 
 // TileJSON of all maps, newest first, as tileserver-gl lists them: what a page needs to offer them.
 Result<Response> TileIndex(Service& service, const Request& request) {
-  constexpr int kMaxListed = 1000;
+  constexpr int kMaxIndexed = 1000;
   SKYQUILT_TRY_ASSIGN(const int limit,
-                      ParseLimit(request.Query("limit").value_or(""), kMaxListed, kMaxListed));
+                      ParseLimit(request.Query("limit").value_or(""), kMaxIndexed, kMaxIndexed));
   std::optional<std::string> cursor;
   if (const auto given = request.Query("cursor")) {
     if (!storage::IsId(*given))
@@ -143,7 +182,7 @@ Result<Response> TileIndex(Service& service, const Request& request) {
   SKYQUILT_TRY_ASSIGN(const storage::MapPage page, ListVisibleMaps(service, request, limit, cursor));
   Value list = Value::array();
   for (const storage::ShownFlight& map : page.maps) {
-    const Result<TileFacts> tiles = service.tile_facts.Of(service.tilesets, map);
+    const Result<TileFacts> tiles = service.tile_facts.Of(service, map);
     if (!tiles) continue;  // deleted meanwhile, or damaged: its own address says so
     const storage::Revision& revision = map.revision;
     list.push_back(Document(request, map.flight_id, map.name,
@@ -194,13 +233,7 @@ Result<Response> TileJson(Service& service, const Request& request, const std::s
   Response response =
       Text(200, document.dump(-1, ' ', false, Value::error_handler_t::replace), "application/json");
   response.headers.Add("Cache-Control", "no-cache");
-  const std::string etag = StrongEtag(std::hash<std::string>()(response.body));
-  response.headers.Add("ETag", etag);
-  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
-    response.status = 304;
-    response.body.clear();
-  }
-  return response;
+  return Tagged(request, std::move(response));
 }
 
 }  // namespace

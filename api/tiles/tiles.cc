@@ -4,18 +4,18 @@
 
 #include <algorithm>
 #include <charconv>
-#include <functional>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
+#include "api/indices/index_values.h"
 #include "api/json/json_codec.h"
+#include "api/ogc/accept.h"
 #include "api/tiles/cut_tile.h"
 #include "api/tiles/map_window.h"
+#include "api/tiles/tile_answer.h"
 #include "api/tiles/tile_path.h"
 #include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
@@ -25,73 +25,11 @@
 namespace skyquilt::api {
 namespace {
 
-constexpr const char* kRevalidated = "public, max-age=60, must-revalidate";
 constexpr const char* kGrowing = "no-cache";  // a preview: another edition may come any moment
 constexpr const char* kEnded = "no-store";  // what was asked for is no more, and nothing is to be kept of it
-constexpr const char* kImmutable = "public, max-age=31536000, immutable";
-
-Result<EmptyTile> ParseEmptyTile(const Request& request, EmptyTile otherwise) {
-  const auto wanted = request.Query("empty");
-  if (!wanted) return otherwise;
-  if (*wanted == "blank") return EmptyTile::kBlank;
-  if (*wanted == "204") return EmptyTile::kNoContent;
-  if (*wanted == "404") return EmptyTile::kNotFound;
-  return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404.", ""};
-}
 
 bool Touches(const geo::TileId& tile, const storage::Revision& revision) {
   return tile.BoundsInMerc().Intersects(geo::MercFromLatLonBounds(revision.bounds));
-}
-
-// Not on this thread: the request is repeated where such work is done.
-Response DeferTo(Work work) {
-  Response response;
-  response.wants = work;
-  return response;
-}
-
-// Made once for each size that occurs (256 and 512 as a rule). Null: it is still to be made, but not here.
-const std::string* BlankTile(int side_px, Work work) {
-  static std::mutex mutex;
-  static std::map<int, std::string> made;
-  {
-    const std::lock_guard lock(mutex);
-    const auto found = made.find(side_px);
-    if (found != made.end()) return &found->second;
-  }
-  if (work < Work::kCompute) return nullptr;
-  std::string png = TransparentPng(side_px);
-  const std::lock_guard lock(mutex);
-  return &made.try_emplace(side_px, std::move(png)).first->second;
-}
-
-// An address that names the revision it shows never changes its bytes.
-const char* CacheControl(const Request& request, const storage::Tileset& tileset) {
-  const auto revision = request.Query("rev");
-  return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
-}
-
-Result<Response> Blank(const Request& request, const TileRequest& wanted, int side_px,
-                       const char* cache_control) {
-  SKYQUILT_TRY_ASSIGN(const EmptyTile empty, ParseEmptyTile(request, wanted.empty));
-  if (empty == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
-  Response response;
-  response.headers.Add("Cache-Control", cache_control);
-  if (empty == EmptyTile::kNoContent) {
-    response.status = 204;
-    return response;
-  }
-  const std::string etag = "\"blank-" + std::to_string(side_px) + "\"";
-  response.headers.Add("ETag", etag);
-  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
-    response.status = 304;
-    return response;
-  }
-  const std::string* png = BlankTile(std::min(side_px, image::kMaxPictureSidePx), request.work);
-  if (png == nullptr) return DeferTo(Work::kCompute);
-  response.headers.Add("Content-Type", "image/png");
-  response.body = *png;
-  return response;
 }
 
 // Made of the four tiles below it, or enlarged where there are none.
@@ -107,37 +45,21 @@ Result<std::string> MakeDoubleTile(const storage::Tileset& tileset, const geo::T
   return EncodeTile(std::move(pixels), format);
 }
 
-// From those that were made before, or made here if this is the place. Null: it is not.
-Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Request& request,
-                                                      const storage::MadeTileKey& key,
-                                                      const std::function<Result<std::string>()>& make) {
-  if (request.work < Work::kCompute) return service.made_tiles.Find(key);
-  return service.made_tiles.Get(key, make);
+Error TooLargeToDouble() {
+  return {ErrorCode::kNotFound, "The tiles of this map are so large that there are none of twice the size.",
+          ""};
 }
 
 Result<Response> DoubleTile(Service& service, const Request& request, const storage::Tileset& tileset,
                             const TileRequest& wanted) {
-  if (2 * TileSizePx(tileset) > image::kMaxPictureSidePx) {
-    return Error{ErrorCode::kNotFound,
-                 "The tiles of this map are so large that there are none of twice the size.", ""};
-  }
+  if (2 * TileSizePx(tileset) > image::kMaxPictureSidePx) return TooLargeToDouble();
   const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
   SKYQUILT_TRY_ASSIGN(
       const auto made,
       Made(service, request, {tileset.flight_id, tileset.revision.revision, wanted.tile, format, 2},
            [&] { return MakeDoubleTile(tileset, wanted.tile, format); }));
   if (made == nullptr) return DeferTo(Work::kCompute);
-  Response response;
-  const std::string etag = StrongEtag(made->digest, "2x");
-  response.headers.Add("Cache-Control", CacheControl(request, tileset));
-  response.headers.Add("ETag", etag);
-  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
-    response.status = 304;
-    return response;
-  }
-  response.headers.Add("Content-Type", image::ContentTypeOf(format));
-  response.body = made->bytes;
-  return response;
+  return AnswerMade(request, tileset, *made, format, "2x");
 }
 
 // The format in Accept, where the address has none: an exact image type, or else as stored.
@@ -159,7 +81,17 @@ struct ShownTiles {
   const storage::Tileset* tileset;  // absent: a preview, which grows, so that nothing made of it is kept
   const char* cache_control;
   int depth = 0;  // zooms that what is asked for lies deeper than what is stored
+  // Stored tiles that are WebP are to be PNG.
+  bool is_without_webp = false;
 };
+
+// Nothing where the stored bytes are of no known format: they are sent as they are.
+std::optional<image::PictureFormat> SentFormat(const TileRequest& wanted, const ShownTiles& shown,
+                                               std::optional<image::PictureFormat> stored) {
+  if (!stored) return std::nullopt;
+  if (wanted.format) return wanted.format;
+  return shown.is_without_webp && stored == image::PictureFormat::kWebp ? image::PictureFormat::kPng : stored;
+}
 
 // A tile as it is stored, or in the format asked for.
 Result<Response> Stored(Service& service, const Request& request, const TileRequest& wanted,
@@ -167,7 +99,10 @@ Result<Response> Stored(Service& service, const Request& request, const TileRequ
   Response response;
   response.headers.Add("Cache-Control", shown.cache_control);
   // The format asked for is part of the tag: the same content has other bytes in another format.
-  std::string etag = StrongEtag(found.content_id, wanted.format ? image::ExtensionOf(*wanted.format) : "");
+  const char* variant = wanted.format           ? image::ExtensionOf(*wanted.format)
+                        : shown.is_without_webp ? "nowebp"
+                                                : "";
+  std::string etag = StrongEtag(found.content_id, variant);
   const bool is_known = EtagListMatches(request.headers.Find("If-None-Match"), etag);
   response.headers.Add("ETag", std::move(etag));
   if (is_known) {
@@ -177,18 +112,19 @@ Result<Response> Stored(Service& service, const Request& request, const TileRequ
   SKYQUILT_TRY_ASSIGN(std::string bytes,
                       found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
   const std::optional<image::PictureFormat> stored = image::PictureFormatOf(bytes);
-  if (wanted.format && stored && *wanted.format != *stored) {
-    response.headers.Add("Content-Type", image::ContentTypeOf(*wanted.format));
+  const std::optional<image::PictureFormat> sent = SentFormat(wanted, shown, stored);
+  if (sent != stored) {
+    response.headers.Add("Content-Type", image::ContentTypeOf(*sent));
     if (shown.tileset == nullptr) {
       if (request.work < Work::kCompute) return DeferTo(Work::kCompute);
-      SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *wanted.format));
+      SKYQUILT_TRY_ASSIGN(std::string converted, TranscodeTile(bytes, *sent));
       response.body = std::move(converted);
       return response;
     }
     const storage::MadeTileKey key{shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile,
-                                   *wanted.format, 1};
+                                   *sent, 1};
     SKYQUILT_TRY_ASSIGN(const auto made,
-                        Made(service, request, key, [&] { return TranscodeTile(bytes, *wanted.format); }));
+                        Made(service, request, key, [&] { return TranscodeTile(bytes, *sent); }));
     if (made == nullptr) return DeferTo(Work::kCompute);
     response.body = made->bytes;
     return response;
@@ -203,7 +139,9 @@ Result<Response> Cut(Service& service, const Request& request, const TileRequest
                      storage::FoundTile found, const ShownTiles& shown, const TileCut& cut) {
   const std::string etag =
       StrongEtag(found.content_id, fmt::format("{}-{}-{}{}", cut.side_px, cut.left_px, cut.top_px,
-                                               wanted.format ? image::ExtensionOf(*wanted.format) : ""));
+                                               wanted.format           ? image::ExtensionOf(*wanted.format)
+                                               : shown.is_without_webp ? "nowebp"
+                                                                       : ""));
   Response response;
   response.headers.Add("Cache-Control", shown.cache_control);
   response.headers.Add("ETag", etag);
@@ -214,16 +152,34 @@ Result<Response> Cut(Service& service, const Request& request, const TileRequest
   SKYQUILT_TRY_ASSIGN(const std::string bytes,
                       found.bytes ? *std::move(found.bytes) : shown.source.Load(std::move(found)));
   const image::PictureFormat format =
-      wanted.format ? *wanted.format : image::PictureFormatOf(bytes).value_or(image::PictureFormat::kPng);
+      SentFormat(wanted, shown, image::PictureFormatOf(bytes)).value_or(image::PictureFormat::kPng);
   const storage::MadeTileKey key{
       shown.tileset->flight_id, shown.tileset->revision.revision, wanted.tile, format, 1, cut.side_px};
   SKYQUILT_TRY_ASSIGN(const auto made,
                       Made(service, request, key, [&] { return CutTile(bytes, cut, format); }));
   if (made == nullptr) return DeferTo(Work::kCompute);
-  if (made->bytes.empty()) return Blank(request, wanted, cut.side_px, shown.cache_control);
+  if (made->bytes.empty()) return BlankAnswer(request, wanted.empty, cut.side_px, shown.cache_control);
   response.headers.Add("Content-Type", image::ContentTypeOf(format));
   response.body = made->bytes;
   return response;
+}
+
+// An index of what a tile shows, computed from it and kept in colours.
+Result<Response> IndexTile(Service& service, const Request& request, const storage::Tileset& tileset,
+                           const TileRequest& wanted, int side_px) {
+  if (side_px > image::kMaxPictureSidePx) return TooLargeToDouble();
+  const IndexLook& look = *wanted.look;
+  const image::PictureFormat format = wanted.format.value_or(image::PictureFormat::kPng);
+  storage::MadeTileKey key{tileset.flight_id, tileset.revision.revision, wanted.tile, format, 1, side_px};
+  key.look = look.Query();
+  SKYQUILT_TRY_ASSIGN(const auto made, Made(service, request, key, [&]() -> Result<std::string> {
+                        SKYQUILT_TRY_ASSIGN(
+                            const IndexValues values,
+                            ValuesOfTile(service, tileset, look.expression, wanted.tile, side_px));
+                        return EncodeTile(Coloured(values, look), format);
+                      }));
+  if (made == nullptr) return DeferTo(Work::kCompute);
+  return AnswerMade(request, tileset, *made, format, "index");
 }
 
 Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Request& request,
@@ -234,7 +190,7 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
   const int stored_zoom = wanted.tile.z() - shown.depth;
   if (shown.zooms && (stored_zoom < shown.zooms->first || stored_zoom > shown.zooms->second)) {
     if (wanted.is_of_world && stored_zoom < shown.zooms->first) {
-      return Blank(request, wanted, side_px, shown.cache_control);
+      return BlankAnswer(request, wanted.empty, side_px, shown.cache_control);
     }
     return Error{ErrorCode::kNotFound, fmt::format("The {} has no tiles of this zoom.", shown.name), ""};
   }
@@ -245,11 +201,31 @@ Result<Response> AnswerFrom(const ShownTiles& shown, Service& service, const Req
     if (shown.tileset != nullptr && !wanted.is_of_world && !Touches(wanted.tile, shown.tileset->revision)) {
       return Error{ErrorCode::kNotFound, "This tile lies outside the map.", ""};
     }
-    return Blank(request, wanted, side_px, shown.cache_control);
+    return BlankAnswer(request, wanted.empty, side_px, shown.cache_control);
   }
+  if (wanted.look) return IndexTile(service, request, *shown.tileset, wanted, side_px);
   if (shown.depth > 0) return Cut(service, request, wanted, *std::move(found), shown, cut);
   if (is_double) return DoubleTile(service, request, *shown.tileset, wanted);
   return Stored(service, request, wanted, *std::move(found), shown);
+}
+
+// Of the side that was asked for.
+Result<Response> AnswerOfSize(ShownTiles shown, Service& service, const Request& request,
+                              const TileRequest& wanted) {
+  if (!wanted.side_px || *wanted.side_px == shown.side_px) return AnswerFrom(shown, service, request, wanted);
+  // One of twice the side is a larger part of a stored tile, or a whole one.
+  const std::optional<int> depth = CutDepth(*wanted.side_px * (wanted.is_double ? 2 : 1), shown.side_px);
+  if (!depth && *wanted.side_px == kUsualTilePx) return AnswerFrom(shown, service, request, wanted);
+  if (!depth) {
+    return Error{ErrorCode::kNotFound,
+                 fmt::format("The tiles of this map have {} pixels, and those of {} cannot be cut from them.",
+                             shown.side_px, *wanted.side_px),
+                 ""};
+  }
+  shown.depth = *depth;
+  TileRequest part = wanted;
+  part.is_double = false;
+  return AnswerFrom(shown, service, request, part);
 }
 
 // Codes, not pictures: as they are stored, in no other size or format.
@@ -275,8 +251,12 @@ Result<Response> PreviewTile(Service& service, const Request& request, const Til
   if (!open) {
     // Who shows the preview learns of its end a moment after it: until then it has nothing more, which is no
     // mistake.
-    if (service.tilesets.Get(wanted.flight_id)) return Blank(request, wanted, kPreviewTileSizePx, kEnded);
+    if (service.tilesets.Get(wanted.flight_id))
+      return BlankAnswer(request, wanted.empty, kPreviewTileSizePx, kEnded);
     return open.error();
+  }
+  if (wanted.look) {
+    return Error{ErrorCode::kNotFound, "A preview has no indices. Wait for the map to be finished.", ""};
   }
   const storage::Preview& preview = (*open)->preview;
   return AnswerFrom({*(*open)->tiles, "preview", kPreviewTileSizePx,
@@ -293,13 +273,14 @@ Result<Response> Tile(Service& service, const Request& request, std::optional<in
   wanted.format = path.format ? path.format : FormatByAccept(request);
   wanted.is_double = path.is_double;
   wanted.side_px = side_px;
+  SKYQUILT_TRY_ASSIGN(wanted.look, LookIn(request));
   // Previews are written while they are read, and a map is opened by whoever asks first.
   const bool is_open = service.tilesets.IsOpen(wanted.flight_id) && request.Query("rev") != kPreviewRevision;
   if (request.work < Work::kRead && !is_open) return DeferTo(Work::kRead);
   Result<Response> answer = ShowsPreview(service, request, wanted.flight_id)
                                 ? PreviewTile(service, request, wanted)
                                 : AnswerTile(service, request, wanted);
-  if (answer && !path.format) answer->headers.Add("Vary", "Accept");
+  if (answer && !path.format) TellByAccept(*answer);
   return answer;
 }
 
@@ -323,20 +304,16 @@ Result<Response> AnswerTile(Service& service, const Request& request, const Tile
   ShownTiles shown{*tileset->reader,     "map",
                    TileSizePx(*tileset), std::pair(revision.min_zoom, revision.max_zoom),
                    tileset.get(),        CacheControl(request, *tileset)};
-  if (!wanted.side_px || *wanted.side_px == shown.side_px) return AnswerFrom(shown, service, request, wanted);
-  // One of twice the side is a larger part of a stored tile, or a whole one.
-  const std::optional<int> depth = CutDepth(*wanted.side_px * (wanted.is_double ? 2 : 1), shown.side_px);
-  if (!depth && *wanted.side_px == kUsualTilePx) return AnswerFrom(shown, service, request, wanted);
-  if (!depth) {
-    return Error{ErrorCode::kNotFound,
-                 fmt::format("The tiles of this map have {} pixels, and those of {} cannot be cut from them.",
-                             shown.side_px, *wanted.side_px),
-                 ""};
-  }
-  shown.depth = *depth;
-  TileRequest part = wanted;
-  part.is_double = false;
-  return AnswerFrom(shown, service, request, part);
+  if (wanted.format || storage::EncodingOf(tileset->reader->metadata()) != image::TileEncoding::kJpegWebp)
+    return AnswerOfSize(shown, service, request, wanted);
+  shown.is_without_webp = !NamesType(request.headers.Find("Accept"), "image/webp");
+  Result<Response> answer = AnswerOfSize(shown, service, request, wanted);
+  if (answer) TellByAccept(*answer);
+  return answer;
+}
+
+void TellByAccept(Response& answer) {
+  if (answer.headers.Find("Vary").empty()) answer.headers.Add("Vary", "Accept");
 }
 
 int TileSizePx(const storage::Tileset& tileset) {

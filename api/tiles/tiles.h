@@ -6,6 +6,7 @@
 #include <string>
 
 #include "api/http/router.h"
+#include "api/indices/index_look.h"
 #include "api/service.h"
 #include "core/geo/tile_id.h"
 #include "core/image/picture_format.h"
@@ -29,8 +30,12 @@ struct TileRequest {
       side_px;  // of a tiling with tiles of that side; absent, or 256 where there are none: as stored
   EmptyTile empty = EmptyTile::kBlank;  // where the map has nothing, unless ?empty= says
   bool is_of_world = false;             // of a tiling of the whole world: nothing lies outside it
+  std::optional<IndexLook> look;        // an index in colours; absent: the map as it is
 };
+// Where the fringe is stored as WebP and no format is asked for, who does not name it in Accept gets PNG.
 Result<Response> AnswerTile(Service& service, const Request& request, const TileRequest& wanted);
+// Says once that another Accept may have another answer.
+void TellByAccept(Response& answer);
 // With the header that lets pages of other sites show it, and problems as documents.
 Response TileResponse(Result<Response> answer, const Request& request);
 

@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "api/flights/point.h"
 #include "api/http/problem.h"
+#include "api/indices/index_values.h"
+#include "api/maps/background.h"
 #include "api/ogc/feature_info.h"
 #include "api/ogc/listed_maps.h"
 #include "api/ogc/map_view.h"
+#include "api/tiles/map_crs.h"
 #include "api/tiles/map_window.h"
 #include "api/tiles/transcode_tile.h"
 #include "api/wms/wms_request.h"
@@ -38,31 +38,12 @@ Response WmsException(const Request& request, const Error& error) {
   return WmsException(request, status, code, error.message);
 }
 
-// In merc, of the middle of a pixel.
-struct WindowGrid {
-  double pixel_m = 0.0;
-  std::function<double(int)> x_in_merc, y_in_merc;
-};
-WindowGrid GridOf(const WmsMap& wanted) {
-  const double width = (wanted.east - wanted.west) / wanted.width_px;
-  const double height = (wanted.north - wanted.south) / wanted.height_px;
-  WindowGrid grid;
-  if (wanted.is_geographic) {
-    const auto merc = [](double lat_deg, double lon_deg) {
-      return geo::MercFromLatLon({.lat_deg = lat_deg, .lon_deg = lon_deg});
-    };
-    const double lat_deg = std::min(std::abs((wanted.south + wanted.north) / 2), 85.0);
-    grid.pixel_m = std::min(merc(0.0, width).x(), merc(lat_deg + height, 0.0).y() - merc(lat_deg, 0.0).y());
-    grid.x_in_merc = [=](int column) { return merc(0.0, wanted.west + (column + 0.5) * width).x(); };
-    grid.y_in_merc = [=](int row) {
-      return merc(std::clamp(wanted.north - (row + 0.5) * height, -89.9, 89.9), 0.0).y();
-    };
-  } else {
-    grid.pixel_m = std::min(width, height);
-    grid.x_in_merc = [=](int column) { return wanted.west + (column + 0.5) * width; };
-    grid.y_in_merc = [=](int row) { return wanted.north - (row + 0.5) * height; };
-  }
-  return grid;
+MapWindow WindowOfWms(const WmsMap& wanted) {
+  const MapCrs crs = wanted.is_geographic ? MapCrs::Crs84() : MapCrs::Mercator();
+  geo::Bounds2 box;
+  box.min = {wanted.west, wanted.south};
+  box.max = {wanted.east, wanted.north};
+  return WindowOf(crs, box, wanted.width_px, wanted.height_px, {});
 }
 
 // Straight alpha, what is above over what is below.
@@ -80,17 +61,6 @@ void LayOver(image::RgbaImage& below, const image::RgbaImage& above) {
   }
 }
 
-void LayOnWhite(image::RgbaImage& pixels) {
-  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
-    const int alpha = pixels.rgba[i + 3];
-    for (std::size_t c = 0; c < 3; ++c) {
-      pixels.rgba[i + c] =
-          static_cast<std::uint8_t>((pixels.rgba[i + c] * alpha + 255 * (255 - alpha) + 127) / 255);
-    }
-    pixels.rgba[i + 3] = 255;
-  }
-}
-
 // The flight of a layer, in WMS' words where there is none.
 Result<std::string> FlightOfWmsLayer(const Request& request, const std::string& layer) {
   Result<std::string> flight_id = FlightOfLayer(request, layer);
@@ -98,21 +68,36 @@ Result<std::string> FlightOfWmsLayer(const Request& request, const std::string& 
   return Error{ErrorCode::kInvalidArgument, flight_id.error().message, "LayerNotDefined"};
 }
 
+// One layer in its style.
+Result<image::RgbaImage> DrawLayer(Service& service, const MapView& map, const std::string& style,
+                                   const MapWindow& window) {
+  const auto refused = [](const Error& error) {
+    return Error{error.code, error.message,
+                 error.code == ErrorCode::kInvalidArgument ? "StyleNotDefined" : error.detail};
+  };
+  const Result<std::optional<IndexLook>> look = LookOfStyle(style);
+  if (!look) return refused(look.error());
+  if (!*look) return RenderWindow(*map.tileset, window);
+  const Result<IndexValues> values = ValuesOfWindow(service, *map.tileset, (*look)->expression, window);
+  if (!values) return refused(values.error());
+  return Coloured(*values, **look);
+}
+
 Result<std::string> Draw(Service& service, const Request& request, const WmsMap& wanted) {
-  const WindowGrid grid = GridOf(wanted);
-  const MapWindow window{wanted.width_px, wanted.height_px, grid.x_in_merc, grid.y_in_merc, grid.pixel_m};
+  const MapWindow window = WindowOfWms(wanted);
   image::RgbaImage picture;
-  for (const std::string& layer : wanted.layers) {
-    SKYQUILT_TRY_ASSIGN(const std::string flight_id, FlightOfWmsLayer(request, layer));
+  for (std::size_t i = 0; i < wanted.layers.size(); ++i) {
+    SKYQUILT_TRY_ASSIGN(const std::string flight_id, FlightOfWmsLayer(request, wanted.layers[i]));
     SKYQUILT_TRY_ASSIGN(const MapView map, FindMap(service, request, flight_id));
-    SKYQUILT_TRY_ASSIGN(image::RgbaImage drawn, RenderWindow(*map.tileset, window));
+    const std::string style = i < wanted.styles.size() ? wanted.styles[i] : std::string();
+    SKYQUILT_TRY_ASSIGN(image::RgbaImage drawn, DrawLayer(service, map, style, window));
     if (picture.rgba.empty()) {
       picture = std::move(drawn);
     } else {
       LayOver(picture, drawn);
     }
   }
-  if (!wanted.is_transparent) LayOnWhite(picture);
+  if (!wanted.is_transparent) LayOn(picture, kWhite);
   return EncodeTile(std::move(picture), wanted.format);
 }
 
@@ -131,9 +116,9 @@ Response GetMap(Service& service, const Request& request) {
 Response GetFeatureInfo(Service& service, const Request& request) {
   const Result<WmsInfo> wanted = ParseGetFeatureInfo(request);
   if (!wanted) return WmsException(request, wanted.error());
-  const WindowGrid grid = GridOf(wanted->map);
+  const MapWindow window = WindowOfWms(wanted->map);
   const geo::LatLon position =
-      geo::LatLonFromMerc({grid.x_in_merc(wanted->column), grid.y_in_merc(wanted->row)});
+      geo::LatLonFromMerc({window.x_in_merc(wanted->column), window.y_in_merc(wanted->row)});
   std::vector<MapPoint> points;
   for (const std::string& layer : wanted->map.layers) {
     const Result<std::string> flight_id = FlightOfWmsLayer(request, layer);

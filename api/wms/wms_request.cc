@@ -61,16 +61,17 @@ Result<std::vector<std::string>> LayersIn(const Request& request, const char* na
   return layers;
 }
 
-Result<void> CheckStyles(const Request& request) {
-  const std::string styles = Parameter(request, "STYLES").value_or("");
-  for (std::size_t at = 0; at <= styles.size();) {
-    const std::size_t end = std::min(styles.find(',', at), styles.size());
-    const std::string style = styles.substr(at, end - at);
-    if (!style.empty() && style != "default")
-      return BadWms("StyleNotDefined", "The only style is the default.");
+Result<std::vector<std::string>> StylesIn(const Request& request, std::size_t layers) {
+  const std::string text = Parameter(request, "STYLES").value_or("");
+  std::vector<std::string> styles;
+  for (std::size_t at = 0; at <= text.size() && !text.empty();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    styles.push_back(text.substr(at, end - at));
     at = end + 1;
+    if (styles.size() > layers)
+      return BadWms("StyleNotDefined", "STYLES names more styles than there are layers.");
   }
-  return {};
+  return styles;
 }
 
 // All but layers, styles and format.
@@ -114,9 +115,10 @@ bool IsNewerWms(const Request& request) {
 
 Result<WmsMap> ParseGetMap(const Request& request) {
   SKYQUILT_TRY_ASSIGN(std::vector<std::string> layers, LayersIn(request, "LAYERS"));
-  SKYQUILT_TRY(CheckStyles(request));
+  SKYQUILT_TRY_ASSIGN(std::vector<std::string> styles, StylesIn(request, layers.size()));
   SKYQUILT_TRY_ASSIGN(WmsMap map, ParseWindow(request));
   map.layers = std::move(layers);
+  map.styles = std::move(styles);
   const std::string format = Parameter(request, "FORMAT").value_or("");
   if (format == "image/jpeg") {
     map.format = image::PictureFormat::kJpeg;

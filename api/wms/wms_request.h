@@ -12,7 +12,8 @@ namespace skyquilt::api {
 
 // The window of a GetMap request.
 struct WmsMap {
-  std::vector<std::string> layers;                          // from the bottom up; at least one
+  std::vector<std::string> layers = {};                     // from the bottom up; at least one
+  std::vector<std::string> styles = {};                     // of the first layers; of the others the default
   double west = 0.0, south = 0.0, east = 0.0, north = 0.0;  // merc metres, or degrees where is_geographic
   bool is_geographic = false;
   int width_px = 0;

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "api/indices/indices.h"
 #include "api/ogc/feature_info.h"
 #include "api/wms/wms_request.h"
 #include "core/geo/web_mercator.h"
+#include "core/indices/spectral_index.h"
 
 namespace skyquilt::api {
 namespace {
@@ -35,6 +37,20 @@ std::string BoxesText(const geo::LatLonBounds& bounds, bool is_newer) {
   return boxes;
 }
 
+// The map itself, and the indices that its bands are enough for.
+std::string StylesText(const ListedMaps& listed, const ListedMap& map) {
+  std::string text = "<Style><Name>default</Name><Title>The map</Title></Style>";
+  for (const indices::SpectralIndex* index : indices::IndicesOf(map.tiles.bands)) {
+    text += fmt::format(
+        R"(<Style><Name>{}</Name><Title>{}</Title><LegendURL width="{}" height="{}"><Format>image/svg+xml</Format>)"
+        R"(<OnlineResource xmlns:xlink="http://www.w3.org/1999/xlink" xlink:type="simple" xlink:href="{}"/>)"
+        R"(</LegendURL></Style>)",
+        index->name, index->title, kLegendWidthPx, kLegendHeightPx,
+        XmlText(listed.Link(LegendPath(map.shown.flight_id, index->name))));
+  }
+  return text;
+}
+
 // What all maps lie within; the world where there is none.
 geo::LatLonBounds WholeOf(const ListedMaps& listed) {
   if (listed.maps.empty()) return {-180.0, -85.0, 180.0, 85.0};
@@ -60,8 +76,9 @@ std::string WmsCapabilities(const ListedMaps& listed, bool is_newer) {
   for (const char* type : kInfoFormats) info_formats += fmt::format("<Format>{}</Format>", type);
   std::string layers;
   for (const ListedMap& map : listed.maps) {
-    layers += fmt::format("<Layer queryable=\"1\" opaque=\"0\"><Name>{}</Name><Title>{}</Title>{}</Layer>\n",
-                          map.layer, XmlText(map.shown.name), BoxesText(map.shown.revision.bounds, is_newer));
+    layers += fmt::format(
+        "<Layer queryable=\"1\" opaque=\"0\"><Name>{}</Name><Title>{}</Title>{}{}</Layer>\n", map.layer,
+        XmlText(map.shown.name), BoxesText(map.shown.revision.bounds, is_newer), StylesText(listed, map));
   }
   return fmt::format(
       R"({0}

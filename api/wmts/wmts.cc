@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "api/flights/point.h"
+#include "api/grids/grid_tiles.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "api/ogc/feature_info.h"
@@ -14,6 +15,7 @@
 #include "api/tiles/tile_path.h"
 #include "api/tiles/tiles.h"
 #include "api/wmts/wmts_text.h"
+#include "core/base/try.h"
 #include "core/geo/web_mercator.h"
 
 namespace skyquilt::api {
@@ -51,19 +53,34 @@ std::optional<std::string> ExtensionOfType(std::string_view type) {
   return std::nullopt;
 }
 
-Response AnswerTileAt(Service& service, const Request& request, const std::string& flight_id, int side_px,
-                      std::string_view matrix, std::string_view row, std::string_view column_and_extension) {
+Response AnswerTileAt(Service& service, const Request& request, const std::string& flight_id,
+                      const MapSet& set, const std::string& style, std::string_view matrix,
+                      std::string_view row, std::string_view column_and_extension) {
   // Column and row stand the other way round in our own addresses.
   const std::size_t dot = column_and_extension.find('.');
   std::string y(row);
   if (dot != std::string_view::npos) y += column_and_extension.substr(dot);
-  const Result<TilePath> path = ParseTilePath(matrix, column_and_extension.substr(0, dot), y);
+  const std::string_view column = column_and_extension.substr(0, dot);
+  Result<std::optional<IndexLook>> look = LookOfStyle(style);
+  if (!look) return Exception(400, "InvalidParameterValue", "Style", look.error().message);
+  if (set.grid) {
+    const Result<TileNumbers> numbers = ParseTileNumbers(matrix, column, y);
+    if (!numbers) return Exception(400, "TileOutOfRange", "TileRow", numbers.error().message);
+    const Result<void> is_in_grid = CheckInGrid(*set.grid, numbers->z, numbers->x, numbers->y);
+    if (!is_in_grid) return Exception(400, "TileOutOfRange", "TileRow", is_in_grid.error().message);
+    GridTileRequest wanted{flight_id, *set.grid, numbers->z, numbers->x, numbers->y, numbers->format};
+    wanted.look = *std::move(look);
+    Result<Response> answer = AnswerGridTile(service, request, wanted);
+    return answer ? TileResponse(std::move(answer), request) : Exception(answer.error());
+  }
+  const Result<TilePath> path = ParseTilePath(matrix, column, y);
   if (!path) return Exception(400, "TileOutOfRange", "TileRow", path.error().message);
   TileRequest wanted;
   wanted.flight_id = flight_id;
   wanted.tile = path->tile;
   wanted.format = path->format;
-  wanted.side_px = side_px;
+  wanted.side_px = set.side_px;
+  wanted.look = *std::move(look);
   Result<Response> answer = AnswerTile(service, request, wanted);
   if (!answer) return Exception(answer.error());
   return TileResponse(std::move(answer), request);
@@ -75,8 +92,8 @@ std::string_view MatrixName(std::string_view text) { return text.substr(text.rfi
 // What both operations of a tile are about.
 struct WmtsTile {
   std::string flight_id;
-  int side_px = 0;
-  std::string matrix, row, column, extension;
+  MapSet set;
+  std::string style, matrix, row, column, extension;
 };
 std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& request) {
   for (const char* name : {"Layer", "Format", "TileMatrixSet", "TileMatrix", "TileRow", "TileCol"}) {
@@ -86,9 +103,6 @@ std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& r
   const Result<std::string> flight_id = FlightOfLayer(request, *Parameter(request, "Layer"));
   if (!flight_id) return Exception(400, "InvalidParameterValue", "Layer", flight_id.error().message);
   const std::string style = Parameter(request, "Style").value_or("default");
-  if (!style.empty() && style != "default") {
-    return Exception(400, "InvalidParameterValue", "Style", "The only style is \"default\".");
-  }
   const std::optional<std::string> extension = ExtensionOfType(*Parameter(request, "Format"));
   if (!extension) {
     return Exception(400, "InvalidParameterValue", "Format",
@@ -96,11 +110,12 @@ std::variant<WmtsTile, Response> ParseKvpTile(Service& service, const Request& r
   }
   const Result<MapView> map = FindMap(service, request, *flight_id);
   if (!map) return Exception(map.error());
-  const Result<int> side_px = map->SizeOfSet(*Parameter(request, "TileMatrixSet"));
-  if (!side_px) return Exception(400, "InvalidParameterValue", "TileMatrixSet", side_px.error().message);
+  const Result<MapSet> set = map->SetNamed(*Parameter(request, "TileMatrixSet"));
+  if (!set) return Exception(400, "InvalidParameterValue", "TileMatrixSet", set.error().message);
   const std::string matrix = *Parameter(request, "TileMatrix");
   return WmtsTile{*flight_id,
-                  *side_px,
+                  *set,
+                  style,
                   std::string(MatrixName(matrix)),
                   *Parameter(request, "TileRow"),
                   *Parameter(request, "TileCol"),
@@ -111,7 +126,7 @@ Response KvpTile(Service& service, const Request& request) {
   std::variant<WmtsTile, Response> parsed = ParseKvpTile(service, request);
   if (auto* refused = std::get_if<Response>(&parsed)) return std::move(*refused);
   const WmtsTile& tile = std::get<WmtsTile>(parsed);
-  return AnswerTileAt(service, request, tile.flight_id, tile.side_px, tile.matrix, tile.row,
+  return AnswerTileAt(service, request, tile.flight_id, tile.set, tile.style, tile.matrix, tile.row,
                       tile.column + "." + tile.extension);
 }
 
@@ -123,29 +138,40 @@ std::optional<int> PixelIn(std::string_view text, int side_px) {
   return pixel;
 }
 
+// Of the middle of a pixel of a tile.
+Result<geo::LatLon> PositionIn(const WmtsTile& tile, int column, int row) {
+  if (tile.set.grid) {
+    SKYQUILT_TRY_ASSIGN(const TileNumbers numbers, ParseTileNumbers(tile.matrix, tile.column, tile.row));
+    return PositionInGrid(*tile.set.grid, numbers.z, numbers.x, numbers.y,
+                          {static_cast<double>(column), static_cast<double>(row)});
+  }
+  SKYQUILT_TRY_ASSIGN(const TilePath path, ParseTilePath(tile.matrix, tile.column, tile.row));
+  const geo::Bounds2 bounds = path.tile.BoundsInMerc();
+  const double pixel_m = (bounds.max.x() - bounds.min.x()) / tile.set.side_px;
+  return geo::LatLonFromMerc(
+      {bounds.min.x() + (column + 0.5) * pixel_m, bounds.max.y() - (row + 0.5) * pixel_m});
+}
+
 // What lies under a pixel of a tile.
 Response KvpInfo(Service& service, const Request& request) {
   std::variant<WmtsTile, Response> parsed = ParseKvpTile(service, request);
   if (auto* refused = std::get_if<Response>(&parsed)) return std::move(*refused);
   const WmtsTile& tile = std::get<WmtsTile>(parsed);
-  const Result<TilePath> path = ParseTilePath(tile.matrix, tile.column, tile.row);
-  if (!path) return Exception(400, "TileOutOfRange", "TileRow", path.error().message);
-  const std::optional<int> column = PixelIn(Parameter(request, "I").value_or(""), tile.side_px);
-  const std::optional<int> row = PixelIn(Parameter(request, "J").value_or(""), tile.side_px);
+  const std::optional<int> column = PixelIn(Parameter(request, "I").value_or(""), tile.set.side_px);
+  const std::optional<int> row = PixelIn(Parameter(request, "J").value_or(""), tile.set.side_px);
   if (!column || !row) {
-    return Exception(400, "PointIJOutOfRange", column ? "J" : "I",
-                     fmt::format("I and J are the pixel's column and row, from 0 to {}.", tile.side_px - 1));
+    return Exception(
+        400, "PointIJOutOfRange", column ? "J" : "I",
+        fmt::format("I and J are the pixel's column and row, from 0 to {}.", tile.set.side_px - 1));
   }
   const std::string type = Parameter(request, "InfoFormat").value_or("application/json");
   if (!IsInfoFormat(type)) {
     return Exception(400, "InvalidParameterValue", "InfoFormat",
                      "Formats are application/json, application/geo+json, text/plain and text/html.");
   }
-  const geo::Bounds2 bounds = path->tile.BoundsInMerc();
-  const double pixel_m = (bounds.max.x() - bounds.min.x()) / tile.side_px;
-  const geo::LatLon position = geo::LatLonFromMerc(
-      {bounds.min.x() + (*column + 0.5) * pixel_m, bounds.max.y() - (*row + 0.5) * pixel_m});
-  const Result<MapPoint> point = LookAt(service, tile.flight_id, position);
+  const Result<geo::LatLon> position = PositionIn(tile, *column, *row);
+  if (!position) return Exception(400, "TileOutOfRange", "TileRow", position.error().message);
+  const Result<MapPoint> point = LookAt(service, tile.flight_id, *position);
   return point ? InfoResponse({*point}, type) : Exception(point.error());
 }
 
@@ -174,12 +200,10 @@ Response RestTile(Service& service, const Request& request) {
   if (!map) return Exception(map.error());
   if (request.Parameter("layer") != kLayer)
     return Exception(404, "NotFound", "Layer", "The only layer is \"map\".");
-  if (request.Parameter("style") != "default")
-    return Exception(404, "NotFound", "Style", "The only style is \"default\".");
-  const Result<int> side_px = map->SizeOfSet(request.Parameter("set"));
-  if (!side_px) return Exception(404, "NotFound", "TileMatrixSet", side_px.error().message);
-  return AnswerTileAt(service, request, request.Parameter("flight"), *side_px, request.Parameter("matrix"),
-                      request.Parameter("row"), request.Parameter("column"));
+  const Result<MapSet> set = map->SetNamed(request.Parameter("set"));
+  if (!set) return Exception(404, "NotFound", "TileMatrixSet", set.error().message);
+  return AnswerTileAt(service, request, request.Parameter("flight"), *set, request.Parameter("style"),
+                      request.Parameter("matrix"), request.Parameter("row"), request.Parameter("column"));
 }
 
 }  // namespace

@@ -6,9 +6,11 @@
 #include <map>
 #include <vector>
 
+#include "api/indices/indices.h"
 #include "api/ogc/feature_info.h"
 #include "api/tiles/cut_tile.h"
 #include "core/geo/web_mercator.h"
+#include "core/indices/spectral_index.h"
 
 namespace skyquilt::api {
 namespace {
@@ -39,6 +41,28 @@ std::vector<TileType> TypesOf(const TileFacts& tiles) {
   return types;
 }
 
+std::string LimitsText(int level, std::int64_t min_row, std::int64_t max_row, std::int64_t min_column,
+                       std::int64_t max_column) {
+  return fmt::format(
+      "        <TileMatrixLimits><TileMatrix>{}</TileMatrix>"
+      "<MinTileRow>{}</MinTileRow><MaxTileRow>{}</MaxTileRow>"
+      "<MinTileCol>{}</MinTileCol><MaxTileCol>{}</MaxTileCol></TileMatrixLimits>\n",
+      level, min_row, max_row, min_column, max_column);
+}
+
+// Empty: the map has no tiles in it.
+std::string GridLink(const MapGrid& grid, const storage::Revision& revision, int stored_size_px) {
+  std::string limits;
+  for (const GridMatrix& matrix : MatricesOf(grid, revision, stored_size_px)) {
+    limits += LimitsText(matrix.level, matrix.min_row, matrix.max_row, matrix.min_column, matrix.max_column);
+  }
+  if (limits.empty()) return limits;
+  return fmt::format(
+      "      <TileMatrixSetLink><TileMatrixSet>{}</TileMatrixSet><TileMatrixSetLimits>\n{}"
+      "      </TileMatrixSetLimits></TileMatrixSetLink>\n",
+      grid.name(), limits);
+}
+
 std::string WmtsLayer(const ListedMaps& listed, const ListedMap& map) {
   const storage::Revision& revision = map.shown.revision;
   const auto& [west, south, east, north] = revision.bounds;
@@ -52,6 +76,13 @@ std::string WmtsLayer(const ListedMaps& listed, const ListedMap& map) {
       <Style isDefault="true"><ows:Identifier>default</ows:Identifier></Style>
 )",
       XmlText(map.shown.name), west, south, east, north, map.layer);
+  for (const indices::SpectralIndex* index : indices::IndicesOf(map.tiles.bands)) {
+    text += fmt::format(
+        "      <Style><ows:Title>{}</ows:Title><ows:Identifier>{}</ows:Identifier>"
+        "<LegendURL format=\"image/svg+xml\" width=\"{}\" height=\"{}\" xlink:href=\"{}\"/></Style>\n",
+        index->title, index->name, kLegendWidthPx, kLegendHeightPx,
+        XmlText(listed.Link(LegendPath(map.shown.flight_id, index->name))));
+  }
   const std::vector<TileType> types = TypesOf(map.tiles);
   for (const TileType& type : types) text += fmt::format("      <Format>{}</Format>\n", type.type);
   for (const char* type : kInfoFormats) text += fmt::format("      <InfoFormat>{}</InfoFormat>\n", type);
@@ -59,14 +90,11 @@ std::string WmtsLayer(const ListedMaps& listed, const ListedMap& map) {
     text += fmt::format("      <TileMatrixSetLink><TileMatrixSet>{}</TileMatrixSet><TileMatrixSetLimits>\n",
                         MatrixSetName(side_px));
     for (const TileMatrix& matrix : MatricesOf(revision, map.tiles.side_px, side_px)) {
-      text += fmt::format(
-          "        <TileMatrixLimits><TileMatrix>{}</TileMatrix>"
-          "<MinTileRow>{}</MinTileRow><MaxTileRow>{}</MaxTileRow>"
-          "<MinTileCol>{}</MinTileCol><MaxTileCol>{}</MaxTileCol></TileMatrixLimits>\n",
-          matrix.zoom, matrix.min_row, matrix.max_row, matrix.min_column, matrix.max_column);
+      text += LimitsText(matrix.zoom, matrix.min_row, matrix.max_row, matrix.min_column, matrix.max_column);
     }
     text += "      </TileMatrixSetLimits></TileMatrixSetLink>\n";
   }
+  for (const MapGrid& grid : GridsOf(revision)) text += GridLink(grid, revision, map.tiles.side_px);
   for (const auto& [type, extension] : types) {
     // Tiles have the address of their own map's service also in the document of all.
     const std::string path =
@@ -94,6 +122,44 @@ std::map<int, Zooms> ZoomsOf(const ListedMaps& listed) {
     }
   }
   return zooms;
+}
+
+// The levels of each grid that maps are listed in.
+std::map<std::string, Zooms> LevelsOf(const ListedMaps& listed) {
+  std::map<std::string, Zooms> levels;
+  for (const ListedMap& map : listed.maps) {
+    for (const MapGrid& grid : GridsOf(map.shown.revision)) {
+      const std::vector<GridMatrix> matrices = MatricesOf(grid, map.shown.revision, map.tiles.side_px);
+      if (matrices.empty()) continue;
+      const Zooms own{matrices.front().level, matrices.back().level};
+      Zooms& all = levels.try_emplace(grid.name(), own).first->second;
+      all = {std::min(all.first, own.first), std::max(all.last, own.last)};
+    }
+  }
+  return levels;
+}
+
+std::string WmtsGrid(const MapGrid& grid, const Zooms& levels) {
+  std::string text = fmt::format(
+      R"(    <TileMatrixSet>
+      <ows:Identifier>{}</ows:Identifier>
+      <ows:SupportedCRS>{}</ows:SupportedCRS>
+)",
+      grid.name(), grid.crs_urn());
+  if (*grid.scale_set() != '\0') {
+    text += fmt::format("      <WellKnownScaleSet>urn:ogc:def:wkss:OGC:1.0:{}</WellKnownScaleSet>\n",
+                        grid.scale_set());
+  }
+  const Eigen::Vector2d corner = grid.UpperLeft();
+  for (int level = levels.first; level <= levels.last; ++level) {
+    text += fmt::format(
+        "      <TileMatrix><ows:Identifier>{0}</ows:Identifier><ScaleDenominator>{1:.12f}</ScaleDenominator>"
+        "<TopLeftCorner>{2:.15g} {3:.15g}</TopLeftCorner><TileWidth>{4}</TileWidth><TileHeight>{4}</TileHeight>"
+        "<MatrixWidth>{5}</MatrixWidth><MatrixHeight>{6}</MatrixHeight></TileMatrix>\n",
+        level, grid.ScaleDenominator(level), corner.x(), corner.y(), MapGrid::kTilePx, grid.Columns(level),
+        grid.Rows(level));
+  }
+  return text + "    </TileMatrixSet>\n";
 }
 
 std::string WmtsMatrixSet(int side_px, const Zooms& zooms) {
@@ -132,6 +198,9 @@ std::string WmtsCapabilities(const ListedMaps& listed) {
   std::string layers, sets;
   for (const ListedMap& map : listed.maps) layers += WmtsLayer(listed, map);
   for (const auto& [side_px, zooms] : ZoomsOf(listed)) sets += WmtsMatrixSet(side_px, zooms);
+  for (const auto& [name, levels] : LevelsOf(listed)) {
+    if (const std::optional<MapGrid> grid = MapGrid::Named(name)) sets += WmtsGrid(*grid, levels);
+  }
   return fmt::format(
              R"(<Capabilities version="1.0.0" xmlns="http://www.opengis.net/wmts/1.0"
   xmlns:ows="http://www.opengis.net/ows/1.1" xmlns:xlink="http://www.w3.org/1999/xlink"

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct AlignedPhoto {
   // Off the vertical: how far out other photos see the same ground. Beyond, nothing but this photo's own
   // angles says where things are. Without a limit where no photos are tied to each other.
   double tied_look_rad = 0.5 * std::numbers::pi;
+  // The fine detail that it shows, as a share of what others show of the same ground: about 1 for a sharp
+  // one.
+  std::optional<double> sharpness;
 };
 
 struct AlignedFlight {

@@ -10,6 +10,17 @@ std::optional<PictureFormat> PictureFormatOf(std::string_view bytes) {
   return std::nullopt;
 }
 
+bool IsWebpWithAlpha(std::string_view bytes) {
+  if (PictureFormatOf(bytes) != PictureFormat::kWebp) return false;
+  // Behind the name of the first chunk and its four bytes of length.
+  constexpr std::size_t kFlagsAt = 20, kLosslessFlagsAt = 24;
+  constexpr int kAlpha = 0x10;
+  const std::string_view chunk = bytes.substr(12, 4);
+  if (chunk == "VP8X") return bytes.size() > kFlagsAt && (bytes[kFlagsAt] & kAlpha) != 0;
+  if (chunk == "VP8L") return bytes.size() > kLosslessFlagsAt && (bytes[kLosslessFlagsAt] & kAlpha) != 0;
+  return false;
+}
+
 const char* ContentTypeOf(PictureFormat format) {
   return format == PictureFormat::kJpeg  ? "image/jpeg"
          : format == PictureFormat::kPng ? "image/png"

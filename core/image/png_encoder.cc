@@ -97,37 +97,6 @@ void Walk(const std::vector<std::uint8_t>& filtered, int width_px, int height_px
   }
 }
 
-// Bits, the first in the lowest place of a byte, into room that was measured before.
-class BitWriter {
- public:
-  explicit BitWriter(std::uint8_t* out) : out_(out) {}
-  // At most 32 bits.
-  void Put(std::uint64_t bits, int count) {
-    held_ |= bits << count_;
-    count_ += count;
-    if (count_ >= 32) {
-      const auto word = static_cast<std::uint32_t>(held_);
-      for (int i = 0; i < 4; ++i) *out_++ = static_cast<std::uint8_t>(word >> (8 * i));
-      held_ >>= 32;
-      count_ -= 32;
-    }
-  }
-  void Put(const HuffmanCode::Word& word) { Put(word.bits, word.length); }
-  void Put(const HuffmanCode::Word& first, const HuffmanCode::Word& second) {
-    Put(first.bits | std::uint64_t{second.bits} << first.length, first.length + second.length);
-  }
-  // Where the whole bytes end.
-  std::uint8_t* Finish() {
-    for (; count_ > 0; count_ -= 8, held_ >>= 8) *out_++ = static_cast<std::uint8_t>(held_);
-    return out_;
-  }
-
- private:
-  std::uint8_t* out_;
-  std::uint64_t held_ = 0;
-  int count_ = 0;
-};
-
 // The lengths of the code's words are written four bits each, by a code in which all words have four bits.
 void PutCode(const HuffmanCode& code, BitWriter& out) {
   constexpr std::array<int, 19> kOrder{16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};

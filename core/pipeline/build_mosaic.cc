@@ -79,7 +79,7 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   const render::MosaicPlan& plan = planned.plan;
   const render::SeamMap& seams = planned.seams;
   const RenderBudget budget = BudgetFor(options, plan);
-  const std::size_t finished = facts.appearance ? facts.appearance->tones.size() : 0;
+  const std::size_t finished = facts.appearance ? facts.appearance->exposure.photos.size() : 0;
   if (memory != nullptr) {
     facts.appearance = planned.Appearance();
     SKYQUILT_TRY(memory->Remember(WriteFacts(facts)));
@@ -98,15 +98,20 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
     patches.emplace(around ? *around : aligned, ground, measure);
     if (!around) patches->WatchFor(cache);
     const render::RenderContext context{aligned, ground, planned.exposure, seams, plan, cache};
-    const render::RenderOptions render_options{
-        budget.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
+    const render::RenderOptions render_options{budget.threads, {options.encoding, options.jpeg_quality}};
     if (memory == nullptr) return render::RenderTiles(context, render_options, sink, progress);
     const render::RenderMemory render_memory{*memory, placed.digests};
     return render::RenderTiles(context, render_options, sink, progress, &render_memory);
   });
   if (!rendered) return rendered.error();
   if (rendered->base_tiles == 0) {
-    return Error{ErrorCode::kUnprocessable, "The photos were placed, but none of them shows any ground.", ""};
+    return Error{
+        ErrorCode::kUnprocessable,
+        facts.boundary
+            ? "The photos were placed, but none of them shows any ground within the boundary. Draw the "
+              "boundary over the flight, or leave it out."
+            : "The photos were placed, but none of them shows any ground.",
+        ""};
   }
 
   const render::SeamShift seam_shift = stages.Run("measure", [&] {
@@ -137,7 +142,10 @@ Result<BuiltMosaic> BuildMosaic(const std::vector<flight::InputFile>& files, con
   report.blocks = rendered->blocks;
   report.blocks_kept = rendered->blocks_kept;
   report.peak_memory_bytes = PeakMemoryBytes();
-  return BuiltMosaic{aligned, ground, std::move(planned.plan), std::move(planned.seams), std::move(report)};
+  std::optional<BandedMap> banded =
+      BandedMapOf(facts, std::move(placed.captures), geo::DegToRad(options.max_look_deg));
+  return BuiltMosaic{aligned,           ground,           std::move(planned.plan), std::move(planned.seams),
+                     std::move(banded), std::move(report)};
 }
 
 }  // namespace skyquilt::pipeline

@@ -3,6 +3,7 @@
 // fails the map. Errors: kUnprocessable (nothing could be placed), kCancelled, those of the sink.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/alignment/aligned_flight.h"
@@ -12,6 +13,7 @@
 #include "core/flight/read_flight.h"
 #include "core/geo/dem_source.h"
 #include "core/ground/ground_surface.h"
+#include "core/pipeline/bands/build_bands.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/pipeline/report/mosaic_report.h"
 #include "core/pipeline/units/found_photos.h"
@@ -27,6 +29,7 @@ struct BuiltMosaic {
   ground::GroundSurface ground;
   render::MosaicPlan plan;
   render::SeamMap seams;
+  std::optional<BandedMap> bands;  // what bands.tif is built from; nothing for photos in colour
   MosaicReport report;
 };
 

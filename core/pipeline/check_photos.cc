@@ -8,6 +8,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 #include "core/base/try.h"
 
 namespace skyquilt::pipeline {
@@ -20,9 +21,11 @@ Result<CheckedPhoto> Check(const flight::Photo& photo, const flight::PhotoSource
   if (features) denominator = std::min(denominator, alignment::DenominatorOf(photo, *features));
   double decode_s = 0.0;
   SKYQUILT_TRY_ASSIGN(const image::DecodedImage decoded, [&] {
+    const TraceSpan span("decode small", photo.name);
     ScopedTimer timer(decode_s);
     return source.Decode(photo, denominator);
   }());
+  const TraceSpan span("thumbnail and features", photo.name);
   CheckedPhoto checked{render::MakeThumbnail(photo, decoded), {}};
   if (!features) return checked;
   // A photo too small for features is a matter of the alignment, not of whether it is damaged.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/alignment/baselines/align_by_pose.h"
+#include "core/bands/captures.h"
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
 #include "core/camera/footprint.h"
@@ -114,7 +115,6 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   auto flight = flight::ReadFlight(files, {options.threads}, progress);
   if (!flight) return flight.error();
   FlightVerdict verdict;
-  verdict.photos_readable = static_cast<int>(flight->photos.size());
   double input_megapixels = 0.0;
   for (const flight::Photo& photo : flight->photos) {
     const auto& lens = photo.intrinsics;
@@ -129,6 +129,9 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
     if (verdict.first_capture.empty() || time < verdict.first_capture) verdict.first_capture = time;
     verdict.last_capture = std::max(verdict.last_capture, time);
   }
+  // Of each capture of several bands one photo is placed.
+  bands::SetBandsApart(*flight, options.threads);
+  verdict.photos_readable = static_cast<int>(flight->photos.size());
   for (const flight::FlightLog& log : flight->logs) verdict.logs.push_back(flight::DescribeLog(log));
   for (const flight::GcpList& list : flight->gcp_lists) {
     verdict.gcp_lists.push_back(fmt::format("{}: {} points, {} sightings", list.file_name, list.points.size(),
@@ -136,7 +139,8 @@ Result<FlightVerdict> InspectFlight(const std::vector<flight::InputFile>& files,
   }
   verdict.elevation_models = flight->elevation_models;
   constexpr bool kKeepUnplaced = true;
-  auto posed = poses::EstimatePoses(*flight, {options.origin, options.landed_at_start, dem, kKeepUnplaced});
+  auto posed = poses::EstimatePoses(
+      *flight, {options.origin, options.landed_at_start, dem, kKeepUnplaced, options.takeoff_height_amsl_m});
   if (!posed) {
     verdict.left_out = flight->left_out;
     verdict.warnings = flight->warnings;

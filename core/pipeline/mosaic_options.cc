@@ -19,6 +19,10 @@ Result<void> MosaicOptions::Validate() const {
         fmt::format("The origin is {}, {} but must be a latitude up to 85 and a longitude up to 180 degrees.",
                     origin->lat_deg, origin->lon_deg));
   }
+  if (takeoff_height_amsl_m && !(*takeoff_height_amsl_m >= -500.0 && *takeoff_height_amsl_m <= 9000.0)) {
+    return refuse(fmt::format("The take-off height is {} but must be -500 to 9000 metres above sea level.",
+                              *takeoff_height_amsl_m));
+  }
   if (jpeg_quality < 1 || jpeg_quality > 100) {
     return refuse(fmt::format("The quality is {} but must be 1 to 100.", jpeg_quality));
   }

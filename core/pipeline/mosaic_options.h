@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/geo/areas/boundary.h"
 #include "core/geo/lat_lon.h"
+#include "core/image/picture_format.h"
 #include "core/pipeline/placing/place_request.h"
 #include "core/render/map_layer.h"
 
 namespace skyquilt::pipeline {
 
 enum class AlignMethod { kAuto, kImu, kFeatures, kDirect, kImages };
-enum class TileEncoding { kJpegPng, kWebp };
 
 struct MosaicOptions {
   AlignMethod method = AlignMethod::kAuto;  // --method auto|images|imu|features|direct
@@ -27,15 +28,17 @@ struct MosaicOptions {
   std::optional<geo::LatLon> origin;  // --origin: where a flight without any position starts
   bool landed_at_start = false;       // --landed-at-start: a flight without any position ended where it began
   std::string dem_path;               // --dem: a GeoTIFF of the ground's heights; empty: flat ground
-  TileEncoding encoding = TileEncoding::kJpegPng;  // --format auto|webp
-  int jpeg_quality = 85;                           // --quality 1..100
-  double feather_m = 0.0;                          // width of the seams' transition; 0 = chosen from the GSD
+  image::TileEncoding encoding = image::TileEncoding::kJpegWebp;  // --format auto|jpeg-png|webp
+  int jpeg_quality = 85;                                          // --quality 1..100
+  double feather_m = 0.0;  // width of the seams' transition; 0 = chosen from the GSD
   std::int64_t max_memory_bytes = std::int64_t{1} << 30;  // --max-memory: budget for decoded photos and tiles
   int threads = 0;                                        // --threads: 0 = all cores
   std::vector<render::MapLayer> layers;                   // --layers: tilesets of their own beside the map
   // `skyquilt place`: the finished map of the same files is brought to where the user says it lies.
   std::optional<PlaceRequest> placing;
-  std::string title;  // name written into the tileset
+  std::optional<geo::Boundary> boundary;  // --boundary: the map is cut to it; photos are placed as without
+  std::optional<double> takeoff_height_amsl_m;  // --takeoff-height-m: of the take-off place
+  std::string title;                            // name written into the tileset
 
   Result<void> Validate() const;
   // The ground size of an output pixel where those of the photos show `photos_gsd_m`.

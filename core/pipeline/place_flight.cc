@@ -18,6 +18,7 @@
 #include "core/ground/dem_grid.h"
 #include "core/ground/model_ground.h"
 #include "core/pipeline/append_photos.h"
+#include "core/pipeline/bands/build_bands.h"
 #include "core/pipeline/check_photos.h"
 #include "core/pipeline/control_points.h"
 #include "core/pipeline/placing/move_flight.h"
@@ -26,6 +27,7 @@
 #include "core/pipeline/placing/place_known.h"
 #include "core/poses/estimate_poses.h"
 #include "core/poses/plausible_poses.h"
+#include "core/render/plan_mosaic.h"
 
 namespace skyquilt::pipeline {
 namespace {
@@ -132,7 +134,8 @@ void FillPhotos(const flight::Flight& read, alignment::AlignedFlight& flight) {
 Result<poses::PosedFlight> Pose(const flight::Flight& flight, const MosaicOptions& options,
                                 const geo::DemSource* dem, StageRunner& stages, bool keep_unplaced = false) {
   return stages.Run("pose", [&] {
-    return poses::EstimatePoses(flight, {options.origin, options.landed_at_start, dem, keep_unplaced});
+    return poses::EstimatePoses(
+        flight, {options.origin, options.landed_at_start, dem, keep_unplaced, options.takeoff_height_amsl_m});
   });
 }
 
@@ -195,6 +198,29 @@ bool MayGoByImages(const MosaicOptions& options) {
   return options.method == AlignMethod::kAuto || options.method == AlignMethod::kImages;
 }
 
+// Where no photo can show any of it: better said before they are compared. Recorded places may be wrong, so
+// that only what is far away is refused here; PlanMosaic refuses the rest.
+Result<void> CheckBoundaryIsNear(const poses::PosedFlight& posed, const geo::Boundary& boundary) {
+  constexpr double kMetresPerDegree = 111'320.0;
+  constexpr double kFarM = 5'000.0, kFarInHeights = 20.0;
+  if (!posed.is_placed || posed.photos.empty()) return {};
+  const geo::LatLonBounds bounds = boundary.Bounds();
+  const geo::LatLon middle = bounds.Middle();
+  for (const poses::PosedPhoto& photo : posed.photos) {
+    const geo::Wgs84 at = posed.frame.Wgs84FromEnu(photo.cam_from_enu.TargetOriginInSource());
+    const double far_deg =
+        (kFarM + kFarInHeights * std::max(0.0, photo.height_above_ground_m)) / kMetresPerDegree;
+    const double far_lon_deg = far_deg / std::max(0.05, std::cos(geo::DegToRad(at.lat_deg)));
+    const double beyond_lat_deg =
+        std::abs(at.lat_deg - middle.lat_deg) - 0.5 * (bounds.north_deg - bounds.south_deg);
+    const double beyond_lon_deg = std::abs(std::remainder(at.lon_deg - middle.lon_deg, 360.0)) -
+                                  0.5 * (bounds.east_deg - bounds.west_deg);
+    if (!(beyond_lat_deg > far_deg || beyond_lon_deg > far_lon_deg)) return {};
+  }
+  const geo::Wgs84& origin = posed.frame.origin();
+  return render::BoundaryElsewhere(boundary, {origin.lat_deg, origin.lon_deg});
+}
+
 Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                               const flight::PhotoSource& source, const geo::DemSource* dem,
                               StageRunner& stages, Progress& progress, CheckedPhotos known) {
@@ -203,6 +229,8 @@ Result<FlightFacts> PlaceAnew(flight::Flight read, const MosaicOptions& options,
                        std::move(known));
   }));
   SKYQUILT_TRY_ASSIGN(auto posed, Pose(checked.flight, options, dem, stages, MayGoByImages(options)));
+  if (options.boundary && checked.flight.gcp_lists.empty())
+    SKYQUILT_TRY(CheckBoundaryIsNear(posed, *options.boundary));
   alignment::AlignReport report;
   SKYQUILT_TRY_ASSIGN(auto aligned, stages.Run("align", [&] {
     return Align(posed, checked.flight.gcp_lists, options, source, std::move(checked.features), report,
@@ -326,6 +354,13 @@ Result<std::optional<FlightFacts>> PlaceAdded(Recalled recalled, const flight::F
   return grown;
 }
 
+// A map that is brought elsewhere stays cut as it was.
+std::optional<geo::Boundary> BoundaryOf(const MosaicOptions& options, const pyramid::MapMemory* memory) {
+  if (options.boundary || !options.placing || memory == nullptr) return options.boundary;
+  const Result<FlightFacts> known = ParseFacts(memory->Recall());
+  return known ? known->boundary : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<alignment::FeatureOptions> FeaturesToFind(const MosaicOptions& options) {
@@ -339,10 +374,12 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
                                  FoundFiles found) {
   const LargeBlocksApart features_apart(files.size() >= kManyFiles);
   std::vector<NamedDigest> inputs;
+  bands::Captures captures;
   auto read = stages.Run("read", [&]() -> Result<flight::Flight> {
     if (memory != nullptr || !found.digests.empty())
       inputs = DigestsOf(files, found.digests, options.threads);
     Result<flight::Flight> flight = flight::ReadFlight(files, {options.threads}, progress);
+    if (flight) captures = bands::SetBandsApart(*flight, options.threads);
     if (!flight || !options.readout_s) return flight;
     for (flight::Photo& photo : flight->photos) photo.readout_s = options.readout_s;
     return flight;
@@ -382,12 +419,15 @@ Result<PlacedFlight> PlaceFlight(const std::vector<InputFile>& files, const Mosa
     facts = std::move(anew);
   }
   placed.facts = *std::move(facts);
+  placed.captures = std::move(captures);
+  placed.facts.boundary = BoundaryOf(options, memory);
   TellMarks(lists, placed.facts);
   if (!is_told) {  // that keeps what the map was made with
     for (alignment::AlignedPhoto& photo : placed.facts.flight.photos) {
       photo.max_look_rad =
           std::min(geo::DegToRad(options.max_look_deg), std::max(photo.tied_look_rad, kUntiedLookRad));
     }
+    DrawColourAlone(placed.captures, placed.facts.flight);
     placed.facts.options = DigestOfPlacing(options);
   }
   placed.facts.inputs = inputs;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/bands/captures.h"
 #include "core/flight/photos/photo_source.h"
 #include "core/flight/read_flight.h"
 #include "core/geo/dem_source.h"
@@ -24,6 +25,7 @@ struct PlacedFlight {
   std::vector<Digest> digests;  // of the photos' files; only with a memory
   // What a map pixel showed before the map was placed, in today's metres; nothing otherwise.
   std::optional<double> gsd_m;
+  bands::Captures captures;  // of cameras of several bands: facts.flight has their references
 };
 
 // `found`: of the files that another process has looked at.

@@ -12,7 +12,7 @@
 namespace skyquilt::pipeline {
 
 MapAppearance PlannedMap::Appearance() const {
-  return {gsd_m.value_or(plan.gsd_m), exposure.photos, seams.grid, seams.labels};
+  return {gsd_m.value_or(plan.gsd_m), {exposure.light, exposure.photos}, seams.grid, seams.labels};
 }
 
 Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>& gsd_m,
@@ -25,6 +25,7 @@ Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>
   if (!map.gsd_m && facts.appearance) map.gsd_m = facts.appearance->gsd_m;
   render::PlanOptions plan_options = PlanWithin(options);
   plan_options.gsd_m = map.gsd_m;
+  plan_options.boundary = facts.boundary ? &*facts.boundary : nullptr;
   SKYQUILT_TRY_ASSIGN(map.plan,
                       stages.Run("plan", [&] { return render::PlanMosaic(aligned, ground, plan_options); }));
   if (options.not_finer_than_photos && map.gsd_m) map.gsd_m = std::max(*map.gsd_m, map.plan.gsd_m);
@@ -38,7 +39,7 @@ Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>
   }
   map.exposure = stages.Run("expose", [&] {
     if (facts.appearance)
-      return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.appearance->tones);
+      return render::ExtendExposure(aligned, ground, facts.thumbnails, facts.appearance->exposure);
     return render::EstimateExposure(aligned, ground, facts.thumbnails);
   });
   map.seams = stages.Run("seam", [&] {
@@ -46,7 +47,7 @@ Result<PlannedMap> PlanMap(const FlightFacts& facts, const std::optional<double>
     seam_options.threads = options.threads;
     std::optional<render::KnownLabels> known;
     if (facts.appearance)
-      known = {facts.appearance->grid, facts.appearance->labels, facts.appearance->tones.size()};
+      known = {facts.appearance->grid, facts.appearance->labels, facts.appearance->exposure.photos.size()};
     if (known) seam_options.known = &*known;
     if (range) seam_options.only_blocks = &map.plan.blocks;
     return render::BuildSeamMap(aligned, ground, map.plan, map.exposure, facts.thumbnails, seam_options);

@@ -27,14 +27,15 @@ Result<PhotoPreview> PreviewPhoto(const alignment::AlignedFlight& placed, std::s
   SKYQUILT_TRY_ASSIGN(const auto plan,
                       render::PlanMosaic(one, ground, {options.gsd_m.value_or(shrink * photo_pixel_m), 0.0}));
   SKYQUILT_TRY_ASSIGN(const render::Thumbnail thumbnail, render::MakeThumbnail(source, one.photos[0].photo));
-  const render::ExposureModel exposure{{render::PhotoTone{}}};
+  const render::ExposureModel exposure = render::ExposureModel::Even(1);
   const render::SeamMap seams = render::BuildSeamMap(
       one, ground, plan, exposure, {thumbnail}, {.moves_seams = false, .evens_light = false, .threads = 1});
   render::PhotoCache cache(source, 0);  // the one photo is held while it is used
   SilentProgress progress;
-  SKYQUILT_TRY_ASSIGN(const auto rendered,
-                      render::RenderTiles({one, ground, exposure, seams, plan, cache},
-                                          {1, {false, options.jpeg_quality}}, sink, progress));
+  SKYQUILT_TRY_ASSIGN(
+      const auto rendered,
+      render::RenderTiles({one, ground, exposure, seams, plan, cache},
+                          {1, {image::TileEncoding::kJpegPng, options.jpeg_quality}}, sink, progress));
   if (rendered.base_tiles == 0) {
     return Error{ErrorCode::kUnprocessable, one.photos[0].photo.name + " shows no ground.", ""};
   }

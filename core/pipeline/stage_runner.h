@@ -3,6 +3,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 #include "core/pipeline/report/mosaic_report.h"
 
 namespace skyquilt::pipeline {
@@ -15,6 +16,7 @@ class StageRunner {
   auto Run(const char* name, Stage&& stage) {
     progress_.BeginStage(name);
     report_.timings.push_back({name, 0.0, 0.0});
+    const TraceSpan span(name);
     ScopedTimer timer(report_.timings.back().wall_s);
     ScopedCpuTimer cpu_timer(report_.timings.back().cpu_s);
     return stage();

@@ -10,6 +10,7 @@
 
 #include "core/base/median.h"
 #include "core/base/try.h"
+#include "core/geo/geoid.h"
 #include "core/poses/conventions/choose_convention.h"
 #include "core/poses/heights/flight_heights.h"
 #include "core/poses/heights/ground_from_dem.h"
@@ -47,6 +48,20 @@ void DescribeTime(const TimeSync& sync, PoseReport& report) {
   report.camera_ahead_of_utc_s = sync.camera_ahead_of_utc_s;
 }
 
+// What the user says of the take-off. It is near any place of the flight as far as the geoid goes.
+std::optional<double> GivenTakeoffM(const EstimatePosesOptions& options, const std::vector<Photo>& photos,
+                                    const std::optional<JoinedLog>& log) {
+  if (!options.takeoff_height_amsl_m) return std::nullopt;
+  std::vector<geo::LatLon> positions;
+  if (log && !log->log.gnss.empty()) positions.push_back(log->log.gnss.front().position);
+  for (const Photo& photo : photos) {
+    if (positions.empty() && photo.position) positions.push_back(photo.position->position);
+  }
+  if (positions.empty() && options.origin) positions.push_back(*options.origin);
+  const double geoid_m = positions.empty() ? 0.0 : geo::GeoidHeightM(positions.front()).value_or(0.0);
+  return *options.takeoff_height_amsl_m + geoid_m;
+}
+
 // The photos that the log covers, in the frame that its take-off sets.
 struct LoggedPart {
   PlacedByLog placed;
@@ -55,7 +70,8 @@ struct LoggedPart {
 };
 
 Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
-                               const EstimatePosesOptions& options) {
+                               const EstimatePosesOptions& options,
+                               const std::optional<double>& given_takeoff_m) {
   std::vector<PhotoAtTime> photos;
   std::vector<std::pair<double, const Photo*>> photos_at;
   for (const TiedPhoto& p : tie.tied) {
@@ -67,7 +83,7 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
     photos.push_back(at);
     photos_at.emplace_back(at.t_s, at.photo);
   }
-  Takeoff takeoff = FindTakeoff(log, photos_at);
+  Takeoff takeoff = FindTakeoff(log, photos_at, given_takeoff_m);
   const geo::LatLon middle = takeoff.middle.value_or(options.origin.value_or(geo::LatLon{}));
   const geo::LocalFrame frame({middle.lat_deg, middle.lon_deg, takeoff.height_ellipsoid_m});
   SKYQUILT_TRY_ASSIGN(auto placed, PlaceByLog(photos, log, frame,
@@ -75,7 +91,10 @@ Result<LoggedPart> PlaceLogged(const flight::FlightLog& log, const LogTie& tie,
                                                .landed_at_start = options.landed_at_start,
                                                .ground_z_in_enu_m = takeoff.ground_above_takeoff_m,
                                                .height_sigma_m = takeoff.sigma_m}));
-  return LoggedPart{std::move(placed), frame, std::move(takeoff)};
+  // The log's heights agree with each other; where they all hang is what was given.
+  const double takeoff_m = given_takeoff_m.value_or(takeoff.height_ellipsoid_m);
+  return LoggedPart{std::move(placed), geo::LocalFrame({middle.lat_deg, middle.lon_deg, takeoff_m}),
+                    std::move(takeoff)};
 }
 
 void TakeLogged(LoggedPart part, bool has_origin, PosedFlight& posed) {
@@ -156,7 +175,8 @@ Error NothingPlaced(bool has_log_and_photos, bool any_without_height,
 }
 
 // A flight that no record places: a frame for what its photos may say.
-void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& options, PosedFlight& posed) {
+void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& options,
+                   const std::optional<double>& given_takeoff_m, PosedFlight& posed) {
   std::vector<geo::LatLon> positions;
   std::vector<double> heights;
   for (const flight::GcpList& list : flight.gcp_lists) {
@@ -169,8 +189,8 @@ void LeaveUnplaced(const flight::Flight& flight, const EstimatePosesOptions& opt
     if (positions.empty() && photo.position) positions.push_back(photo.position->position);
   }
   const geo::LatLon middle = MedianPosition(positions).value_or(options.origin.value_or(geo::LatLon{}));
-  posed.frame =
-      geo::LocalFrame({middle.lat_deg, middle.lon_deg, MedianIfAny(std::move(heights)).value_or(0.0)});
+  const double height_m = MedianIfAny(std::move(heights)).value_or(given_takeoff_m.value_or(0.0));
+  posed.frame = geo::LocalFrame({middle.lat_deg, middle.lon_deg, height_m});
   posed.is_placed = posed.report.is_placed = false;
   posed.report.method = "none: no photo records where it was taken";
   posed.warnings.insert(posed.warnings.begin(), flight.warnings.begin(), flight.warnings.end());
@@ -302,10 +322,11 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
                              ".");
   }
 
+  const std::optional<double> given_takeoff_m = GivenTakeoffM(options, tie.photos, log);
   std::optional<geo::LatLon> takeoff;
   std::vector<char> is_on_log(tie.photos.size(), 0);
   if (!tie.tied.empty()) {
-    Result<LoggedPart> logged = PlaceLogged(log->log, tie, options);
+    Result<LoggedPart> logged = PlaceLogged(log->log, tie, options, given_takeoff_m);
     if (logged) {
       for (const TiedPhoto& p : tie.tied) is_on_log[p.photo] = 1;
       takeoff = logged->takeoff.position ? logged->takeoff.position : options.origin;
@@ -330,7 +351,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   DemZero dem_zero = DemZero::kTakeoff;
   bool any_without_height = false;
   if (!rest.empty()) {
-    const FlightHeights heights = ChooseHeights(rest, options.dem);
+    const FlightHeights heights = ChooseHeights(rest, options.dem, given_takeoff_m);
     if (!has_frame && heights.rule == HeightRule::kElevationModel) dem_zero = DemZero::kSeaLevel;
     PlacedByRecords placed = PlaceRest(rest, heights, has_frame, posed);
     any_without_height = !placed.without_height.empty();
@@ -339,11 +360,16 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
     Append(std::move(placed.left_out), posed.left_out);
   }
   if (posed.photos.empty() && !posed.unplaced.empty()) {
-    LeaveUnplaced(flight, options, posed);
+    LeaveUnplaced(flight, options, given_takeoff_m, posed);
     return posed;
   }
   if (posed.photos.empty()) {
     return NothingPlaced(log && !tie.photos.empty(), any_without_height, posed.warnings, posed.left_out);
+  }
+  if (given_takeoff_m) {
+    dem_zero = DemZero::kSeaLevel;
+    posed.report.height_rule +=
+        fmt::format("; take-off {:.1f} m above sea level, as given", *options.takeoff_height_amsl_m);
   }
   if (options.dem != nullptr && posed.is_placed) {
     if (const auto dem_ground = GroundFromDem(*options.dem, posed, takeoff, dem_zero)) {
@@ -357,7 +383,7 @@ Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePo
   const std::size_t before = posed.left_out.size();
   LeaveOutNonsense(options.keep_unplaced, posed);
   if (posed.photos.empty() && !posed.unplaced.empty()) {
-    LeaveUnplaced(flight, options, posed);
+    LeaveUnplaced(flight, options, given_takeoff_m, posed);
     return posed;
   }
   if (posed.photos.empty()) {

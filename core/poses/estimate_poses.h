@@ -21,6 +21,8 @@ struct EstimatePosesOptions {
   // Photos without usable position or height are handed on as PosedFlight::unplaced, and a flight of nothing
   // else is no error: its frame lies at surveyed points, at the given origin or nowhere (is_placed is false).
   bool keep_unplaced = false;
+  // Of the place of take-off, above sea level; counts instead of what is recorded of it.
+  std::optional<double> takeoff_height_amsl_m = {};
 };
 
 Result<PosedFlight> EstimatePoses(const flight::Flight& flight, const EstimatePosesOptions& options);

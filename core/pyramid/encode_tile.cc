@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/base/check.h"
+#include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
 #include "core/image/png_encoder.h"
 
@@ -40,12 +41,12 @@ Coverage CoverageOf(const Square& tile) {
   return alpha_of(all) == 255 ? Coverage::kFull : alpha_of(any) != 0 ? Coverage::kPartial : Coverage::kNone;
 }
 
-std::vector<std::uint8_t> EncodeWebp(const Square& tile, int quality) {
+image::RgbaImage Straight(const Square& tile) {
   image::RgbaImage straight{tile.size_px, tile.size_px, {}};
   straight.rgba.resize(4 * static_cast<std::size_t>(tile.size_px) * static_cast<std::size_t>(tile.size_px));
   for (int y = 0; y < tile.size_px; ++y)
     image::StraightenAlpha(tile.Row(y), tile.size_px, straight.Pixel(0, y));
-  return image::EncodeWebp(image::RowsOf(straight), static_cast<float>(quality));
+  return straight;
 }
 
 }  // namespace
@@ -58,11 +59,16 @@ std::optional<EncodedTile> EncodeTile(const image::RgbaImage& image, int x, int 
   const Square tile{image, x, y, size_px};
   const Coverage coverage = CoverageOf(tile);
   if (coverage == Coverage::kNone) return std::nullopt;
-  if (options.use_webp) return EncodedTile{image::PictureFormat::kWebp, EncodeWebp(tile, options.quality)};
+  if (options.encoding == image::TileEncoding::kWebp) {
+    return EncodedTile{image::PictureFormat::kWebp,
+                       image::EncodeWebp(image::RowsOf(Straight(tile)), static_cast<float>(options.quality))};
+  }
   if (coverage == Coverage::kFull) {
     const image::PixelRows rows{tile.Row(0), size_px, size_px, 4, 4 * image.width_px};
     return EncodedTile{image::PictureFormat::kJpeg, image::EncodeJpeg(rows, options.quality)};
   }
+  if (options.encoding == image::TileEncoding::kJpegWebp)
+    return EncodedTile{image::PictureFormat::kWebp, image::EncodeFringe(Straight(tile), options.quality)};
   return EncodedTile{image::PictureFormat::kPng, image::EncodePng(image, x, y, size_px)};
 }
 

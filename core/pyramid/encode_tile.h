@@ -1,6 +1,6 @@
 // EncodeTile: a premultiplied tile to the bytes that are stored and served: JPEG where every pixel is
-// covered, PNG with alpha at the fringe (or WebP for both). Deterministic. Any thread; each call uses its own
-// encoder.
+// covered, at the fringe WebP with colours nearly as good and alpha without loss, or a PNG without
+// any loss (or WebP for both). Deterministic. Any thread; each call uses its own encoder.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 namespace skyquilt::pyramid {
 
 struct EncodeOptions {
-  bool use_webp = false;
-  int quality = 85;
+  image::TileEncoding encoding = image::TileEncoding::kJpegWebp;
+  int quality = 85;  // of JPEG, and of WebP throughout
 };
 
 struct EncodedTile {

@@ -32,8 +32,10 @@ class MapMemory {
   virtual ~MapMemory() = default;
   // Of the inputs from which the earlier run made this block.
   virtual std::optional<Digest> DigestOf(const geo::TileId& block) const = 0;
-  // Puts the earlier run's tiles of the block into this run's map and keeps them for the next.
-  virtual Result<KeptBlock> Reuse(const geo::TileId& block) = 0;
+  // Puts the earlier run's tiles of the block into this run's map and keeps them for the next, by the digest
+  // of this run's inputs. `fringe_quality`: PNG tiles become what EncodeFringe makes of them.
+  virtual Result<KeptBlock> Reuse(const geo::TileId& block, const Digest& digest,
+                                  std::optional<int> fringe_quality) = 0;
   // All tiles of the block have been put.
   virtual Result<void> Keep(const geo::TileId& block, const Digest& digest, const KeptBlock& kept) = 0;
   // Facts that the earlier run remembered; empty: none.

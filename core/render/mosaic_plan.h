@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "core/geo/areas/boundary.h"
 #include "core/geo/bounds.h"
 #include "core/geo/tile_id.h"
 
@@ -29,6 +31,8 @@ struct MosaicPlan {
   std::vector<RenderBlock> blocks;         // along the Hilbert curve, so that neighbours share decoded photos
   double feather_m = 0.0;                  // width of the seams' transition; 0 = 16 pixels
   std::int64_t output_pixels = 0;          // upper bound
+  // On the pixels of whole blocks; null: nothing is cut. Blocks wholly beyond it are not among those above.
+  std::shared_ptr<const geo::BoundaryOnZoom> boundary_on_blocks;
   std::int64_t max_seam_cells = std::int64_t{1} << 26;  // over all photos: at most kSeamCellBytes each
 
   int BlockSizePx() const { return tile_size_px << block_levels; }

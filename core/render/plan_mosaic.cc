@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
@@ -96,6 +98,17 @@ int CommonAncestorZoom(const std::vector<RenderBlock>& blocks) {
 }
 
 }  // namespace
+
+Error BoundaryElsewhere(const geo::Boundary& boundary, const geo::LatLon& flight) {
+  const geo::LatLon middle = boundary.Bounds().Middle();
+  return {ErrorCode::kUnprocessable,
+          fmt::format(
+              "Nothing of the map lies within the boundary: the flight is around {:.5f}, {:.5f} (latitude, "
+              "longitude), the boundary around {:.5f}, {:.5f}. Draw the boundary over the flight, or "
+              "leave it out.",
+              flight.lat_deg, flight.lon_deg, middle.lat_deg, middle.lon_deg),
+          ""};
+}
 
 std::int64_t BlockBytes(int block_px) { return kBytesPerBlockPixel * block_px * block_px; }
 
@@ -189,8 +202,19 @@ Result<MosaicPlan> PlanMosaic(const AlignedFlight& flight, const ground::GroundS
       }
     }
   }
+  if (options.boundary != nullptr)
+    plan.boundary_on_blocks =
+        std::make_shared<geo::BoundaryOnZoom>(*options.boundary, block_zoom, plan.BlockSizePx());
   plan.blocks.reserve(by_hilbert.size());
-  for (auto& [index, block] : by_hilbert) plan.blocks.push_back(std::move(block));
+  for (auto& [index, block] : by_hilbert) {
+    const bool is_beyond = plan.boundary_on_blocks != nullptr &&
+                           plan.boundary_on_blocks->CoverOf(block.tile) == geo::Cover::kNone;
+    if (!is_beyond) plan.blocks.push_back(std::move(block));
+  }
+  if (plan.blocks.empty()) {
+    const geo::Wgs84& origin = flight.frame.origin();
+    return BoundaryElsewhere(*options.boundary, {origin.lat_deg, origin.lon_deg});
+  }
   plan.min_zoom = CommonAncestorZoom(plan.blocks);
   plan.output_pixels =
       static_cast<std::int64_t>(plan.blocks.size()) * plan.BlockSizePx() * plan.BlockSizePx();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/parallel_for.h"
+#include "core/base/trace.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
 #include "core/pyramid/pack_picture.h"
@@ -26,6 +27,7 @@ struct FinishedBlock {
   std::optional<Error> error;
   std::optional<Digest> digest;  // of what it was made from; only where somebody remembers
   bool is_kept = false;          // an earlier run made it: nothing below but the digest
+  bool has_png_fringe = false;   // it did, with PNG where WebP is wanted
   std::vector<FinishedTile>
       tiles;  // base zoom first, then the block's own overviews but the topmost's parents
   std::optional<image::RgbaImage> half;   // the block as half a tile; nothing if no pixel is covered
@@ -69,7 +71,10 @@ void MeasureCoverage(const image::RgbaImage& image, const RenderBlock& block, co
 FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& options,
                           const RenderBlock& block, const BlockGeometry& geometry) {
   FinishedBlock finished;
-  Result<image::RgbaImage> rendered = RenderBlockPixels(context, block, geometry);
+  Result<image::RgbaImage> rendered = [&] {
+    const TraceSpan span("render block");
+    return RenderBlockPixels(context, block, geometry);
+  }();
   if (!rendered) {
     finished.error = rendered.error();
     return finished;
@@ -77,6 +82,7 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
   image::RgbaImage image = *std::move(rendered);
   MeasureCoverage(image, block, context.plan, finished);
   if (finished.covered_pixels == 0) return finished;
+  const TraceSpan span("encode tiles");
   const int tile_px = context.plan.tile_size_px;
   for (int level = context.plan.block_levels; level >= 0; --level) {
     const int side = 1 << level;
@@ -115,8 +121,12 @@ std::vector<std::vector<std::uint32_t>> LastShown(const RenderContext& context) 
 // Puts the tiles of a block, newly made or an earlier run's, and says what the rest of the map needs of it.
 template <typename Put>
 Result<pyramid::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& tile,
-                                    const FinishedBlock& block, const RenderMemory* memory, const Put& put) {
-  if (block.is_kept) return memory->map.Reuse(tile);
+                                    const FinishedBlock& block, const pyramid::EncodeOptions& encode,
+                                    const RenderMemory* memory, const Put& put) {
+  if (block.is_kept) {
+    return memory->map.Reuse(tile, *block.digest,
+                             block.has_png_fringe ? std::optional(encode.quality) : std::nullopt);
+  }
   for (const FinishedTile& finished : block.tiles) put(finished.tile, finished.encoded);
   pyramid::KeptBlock kept{plan.block_levels,     static_cast<std::int64_t>(block.tiles.size()),
                           block.base_tiles,      block.covered_pixels,
@@ -167,7 +177,14 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
         if (memory == nullptr) return FinishBlock(context, options, block, geometry);
         const Digest digest = DigestBlock(context, options.encode, memory->photo_digests, block, geometry);
         FinishedBlock finished;
-        finished.is_kept = memory->map.DigestOf(block.tile) == digest;
+        const std::optional<Digest> earlier = memory->map.DigestOf(block.tile);
+        finished.is_kept = earlier == digest;
+        if (earlier && !finished.is_kept && options.encode.encoding == image::TileEncoding::kJpegWebp) {
+          const pyramid::EncodeOptions with_png{image::TileEncoding::kJpegPng, options.encode.quality};
+          finished.has_png_fringe =
+              earlier == DigestBlock(context, with_png, memory->photo_digests, block, geometry);
+          finished.is_kept = finished.has_png_fringe;
+        }
         if (!finished.is_kept) {
           finished = FinishBlock(context, options, block, geometry);
           if (finished.half) finished.packed_half = pyramid::PackPicture(*finished.half);
@@ -184,7 +201,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           return;
         }
         Result<pyramid::KeptBlock> kept =
-            TakeOver(context.plan, context.plan.blocks[i].tile, block, memory, put);
+            TakeOver(context.plan, context.plan.blocks[i].tile, block, options.encode, memory, put);
         if (!kept) {
           failure = kept.error();
           stop = true;

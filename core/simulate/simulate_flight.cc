@@ -16,6 +16,7 @@
 #include "core/simulate/sensors/noise.h"
 #include "core/simulate/sensors/random.h"
 #include "core/simulate/sensors/shaking.h"
+#include "core/simulate/world/sun_direction.h"
 #include "core/simulate/world/world_raster.h"
 #include "core/simulate/writers/truth_json.h"
 #include "core/simulate/writers/write_csv.h"
@@ -139,6 +140,9 @@ Result<void> SimulateOptions::Validate() const {
   }
   if (!(vignetting >= 0.0 && vignetting < 1.0))
     return Bad("The vignetting must be from 0 to 1 (share of light lost).");
+  if (!(hot_spot >= 0.0 && hot_spot < 1.0))
+    return Bad("The hot spot must be from 0 to 1 (share of light added).");
+  if (!(std::abs(world.gradient_per_km) <= 2.0)) return Bad("The gradient must be within 2 a kilometre.");
   if (!(exposure_jitter >= 0.0 && exposure_jitter < 1.0))
     return Bad("The exposure jitter must be from 0 to 1.");
   if (!(shutter_s >= 0.0 && shutter_s <= 10.0)) return Bad("The exposure time must be from 0 to 10000 ms.");
@@ -204,6 +208,8 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     photo.photo = PhotoOfRecordedPose(fmt::format("SIM_{:04}.JPG", i + 1), recorded[i]);
     photo.render.supersample = options.supersample;
     photo.render.vignetting = options.vignetting;
+    photo.render.hot_spot = options.hot_spot;
+    photo.render.sun_in_enu = SunDirection(options.origin, options.start);
     photo.render.exposure_gain = std::exp(options.exposure_jitter * exposure.Gauss());
     photo.render.motion_in_enu_m = options.shutter_s * photo.pose.velocity_in_enu_mps;
     photo.render.readout_motion.shift_in_enu_m = options.readout_s * photo.pose.velocity_in_enu_mps;

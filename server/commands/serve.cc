@@ -207,6 +207,14 @@ void KeepFreedMemory() {
 }
 
 void RunServer(const ServeOptions& options) {
+  if (options.keep_days > 0 && options.trash_days == 0) {
+    Fail(
+        "skyquilt serve",
+        {ErrorCode::kInvalidArgument,
+         "--keep-days puts flights that nobody changes into the trash, and with --trash-days 0 there is none. "
+         "Give --trash-days 1 or more, or leave --keep-days out.",
+         ""});
+  }
   const sigset_t signals = BlockSignals();
   RaiseDescriptorLimit();
   KeepFreedMemory();
@@ -254,6 +262,7 @@ void RunServer(const ServeOptions& options) {
   if (!basemap) Fail("skyquilt serve", basemap.error());
   service.basemap = *basemap;
   service.trash_days = options.trash_days;
+  service.keep_days = options.keep_days;
   service.node_engine = options.node_engine;
   service.sends_webhooks = options.webhooks != "off";
   api::Router router = api::BuildApi(service);

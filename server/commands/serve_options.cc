@@ -1,12 +1,14 @@
 #include "server/commands/serve_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string_view>
 
+#include "api/basemap/basemap.h"
 #include "server/commands/config_file.h"
 #include "server/commands/fail.h"
 #include "server/routing/origin_policy.h"
@@ -79,6 +81,7 @@ void RefuseUnknownVariables() {
                                            "waiting-requests",
                                            "tile-cache-mb",
                                            "trash-days",
+                                           "keep-days",
                                            "host",
                                            "cors-origin"};
   for (char** variable = environ; *variable != nullptr; ++variable) {
@@ -147,6 +150,14 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->check(CLI::Range(0, 3650))
       ->envname(VariableOf("trash-days"))
       ->capture_default_str();
+  command
+      .add_option(
+          "--keep-days", options.keep_days,
+          "Days after which a flight that nobody changes goes to the trash, if it is not shared and no "
+          "job or upload of it is open; 0: never")
+      ->check(CLI::Range(0, 3650))
+      ->envname(VariableOf("keep-days"))
+      ->capture_default_str();
   command.add_option("--web", options.web_dir, "Folder of the web page, instead of the built-in one")
       ->envname(VariableOf("web"));
   command
@@ -179,9 +190,12 @@ void AddServeOptions(CLI::App& command, ServeOptions& options) {
       ->envname(VariableOf("node-engine"))
       ->capture_default_str();
   command
-      .add_option("--basemap", options.basemap,
-                  "What lies below the maps on the page: https://host/{z}/{x}/{y}.png, or a PMTiles file "
-                  "of raster tiles")
+      .add_option(
+          "--basemap", options.basemap,
+          fmt::format("What lies below the maps on the page, fetched by each browser from there: {} (read "
+                      "their terms of use), https://host/{{z}}/{{x}}/{{y}}.png, or a PMTiles file of raster "
+                      "tiles here",
+                      fmt::join(api::BasemapNames(), ", ")))
       ->envname(VariableOf("basemap"));
   command
       .add_option("--basemap-attribution", options.basemap_attribution,

@@ -37,6 +37,7 @@ struct ServeOptions {
   std::string config;  // read before the options are (ExpandConfig)
   int workers = 1;
   int trash_days = 30;
+  int keep_days = 0;               // 0: for ever
   int cut_above = kCutAboveFiles;  // files of a flight
   int job_timeout_s = 0;
   int job_memory_mib = 0;

@@ -24,15 +24,10 @@ void CheckOutFile(const char* program, const fs::path& out, bool may_replace) {
 }
 
 WorkBeside::WorkBeside(const char* program, const fs::path& out)
-    : path_(out.parent_path() / ("." + out.filename().string() + "-" + std::to_string(getpid()))) {
+    : folder_(out.parent_path() / ("." + out.filename().string() + "-" + std::to_string(getpid()))) {
   std::error_code error;
-  if (!fs::create_directory(path_, error))
-    Fail(program, storage::FileError("cannot make", path_, error ? error.value() : EEXIST));
-}
-
-WorkBeside::~WorkBeside() {
-  std::error_code stays;  // the user sees it beside his file
-  fs::remove_all(path_, stays);
+  if (!fs::create_directory(path(), error))
+    Fail(program, storage::FileError("cannot make", path(), error ? error.value() : EEXIST));
 }
 
 }  // namespace skyquilt::server

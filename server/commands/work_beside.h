@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "core/base/scoped_folder.h"
+
 namespace skyquilt::server {
 
 // Not a folder, in a folder that is there, and not there already unless it may be replaced.
@@ -13,13 +15,10 @@ void CheckOutFile(const char* program, const std::filesystem::path& out, bool ma
 class WorkBeside {
  public:
   WorkBeside(const char* program, const std::filesystem::path& out);
-  ~WorkBeside();
-  WorkBeside(const WorkBeside&) = delete;
-  WorkBeside& operator=(const WorkBeside&) = delete;
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
-  std::filesystem::path path_;
+  ScopedFolder folder_;
 };
 
 }  // namespace skyquilt::server

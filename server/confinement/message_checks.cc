@@ -21,7 +21,7 @@ int CountOf(double value) { return IsWithin(value, 0, kMaxPhotos) ? static_cast<
 
 bool AreBounds(const geo::LatLonBounds& bounds) {
   const auto& [west, south, east, north] = bounds;
-  return IsWithin(west, -180, 180) && IsWithin(east, west, 180) && IsWithin(south, -90, 90) &&
+  return IsWithin(west, -180, 180) && IsWithin(east, west, west + 360) && IsWithin(south, -90, 90) &&
          IsWithin(north, south, 90);
 }
 

@@ -18,7 +18,7 @@ inline constexpr int kMaxPhotos = 10'000'000;            // that a message may s
 Error Untrue(std::string detail);
 
 bool IsWithin(double value, double least, double most);
-bool AreBounds(const geo::LatLonBounds& bounds);  // on Earth
+bool AreBounds(const geo::LatLonBounds& bounds);  // on Earth, also across the antimeridian
 // A number beyond 0..kMaxPhotos comes as -1, which no figure is.
 int CountOf(double value);
 bool AreZooms(int min_zoom, int max_zoom);

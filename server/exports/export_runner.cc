@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "server/exports/export_apart.h"
 #include "server/routing/request_log.h"
@@ -22,22 +23,6 @@ using storage::MapExport;
 
 constexpr std::chrono::milliseconds kExportPause{500};
 constexpr std::chrono::seconds kBeatEvery{1};
-
-// Gone with all that is in it at the end.
-class ExportFolder {
- public:
-  explicit ExportFolder(fs::path path) : path_(std::move(path)) {}
-  ~ExportFolder() {
-    std::error_code stays;  // then the sweep of the next start removes it
-    fs::remove_all(path_, stays);
-  }
-  ExportFolder(const ExportFolder&) = delete;
-  ExportFolder& operator=(const ExportFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Error Replaced() {
   return {ErrorCode::kConflict, "The map was replaced before its export began. Ask for the export again.",
@@ -105,7 +90,7 @@ void ExportRunner::Run() {
 
 void ExportRunner::Make(const MapExport& claimed) {
   const storage::DataDir& dir = service_.store.dir();
-  const ExportFolder staging(dir.Incoming() / dir.NewTemporaryName(storage::kExportKind));
+  const ScopedFolder staging(dir.Incoming() / dir.NewTemporaryName(storage::kExportKind));
   std::error_code unmade;
   fs::create_directory(staging.path(), unmade);
   const auto begun = std::chrono::steady_clock::now();

@@ -79,7 +79,7 @@ class RasterTiles {
   RasterTiles(storage::MapRaster& raster, storage::MbtilesWriter& writer, const ImportOptions& options)
       : raster_(raster),
         writer_(writer),
-        encode_{.use_webp = false, .quality = options.quality},
+        encode_{.quality = options.quality},
         overviews_(raster.zoom(), CoarsestZoom(raster), raster.tile_size_px(),
                    [this](const geo::TileId& tile, const image::RgbaImage& image) { Put(tile, image); }) {}
 

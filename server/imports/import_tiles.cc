@@ -104,9 +104,6 @@ class TileTaker {
       return refusals_.Kind(fmt::format("has tiles of several sizes, such as {} with {} x {} pixels.", name,
                                         picture->width_px, picture->height_px));
     }
-    has_webp_ |= *format == image::PictureFormat::kWebp;
-    has_others_ |= *format != image::PictureFormat::kWebp;
-    if (has_webp_ && has_others_) return refusals_.Kind("mixes WebP with other pictures.");
     if (tile.z() != zoom_) finest_ = {};
     zoom_ = tile.z();
     min_zoom_ = tiles_++ == 0 ? zoom_ : min_zoom_;
@@ -141,7 +138,6 @@ class TileTaker {
   storage::MbtilesWriter& writer_;
   const Refusals& refusals_;
   int side_px_ = 0;
-  bool has_webp_ = false, has_others_ = false;
   int zoom_ = -1, min_zoom_ = 0;
   std::int64_t tiles_ = 0;
   FinestTiles finest_;

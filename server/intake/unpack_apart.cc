@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "server/confinement/run_apart.h"
 #include "storage/db/ids.h"
@@ -49,22 +50,6 @@ std::int64_t CpuSecondsFor(const fs::path& archive) {
 std::chrono::seconds DeadlineOf(const fs::path& archive) {
   return std::chrono::seconds(kUnpackWallSecondsPerCpuSecond * CpuSecondsFor(archive));
 }
-
-// Gone with all that is in it at the end.
-class StagingFolder {
- public:
-  explicit StagingFolder(fs::path path) : path_(std::move(path)) {}
-  ~StagingFolder() {
-    std::error_code stays;  // then the sweep of the next start removes it
-    fs::remove_all(path_, stays);
-  }
-  StagingFolder(const StagingFolder&) = delete;
-  StagingFolder& operator=(const StagingFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Result<std::vector<UnpackedFile>> Parse(const std::string& answer) {
   try {
@@ -112,7 +97,7 @@ Result<std::vector<UnpackedFile>> TakeOver(const storage::PhotoStore& store, con
 
 Result<std::vector<UnpackedFile>> UnpackApart(const storage::PhotoStore& store, const std::string& flight_id,
                                               const fs::path& archive, std::int64_t max_bytes) {
-  const StagingFolder folder(store.dir().Incoming() / store.dir().NewTemporaryName(storage::kUnpackKind));
+  const ScopedFolder folder(store.dir().Incoming() / store.dir().NewTemporaryName(storage::kUnpackKind));
   std::error_code unmade;
   if (!fs::create_directory(folder.path(), unmade)) {
     return Error{ErrorCode::kUnavailable,

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 std::vector<std::string> ProductNames() {
   std::vector<std::string> names = {"mosaic.mbtiles", "mosaic.pmtiles", "mosaic.tif",  "mosaic_utm.tif",
                                     "mosaic.kmz",     "thumbnail.png",  "report.json", "photos.geojson",
-                                    "locate.json",    "cameras.json",   "geo.txt",     "layers.json"};
+                                    "locate.json",    "cameras.json",   "geo.txt",     "layers.json",
+                                    "bands.tif"};
   for (const render::MapLayer layer : render::kMapLayers) names.push_back(render::LayerFileName(layer));
   return names;
 }

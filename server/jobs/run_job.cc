@@ -12,6 +12,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/scoped_folder.h"
 #include "core/base/try.h"
 #include "server/inputs/film_frames.h"
 #include "server/jobs/job_blobs.h"
@@ -58,25 +59,6 @@ Result<void> SyncTree(const fs::path& folder) {
   if (error) return OsError("list " + folder.string(), error.value());
   return Sync(folder, O_DIRECTORY);
 }
-
-// A folder that goes with the scope, unless it is kept.
-class WorkFolder {
- public:
-  explicit WorkFolder(fs::path path) : path_(std::move(path)) {}
-  ~WorkFolder() {
-    if (is_kept_) return;
-    std::error_code ignored;  // what stays is swept at the next start
-    fs::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  const fs::path& path() const { return path_; }
-  void Keep() { is_kept_ = true; }
-
- private:
-  fs::path path_;
-  bool is_kept_ = false;
-};
 
 // Takes over the folder of a dead attempt of the same job, so that this one goes on where that stopped.
 void AdoptEarlierAttempt(const storage::DataDir& dir, const storage::Lease& lease) {
@@ -212,7 +194,7 @@ Result<bool> Publish(WorkerContext& context, const storage::Lease& lease, const 
     return is_shown;
   }
   // One rename puts all products in place; the catalogue decides afterwards whether anyone sees them.
-  WorkFolder placed(context.dir.Revision(lease.flight_id, *number));
+  ScopedFolder placed(context.dir.Revision(lease.flight_id, *number));
   if (rename(made.c_str(), placed.path().c_str()) != 0) return OsError("rename " + made.string(), errno);
   SKYQUILT_TRY(Sync(context.dir.Flight(lease.flight_id), O_DIRECTORY));
   Result<bool> published = context.queue.Publish(lease, revision, storage::Now());
@@ -256,7 +238,7 @@ void RunJob(WorkerContext& context, const storage::Lease& lease) {
   LeaseState state = LeaseState::kHeld;
   {
     AdoptEarlierAttempt(context.dir, lease);
-    WorkFolder work(context.dir.Work() / storage::WorkName(lease));
+    ScopedFolder work(context.dir.Work() / storage::WorkName(lease));
     const CutJob cut = CutOf(context, lease);
     const std::optional<storage::Expectation> expectation = Expect(context, lease);
     JobProgress progress(context.queue, lease, context.is_stopping,

@@ -5,6 +5,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/scoped_timer.h"
+#include "core/base/trace.h"
 #include "core/base/try.h"
 #include "core/flight/photos/photo_decoder.h"
 #include "core/pipeline/build_mosaic.h"
@@ -21,6 +22,7 @@
 #include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/exports/utm_writer.h"
+#include "storage/rasters/bands_writer.h"
 #include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/mbtiles_writer.h"
 #include "storage/tilesets/publish_file.h"
@@ -46,10 +48,12 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
                     const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
                     Progress& progress) {
   if (options.write_pmtiles) {
+    const TraceSpan span("write mosaic.pmtiles");
     if (auto written = storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress); !written)
       return written;
   }
   if (options.write_cog) {
+    const TraceSpan span("write mosaic.tif");
     const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
     if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
       return written;
@@ -103,6 +107,28 @@ Result<void> WriteLayers(const pipeline::BuiltMosaic& built, const pipeline::Mos
   for (const alignment::AlignedPhoto& photo : built.flight.photos) photo_names.push_back(photo.photo.name);
   return storage::WriteFileAtomically(out_dir / "layers.json",
                                       render::LayersJson(options.layers, photo_names, heights));
+}
+
+// The raster of bands, where the flight has bands. A map without it is still a map.
+Result<void> WriteBands(pipeline::BuiltMosaic& built, const pipeline::MosaicOptions& options,
+                        const flight::PhotoSource& photos, const std::filesystem::path& out_dir,
+                        Progress& progress) {
+  const std::filesystem::path path = out_dir / "bands.tif";
+  std::error_code gone;  // what cannot be removed shows up when it is written
+  std::filesystem::remove(path, gone);
+  if (!built.bands) return {};
+  storage::BandsWriter writer(path, options.threads, progress);
+  Result<pipeline::BuiltBands> bands =
+      pipeline::BuildBands(*built.bands, built.ground, options, photos, writer, progress);
+  if (!bands && bands.error().code == ErrorCode::kUnprocessable) {
+    built.report.warnings.push_back("There is no bands.tif. " + bands.error().message);
+    return {};
+  }
+  if (!bands) return bands.error();
+  SKYQUILT_TRY(writer.Publish());
+  built.report.bands = std::move(bands->report);
+  built.report.warnings.insert(built.report.warnings.end(), bands->warnings.begin(), bands->warnings.end());
+  return {};
 }
 
 void ForgetEarlierRuns(const std::filesystem::path& out_dir) {
@@ -161,6 +187,7 @@ Result<pipeline::MosaicReport> StitchToDirectory(const std::vector<flight::Input
       return exported.error();
     if (auto written = WriteLayers(built, options.mosaic, out_dir, progress); !written)
       return written.error();
+    SKYQUILT_TRY(WriteBands(built, options.mosaic, photos, out_dir, progress));
   }
   built.report.timings.push_back(exported_in);
   if (auto written = storage::WriteFileAtomically(out_dir / "photos.geojson",

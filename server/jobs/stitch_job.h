@@ -1,9 +1,9 @@
 // StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
-// mosaic.tif (COG) with thumbnail.png, mosaic_utm.tif, mosaic.kmz and layer_*.mbtiles with layers.json by
-// option, report.json, photos.geojson, and for OpenDroneMap cameras.json and geo.txt, each written under a
-// temporary name and published by rename. What both the `stitch` command and the worker run. Blocking; one
-// call at a time per process (it uses all the threads asked for). Errors: kUnprocessable (no photo could be
-// placed), kCancelled, kOutOfSpace, kIo.
+// mosaic.tif (COG) with thumbnail.png, bands.tif for cameras of several bands, mosaic_utm.tif, mosaic.kmz and
+// layer_*.mbtiles with layers.json by option, report.json, photos.geojson, and for OpenDroneMap cameras.json
+// and geo.txt, each written under a temporary name and published by rename. What both the `stitch` command
+// and the worker run. Blocking; one call at a time per process (it uses all the threads asked for). Errors:
+// kUnprocessable (no photo could be placed), kCancelled, kOutOfSpace, kIo.
 #pragma once
 
 #include <filesystem>

@@ -81,7 +81,7 @@ Result<storage::PreviewTiles::Tiles> PreviewCanvas::Finish() {
   }
   storage::PreviewTiles::Tiles tiles;
   for (const auto& [tile, image] : changed_) {
-    const auto encoded = pyramid::EncodeTile(image, {false, kJpegQuality});
+    const auto encoded = pyramid::EncodeTile(image, {image::TileEncoding::kJpegPng, kJpegQuality});
     if (encoded) tiles[tile] = std::string(encoded->bytes.begin(), encoded->bytes.end());
   }
   return tiles;

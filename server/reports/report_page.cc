@@ -9,6 +9,7 @@
 
 #include "api/http/digest.h"
 #include "api/ogc/map_view.h"
+#include "core/base/median.h"
 #include "core/base/try.h"
 
 namespace skyquilt::server {
@@ -140,6 +141,24 @@ Table Facts(const Json& report, bool is_placed) {
   return table;
 }
 
+// Leave-one-out: how far off a map placed by the other points alone puts each.
+std::string PredictionInWords(const Json& control) {
+  std::vector<double> misses;
+  double worst_m = -1.0;
+  std::string worst;
+  if (!control.is_array()) return "";
+  for (const Json& point : control) {
+    const auto east = NumberAt(point, {"left_out", "miss_east_m"}),
+               north = NumberAt(point, {"left_out", "miss_north_m"});
+    if (!east || !north) continue;
+    misses.push_back(std::hypot(*east, *north));
+    if (misses.back() > worst_m) worst_m = misses.back(), worst = TextAt(point, {"name"});
+  }
+  if (misses.empty()) return "";
+  return fmt::format("missed by {} in the median of {}, at worst {} ({})", Metres(Median(misses)),
+                     misses.size(), Metres(worst_m), worst);
+}
+
 Table Accuracy(const Json& report) {
   Table table;
   if (const auto px = NumberAt(report, {"alignment", "residual_rms_px"}))
@@ -157,6 +176,8 @@ Table Accuracy(const Json& report) {
   if (control.is_array() && !control.empty())
     table.Row("Ground control points",
               fmt::format("{} given; report.json has the miss of each", control.size()));
+  if (const std::string words = PredictionInWords(control); !words.empty())
+    table.Row("Each of them placed by the others", words);
   const std::string model = TextAt(report, {"ground", "model"}),
                     reason = TextAt(report, {"ground", "reason"});
   table.Row("Ground", reason.empty() ? model : model + ": " + reason);

@@ -22,7 +22,8 @@ constexpr const char* kMaySend =
     "Range, Tus-Resumable, Upload-Checksum, Upload-Concat, Upload-Defer-Length, Upload-Length, Upload-Metadata, Upload-Offset, "
     "X-HTTP-Method-Override, set-uuid";
 constexpr const char* kMayRead =
-    "Accept-Ranges, Content-Disposition, Content-Length, Content-Range, ETag, Idempotency-Replayed, Link, Location, "
+    "Accept-Ranges, Content-Bbox, Content-Crs, Content-Disposition, Content-Length, Content-Range, ETag, "
+    "Idempotency-Replayed, Link, Location, "
     "Retry-After, Tus-Checksum-Algorithm, Tus-Extension, Tus-Max-Size, Tus-Resumable, Tus-Version, Upload-Defer-Length, "
     "Upload-Expires, Upload-Length, Upload-Metadata, Upload-Offset, WWW-Authenticate, X-Request-Id";
 

@@ -46,6 +46,8 @@ std::string ContentSecurityPolicy(const std::string& basemap_origin, bool may_be
          (may_be_framed ? "*" : "'none'");
 }
 
+constexpr std::array<std::pair<const char*, const char*>, 2> kCodings = {{{"br", ".br"}, {"gzip", ".gz"}}};
+
 constexpr std::array kPageFolders = {"src", "styles", "vendor", "images", "fonts"};
 
 const char* TypeOf(std::string_view name) {
@@ -96,18 +98,24 @@ Result<api::Response> Find(const std::filesystem::path& folder, const api::Reque
   for (const std::string& segment : segments) path /= segment;
   std::optional<std::string> etag = EtagOf(path);
   if (!etag) return missing;
-  const std::filesystem::path gzip_path = path.string() + ".gz";
-  const std::optional<std::string> gzip_etag = EtagOf(gzip_path);
-  // Where the build made one and the client takes it.
-  const bool as_gzip = gzip_etag && api::TakesGzip(request);
-  if (as_gzip) {
-    path = gzip_path;
-    etag = gzip_etag;
+  std::filesystem::path chosen = path;
+  const char* coding = nullptr;
+  bool has_codings = false;
+  // Where the build made one and the client takes it, the smallest first.
+  for (const auto& [name, ending] : kCodings) {
+    const std::filesystem::path packed = path.string() + ending;
+    std::optional<std::string> packed_etag = EtagOf(packed);
+    if (!packed_etag) continue;
+    has_codings = true;
+    if (coding != nullptr || !api::TakesCoding(request, name)) continue;
+    coding = name;
+    chosen = packed;
+    etag = std::move(packed_etag);
   }
-  Result<api::Response> sent = api::SendFile(request, path, type, *etag);
+  Result<api::Response> sent = api::SendFile(request, chosen, type, *etag);
   if (!sent) return sent.error();
-  if (as_gzip) sent->headers.Add("Content-Encoding", "gzip");
-  if (gzip_etag) sent->headers.Add("Vary", "Accept-Encoding");
+  if (coding != nullptr) sent->headers.Add("Content-Encoding", coding);
+  if (has_codings) sent->headers.Add("Vary", "Accept-Encoding");
   sent->headers.Add("Cache-Control", "no-cache");
   sent->headers.Add("Content-Security-Policy", ContentSecurityPolicy(basemap_origin, is_bare_map));
   return sent;

@@ -40,6 +40,26 @@ Result<Flight> ReadFlight(SqlConnection& db, const std::string& id) {
   return FlightFrom(query);
 }
 
+// Up to `limit` rows after the cursor, the query's first parameter, by rising or falling id; where others
+// follow, the cursor of the next page.
+template <typename Item, typename Read, typename IdOf>
+Result<std::optional<std::string>> ReadPage(Statement& query, int limit,
+                                            const std::optional<std::string>& cursor,
+                                            std::vector<Item>& items, const Read& read, const IdOf& id_of) {
+  if (cursor) {
+    query.Bind(1, *cursor);
+  } else {
+    query.BindNull(1);
+  }
+  query.Bind(2, limit + 1);  // one extra row shows whether another page follows
+  while (true) {
+    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
+    if (!row) return std::optional<std::string>();
+    if (static_cast<int>(items.size()) == limit) return std::optional<std::string>(id_of(items.back()));
+    items.push_back(read(query));
+  }
+}
+
 Result<bool> Exists(SqlConnection& db, std::string_view sql, std::string_view first,
                     std::string_view second = {}) {
   SKYQUILT_TRY_ASSIGN(Statement query, db.Prepare(sql));
@@ -186,22 +206,9 @@ Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::st
       db->Prepare(
           std::string(kFlightColumns) +
           "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2"));
-  if (cursor) {
-    query.Bind(1, *cursor);
-  } else {
-    query.BindNull(1);
-  }
-  query.Bind(2, limit + 1);  // one extra row shows whether another page follows
   FlightPage page;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) break;
-    if (static_cast<int>(page.flights.size()) == limit) {
-      page.next_cursor = page.flights.back().id;
-      break;
-    }
-    page.flights.push_back(FlightFrom(query));
-  }
+  SKYQUILT_TRY_ASSIGN(page.next_cursor, ReadPage(query, limit, cursor, page.flights, FlightFrom,
+                                                 [](const Flight& flight) { return flight.id; }));
   return page;
 }
 
@@ -417,23 +424,13 @@ Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>&
       db->Prepare(std::string("SELECT ") + kRevisionColumns + ", f.id, f.name" + kShownRevisions +
                   "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL "
                   "ORDER BY f.id DESC LIMIT ?2"));
-  if (cursor) {
-    query.Bind(1, *cursor);
-  } else {
-    query.BindNull(1);
-  }
-  query.Bind(2, limit + 1);  // one extra row shows whether another page follows
+  const auto map_from = [](const Statement& row) {
+    return ShownFlight{std::string(row.ColumnText(15)), std::string(row.ColumnText(16)), RevisionFrom(row)};
+  };
   MapPage page;
-  while (true) {
-    SKYQUILT_TRY_ASSIGN(const bool row, query.Step());
-    if (!row) return page;
-    if (static_cast<int>(page.maps.size()) == limit) {
-      page.next_cursor = page.maps.back().flight_id;
-      return page;
-    }
-    page.maps.push_back(
-        {std::string(query.ColumnText(15)), std::string(query.ColumnText(16)), RevisionFrom(query)});
-  }
+  SKYQUILT_TRY_ASSIGN(page.next_cursor, ReadPage(query, limit, cursor, page.maps, map_from,
+                                                 [](const ShownFlight& map) { return map.flight_id; }));
+  return page;
 }
 
 Result<std::vector<std::int64_t>> Catalogue::Revisions(const std::string& flight_id) const {

@@ -40,9 +40,16 @@ void Trash::Record(const std::string& flight_id, std::optional<Time> trashed) co
 }
 
 Result<void> Trash::Put(const std::string& flight_id, Time now) {
-  return db_.Again([&]() -> Result<void> {
+  SKYQUILT_TRY(PutIf(flight_id, now, [](SqlConnection&) { return true; }));
+  return {};
+}
+
+Result<bool> Trash::PutIf(const std::string& flight_id, Time now, const Condition& is_wanted) {
+  return db_.Again([&]() -> Result<bool> {
     const auto db = db_.Lock();
     SKYQUILT_TRY_ASSIGN(Transaction transaction, Transaction::Begin(*db, flight_id));
+    SKYQUILT_TRY_ASSIGN(const bool wanted, is_wanted(*db));
+    if (!wanted) return false;
     const std::int64_t age = ToUs(db_.ages().Now());
     {
       SKYQUILT_TRY_ASSIGN(
@@ -52,8 +59,10 @@ Result<void> Trash::Put(const std::string& flight_id, Time now) {
               " state=CASE state WHEN 'accepted' THEN 'dismissed' ELSE state END"
               " WHERE flight_id=?1 AND state IN ('accepted','running')"));
       SKYQUILT_TRY(cancel.Bind(1, flight_id).Bind(2, ToUs(now)).Run());
-      for (const char* sql : {"DELETE FROM preview WHERE flight_id=?",
-                              "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
+      // Whoever restores it begins anew to count how long nothing has changed.
+      for (const char* sql :
+           {"DELETE FROM preview WHERE flight_id=?", "DELETE FROM idle_flight WHERE flight_id=?",
+            "UPDATE file SET preview_state=0 WHERE flight_id=? AND preview_state=1"}) {
         SKYQUILT_TRY_ASSIGN(Statement forget, db->Prepare(sql));
         SKYQUILT_TRY(forget.Bind(1, flight_id).Run());
       }
@@ -68,7 +77,7 @@ Result<void> Trash::Put(const std::string& flight_id, Time now) {
     }
     SKYQUILT_TRY(transaction.Commit());
     Record(flight_id, now);
-    return {};
+    return true;
   });
 }
 

@@ -5,6 +5,7 @@
 // kUnavailable, kIo.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -36,6 +37,10 @@ class Trash {
   // Its job, if one waits or runs, is cancelled with it; its preview goes, to be drawn again should it come
   // back.
   Result<void> Put(const std::string& flight_id, Time now);
+  // The same if `is_wanted` says so of what it reads in the transaction that puts it there; false: it is
+  // where it was.
+  using Condition = std::function<Result<bool>(SqlConnection&)>;
+  Result<bool> PutIf(const std::string& flight_id, Time now, const Condition& is_wanted);
   Result<void> Restore(const std::string& flight_id);
   // The latest deleted first.
   Result<std::vector<TrashedFlight>> List() const;

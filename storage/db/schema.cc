@@ -14,6 +14,7 @@ extern const std::string_view kCatalogue13To14;  // storage/db/steps/schema_14.s
 extern const std::string_view kCatalogue14To15;  // storage/db/steps/schema_15.sql
 extern const std::string_view kCatalogue15To16;  // storage/db/steps/schema_16.sql
 extern const std::string_view kCatalogue16To17;  // storage/db/steps/schema_17.sql
+extern const std::string_view kCatalogue17To18;  // storage/db/steps/schema_18.sql
 
 namespace {
 
@@ -58,6 +59,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 16) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue16To17)));
+  }
+  if (version >= 13 && version <= 17) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue17To18)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

@@ -380,6 +380,13 @@ CREATE INDEX map_export_of_flight ON map_export(flight_id, id);
 CREATE INDEX map_export_open ON map_export(id) WHERE state IN ('accepted','running');
 CREATE INDEX map_export_expiry ON map_export(expires_us);
 
+-- Since when nothing has changed in a flight, where the server is to put such flights into the trash.
+CREATE TABLE idle_flight(
+  flight_id TEXT PRIMARY KEY REFERENCES flight(id) ON DELETE CASCADE,
+  seen TEXT NOT NULL,                          -- digest of what was seen of it, to tell whether it changed
+  since_us INTEGER NOT NULL                    -- by the AgeClock: it was not in use since, and is as it was then
+) STRICT;
+
 -- The time by which uploads and the trash expire (storage/db/age_clock.h): independent of the machine's clock once it runs.
 CREATE TABLE age_clock(
   id INTEGER PRIMARY KEY CHECK(id = 1),

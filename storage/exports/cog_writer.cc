@@ -13,6 +13,7 @@
 
 #include "core/base/parallel_for.h"
 #include "core/base/try.h"
+#include "core/image/picture_codec.h"
 #include "storage/exports/fringe_tile.h"
 #include "storage/exports/tiff_head.h"
 #include "storage/tilesets/mbtiles_reader.h"
@@ -63,9 +64,14 @@ class Export {
     if (!bytes) return Failed(bytes.error());
     if (bytes->empty()) return ready;
     if (kind_ == TiffTiles::kWebp) {
-      if (!IsWebp(*bytes))
-        return Failed({ErrorCode::kCorrupt, "the tileset mixes WebP with other tiles", ""});
-      ready.image = *std::move(bytes);
+      if (IsWebp(*bytes)) {
+        ready.image = *std::move(bytes);
+        return ready;
+      }
+      const Result<image::RgbaImage> canvas = DecodeTile(*bytes, tile_size_px_);
+      if (!canvas) return Failed(canvas.error());
+      const auto webp = image::EncodeWebp(image::RowsOf(*canvas), static_cast<float>(options_.jpeg_quality));
+      ready.image.assign(webp.begin(), webp.end());
     } else if (IsJpeg(*bytes)) {
       ready.image = *std::move(bytes);
       ready.mask = full_mask_;
@@ -156,8 +162,7 @@ Result<void> WriteCog(const std::filesystem::path& mbtiles, const std::filesyste
                       const CogOptions& options, Progress& progress) {
   SKYQUILT_TRY_ASSIGN(auto tiles, MbtilesReader::Open(mbtiles));
   const int tile_size_px = TileSizeOf(*tiles);
-  const auto format = tiles->metadata().find("format");
-  const bool is_webp = format != tiles->metadata().end() && format->second == "webp";
+  const bool is_webp = EncodingOf(tiles->metadata()) == image::TileEncoding::kWebp;
   const TiffTiles kind = is_webp ? TiffTiles::kWebp : TiffTiles::kJpeg;
   std::vector<GridLevel> grid;
   {

@@ -14,7 +14,7 @@
 namespace skyquilt::storage {
 
 struct CogOptions {
-  int jpeg_quality = 85;  // of the fringe
+  int jpeg_quality = 85;  // of tiles encoded anew
   int threads = 0;        // 0 = all cores
 };
 

@@ -16,6 +16,7 @@
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "core/image/picture_codec.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/exports/tile_walk.h"
 #include "storage/tilesets/mbtiles_reader.h"
@@ -127,6 +128,27 @@ Result<std::string> KmlOf(const geo::TileId& tile, std::string_view extension, M
   return Kml(Name(tile, "kml"), overlay + links);
 }
 
+// A tile as KML viewers show it.
+struct KmlPicture {
+  const char* extension = "jpg";
+  std::string_view stored;
+  std::vector<std::uint8_t> made;  // empty: as stored
+
+  std::string_view bytes() const {
+    return made.empty() ? stored : std::string_view(reinterpret_cast<const char*>(made.data()), made.size());
+  }
+};
+
+Result<KmlPicture> PictureOf(std::string_view stored) {
+  const auto format = image::PictureFormatOf(stored);
+  if (format != image::PictureFormat::kWebp)
+    return KmlPicture{format == image::PictureFormat::kPng ? "png" : "jpg", stored, {}};
+  SKYQUILT_TRY_ASSIGN(image::RgbaImage picture, image::DecodePicture(stored));
+  const auto shown =
+      image::IsWebpWithAlpha(stored) ? image::PictureFormat::kPng : image::PictureFormat::kJpeg;
+  return KmlPicture{image::ExtensionOf(shown), stored, image::EncodePicture(std::move(picture), shown)};
+}
+
 }  // namespace
 
 Result<void> WriteKmz(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
@@ -159,16 +181,10 @@ Result<void> WriteKmz(const std::filesystem::path& mbtiles, const std::filesyste
     if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
     SKYQUILT_TRY_ASSIGN(const bool more, walk.Next());
     if (!more) break;
-    const std::string_view bytes = walk.bytes();
-    if (bytes.starts_with("RIFF")) {
-      return Error{
-          ErrorCode::kUnprocessable,
-          "KML viewers show no WebP, of which the tiles of this map are; take another format than KMZ", ""};
-    }
-    const std::string_view extension = bytes.starts_with("\x89PNG") ? "png" : "jpg";
-    SKYQUILT_TRY_ASSIGN(const std::string kml, KmlOf(walk.tile(), extension, *tiles));
+    SKYQUILT_TRY_ASSIGN(const KmlPicture picture, PictureOf(walk.bytes()));
+    SKYQUILT_TRY_ASSIGN(const std::string kml, KmlOf(walk.tile(), picture.extension, *tiles));
     zip.Add(Name(walk.tile(), "kml"), kml);
-    zip.Add(Name(walk.tile(), extension), bytes);
+    zip.Add(Name(walk.tile(), picture.extension), picture.bytes());
     progress.Report(static_cast<double>(done) / static_cast<double>(count), "writing KMZ");
   }
   zip.Close();

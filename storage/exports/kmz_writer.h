@@ -1,7 +1,8 @@
-// WriteKmz: a finished MBTiles as a KMZ super-overlay for Google Earth and its like: the same tiles, each
-// with a small KML that leads to the finer ones, loaded as the viewer comes near. Streams: one tile in
-// memory. Published by rename. Blocking. Errors: kUnprocessable (WebP, which KML viewers do not show), kIo,
-// kOutOfSpace, kCorrupt, kCancelled. Source: OGC KML 2.3, Region and NetworkLink.
+// WriteKmz: a finished MBTiles as a KMZ super-overlay for Google Earth and its like: the same tiles (but
+// WebP, which KML viewers do not show: PNG of those with alpha, JPEG of the others), each with a small KML
+// that leads to the finer ones, loaded as the viewer comes near. Streams: one tile in memory. Published by
+// rename. Blocking. Errors: kIo, kOutOfSpace, kCorrupt, kCancelled. Source: OGC KML 2.3, Region and
+// NetworkLink.
 #pragma once
 
 #include <filesystem>

@@ -97,7 +97,7 @@ Result<Layout> LayOut(SqliteDb& db) {
 
 std::string MetadataJson(const Metadata& metadata) {
   nlohmann::ordered_json json;
-  for (const char* name : {"name", "description", "attribution", "type", "version", "generator"}) {
+  for (const char* name : {"name", "description", "attribution", "type", "version", "generator", "fringe"}) {
     if (const auto found = metadata.find(name); found != metadata.end()) json[name] = found->second;
   }
   if (const auto found = metadata.find("tile_size"); found != metadata.end())

@@ -18,6 +18,7 @@
 #include "core/base/try.h"
 #include "core/geo/tile_id.h"
 #include "core/geo/web_mercator.h"
+#include "storage/rasters/quiet_gdal.h"
 #include "storage/rasters/register_gdal.h"
 
 namespace skyquilt::storage {
@@ -29,18 +30,6 @@ constexpr int kMaxMapZoom = 22;  // the finest that GDAL and QGIS open
 constexpr int kMaxTileSizePx = 1024;
 // A pixel that is a hair larger than the tiles' is theirs.
 constexpr double kPixelTolerance = 1.01;
-
-// GDAL's words are the detail of our sentences.
-class QuietRaster {
- public:
-  QuietRaster() {
-    CPLErrorReset();
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-  }
-  ~QuietRaster() { CPLPopErrorHandler(); }
-  QuietRaster(const QuietRaster&) = delete;
-  QuietRaster& operator=(const QuietRaster&) = delete;
-};
 
 CPLStringList Words(std::initializer_list<std::string> words) {
   CPLStringList list;
@@ -170,7 +159,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
   if (!std::filesystem::is_regular_file(path, missing))
     return RasterError(ErrorCode::kNotFound, path, "is no file that is there. Check its path.");
   RegisterGdalOnce();
-  const QuietRaster quiet;
+  const QuietGdal quiet;
   auto made = std::make_unique<Dataset>();
   made->path = path;
   constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
@@ -242,7 +231,7 @@ Result<std::unique_ptr<MapRaster>> MapRaster::Open(const std::filesystem::path& 
 }
 
 Result<image::RgbaImage> MapRaster::Read(int column, int row, int columns, int rows) {
-  const QuietRaster quiet;
+  const QuietGdal quiet;
   image::RgbaImage pixels = image::RgbaImage::Transparent(columns * tile_size_px_, rows * tile_size_px_);
   GDALDataset& warped = *dataset_->warped;
   const int left = (column - first_column_) * tile_size_px_, top = (row - first_row_) * tile_size_px_;

@@ -16,8 +16,8 @@ std::size_t CostOf(const MadeTile& tile) { return tile.bytes.size() + kBesideByt
 }  // namespace
 
 std::string MadeTileKey::Text() const {
-  return fmt::format("{}/{}/{}/{}/{}/{}/{}/{}/{}", flight_id, revision, tile.z(), tile.x(), tile.y(),
-                     static_cast<int>(format), scale, cut_px, whole_px);
+  return fmt::format("{}/{}/{}/{}/{}/{}/{}/{}/{}/{}/{}", flight_id, revision, tile.z(), tile.x(), tile.y(),
+                     static_cast<int>(format), scale, cut_px, whole_px, look, grid);
 }
 
 // Whoever makes a tile says so at its end, however that comes, and those who wait go on.

@@ -27,8 +27,10 @@ struct MadeTileKey {
   geo::TileId tile;
   image::PictureFormat format = image::PictureFormat::kPng;
   int scale = 1;
-  int cut_px = 0;    // side of a tile that was cut from a larger one; 0: it was not
-  int whole_px = 0;  // longer side of a small picture of the whole map, no tile; 0: a tile
+  int cut_px = 0;         // side of a tile that was cut from a larger one; 0: it was not
+  int whole_px = 0;       // longer side of a small picture of the whole map, no tile; 0: a tile
+  std::string look = {};  // of an index: which, and how it is coloured; empty: the map's own colours
+  std::string grid = {};  // a tile of another grid: which, level, row and column; empty: of Web Mercator
 
   std::string Text() const;
 };

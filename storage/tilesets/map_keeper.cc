@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/base/try.h"
+#include "core/image/fringe_encoder.h"
+#include "core/image/picture_codec.h"
 #include "storage/db/sqlite_db.h"
 #include "storage/tilesets/earlier_map.h"
 #include "storage/tilesets/map_files.h"
@@ -153,7 +155,8 @@ std::optional<Digest> MapKeeper::DigestOf(const geo::TileId& block) const {
   return earlier->digests.at(block);
 }
 
-Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
+Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& digest,
+                                   std::optional<int> fringe_quality) {
   EarlierMap& earlier = *state_->Of(block);
   Statement& row = earlier.select_block;
   row.Bind(1, block.z())
@@ -188,7 +191,14 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
                           geo::TileId::Make(zoom, select.ColumnInt64(0),
                                             (std::int64_t{1} << zoom) - 1 - select.ColumnInt64(1)));
       const auto bytes = select.ColumnBlob(2);
-      SKYQUILT_TRY(Put(tile, FormatOf(bytes), bytes));
+      if (fringe_quality && FormatOf(bytes) == image::PictureFormat::kPng) {
+        SKYQUILT_TRY_ASSIGN(
+            const image::RgbaImage picture,
+            image::DecodePicture({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+        SKYQUILT_TRY(Put(tile, image::PictureFormat::kWebp, image::EncodeFringe(picture, *fringe_quality)));
+      } else {
+        SKYQUILT_TRY(Put(tile, FormatOf(bytes), bytes));
+      }
       ++tiles;
     }
     select.Reset();
@@ -197,7 +207,7 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block) {
     return Error{ErrorCode::kCorrupt,
                  "The file mosaic.state beside the map is damaged. Delete it and stitch again.", ""};
   }
-  SKYQUILT_TRY(Keep(block, earlier.digests.at(block), kept));
+  SKYQUILT_TRY(Keep(block, digest, kept));
   return kept;
 }
 

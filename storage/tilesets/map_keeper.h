@@ -14,6 +14,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,7 +49,8 @@ class MapKeeper final : public pyramid::MapMemory, public pyramid::TileSink {
   Result<void> Put(const geo::TileId& tile, image::PictureFormat format,
                    std::span<const std::uint8_t> bytes) override;
   std::optional<Digest> DigestOf(const geo::TileId& block) const override;
-  Result<pyramid::KeptBlock> Reuse(const geo::TileId& block) override;
+  Result<pyramid::KeptBlock> Reuse(const geo::TileId& block, const Digest& digest,
+                                   std::optional<int> fringe_quality) override;
   Result<void> Keep(const geo::TileId& block, const Digest& digest, const pyramid::KeptBlock& kept) override;
   const std::string& Recall() const override;
   Result<void> Remember(std::string_view facts) override;

@@ -4,7 +4,7 @@
 #include <xxhash.h>
 
 #include <cstring>
-#include <map>
+#include <set>
 #include <utility>
 
 #include "core/base/try.h"
@@ -38,7 +38,8 @@ struct MbtilesWriter::State {
   Statement find_bytes;
   Statement add_bytes;
   Statement add_tile;
-  std::map<image::PictureFormat, std::int64_t> formats;
+  std::set<image::PictureFormat> formats;
+  bool has_opaque_webp = false;
   std::int64_t tiles = 0;
   bool is_published = false;
 };
@@ -101,7 +102,10 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
     if (is_same) break;
     id = (id + 1) & 0x7fffffffffffffff;
   }
-  ++state_->formats[format];
+  state_->formats.insert(format);
+  state_->has_opaque_webp |=
+      format == image::PictureFormat::kWebp &&
+      !image::IsWebpWithAlpha({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   ++state_->tiles;
   return state_->add_tile.Bind(1, tile.z())
       .Bind(2, static_cast<std::int64_t>(tile.x()))
@@ -113,15 +117,16 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
 Result<void> MbtilesWriter::Commit() { return state_->db.Exec("COMMIT; BEGIN;"); }
 
 Result<void> MbtilesWriter::Publish(const TilesetMetadata& metadata) {
-  // Readers take the format as the kind of most tiles; the fringe is PNG whatever it says. A map all of
-  // fringe is PNG.
-  const char* format = state_->formats.contains(image::PictureFormat::kWebp)   ? "webp"
-                       : state_->formats.contains(image::PictureFormat::kJpeg) ? "jpg"
-                                                                               : "png";
+  // Readers take the format as the kind of most tiles; the fringe is WebP or PNG whatever it says.
+  const bool has_webp = state_->formats.contains(image::PictureFormat::kWebp);
+  const char* format = state_->formats.contains(image::PictureFormat::kJpeg) ? "jpg"
+                       : has_webp                                            ? "webp"
+                                                                             : "png";
   const auto& b = metadata.bounds;
   const std::vector<std::pair<std::string, std::string>> rows = {
       {"name", metadata.name},
       {"format", format},
+      {"fringe", has_webp && !state_->has_opaque_webp ? "webp" : ""},
       {"bounds",
        fmt::format("{:.12f},{:.12f},{:.12f},{:.12f}", b.west_deg, b.south_deg, b.east_deg, b.north_deg)},
       {"center", fmt::format("{:.8f},{:.8f},{}", b.Middle().lon_deg, b.Middle().lat_deg,

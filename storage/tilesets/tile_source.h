@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/geo/tile_id.h"
+#include "core/image/picture_format.h"
 
 namespace skyquilt::storage {
 
@@ -28,11 +29,25 @@ class TileSource {
   virtual Result<std::string> Load(FoundTile tile) = 0;
 };
 
+// As MBTiles names them. Beside its names: `tile_size`, and `fringe`, "webp" where partly transparent tiles
+// are WebP and opaque ones are not (`format` is that of the opaque ones, or of all where there are none).
+using TilesetFacts = std::map<std::string, std::string>;
+
 // A finished map, or a layer of one: immutable, and it says what it is.
 class MapTiles : public TileSource {
  public:
-  // As MBTiles names them.
-  virtual const std::map<std::string, std::string>& metadata() const = 0;
+  virtual const TilesetFacts& metadata() const = 0;
 };
+
+// What a tileset says of its tiles, where each may still be of any format.
+inline image::TileEncoding EncodingOf(const TilesetFacts& metadata) {
+  const auto is_webp = [&](const char* key) {
+    const auto found = metadata.find(key);
+    return found != metadata.end() && found->second == "webp";
+  };
+  return is_webp("fringe")   ? image::TileEncoding::kJpegWebp
+         : is_webp("format") ? image::TileEncoding::kWebp
+                             : image::TileEncoding::kJpegPng;
+}
 
 }  // namespace skyquilt::storage

@@ -130,6 +130,9 @@ std::map<std::pair<Method, std::string>, Ask> Asks() {
     const std::string point = R"({"points":[{"name":"a","x":7.1,"y":46.8}]})";
     return w.sample.Send(M::kPut, "/api/v1/flights/" + w.free_flight + "/control", point, who);
   };
+  asks[{M::kPut, "/api/v1/flights/{flight}/notes"}] = Sends(
+      M::kPut, at_flight("/notes"),
+      R"({"type":"FeatureCollection","features":[{"type":"Feature","id":"a","properties":{"name":"mine"},"geometry":{"type":"Point","coordinates":[7.1,46.8]}}]})");
   asks[{M::kDelete, "/api/v1/flights/{flight}/files/{name}"}] = Sends(M::kDelete, at_flight("/files/a.jpg"));
   asks[{M::kPost, "/api/v1/flights/{flight}/jobs"}] = Sends(M::kPost, at_flight("/jobs"), "{}");
   asks[{M::kGet, "/api/v1/flights/{flight}/shares"}] = Sends(M::kGet, at_flight("/shares"));

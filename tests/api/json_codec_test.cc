@@ -98,7 +98,7 @@ TEST(ParseFlightFields, TakesWhatItKnows) {
   const auto options = ParseJobOptions(*fields->options);
   ASSERT_TRUE(options);
   EXPECT_DOUBLE_EQ(*options->gsd_m, 0.1);
-  EXPECT_EQ(options->encoding, pipeline::TileEncoding::kWebp);
+  EXPECT_EQ(options->encoding, image::TileEncoding::kWebp);
   EXPECT_EQ(options->jpeg_quality, 90);
   EXPECT_DOUBLE_EQ(*options->readout_s, 0.033);
 }
@@ -146,6 +146,23 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(FormatTime, IsRfc3339InUtc) {
   EXPECT_EQ(FormatTime(storage::FromUs(0)), "1970-01-01T00:00:00.000Z");
   EXPECT_EQ(FormatTime(storage::FromUs(1795233303123456)), "2026-11-21T03:55:03.123Z");
+}
+
+TEST(ParseJobOptions, TakesABoundaryAndATakeoffHeight) {
+  const auto options = ParseJobOptions(
+      R"({"boundary":{"type":"Polygon","coordinates":[[[7,46],[8,46],[8,47],[7,46]]]},"takeoff_height_m":512.5})");
+  ASSERT_TRUE(options) << options.error().message;
+  ASSERT_TRUE(options->boundary);
+  EXPECT_EQ(options->boundary->Bounds(), (geo::LatLonBounds{7.0, 46.0, 8.0, 47.0}));
+  EXPECT_EQ(options->takeoff_height_amsl_m, 512.5);
+  EXPECT_FALSE(ParseJobOptions(R"({"boundary":null,"takeoff_height_m":null})")->boundary);
+  for (const char* bad :
+       {R"({"boundary":"7,46"})", R"({"boundary":{}})",
+        R"({"boundary":{"type":"Point","coordinates":[7,46]}})",
+        R"({"boundary":{"type":"Polygon","coordinates":[[[7,46],[8,46],[7,46]]]}})",
+        R"({"takeoff_height_m":"512"})", R"({"takeoff_height_m":-501})", R"({"takeoff_height_m":9001})"}) {
+    EXPECT_FALSE(ParseJobOptions(bad)) << bad;
+  }
 }
 
 }  // namespace

@@ -91,5 +91,19 @@ TEST(NodeOptions, BadValuesAreNamed) {
   }
 }
 
+TEST(NodeOptions, ABoundaryReachesTheJobAsTextOrAsAnObject) {
+  const std::string area = R"({"type":"Polygon","coordinates":[[[7,46],[8,46],[8,47],[7,46]]]})";
+  for (const std::string& value : {json(area).dump(), area}) {
+    const NodeChoice choice = Chosen(R"([{"name":"boundary","value":)" + value + "}]");
+    const auto options = ParseJobOptions(choice.job_options);
+    ASSERT_TRUE(options) << choice.job_options;
+    EXPECT_TRUE(options->boundary);
+  }
+  EXPECT_EQ(Chosen(R"([{"name":"boundary","value":""}])").job_options, "{}");
+  for (const char* bad : {"\"7,46\"", "\"[]\"", "[1]", R"({"type":"Point","coordinates":[7,46]})"}) {
+    EXPECT_FALSE(ParseNodeOptions(R"([{"name":"boundary","value":)" + std::string(bad) + "}]")) << bad;
+  }
+}
+
 }  // namespace
 }  // namespace skyquilt::api

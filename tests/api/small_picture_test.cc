@@ -4,6 +4,8 @@
 #include <fstream>
 #include <string>
 
+#include "core/geo/tile_id.h"
+#include "core/geo/web_mercator.h"
 #include "core/image/picture_codec.h"
 #include "tests/api/sample_service.h"
 
@@ -66,11 +68,54 @@ TEST_F(SmallPictureTest, IsMadeOnceAndKnownByItsTag) {
   EXPECT_TRUE(again.body.empty());
 }
 
+// Green at its corner in the north-west, red elsewhere, and blue around it, which belongs to no map.
+std::string TileWithFrame(int left_px, int top_px, int right_px, int bottom_px) {
+  constexpr int kSidePx = 256;
+  image::RgbaImage tile = image::RgbaImage::Transparent(kSidePx, kSidePx);
+  for (int y = 0; y < kSidePx; ++y) {
+    for (int x = 0; x < kSidePx; ++x) {
+      const bool is_within = x >= left_px && x < right_px && y >= top_px && y < bottom_px;
+      const bool is_corner = x < left_px + 16 && y < top_px + 16;
+      tile.Pixel(x, y)[!is_within ? 2 : is_corner ? 1 : 0] = 255;
+      tile.Pixel(x, y)[3] = 255;
+    }
+  }
+  const auto png = image::EncodePicture(std::move(tile), image::PictureFormat::kPng);
+  return {png.begin(), png.end()};
+}
+
+TEST_F(SmallPictureTest, AsAPosterReachesExactlyAsFarAsTheBoundsOfTheMap) {
+  const geo::Bounds2 tile = geo::TileId::Make(2, 1, 1)->BoundsInMerc();
+  const double pixel_m = tile.Width() / 256;
+  geo::Bounds2 bounds;
+  bounds.Include({tile.min.x() + 64 * pixel_m, tile.max.y() - 224 * pixel_m});
+  bounds.Include({tile.min.x() + 192 * pixel_m, tile.max.y() - 32 * pixel_m});
+  storage::Revision facts;
+  facts.bounds = geo::LatLonBoundsFromMerc(bounds);
+  const std::string flight = sample_.NewFlight();
+  storage::PublishSmallTileset(sample_.dir(), sample_.service().db, flight,
+                               {{2, 1, 2, TileWithFrame(64, 32, 192, 224)}}, 256, facts);
+  const Response response = sample_.Get("/api/v1/flights/" + flight + "/thumbnail.webp?size=1024");
+  ASSERT_EQ(response.status, 200) << response.body;
+  EXPECT_LT(response.body.size(), 110'000u);
+  const auto picture = image::DecodePicture(response.body);
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->width_px, 128) << "not enlarged";
+  EXPECT_EQ(picture->height_px, 192);
+  for (const auto& [x, y] : {std::pair{0, 191}, {127, 0}, {127, 191}, {64, 96}}) {
+    EXPECT_GT(picture->Pixel(x, y)[0], 200) << x << " " << y;
+    EXPECT_LT(picture->Pixel(x, y)[2], 60) << x << " " << y;
+  }
+  EXPECT_GT(picture->Pixel(0, 0)[1], 200);
+  EXPECT_LT(picture->Pixel(0, 0)[2], 60);
+  EXPECT_LT(picture->Pixel(24, 8)[1], 60);
+}
+
 TEST_F(SmallPictureTest, RefusesSizesThatThereAreNotAndSaysWhichThereAre) {
   for (const char* query : {"?size=0", "?size=321", "?size=-1", "?size=", "?size=99999999999999999999"}) {
     const Response response = Get(query);
     EXPECT_EQ(response.status, 400) << query;
-    EXPECT_NE(response.body.find("160, 320 or 512"), std::string::npos) << query;
+    EXPECT_NE(response.body.find("160, 320, 512 or 1024"), std::string::npos) << query;
   }
 }
 

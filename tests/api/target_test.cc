@@ -24,6 +24,11 @@ TEST(ParseTarget, KeepsAPlusInAPathAndSemicolonsAsTheyAre) {
   EXPECT_EQ(ParseTarget("/a+b;x=1")->segments.front(), "a+b;x=1");
 }
 
+TEST(ParseTarget, TakesBracketsInAQueryAlone) {
+  EXPECT_EQ(ParseTarget("/a?crs=[EPSG:4326]")->query[0].second, "[EPSG:4326]");
+  EXPECT_FALSE(ParseTarget("/[a]"));
+}
+
 class BadTargets : public testing::TestWithParam<const char*> {};
 
 TEST_P(BadTargets, AreRefused) {

@@ -67,6 +67,70 @@ TEST_F(TilesTest, AreConvertedToTheFormatAskedFor) {
   }
 }
 
+class WebpFringe : public testing::Test {
+ protected:
+  WebpFringe() : flight_(sample_.NewFlight()), path_("/tiles/" + flight_) {
+    auto fringe = image::RgbaImage::Transparent(512, 512);
+    std::fill_n(fringe.Pixel(0, 7), 4 * 256, std::uint8_t{255});
+    webp_ = EncodeTile(fringe, image::PictureFormat::kWebp);
+    jpeg_ = EncodeTile(fringe, image::PictureFormat::kJpeg);
+    sample_.Publish(flight_, {{2, 1, 2, jpeg_}, {3, 2, 5, webp_}}, 512);
+  }
+  Response Get(const std::string& rest, const std::string& accept, const std::string& known = "") {
+    Headers headers;
+    if (!accept.empty()) headers.Add("Accept", accept);
+    if (!known.empty()) headers.Add("If-None-Match", known);
+    return sample_.Get(path_ + rest, std::move(headers));
+  }
+
+  SampleService sample_;
+  std::string flight_, path_, webp_, jpeg_;
+};
+
+TEST_F(WebpFringe, IsPngForWhoDoesNotNameWebp) {
+  for (const char* accept : {"image/webp,*/*", "text/html, image/WebP;q=0.5, image/png"}) {
+    const Response stored = Get("/3/2/2", accept);
+    EXPECT_EQ(stored.body, webp_) << accept;
+    EXPECT_EQ(stored.headers.Find("Content-Type"), "image/webp");
+    EXPECT_EQ(stored.headers.Find("Vary"), "Accept");
+  }
+  for (const char* accept : {"", "*/*", "image/*", "image/png, image/jpeg, */*", "image/webp;q=0, */*"}) {
+    const Response made = Get("/3/2/2", accept);
+    EXPECT_EQ(image::PictureFormatOf(made.body), image::PictureFormat::kPng) << accept;
+    EXPECT_EQ(made.headers.Find("Content-Type"), "image/png");
+    EXPECT_EQ(made.headers.Find("Vary"), "Accept");
+    EXPECT_EQ(image::DecodePicture(made.body)->rgba, image::DecodePicture(webp_)->rgba);
+    EXPECT_EQ(Get("/2/1/1", accept).body, jpeg_);
+  }
+}
+
+TEST_F(WebpFringe, HasATagOfItsOwnAsPng) {
+  const std::string webp(Get("/3/2/2", "image/webp,*/*").headers.Find("ETag"));
+  const std::string png(Get("/3/2/2", "*/*").headers.Find("ETag"));
+  EXPECT_NE(webp, png);
+  EXPECT_EQ(Get("/3/2/2", "*/*", png).status, 304);
+  EXPECT_EQ(Get("/3/2/2", "*/*", webp).status, 200);
+  EXPECT_EQ(Get("/3/2/2", "image/webp,*/*", webp).status, 304);
+  EXPECT_EQ(Get("/3/2/2", "image/webp,*/*", png).status, 200);
+}
+
+TEST_F(WebpFringe, IsPngAtOtherAddressesToo) {
+  const std::string arcgis = "/arcgis/rest/services/" + flight_ + "/MapServer/tile/4/4/4";
+  const Response piece = sample_.Get(arcgis);
+  ASSERT_EQ(piece.status, 200);
+  EXPECT_EQ(piece.headers.Find("Content-Type"), "image/png");
+  EXPECT_EQ(piece.headers.Find("Vary"), "Accept");
+  for (const auto& [accept, type] :
+       {std::pair("", "image/png"), std::pair("image/webp, image/jpeg", "image/webp")}) {
+    EXPECT_EQ(Get("/256/4/4/4", accept).headers.Find("Content-Type"), type);
+    Headers headers;
+    headers.Add("Accept", accept);
+    const Response ogc = sample_.Get("/ogc/collections/" + flight_ + "/map/tiles/WebMercatorQuad512/3/2/2",
+                                     std::move(headers));
+    EXPECT_EQ(ogc.headers.Find("Content-Type"), type);
+  }
+}
+
 TEST_F(TilesTest, AreTransparentWhereTheMapHasNothing) {
   const Response blank = sample_.Get(Path("2/2/2.jpg"));
   EXPECT_EQ(blank.status, 200);

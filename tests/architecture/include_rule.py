@@ -5,16 +5,18 @@ import re
 import sys
 
 ROOT = pathlib.Path(sys.argv[1])
-CORE_ORDER = ["base", "image", "geo", "camera", "flight", "poses", "alignment", "ground", "render", "pyramid", "pipeline"]
+CORE_ORDER = ["base", "image", "geo", "camera", "flight", "bands", "poses", "alignment", "ground", "render", "pyramid", "pipeline"]
 # pyramid is a leaf below render: tiles know nothing of photos.
 MAY_USE = {name: set(CORE_ORDER[: i + 1]) for i, name in enumerate(CORE_ORDER)}
 MAY_USE["render"] |= {"pyramid"}
+# Arithmetic over bands knows of nothing but numbers.
+MAY_USE["indices"] = {"base", "indices"}
 MAY_USE["pyramid"] = {"base", "image", "geo", "pyramid"}
 MAY_USE["video"] = {"base", "image", "geo", "camera", "flight", "video"}
 MAY_USE["simulate"] = {"base", "image", "geo", "camera", "flight", "poses", "simulate"}
 # What storage and api may know of the core: values and ports, never a stage's algorithm.
 CORE_VALUES = {
-    "core/base/", "core/geo/", "core/camera/intrinsics.h", "core/flight/photos/photo.h", "core/flight/flight.h",
+    "core/base/", "core/indices/", "core/geo/", "core/bands/band_sink.h", "core/camera/intrinsics.h", "core/flight/photos/photo.h", "core/flight/flight.h",
     "core/flight/read_flight.h", "core/flight/lists/input_file.h", "core/image/", "core/flight/photos/photo_source.h", "core/pyramid/tile_sink.h", "core/pyramid/map_memory.h", "core/pipeline/mosaic_options.h",
     "core/pipeline/report/mosaic_report.h", "core/pipeline/report/locate.h", "core/alignment/aligned_flight.h", "core/render/map_layer.h",
 }

@@ -247,6 +247,9 @@ class BadInput(ServerTestCase):
         for path in (f"/api/v1/flights/{self.map_id}/jobs", "/ogc/processes/stitch/execution"):
             for bad in ('{"priority":"high"}', '{"inputs":{"flight":1}}', '{"what":1}', "[" * 100_000):
                 self.refused("POST", path, bad, AS_JSON, (400, 413, 422))
+        far = '{"type":"FeatureCollection","features":[{"type":"Feature","id":"a","geometry":{"type":"Point","coordinates":[1e400,0]},"properties":{"name":"x"}}]}'
+        for bad in ("", "[" * 100_000, "{}", '{"type":"FeatureCollection","features":{}}', '{"type":"FeatureCollection","features":[{}]}', far, far.replace("1e400", "181"), " " * 2_000_000):
+            self.refused("PUT", f"/api/v1/flights/{self.map_id}/notes", bad, {"Content-Type": "application/geo+json"}, (400, 413, 422))
 
     def test_11_scripts_in_names(self):
         status, headers, page = self.shared.request("GET", "/")

@@ -98,6 +98,18 @@ class Security(ServerTestCase):
         server.stop()
         self.assertIn("needs --basemap", self.refusal("--listen", "127.0.0.1:0", "--basemap-attribution", text))
 
+    def test_a_public_basemap_is_had_by_its_name(self):
+        server = self.serve("--workers", "0", "--basemap", "openstreetmap")
+        status, basemap = server.json("GET", "/basemap.json")
+        self.assertEqual(status, 200)
+        self.assertEqual(basemap["tiles"], ["https://tile.openstreetmap.org/{z}/{x}/{y}.png"])
+        self.assertIn("OpenStreetMap contributors", basemap["attribution"])
+        self.assertEqual(basemap["maxzoom"], 19)
+        _, headers, _ = server.request("GET", "/")
+        self.assertIn("https://tile.openstreetmap.org", headers["Content-Security-Policy"])
+        server.stop()
+        self.assertIn("openstreetmap", self.refusal("--listen", "127.0.0.1:0", "--basemap", "openstretmap"))
+
     def test_half_a_head_is_told_that_it_is_late(self):
         server = self.serve("--workers", "0")
         with socket.create_connection(("127.0.0.1", server.port)) as slow:

@@ -16,13 +16,14 @@ import urllib.parse
 
 import contract
 import s3_store
+from cluster import swift_store
 
 BINARY = os.environ.get("SKYQUILT_BINARY", "build/release/bin/skyquilt")
 # Real flights and logs, not part of the repository: tests that want them skip where they are not.
 DATA = pathlib.Path(os.environ.get("SKYQUILT_DATA", pathlib.Path(__file__).parents[2] / ".." / "shared" / "data"))
 # With the URL of a PostgreSQL server (tests/support/postgres_server.py) every data folder has its catalogue there.
 POSTGRES = os.environ.get("SKYQUILT_TEST_POSTGRES")
-# With the address of a bucket and its folder (cluster/both_stores.py) its photos and maps lie there.
+# With the address of a bucket, and of s3rver's its folder, (cluster/both_stores.py) its photos and maps lie there.
 BLOBS = os.environ.get("SKYQUILT_TEST_BLOBS")
 BLOBS_FOLDER = os.environ.get("SKYQUILT_TEST_BLOBS_FOLDER")
 PATIENCE_S = 240  # machines that test are slow and shared; nothing here measures time
@@ -49,7 +50,10 @@ def kept_of_flights(data):
     kept = {str(path.relative_to(folder)): path for path in s3_store.files_below(folder)}
     if BLOBS is not None:
         below = f"{name_elsewhere(data)}/flights/"
-        objects = s3_store.objects_in(pathlib.Path(BLOBS_FOLDER))
+        if BLOBS_FOLDER is None:  # a store that keeps its objects in a way of its own
+            objects = swift_store.objects_in(os.environ["AWS_ENDPOINT_URL"], below)
+        else:
+            objects = s3_store.objects_in(pathlib.Path(BLOBS_FOLDER))
         kept.update({key.removeprefix(below): path for key, path in objects.items() if key.startswith(below)})
     return kept
 

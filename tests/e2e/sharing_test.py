@@ -76,6 +76,34 @@ class Sharing(ServerTestCase):
         status, _, body = server.request("POST", jobs, '{"priority": 5}', {**admin, **as_json})
         self.assertEqual((status, json.loads(body)["priority"]), (202, 5))
 
+    def test_notes_are_for_all_who_open_the_flight(self):
+        writer = self.make_token("writer", "--scope", "upload")
+        server = self.serve("--workers", "0")
+        _, _, body = server.request("POST", "/api/v1/flights", "{}", {**writer, "Content-Type": "application/json"})
+        flight = f"/api/v1/flights/{json.loads(body)['id']}"
+        _, _, body = server.request("POST", f"{flight}/shares", '{"expires_in_days": 1}', {**writer, "Content-Type": "application/json"})
+        guest = {"Authorization": f"Bearer {json.loads(body)['token']}"}
+
+        def put(names, headers):
+            notes = [{"type": "Feature", "id": name, "geometry": {"type": "Point", "coordinates": [7.44, 46.95]}, "properties": {"name": name}} for name in names]
+            body = json.dumps({"type": "FeatureCollection", "features": notes})
+            return server.request("PUT", f"{flight}/notes", body, {"Content-Type": "application/geo+json", **headers})
+        status, headers, _ = put(["well"], writer)
+        self.assertEqual(status, 200)
+        known = {**writer, "If-Match": headers["ETag"]}
+        self.assertEqual(put([], writer)[0], 412, "nobody's notes go without a word of which")
+        self.assertEqual(put(["well", "gate"], known)[0], 200)
+        self.assertEqual(put(["tree"], known)[0], 412, "another was first")
+        self.assertEqual(put(["guest"], guest)[0], 403)
+        status, _, body = server.request("GET", f"{flight}/notes", headers=guest)
+        self.assertEqual((status, [note["id"] for note in json.loads(body)["features"]]), (200, ["well", "gate"]))
+        _, _, body = server.request("GET", f"{flight}/files", headers=guest)
+        self.assertEqual([file["name"] for file in json.loads(body)["files"]], ["map_notes.geojson"])
+        server.stop()
+        again = self.serve("--workers", "0")
+        _, _, body = again.request("GET", f"{flight}/notes", headers=guest)
+        self.assertEqual(len(json.loads(body)["features"]), 2, "they outlive a restart")
+
     def test_a_process_is_the_same_job(self):
         server = self.serve()
         _, flight = server.json("POST", "/api/v1/flights", {})

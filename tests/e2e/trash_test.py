@@ -136,6 +136,51 @@ class Trash(TrashCase):
         wait_until(lambda: parts_of(self.data, ids[0]) == [], "its files stayed")
         self.assertNotEqual(parts_of(self.data, ids[1]), [])
 
+    def test_flights_that_nobody_changes_go_to_the_trash_and_come_back(self):
+        def age(days):
+            in_catalogue(self.data, f"UPDATE idle_flight SET since_us=since_us-{days}*86400000000")
+
+        def seen():
+            return sorted(row[0] for row in in_catalogue(self.data, "SELECT flight_id FROM idle_flight"))
+
+        def empty(name):
+            return server.json("POST", "/api/v1/flights", {"name": name})[1]["id"]
+
+        words = ("--workers", "0", "--keep-days", "30")
+        server = self.serve("--workers", "0")
+        idle, changed, busy = empty('A "quiet" field'), empty("changed"), self.new_flight(server, 1)[0]
+        self.assertEqual(server.stop(), 0)
+        self.assertEqual(seen(), [])
+        # The first start with the option only begins to count.
+        server = self.serve(*words)
+        wait_until(lambda: seen() == sorted([idle, changed, busy]), "the flights were not looked at")
+        self.assertEqual(self.trash_of(server)["flights"], [])
+        self.assertEqual(server.json("PATCH", f"/api/v1/flights/{changed}", {"name": "renamed"})[0], 200)
+        self.assertEqual(server.stop(), 0)
+        age(31)
+        server = self.serve(*words)
+        wait_until(lambda: f"/api/v1/flights/{idle}/restore" in server.errors(), "it stayed, or the log is silent")
+        self.assertIn("quiet", server.errors())
+        self.assertEqual([(kept["id"], kept["days_left"]) for kept in self.trash_of(server)["flights"]], [(idle, 30)])
+        self.assertEqual(sorted(self.flights_of(server)), sorted([changed, busy]))
+        self.assertEqual(server.json("POST", f"/api/v1/flights/{idle}/restore")[0], 200)
+        self.assertEqual(server.stop(), 0)
+        # Restored: its days begin anew. Those of the one that was renamed are over now.
+        age(31)
+        server = self.serve(*words)
+        wait_until(lambda: [kept["id"] for kept in self.trash_of(server)["flights"]] == [changed], "it stayed")
+        wait_until(lambda: seen() == sorted([idle, busy]), "the restored one was not looked at")
+        self.assertEqual(server.stop(), 0)
+        # Without the option nothing goes, and nothing is counted.
+        age(31)
+        server = self.serve("--workers", "0")
+        wait_until(lambda: seen() == [], "days were counted")
+        self.assertEqual([kept["id"] for kept in self.trash_of(server)["flights"]], [changed])
+
+    def test_days_to_keep_need_a_trash(self):
+        self.assertIn("--trash-days 1 or more", self.refusal("--keep-days", "5", "--trash-days", "0"))
+        self.assertIn("--keep-days", self.refusal("--keep-days", "-1"))
+
     def test_a_running_job_of_a_deleted_flight_is_cancelled(self):
         server = self.serve()
         flight, job = self.new_flight(server, 6)

@@ -185,8 +185,11 @@ class Tus(ServerTestCase):
                 spooled = pathlib.Path(self.data, "uploads", place.rsplit("/", 1)[1])
                 wait_until(lambda: spooled.stat().st_size == 5, "what came is not kept")
                 self.assertEqual(offset(), 5)
-            begun = offset()
-            status, _, _ = server.request("PATCH", place, b"0123456789"[begun:], {**CHUNK, "Upload-Offset": str(begun)})
+            status = 409  # with a store: what the dead one sent is put while it ends, and the offset asked again, as clients do
+            for _ in range(1 if BLOBS is None else 2):
+                if status == 409:
+                    begun = offset()
+                    status, _, _ = server.request("PATCH", place, b"0123456789"[begun:], {**CHUNK, "Upload-Offset": str(begun)})
             self.assertEqual(status, 204)
         [stored] = self.stored(flight["id"])
         self.assertEqual(stored.read_bytes(), b"0123456789")

@@ -138,7 +138,11 @@ TEST(JobMessages, ComeAsTheyWereSent) {
 TEST(JobMessages, FiguresThatNoMapHasAreRefused) {
   const Json good = Json::parse(ToText(JobMessage(Outcome())));
   ASSERT_TRUE(ParseJobMessage(good.dump()));
+  Json across = good;
+  across["done"]["bounds"] = {179.9, -17.1, 180.1, -17.0};
+  EXPECT_TRUE(ParseJobMessage(across.dump())) << "a map across the antimeridian is one";
   const std::pair<const char*, Json> wrong[] = {{"/done/bounds/0", -181.0},
+                                                {"/done/bounds/2", 371.0},
                                                 {"/done/bounds/3", 91.0},
                                                 {"/done/bounds/2", 9.0},
                                                 {"/done/bounds/1", nullptr},

@@ -64,7 +64,7 @@ TEST_F(PageTest, LetsOthersFrameTheBareMapAlone) {
   }
 }
 
-TEST_F(PageTest, SendsTheGzipBesideAFileToWhomTakesIt) {
+TEST_F(PageTest, SendsTheCompressedFileBesideAFileToWhomTakesIt) {
   std::ofstream(dir_.path() / "src" / "main.js.gz") << "zipped";
   const auto encoding_for = [&](const std::string& accepted) {
     api::Request request;
@@ -80,7 +80,14 @@ TEST_F(PageTest, SendsTheGzipBesideAFileToWhomTakesIt) {
   EXPECT_EQ(encoding_for("br, gzip;q=0.5"), "gzip");
   EXPECT_EQ(encoding_for("gzip;q=0, br"), "");
   EXPECT_EQ(encoding_for(""), "");
+  std::ofstream(dir_.path() / "src" / "main.js.br") << "smaller";
+  EXPECT_EQ(encoding_for("gzip, deflate, br"), "br");
+  EXPECT_EQ(encoding_for("gzip, Br ;q=0.1"), "br");
+  EXPECT_EQ(encoding_for("gzip, br;q=0"), "gzip");
+  EXPECT_EQ(encoding_for("gzip, brotli, abr"), "gzip");
+  EXPECT_EQ(encoding_for(", ;,"), "");
   EXPECT_EQ(Get("/src/main.js.gz").status, 404);
+  EXPECT_EQ(Get("/src/main.js.br").status, 404);
 }
 
 TEST_F(PageTest, KeepsEverythingElseToItself) {

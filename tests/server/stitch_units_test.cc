@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
 
 #include "core/flight/read_flight.h"
+#include "core/geo/areas/boundary.h"
+#include "core/pipeline/report/flight_facts.h"
 #include "core/pipeline/units/flight_cut.h"
 #include "core/pipeline/units/found_photos.h"
 #include "core/pipeline/units/shown_photos.h"
@@ -16,6 +20,7 @@
 #include "server/jobs/stitch_job.h"
 #include "server/units/stitch_unit.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/tilesets/map_keeper.h"
 #include "storage/tilesets/publish_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -71,6 +76,7 @@ class StitchUnits : public testing::Test {
   static pipeline::MosaicOptions Options() {
     pipeline::MosaicOptions options;
     options.threads = 2;
+    options.boundary = boundary_;
     return options;
   }
 
@@ -125,10 +131,12 @@ class StitchUnits : public testing::Test {
 
   static test::TemporaryFolder* folder_;
   static std::vector<flight::InputFile> files_;
+  static std::optional<geo::Boundary> boundary_;  // of maps made from now on
 };
 
 test::TemporaryFolder* StitchUnits::folder_ = nullptr;
 std::vector<flight::InputFile> StitchUnits::files_;
+std::optional<geo::Boundary> StitchUnits::boundary_;
 
 TEST_F(StitchUnits, TheMapIsThatOfOneProcess) {
   Stitch(*folder_ / "3", 3, 4);
@@ -138,6 +146,29 @@ TEST_F(StitchUnits, TheMapIsThatOfOneProcess) {
        {"photos.geojson", "locate.json", "mosaic.tif", "mosaic.pmtiles", "thumbnail.png"}) {
     EXPECT_TRUE(BytesOf(*folder_ / "whole" / name) == BytesOf(*folder_ / "3" / "map" / name)) << name;
   }
+}
+
+TEST_F(StitchUnits, AMapCutToABoundaryIsThatOfOneProcess) {
+  SilentProgress progress;
+  StitchJobOptions options;
+  options.mosaic = Options();
+  const auto uncut = pipeline::ParseFacts(*storage::MapKeeper::FactsOf(*folder_ / "whole"));
+  ASSERT_TRUE(uncut.ok());
+  const geo::Wgs84 middle = uncut->flight.frame.origin();
+  const double half_deg = 12.0 / 111'320.0;
+  boundary_ = geo::Boundary{{{{{middle.lat_deg - half_deg, middle.lon_deg - half_deg},
+                               {middle.lat_deg - half_deg, middle.lon_deg + half_deg},
+                               {middle.lat_deg + half_deg, middle.lon_deg},
+                               {middle.lat_deg - half_deg, middle.lon_deg - half_deg}}}}};
+  options.mosaic.boundary = boundary_;
+  const auto cut = StitchToDirectory(files_, options, *folder_ / "whole cut", progress);
+  ASSERT_TRUE(cut.ok()) << cut.error().message;
+  EXPECT_NEAR(cut->area_m2, 0.5 * 24.0 * 24.0 * std::cos(geo::DegToRad(middle.lat_deg)), 3.0);
+  Stitch(*folder_ / "cut", 2, 2);
+  boundary_.reset();
+  EXPECT_TRUE(TilesOf(*folder_ / "whole cut" / "mosaic.mbtiles") ==
+              TilesOf(*folder_ / "cut" / "map" / "mosaic.mbtiles"));
+  EXPECT_TRUE(BytesOf(*folder_ / "whole cut" / "locate.json") == BytesOf(*folder_ / "whole" / "locate.json"));
 }
 
 TEST_F(StitchUnits, AnotherCutGivesTheSameBytes) {

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
+#include "core/pyramid/encode_tile.h"
 #include "storage/db/ids.h"
 #include "storage/db/sqlite_db.h"
+#include "storage/tilesets/mbtiles_writer.h"
 #include "storage/tilesets/tileset_cache.h"
 #include "tests/storage/scratch_dir.h"
 #include "tests/storage/small_tileset.h"
@@ -44,6 +47,39 @@ TEST(MbtilesReader, FindsWithoutBytesWhereKeysAreIntegers) {
   WriteSmallTileset(dir.path() / "a.mbtiles", TilesetSchema::kIntegerKeys, {{1, 0, 0, "x"}});
   const auto reader = *MbtilesReader::Open(dir.path() / "a.mbtiles");
   EXPECT_FALSE((*reader->Find(Tile(1, 0, 1)))->bytes.has_value());
+}
+
+// What the writer says of tiles, and how readers take it.
+TEST(EncodingOf, IsWhatTheWriterPut) {
+  using image::TileEncoding;
+  const auto opaque_of = [](image::RgbaImage tile) {
+    for (std::size_t i = 3; i < tile.rgba.size(); i += 4) tile.rgba[i] = 255;
+    return tile;
+  };
+  auto fringe = image::RgbaImage::Transparent(64, 64);
+  std::fill_n(fringe.Pixel(5, 5), 4, std::uint8_t{255});
+  for (const auto encoding : {TileEncoding::kJpegPng, TileEncoding::kWebp, TileEncoding::kJpegWebp}) {
+    for (const bool has_opaque : {false, true}) {
+      ScratchDir dir;
+      auto writer = *MbtilesWriter::Create(dir.path() / "a.mbtiles");
+      const auto put = [&](int column, const image::RgbaImage& tile) {
+        const auto encoded = pyramid::EncodeTile(tile, {encoding, 85});
+        ASSERT_TRUE(writer->Put(Tile(4, column, 0), encoded->format, encoded->bytes));
+      };
+      put(0, fringe);
+      if (has_opaque) put(1, opaque_of(fringe));
+      ASSERT_TRUE(writer->Publish({}));
+      const auto& metadata = (*MbtilesReader::Open(dir.path() / "a.mbtiles"))->metadata();
+      // Of a fringe alone nobody can tell what the map within would have been: it is as good as JPEG.
+      EXPECT_EQ(EncodingOf(metadata),
+                has_opaque || encoding != TileEncoding::kWebp ? encoding : TileEncoding::kJpegWebp);
+      const char* format = encoding == TileEncoding::kWebp      ? "webp"
+                           : has_opaque                         ? "jpg"
+                           : encoding == TileEncoding::kJpegPng ? "png"
+                                                                : "webp";
+      EXPECT_EQ(metadata.at("format"), format);
+    }
+  }
 }
 
 TEST(MbtilesReader, RefusesWhatIsNotATileset) {

@@ -42,8 +42,8 @@ void WritePaintedTileset(const std::filesystem::path& path, const PaintedTileset
   if (!created) throw std::runtime_error(created.error().message);
   storage::MbtilesWriter& writer = **created;
   pyramid::EncodeOptions options;
-  options.use_webp = tileset.webp_quality > 0;
-  if (options.use_webp) options.quality = tileset.webp_quality;
+  options.encoding = tileset.encoding;
+  options.quality = tileset.quality;
   const auto put = [&](const geo::TileId& tile, const image::RgbaImage& image) {
     if (const auto encoded = pyramid::EncodeTile(image, options))
       Require(writer.Put(tile, encoded->format, encoded->bytes));

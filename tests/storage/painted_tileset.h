@@ -1,9 +1,11 @@
-// A small tileset with real tiles: opaque JPEG inside, PNG with alpha at the fringe, overviews to one tile.
+// A small tileset with real tiles: opaque JPEG inside, WebP or PNG with alpha at the fringe, overviews to one
+// tile.
 #pragma once
 
 #include <filesystem>
 
 #include "core/image/rgba_image.h"
+#include "core/pyramid/encode_tile.h"
 
 namespace skyquilt::test {
 
@@ -12,7 +14,8 @@ struct PaintedTileset {
   int tile_size_px = 256;
   int first_column = 0, first_row = 0;  // from the north
   int columns = 0, rows = 0;
-  int webp_quality = 0;  // 0: JPEG and PNG
+  image::TileEncoding encoding = image::TileEncoding::kJpegWebp;
+  int quality = 85;
 };
 
 // Colours vary smoothly over the map; a disk of it is covered, the rest is transparent and has no tiles.

@@ -85,6 +85,22 @@ TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
   EXPECT_TRUE(Catalogue(**db).GetFlight(id));
 }
 
+TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) {
+  std::string id;
+  {
+    const auto db = CatalogueDb::Open(path());
+    id = Catalogue(**db).AddFlight("f", "{}", Now())->id;
+  }
+  SqliteDb db = Make("");
+  const auto parts = Parts(db);
+  ASSERT_TRUE(db.Exec("DROP TABLE idle_flight; PRAGMA user_version=17;"));
+  ASSERT_NE(Parts(db), parts);
+  const auto opened = CatalogueDb::OpenExisting(path());
+  ASSERT_TRUE(opened) << opened.error().detail;
+  EXPECT_EQ(Parts(db), parts);
+  EXPECT_TRUE(Catalogue(**opened).GetFlight(id));
+}
+
 TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {
   for (const int version : {1, 12, 999}) {
     Make("DROP TABLE IF EXISTS flight; CREATE TABLE flight(id); PRAGMA user_version=" +

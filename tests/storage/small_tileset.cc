@@ -1,5 +1,6 @@
 #include "tests/storage/small_tileset.h"
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 
@@ -22,6 +23,9 @@ void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
       std::string(
           "CREATE TABLE metadata(name TEXT, value TEXT); INSERT INTO metadata VALUES('name','small'),") +
       "('format','png'),('tile_size','" + std::to_string(tile_size_px) + "')"));
+  const auto is_webp = [](const SmallTile& tile) { return tile.bytes.starts_with("RIFF"); };
+  if (std::any_of(tiles.begin(), tiles.end(), is_webp))
+    Require(db.Exec("INSERT INTO metadata VALUES('fringe','webp')"));
   const std::string keys = "(zoom_level INTEGER, tile_column INTEGER, tile_row INTEGER, ";
   if (schema == TilesetSchema::kFlat) {
     Require(db.Exec("CREATE TABLE tiles" + keys + "tile_data BLOB)"));

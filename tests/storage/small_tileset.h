@@ -22,6 +22,7 @@ struct SmallTile {
   std::string bytes;
 };
 
+// Of tiles that begin as WebP the fringe is said to be WebP, as the writer of maps would.
 void WriteSmallTileset(const std::filesystem::path& path, TilesetSchema schema,
                        const std::vector<SmallTile>& tiles, int tile_size_px = 256);
 

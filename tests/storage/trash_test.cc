@@ -5,53 +5,19 @@
 #include "storage/catalogue/event_log.h"
 #include "storage/catalogue/node_tasks.h"
 #include "storage/catalogue/previews.h"
-#include "storage/jobs/job_queue.h"
-#include "storage/uploads/upload_spool.h"
-#include "tests/storage/postgres/test_catalogue.h"
-#include "tests/storage/scratch_dir.h"
+#include "tests/storage/retention/stored_flight.h"
 
 namespace skyquilt::storage {
 namespace {
 
-class TrashTest : public testing::Test {
+class TrashTest : public StoredFlightTest {
  protected:
-  TrashTest()
-      : data_(*DataDir::Open(dir_.path())),
-        db_(*OpenTestCatalogue(data_.Catalogue())),
-        catalogue_(*db_),
-        queue_(*db_),
-        store_(data_),
-        spool_(*db_, catalogue_, store_),
-        trash_(*db_),
-        flight_(catalogue_.AddFlight("field", "{}", Now(), "owner")->id) {
-    EXPECT_TRUE(catalogue_.AddFile(flight_, {"a.jpg", "stored", 7}, Now()));
-  }
-
-  void Publish() {
-    ASSERT_TRUE(queue_.Add(flight_, "{}", Now()));
-    const Lease lease = **queue_.Claim("w", Now());
-    Revision revision;
-    revision.revision = **queue_.ReserveRevision(lease);
-    revision.bounds = {10, 50, 10.1, 50.1};
-    ASSERT_TRUE(*queue_.Publish(lease, revision, Now()));
-  }
-
   std::vector<std::string> KindsAfter(std::int64_t seq) {
     std::vector<std::string> kinds;
     const auto events = EventLog(*db_).After(seq, {}, 100);
     for (const Event& event : *events) kinds.push_back(event.kind + event.body);
     return kinds;
   }
-
-  ScratchDir dir_;
-  DataDir data_;
-  std::unique_ptr<CatalogueDb> db_;
-  Catalogue catalogue_;
-  JobQueue queue_;
-  PhotoStore store_;
-  UploadSpool spool_;
-  Trash trash_;
-  std::string flight_;
 };
 
 TEST_F(TrashTest, AFlightInTheTrashIsGoneForAllAndComesBackWhole) {

@@ -161,7 +161,8 @@ void RenderMap(const SimulatedMap& map, const render::SeamMap& seams, int thread
   render::PhotoCache cache(*map.photos, std::int64_t{256} << 20);
   SilentProgress progress;
   const render::RenderContext context{map.flight, map.ground, map.exposure, seams, map.plan, cache};
-  const auto done = render::RenderTiles(context, {threads, {false, 95}}, sink, progress);
+  const auto done =
+      render::RenderTiles(context, {threads, {image::TileEncoding::kJpegPng, 95}}, sink, progress);
   if (!done) throw std::runtime_error(done.error().message);
 }
 

@@ -24,8 +24,13 @@ const work = mkdtempSync(join(tmpdir(), 'skyquilt-gallery-'));
 function photosOf(set, photos) {
   const real = realPhotos(set);
   if (real.length > 0) return real;
-  const folder = join(work, set);
-  const made = spawnSync(binary, ['simulate', '-o', folder, '--photos', String(photos), '--size', '1600x1200', '--no-world'], { encoding: 'utf8' });
+  return simulated(set, ['--photos', String(photos), '--size', '1600x1200']);
+}
+
+/** @param {string} name @param {string[]} words */
+function simulated(name, words) {
+  const folder = join(work, name);
+  const made = spawnSync(binary, ['simulate', '-o', folder, '--no-world', '--noise', 'xmp', ...words], { encoding: 'utf8' });
   if (made.status !== 0) throw new Error(made.stderr);
   return findPhotos(folder);
 }
@@ -151,10 +156,20 @@ const states = {
     await page.waitForTimeout(300);
   },
 };
+// Other flights, each only made where its picture is asked for.
+/** @type {Record<string, () => string[]>} */
+const flights_of = {
+  seneca: () => photosOf('seneca_40', 24),
+  caliterra: () => photosOf('caliterra_75', 24),
+  hundreds: () => simulated('hundreds', ['--photos', '300', '--size', '640x480']),
+};
+const kManyFlights = 36;
+
 // The other language, the dark scheme and the large screen are told by a few.
 const languages = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) =>
   scheme === 'light' && screen !== '4k' && ['home', 'map', 'options', 'report', 'error'].includes(state) ? ['en', 'de'] : ['en'];
 const shows = (/** @type {string} */ state, /** @type {string} */ screen, /** @type {string} */ scheme) => {
+  if (state in flights_of || state === 'many') return scheme === 'light' && screen !== '4k';
   if (screen === '4k') return scheme === 'light' && ['home', 'map', 'report'].includes(state);
   return scheme === 'light' || ['empty', 'home', 'map', 'uploading', 'report', 'error'].includes(state);
 };
@@ -211,14 +226,13 @@ async function shootMapAlone(browser, url, flight) {
 
 mkdirSync(out, { recursive: true });
 const photos = photosOf('brighton_beach', 18);
-const others = photosOf('seneca_40', 24);
 const browser = await launchBrowser();
 const server = await startServer(join(work, 'data'));
 try {
   await shoot(browser, server.url, 'empty', (page) => page.waitForSelector('#flights-message:not([hidden])'));
   const failed = await makeFlight(server.url, 'Notes instead of photos', [fileURLToPath(import.meta.url)]);
   const by_pose = await makeFlight(server.url, 'Brighton Beach, by recorded poses alone', photos, { method: 'imu' });
-  await makeFlight(server.url, 'Seneca', others);
+  await makeFlight(server.url, 'Seneca', flights_of.seneca());
   const beach = await makeFlight(server.url, 'Brighton Beach', photos);
   const kept = new Set([failed.id, by_pose.id, beach.id]);
   for (const [state, reach] of Object.entries(states)) {
@@ -229,6 +243,21 @@ try {
         if (!kept.has(id) && now !== 'ready') await fetch(`${server.url}api/v1/flights/${id}`, { method: 'DELETE' });
       }
     });
+  }
+  for (const [state, photos_of] of Object.entries(flights_of)) {
+    if (!state.includes(only.split('-')[0])) continue;
+    const flight = await makeFlight(server.url, state, photos_of());
+    await shoot(browser, server.url, state, (page) => openFlight(page, flight));
+  }
+  if ('many'.includes(only.split('-')[0])) {
+    const sites = ['North field', 'Orchard', 'Quarry', 'River bank', 'Solar park', 'Vineyard'];
+    for (let i = 0; i < kManyFlights; i += 1) {
+      const made = simulated(`many-${i}`, ['--photos', '8', '--size', '480x360', '--seed', String(i + 1)]);
+      const moved = spawnSync('exiftool', ['-n', '-q', '-overwrite_original', `-GPSLatitude+=${0.07 * (i % 6)}`, `-GPSLongitude+=${0.09 * Math.floor(i / 6)}`, ...made]);
+      if (moved.status !== 0) throw new Error('exiftool (libimage-exiftool-perl) is needed');
+      await makeFlight(server.url, `${sites[i % sites.length]} ${1 + Math.floor(i / sites.length)}`, made);
+    }
+    await shoot(browser, server.url, 'many', states.home);
   }
   if ('brighton_beach'.includes(only)) await shootMapAlone(browser, server.url, beach);
   if ('guest'.includes(only.split('-')[0])) await shootGuest(browser, photos);

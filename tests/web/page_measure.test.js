@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { measurementGeoJson, measurementKml } from '../../web/src/map/measurement_files.js';
+import { measurementGeoJson, measurementGpx, measurementKml } from '../../web/src/map/measurement_files.js';
 import { boundsOfData, OwnDataError, readOwnData } from '../../web/src/map/own_data.js';
 import { loadFlightStrings } from '../../web/src/shared/flight_strings.js';
 import { areaIn, lengthIn, usualUnits } from '../../web/src/shared/units.js';
@@ -33,6 +33,12 @@ test('a measurement is saved as GeoJSON and KML that are read back as they were'
   assert.equal(path.features[0].geometry.type, 'LineString');
   assert.deepEqual(boundsOfData(readOwnData('path.geojson', JSON.stringify(path))), [7.4388, 46.951, 7.4388, 46.9515]);
   assert.match(measurementKml(area), /<name>Field &lt;1&gt;<\/name>[^]*<Polygon>.*7\.4396,46\.951 7\.4396,46\.9515/);
+  const track = measurementGpx(area);
+  assert.match(track, /<name>Field &lt;1&gt;<\/name>/);
+  const points = [...track.matchAll(/<trkpt lat="([\d.]+)" lon="([\d.]+)"\/>/g)].map(([, lat, lon]) => [Number(lon), Number(lat)]);
+  assert.equal(points.length, 5, 'closed');
+  assert.deepEqual(points[0], points[4]);
+  assert.deepEqual(new Set(points.map(String)), new Set(square.map(String)));
 });
 
 test('GeoJSON of every kind is read, and what is none is refused with what to do', () => {

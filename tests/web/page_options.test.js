@@ -2,13 +2,15 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { formOf, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, optionsOf } from '../../web/src/flight/job_options.js';
+import { formOf, jobArea, kFormats, kLayers, kLimits, kMethods, kPresets, kStandard, optionsOf } from '../../web/src/flight/job_options.js';
 import { mapIdle } from './support/browser.js';
 import { photoFiles } from './support/photo_files.js';
 import { assertAccessible, assertQuiet, options, usePages } from './support/pages.js';
 
 const { setUp } = usePages();
 const contract = JSON.parse(readFileSync(new URL('../../api/openapi.json', import.meta.url), 'utf8')).components.schemas.JobOptions.properties;
+
+const kArea = /** @type {GeoJSON.Polygon} */ ({ type: 'Polygon', coordinates: [[[7.1, 46.8], [7.2, 46.8], [7.2, 46.9], [7.1, 46.8]]] });
 
 test('the form offers what the contract allows', () => {
   assert.deepEqual(kMethods, contract.method.enum);
@@ -18,15 +20,16 @@ test('the form offers what the contract allows', () => {
   assert.deepEqual(kLimits.resolution_cm, limits('gsd_m', 100));
   assert.deepEqual(kLimits.max_look_deg, limits('max_look_deg'));
   assert.deepEqual(kLimits.readout_ms, limits('readout_ms'));
+  assert.deepEqual(kLimits.takeoff_height_m, limits('takeoff_height_m'));
   assert.deepEqual(kLimits.quality, { ...limits('quality'), is_whole: true });
-  for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44' }).options)) assert.ok(name in contract, name);
+  for (const name of Object.keys(optionsOf({ ...kStandard, resolution_cm: '5', method: 'imu', max_look_deg: '50', readout_ms: '30', format: 'webp', quality: '90', origin: '46.95 7.44', takeoff_height_m: '512', boundary: kArea }).options)) assert.ok(name in contract, name);
 });
 
 test('what was typed is what is asked for, and comes back into the form', () => {
-  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44' };
+  const form = { ...kStandard, resolution_cm: '2,5', not_finer: false, method: 'features', layers: ['height'], max_look_deg: '55', readout_ms: '0', format: 'webp', quality: '90', origin: '46.95, 7.44', takeoff_height_m: '-3.5', boundary: kArea };
   const { options: asked, faults } = optionsOf(form);
   assert.deepEqual(faults, []);
-  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44] });
+  assert.deepEqual(asked, { gsd_m: 0.025, not_finer_than_photos: false, method: 'features', layers: ['height'], max_look_deg: 55, readout_ms: 0, format: 'webp', quality: 90, origin: [46.95, 7.44], takeoff_height_m: -3.5, boundary: kArea });
   assert.deepEqual(formOf(asked), { ...form, resolution_cm: '2.5' });
   assert.deepEqual(optionsOf(kStandard).options, { layers: kLayers }, 'nothing chosen is nothing asked for');
   for (const preset of Object.values(kPresets)) assert.deepEqual(formOf(optionsOf(preset).options), preset);
@@ -35,9 +38,38 @@ test('what was typed is what is asked for, and comes back into the form', () => 
 
 test('what the server would refuse is said of each field', () => {
   const faults = (/** @type {any} */ change) => optionsOf({ ...kStandard, ...change }).faults;
-  for (const [field, values] of Object.entries({ resolution_cm: ['0', 'x', '1e3', '10001', '-2'], max_look_deg: ['9', '76'], readout_ms: ['-1', '501'], quality: ['0', '101', '85.5'], origin: ['46', 'north', '91, 7'] })) {
+  for (const [field, values] of Object.entries({ resolution_cm: ['0', 'x', '1e3', '10001', '-2'], max_look_deg: ['9', '76'], readout_ms: ['-1', '501'], quality: ['0', '101', '85.5'], origin: ['46', 'north', '91, 7'], takeoff_height_m: ['-501', '9001', 'high'] })) {
     for (const value of values) assert.deepEqual(faults({ [field]: value }), [field], `${field} ${value}`);
   }
+});
+
+test('an area is sent with as many digits as mean anything, or refused', () => {
+  const long = { ...kArea, coordinates: [kArea.coordinates[0].map(([lon, lat]) => [lon + 1.23e-12, lat])] };
+  assert.deepEqual(jobArea(long), kArea);
+  assert.equal(jobArea({ type: 'Polygon', coordinates: [Array.from({ length: 4000 }, (_, i) => [7 + i / 12345.678, 46.8])] }), null);
+  const feature = { type: 'Feature', properties: {}, geometry: kArea };
+  assert.deepEqual(formOf({ boundary: { type: 'FeatureCollection', features: [feature, feature] } }).boundary, { type: 'MultiPolygon', coordinates: [kArea.coordinates, kArea.coordinates] });
+  assert.equal(formOf({ boundary: { type: 'Point', coordinates: [7, 46] } }).boundary, null);
+});
+
+test('a map is made again within an area from a file', options, async () => {
+  const { page, mock } = await setUp({ job_ms: 300 });
+  const flight = mock.seedReady('Meadow');
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.click('#processing-details summary');
+  await page.click('#run-again');
+  await page.waitForSelector('#options-dialog[open]');
+  await page.setInputFiles('#option-boundary-file', { name: 'places.geojson', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify({ type: 'Point', coordinates: [7, 46] })) });
+  assert.match((await page.textContent('#options-refusal')) ?? '', /places\.geojson: The file has no areas/);
+  await page.setInputFiles('#option-boundary-file', { name: 'field.geojson', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify(kArea)) });
+  await page.waitForFunction(() => /** @type {HTMLSelectElement} */ (document.querySelector('#option-boundary')).value === '0');
+  await page.selectOption('#option-preset', 'quick');
+  assert.equal(await page.inputValue('#option-boundary'), '0', 'a preset is not of one place');
+  await assertAccessible(page, 'options with an area');
+  await page.click('#options-submit');
+  await page.waitForSelector('#options-dialog', { state: 'detached' });
+  assert.deepEqual(flight.job?.options?.boundary, kArea);
 });
 
 for (const [screen, context] of /** @type {const} */ ([['laptop', {}], ['phone', { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true }]])) {

@@ -45,6 +45,12 @@ for (const [screen, context] of Object.entries({ laptop: { viewport: { width: 14
     await page.locator('#map canvas').focus();
     await page.keyboard.press('Enter');
     await page.waitForSelector('#photo-card:not([hidden])');
+    // On a phone the panel makes room: nothing of the card is cut.
+    await page.waitForFunction((is_phone) => document.getElementById('panel')?.classList.contains('sheet-closed') === is_phone, screen === 'phone');
+    await page.waitForFunction(() => {
+      const card = /** @type {Element} */ (document.getElementById('photo-card'));
+      return card.scrollHeight <= card.clientHeight + 1;
+    });
     // The server says 21, 3 and 9 degrees.
     assert.match((await page.textContent('#photo-card')) ?? '', /DJI_0004\.JPG.*3° from vertical/);
     await page.click('#photo-open');

@@ -5,7 +5,7 @@ import { File } from 'node:buffer';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { formatCoordinates, utm, utmZone, wrapLongitude } from '../../web/src/map/coordinates.js';
-import { tilesIn } from '../../web/src/map/tile_addresses.js';
+import { tilesIn, zoomOfFew } from '../../web/src/map/tile_addresses.js';
 import { geodesicLength, isInside, pathLength, polygonArea } from '../../web/src/map/geodesy.js';
 import { at, baseOf } from '../../web/src/shared/router.js';
 import { clipName, formatArea, formatBytes, formatCaptureDay, formatCaptureTime, formatDuration, formatGsd, formatLength } from '../../web/src/shared/format.js';
@@ -177,6 +177,11 @@ test('a place is inside its ring, with holes of the even-odd rule', () => {
 test('the tiles of an area are those that touch it', () => {
   assert.deepEqual(tilesIn([-10, -10, 10, 10], 1, 1), [{ z: 1, x: 0, y: 0 }, { z: 1, x: 0, y: 1 }, { z: 1, x: 1, y: 0 }, { z: 1, x: 1, y: 1 }]);
   assert.equal(tilesIn([8.5, 47.3, 8.5001, 47.3001], 12, 15).length, 4);
+  for (const bounds of [[8.5, 47.3, 8.501, 47.3002], [-179, -80, 179, 80], [7.999, 47, 8.001, 47.03]]) {
+    const zoom = zoomOfFew(/** @type {any} */ (bounds));
+    assert.ok(tilesIn(/** @type {any} */ (bounds), zoom, zoom).length <= 4, String(bounds));
+    assert.ok(tilesIn(/** @type {any} */ (bounds), zoom + 2, zoom + 2).length > 2, String(bounds));
+  }
 });
 
 test('coverage counts overlapping footprints', () => {

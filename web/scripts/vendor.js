@@ -1,12 +1,12 @@
 // Copies the page's libraries out of node_modules into web/vendor, so that the page loads everything from its own host,
-// and beside each large file its gzip, which the server sends instead where the browser takes it.
+// and beside each large file the same compressed, as Brotli and gzip, of which the server sends one where the browser takes it.
 // Run by `npm run vendor` (the build does it after `npm ci`). Fails with a message when a package is missing.
 import { createHash } from 'node:crypto';
 import { createRequire } from 'node:module';
 import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { gzipSync } from 'node:zlib';
+import { brotliCompressSync, gzipSync } from 'node:zlib';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
 const vendor = join(web, 'vendor');
@@ -63,7 +63,11 @@ for (const [from, to] of copies) {
   } else {
     cpSync(source, join(vendor, to));
   }
-  if (/\.(mjs|css|geojson)$/.test(to)) writeFileSync(join(vendor, `${to}.gz`), gzipSync(readFileSync(join(vendor, to)), { level: 9 }));
+  if (/\.(mjs|css|geojson)$/.test(to)) {
+    const bytes = readFileSync(join(vendor, to));
+    writeFileSync(join(vendor, `${to}.gz`), gzipSync(bytes, { level: 9 }));
+    writeFileSync(join(vendor, `${to}.br`), brotliCompressSync(bytes));  // at its best, which is the usual
+  }
 }
 const stamp = createHash('sha256');
 for (const name of ['package-lock.json', 'scripts/vendor.js']) {

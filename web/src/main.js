@@ -4,7 +4,7 @@
 /** @import { FlightView } from './flight/flight_view.js' */
 /** @import { Route } from './shared/router.js' */
 /** @import { Selection } from './upload/drop_files.js' */
-import { takeSharedToken } from './shared/access.js';
+import { takeSharedToken } from './shared/token.js';
 import { announce, showError, showNote } from './shared/announce.js';
 import { createFlight, getFlight, getTrash, listFiles, listFlights, mayUpload, renameFlight } from './shared/api.js';
 import { byId, h, loadStyle, put } from './shared/dom.js';
@@ -16,8 +16,7 @@ import { icon } from './shared/icons.js';
 import { keepLanguage, kLanguages, language } from './shared/language.js';
 import { go, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
-import { dropZone } from './upload/drop_zone.js';
-import { holdsUploads, isUploading, uploadOf } from './upload/running_uploads.js';
+import { dropZone, holdsUploads, isUploading, uploadOf } from './upload/drop_zone.js';
 
 takeSharedToken();
 // A share link that is opened while the page is open: everything is loaded again, with its token.
@@ -95,7 +94,9 @@ async function loadParts() {
   const words = import('./shared/flight_strings.js').then(({ loadFlightStrings }) => loadFlightStrings());
   const [module] = await Promise.all([import('./open_parts.js'), words, ...styles]);
   const stage = new module.Stage();
-  return { ...module, stage, sheet: module.bottomSheet(() => stage.resize()) };
+  const sheet = module.bottomSheet(() => stage.resize());
+  stage.makeRoom = sheet.close;
+  return { ...module, stage, sheet };
 }
 
 /** @returns {Promise<Parts>} */
@@ -220,7 +221,8 @@ function show(route) {
   }
   if (route.view === 'home') {
     open_turn += 1;
-    parts?.stage.hide();
+    if (parts) parts.stage.hide();
+    else byId('map-area').hidden = true;
     document.title = 'Skyquilt';
     put(panel_body, list.element);
     focusList();

@@ -22,6 +22,7 @@ LEFT_OUT_TYPES = re.compile(r"Node|Ogc|Stac|StatusInfo|ResumableUpload")  # of t
 PLAIN = {"string": "str", "integer": "int", "number": "float", "boolean": "bool", "null": "None"}
 HEAD = '"""{}\n\nWritten by generate.py from api/openapi.json; changes belong there."""\n'
 ANSWERS_TO_FORMS = {("createFlight", "202")}  # methods send JSON, so that these never come
+MAX_LINES = 430  # of a file of types
 VERBS = ("get", "post", "put", "patch", "delete")
 
 
@@ -119,9 +120,23 @@ class Models:
             text += comment(schema.get("description", ""), "    ") + f"    {key}: {types[key]}\n"
         self.text.append(text)
 
-    def source(self):
-        return (HEAD.format("The documents that the server takes and answers.") +
-                "from typing import Any, Dict, List, Literal, Optional, TypedDict, Union\n\n\n" + "\n\n".join(self.text))
+    def sources(self):
+        """Name of a file: its text. Later documents are made of earlier ones, so that a file takes all of those before it;
+        models.py is the last and has every type."""
+        parts = [[]]
+        for text in self.text:
+            if sum(one.count("\n") + 2 for one in parts[-1]) + text.count("\n") > MAX_LINES:
+                parts.append([])
+            parts[-1].append(text)
+        names = [f"documents_{number}" for number in range(1, len(parts))] + ["models"]
+        head = HEAD.format("The documents that the server takes and answers.")
+        files = {}
+        for number, (name, part) in enumerate(zip(names, parts)):
+            body = "\n\n".join(part)
+            used = [one for one in ("Any", "Dict", "List", "Literal", "Optional", "TypedDict", "Union") if re.search(rf"\b{one}\b", body)]
+            earlier = "".join(f"from .{one} import *  # noqa: F401,F403\n" for one in names[:number])
+            files[f"{name}.py"] = head + f"from typing import {', '.join(used)}\n" + (f"\n{earlier}" if earlier else "") + "\n\n" + body
+        return files
 
 
 class Operation:
@@ -249,7 +264,7 @@ def sources():
                    .replace("from skyquilt.", "from ..") for line in imports]
         files[f"{room}.py"] = (HEAD.format(about[room] + ".") + "\n".join(imports).lstrip("\n") +
                                f"\n\n\nclass {camel(room)}(Calls):\n" + docstring(about[room], "    ") + "\n" + methods)
-    files["models.py"] = models.source()
+    files.update(models.sources())
     rooms = sorted(rooms)
     files["__init__.py"] = (HEAD.format("Every operation of the server's contract.") +
                             "\n".join(f"from .{room} import {camel(room)}" for room in rooms) +

@@ -10,6 +10,7 @@
 
 #include "core/alignment/adjustment/reprojection_cost.h"
 #include "core/alignment/adjustment/residuals.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -119,6 +120,7 @@ class Round {
       options.linear_solver_ordering->AddElementToGroup(PositionBias(), 1);
     }
     ceres::Solver::Summary solved;
+    const TraceSpan span("adjust");
     ceres::Solve(options, &ceres_, &solved);
     summary.iterations += static_cast<int>(solved.iterations.size());
     summary.solver = active <= kDenseUpToPhotos ? "dense_schur" : "sparse_schur";

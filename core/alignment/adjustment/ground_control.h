@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,15 @@ struct ControlMarkReport {
   bool operator==(const ControlMarkReport&) const = default;
 };
 
+// Where a map placed without a point, by the others alone, puts it: minus where it was surveyed.
+struct ControlPrediction {
+  double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
+
+  bool operator==(const ControlPrediction&) const = default;
+};
+// The others must still hold the map.
+inline constexpr std::size_t kMinPredictedPoints = 4;
+
 // What became of one: adjusted minus surveyed.
 struct ControlReport {
   std::string name;
@@ -42,7 +52,8 @@ struct ControlReport {
   std::string reason;  // why it is not used
   double miss_east_m = 0.0, miss_north_m = 0.0, miss_up_m = 0.0;
   double residual_px = 0.0;
-  std::vector<ControlMarkReport> marks;  // once the map has its place
+  std::optional<ControlPrediction> left_out;  // nothing: too few points, or not asked
+  std::vector<ControlMarkReport> marks;       // once the map has its place
 
   bool operator==(const ControlReport&) const = default;
 };

@@ -183,7 +183,8 @@ Result<AlignedFlight> AlignByFeatures(const poses::PosedFlight& posed, const fli
         .placement = Placement::kAligned,
         .placement_reason = InWords(chained, resected->misfit_px),
         .error_radius_m = before.error_radius_m,
-        .height_above_ground_m = resected->cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m};
+        .height_above_ground_m = resected->cam_from_enu.TargetOriginInSource().z() - posed.ground_z_in_enu_m,
+        .sharpness = {}};
     report.photo_reports.push_back(
         {.name = before.photo.name,
          .placement = photo.placement,

@@ -20,7 +20,8 @@ AlignedFlight AlignByPoseOnly(const poses::PosedFlight& posed) {
                               .placement = Placement::kPoseOnly,
                               .placement_reason = "placed by its recorded pose; images were not compared",
                               .error_radius_m = photo.error_radius_m,
-                              .height_above_ground_m = photo.height_above_ground_m});
+                              .height_above_ground_m = photo.height_above_ground_m,
+                              .sharpness = {}});
   }
   return aligned;
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/parallel_for.h"
+#include "core/base/trace.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -51,6 +52,7 @@ std::vector<VerifiedPair> MatchAndVerify(const MatchingInput& input, const Proje
     const int i = pairs[p].first;
     const int j = pairs[p].second;
     if (!projected.views[i].features || !projected.views[j].features) return;
+    const TraceSpan span("match pair");
     const double width_m = 0.5 * (input.views[i].WidthM() + input.views[j].WidthM());
     const double sigma_turn = std::hypot(input.sigma_turn_rad[i], input.sigma_turn_rad[j]);
     const double turned_away_m = 0.3 * width_m * std::min(1.5, sigma_turn);

@@ -30,11 +30,27 @@ Eigen::Vector2d AxisOnGround(const Eigen::Quaterniond& enu_from_cam, const Eigen
   return (center + (ground_z_m - center.z()) / axis.z() * axis).head<2>();
 }
 
+constexpr const char* kCourse = "the flight's course";
+
+// What photos from one up to the next lie turned against.
+const char* YawOfAll(const std::vector<CorrectedPose>& corrected, std::size_t first, std::size_t end) {
+  const bool is_course = std::all_of(corrected.begin() + static_cast<std::ptrdiff_t>(first),
+                                     corrected.begin() + static_cast<std::ptrdiff_t>(end),
+                                     [](const CorrectedPose& one) { return one.yaw_is_course; });
+  return is_course ? kCourse : "their recorded yaw";
+}
+
 }  // namespace
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,
                           const GroundCorrection& correction) {
-  CorrectedPose corrected{posed.cam_from_enu, posed.cam_from_enu, 0, false, false, ""};
+  CorrectedPose corrected{posed.cam_from_enu,
+                          posed.cam_from_enu,
+                          0,
+                          false,
+                          false,
+                          "",
+                          posed.attitude_origin == poses::AttitudeOrigin::kCourse};
   if (correction.component < 0 && correction.component != kInheritedComponent) return corrected;
   const double turn = std::arg(correction.turn_and_scale);
   const double quarters = std::round(turn / (0.5 * std::numbers::pi));
@@ -47,15 +63,16 @@ CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& pri
       // The picture was stored turned, so it turns about its own axis and the tilt stays right.
       corrected.quarter_turns = (static_cast<int>(quarters) + 4) % 4;
       rotation = AboutUp(quarters * 0.5 * std::numbers::pi) * rotation;  // about z of cam
-      corrected.note = fmt::format("found turned by {} degrees against its recorded yaw and turned back",
-                                   Degrees(corrected.quarter_turns));
+      corrected.note = fmt::format("found turned by {} degrees against {} and turned back",
+                                   Degrees(corrected.quarter_turns),
+                                   corrected.yaw_is_course ? kCourse : "its recorded yaw");
     } else {
       rotation = rotation * AboutUp(-turn);
       rest = 0.0;
       corrected.yaw_was_wrong = true;
-      corrected.note =
-          fmt::format("recorded yaw was {:.0f} degrees off and was corrected from its neighbours",
-                      std::abs(geo::RadToDeg(turn)));
+      corrected.note = fmt::format("{} was {:.0f} degrees off and was corrected from its neighbours",
+                                   corrected.yaw_is_course ? "yaw taken from the course" : "recorded yaw",
+                                   std::abs(geo::RadToDeg(turn)));
     }
   }
   const double shift_m = std::abs(correction.shift);
@@ -124,10 +141,10 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
                           return one.quarter_turns == corrected.front().quarter_turns;
                         });
   if (is_mount) {
-    sentences.push_back(fmt::format(
-        "all photos lie turned by {} degrees against their recorded yaw, as of a camera mounted sideways; "
-        "the mount was taken as that",
-        Degrees(corrected.front().quarter_turns)));
+    sentences.push_back(
+        fmt::format("all photos lie turned by {} degrees against {}, as of a camera mounted sideways; "
+                    "the mount was taken as that",
+                    Degrees(corrected.front().quarter_turns), YawOfAll(corrected, 0, count)));
   }
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i + 1;
@@ -138,9 +155,9 @@ std::vector<std::string> DescribeCorrections(const std::vector<CorrectedPose>& c
     }
     if (end - i > 1) {
       sentences.push_back(fmt::format(
-          "Photos {} to {} are stored turned by {} degrees against their recorded yaw; they were "
+          "Photos {} to {} are stored turned by {} degrees against {}; they were "
           "turned back. A viewer that saves pictures upright does this: use the originals if you can.",
-          names[i], names[end - 1], Degrees(quarters)));
+          names[i], names[end - 1], Degrees(quarters), YawOfAll(corrected, i, end)));
     } else if (!corrected[i].note.empty() && !(is_mount && !corrected[i].position_was_wrong)) {
       sentences.push_back(names[i] + ": " + corrected[i].note);
     }

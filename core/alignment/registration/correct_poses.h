@@ -18,7 +18,8 @@ struct CorrectedPose {
   int quarter_turns = 0;           // counter-clockwise on the ground, 0..3
   bool yaw_was_wrong = false;      // by something else than quarter turns
   bool position_was_wrong = false;
-  std::string note;  // what was corrected, for the user; empty: nothing
+  std::string note;            // what was corrected, for the user; empty: nothing
+  bool yaw_is_course = false;  // no yaw was recorded: the flight's course stood for it
 };
 
 CorrectedPose CorrectPose(const poses::PosedPhoto& posed, const GroundPrior& prior,

@@ -41,8 +41,12 @@ bool ShowsTheSamePixels(const VerifiedPair& verified_pair, const MatchingInput& 
 
 // Against those that are linked, and so surely show the same ground; a photo without verified pairs, which
 // may show any, must besides be of little sharpness by itself, whatever it shows.
-std::vector<char> FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
-                              const std::vector<VerifiedPair>& verified, const Relief& relief) {
+struct SharpnessOfPhoto {
+  std::optional<double> share;  // of the fine detail of others
+  bool is_blurred = false;
+};
+std::vector<SharpnessOfPhoto> FindBlurred(const MatchingInput& input, const std::vector<CandidatePair>& pairs,
+                                          const std::vector<VerifiedPair>& verified, const Relief& relief) {
   const std::size_t count = input.views.size();
   std::vector<std::vector<double>> linked(count), overlapping(count), by_itself(count);
   const auto against = [&](int own, int other, std::vector<std::vector<double>>& shares) {
@@ -71,14 +75,16 @@ std::vector<char> FindBlurred(const MatchingInput& input, const std::vector<Cand
   const auto is_less_sharp = [](const std::vector<double>& shares) {
     return shares.size() >= kEnoughToCompare && Median(shares) < kBlurredShare;
   };
-  std::vector<char> is_blurred(count, 0);
+  std::vector<SharpnessOfPhoto> found(count);
   for (std::size_t i = 0; i < count; ++i) {
     const bool is_linked = linked[i].size() >= kEnoughToCompare;
     const bool is =
         is_linked ? is_less_sharp(linked[i]) : is_less_sharp(overlapping[i]) && is_less_sharp(by_itself[i]);
-    is_blurred[i] = is ? 1 : 0;
+    found[i].is_blurred = is;
+    const std::vector<double>& shares = is_linked ? linked[i] : overlapping[i];
+    if (shares.size() >= kEnoughToCompare) found[i].share = Median(shares);
   }
-  return is_blurred;
+  return found;
 }
 
 }  // namespace
@@ -94,14 +100,15 @@ std::vector<PhotoDoubt> DoubtPhotos(const MatchingInput& input, const std::vecto
     PhotoDoubt& later = doubts[verified_pair.second];
     if (!later.copy_of && ShowsTheSamePixels(verified_pair, input)) later.copy_of = verified_pair.first;
   }
-  const std::vector<char> is_blurred = FindBlurred(input, pairs, verified, relief);
+  const std::vector<SharpnessOfPhoto> found = FindBlurred(input, pairs, verified, relief);
   for (const CandidatePair& pair : pairs) {
     if (pair.overlap < kSurelySharedOverlap) continue;
     if (linked[pair.second] > 1) ++witnesses[pair.first];
     if (linked[pair.first] > 1) ++witnesses[pair.second];
   }
   for (std::size_t i = 0; i < count; ++i) {
-    doubts[i].is_blurred = is_blurred[i] != 0;
+    doubts[i].is_blurred = found[i].is_blurred;
+    doubts[i].sharpness = found[i].share;
     doubts[i].shows_other_place = linked[i] == 0 && witnesses[i] >= kWitnesses && input.features[i] &&
                                   input.features[i]->keypoints.size() >= kRichInFeatures &&
                                   !doubts[i].is_blurred;

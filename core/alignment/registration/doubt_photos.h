@@ -13,7 +13,10 @@
 namespace skyquilt::alignment {
 
 struct PhotoDoubt {
-  std::optional<int> copy_of;      // an earlier photo with the same picture
+  std::optional<int> copy_of;  // an earlier photo with the same picture
+  // The fine detail that it shows, as a share of what others show of the same ground; nothing where too few
+  // others do.
+  std::optional<double> sharpness;
   bool is_blurred = false;         // far less sharp than others of the same ground
   bool shows_other_place = false;  // rich in detail, yet nothing in common with photos that overlap and agree
   bool IsAny() const { return copy_of || is_blurred || shows_other_place; }

@@ -240,7 +240,8 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
                        .placement = Placement::kPoseOnly,
                        .placement_reason = "",
                        .error_radius_m = before.error_radius_m,
-                       .height_above_ground_m = before.height_above_ground_m};
+                       .height_above_ground_m = before.height_above_ground_m,
+                       .sharpness = {}};
     const double sigma_position = std::sqrt(before.covariance(3, 3) + before.covariance(4, 4));
     if (component[i] >= 0) {
       photo.placement = Placement::kAligned;
@@ -281,6 +282,7 @@ AlignedFlight PlacePhotos(const PlaceInput& input, AlignReport& report) {
       if (!corrected[i].note.empty()) photo.placement_reason += "; " + corrected[i].note;
     }
     const PhotoDoubt& doubt = (*input.doubts)[i];
+    photo.sharpness = doubt.sharpness;
     if (doubt.IsAny()) {
       const std::string words = DoubtInWords(doubt, names);
       photo.placement_reason += (photo.placement_reason.empty() ? "" : "; ") + words;

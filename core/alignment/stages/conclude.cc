@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/alignment/adjustment/predict_control.h"
 #include "core/alignment/adjustment/tie_to_control.h"
 #include "core/alignment/matching/pairs_in_use.h"
 #include "core/alignment/registration/doubt_photos.h"
@@ -80,6 +81,7 @@ void ReportLeg(const ExtractedFlight& extracted, Leg& leg, AlignReport& report) 
   report.pairs = PairsInUse(leg.problem, names);
   report.control = std::move(leg.control);
   ReportControl(leg.problem, report.control);
+  PredictControl(leg.problem, report.control);
   report.position_bias_m = leg.problem.position_bias_m;
   report.tie_points = static_cast<int>(leg.problem.tracks.size());
   report.observations = leg.adjusted.observations;

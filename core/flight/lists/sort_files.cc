@@ -44,6 +44,11 @@ bool EndsWithOneOf(std::string_view name, std::span<const std::string_view> endi
                      [&](std::string_view ending) { return lower.ends_with(ending); });
 }
 
+bool IsMapNotes(std::string_view name) {
+  constexpr std::array<std::string_view, 1> kNames = {kMapNotesName};
+  return EndsWithOneOf(name, kNames);
+}
+
 enum class Kind { kPhoto, kLog, kGcpList, kElevationModel, kFilm, kNothing };
 
 Result<Kind> KindOf(const InputFile& file) {
@@ -94,6 +99,7 @@ SortedFiles SortFiles(const std::vector<InputFile>& files) {
   std::size_t unread_tables = 0;
   constexpr std::size_t kMaxTablesExplained = 10;
   for (const InputFile& file : files) {
+    if (IsMapNotes(file.name)) continue;  // for who looks at the map
     const auto kind = KindOf(file);
     if (!kind && kind.error().code == ErrorCode::kUnsupportedFormat &&
         ++unread_tables > kMaxTablesExplained) {

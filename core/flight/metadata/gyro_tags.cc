@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
+
+#include "core/flight/metadata/base64.h"
 
 namespace skyquilt::flight {
 namespace {
@@ -14,48 +15,6 @@ constexpr std::size_t kMaxRecords = 4096;
 constexpr double kFastestRadps = 35.0;  // the range of the gyros in cameras: 2000 degrees per second
 constexpr double kLongestGapS = 0.02;   // between records: no shaking may be missed
 constexpr double kMaxOffsetS = 1.0;     // from the first record to the first row
-constexpr std::size_t kMaxTextBytes = (kRecordBytes * kMaxRecords * 4) / 3 + 4;
-
-// What stands for 6 bits; -1 for anything else.
-int SixBits(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+') return 62;
-  if (c == '/') return 63;
-  return -1;
-}
-
-// Blanks and line ends may stand anywhere, '=' only at the end. Nothing for other characters or too many.
-std::optional<std::vector<std::uint8_t>> FromBase64(std::string_view text) {
-  if (text.size() > kMaxTextBytes) return std::nullopt;
-  std::vector<std::uint8_t> bytes;
-  std::uint32_t kept = 0;
-  int bits = 0;
-  bool has_ended = false;
-  for (const char c : text) {
-    if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
-    if (c == '=') {
-      has_ended = true;
-      continue;
-    }
-    const int six = SixBits(c);
-    if (six < 0 || has_ended) return std::nullopt;
-    kept = (kept << 6) | static_cast<std::uint32_t>(six);
-    bits += 6;
-    if (bits < 8) continue;
-    bits -= 8;
-    bytes.push_back(static_cast<std::uint8_t>(kept >> bits));
-  }
-  return bytes;
-}
-
-template <typename Number>
-Number LittleEndian(const std::uint8_t* bytes) {
-  Number number = 0;
-  for (std::size_t i = 0; i < sizeof(Number); ++i) number |= static_cast<Number>(bytes[i]) << (8 * i);
-  return number;
-}
 
 // The gyro's axes are the body's (x ahead, y right, z down) of a camera that looks down with its image top
 // ahead, as its angles are recorded too.
@@ -74,7 +33,7 @@ std::optional<RecordedTurning> TurningFromTags(const XmpTags& xmp, std::vector<s
   const double offset_s = 1e-9 * offset_ns.value_or(0.0);
   const bool is_odd = !offset_ns && xmp.Find("Camera:IMUTimeOffset") != nullptr;
   if (is_odd || std::abs(offset_s) > kMaxOffsetS) return refuse("begin at an impossible time");
-  const auto bytes = FromBase64(*text);
+  const auto bytes = FromBase64(*text, kRecordBytes * kMaxRecords);
   if (!bytes || bytes->size() % kRecordBytes != 0) return refuse("are damaged");
   if (bytes->size() < 2 * kRecordBytes) return refuse("are too few");
   RecordedTurning turning;

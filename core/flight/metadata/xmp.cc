@@ -222,6 +222,27 @@ std::optional<double> ParseXmpNumber(std::string_view text) {
   return value;
 }
 
+std::vector<std::optional<double>> ParseXmpNumbers(std::string_view text) {
+  constexpr std::size_t kMaxItems = 64;
+  std::vector<std::optional<double>> items;
+  while (!text.empty() && items.size() < kMaxItems) {
+    const std::size_t end = text.find_first_of(",;");
+    items.push_back(ParseXmpNumber(text.substr(0, end)));
+    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+  }
+  return items;
+}
+
+std::optional<std::vector<double>> AllXmpNumbers(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  for (const std::optional<double>& item : ParseXmpNumbers(text)) {
+    if (!item) return std::nullopt;
+    numbers.push_back(*item);
+  }
+  if (numbers.empty() || (count != 0 && numbers.size() != count)) return std::nullopt;
+  return numbers;
+}
+
 bool XmpTags::AddPacket(std::string_view packet) {
   if (packet.size() > kMaxPacket) return false;
   // What stands around the element (the xpacket marks, padding, zero bytes) is none of XML's business.

@@ -6,23 +6,13 @@
 #include <cmath>
 #include <optional>
 
+#include "core/camera/fit_fisheye.h"
 #include "core/camera/sensor_database.h"
 
 namespace skyquilt::flight {
 namespace {
 
 using camera::Intrinsics;
-
-std::vector<std::optional<double>> ParseList(std::string_view text) {
-  constexpr std::size_t kMaxItems = 32;
-  std::vector<std::optional<double>> items;
-  while (!text.empty() && items.size() < kMaxItems) {
-    const std::size_t end = text.find_first_of(",;");
-    items.push_back(ParseXmpNumber(text.substr(0, end)));
-    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
-  }
-  return items;
-}
 
 // From 150 degrees of view to a long tele lens.
 bool IsPlausible(double focal_px, int width_px, int height_px) {
@@ -57,7 +47,7 @@ std::optional<Intrinsics> FromDewarpData(int width_px, int height_px, const XmpT
   std::string text = xmp.Text("drone-dji:DewarpData");
   // "2018-09-04;fx,fy,cx,cy,k1,k2,p1,p2,k3": a date, then the numbers.
   if (const auto semicolon = text.find(';'); semicolon != std::string::npos) text.erase(0, semicolon + 1);
-  const auto items = ParseList(text);
+  const auto items = ParseXmpNumbers(text);
   if (items.size() < 9 || std::any_of(items.begin(), items.begin() + 9, [](const auto& v) { return !v; })) {
     return std::nullopt;
   }
@@ -107,7 +97,7 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
     notes.push_back("The lens is a fisheye; it is treated as a plain one until the photos are aligned.");
     return camera;
   }
-  if (const auto center = ParseList(xmp.Text("Camera:PrincipalPoint"));
+  if (const auto center = ParseXmpNumbers(xmp.Text("Camera:PrincipalPoint"));
       center.size() == 2 && center[0] && center[1]) {
     const double x_px = *center[0] * px_per_unit - 0.5;
     const double y_px =
@@ -118,7 +108,7 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
     }
   }
   // R1, R2, R3, T1, T2.
-  if (const auto bend = ParseList(xmp.Text("Camera:PerspectiveDistortion"));
+  if (const auto bend = ParseXmpNumbers(xmp.Text("Camera:PerspectiveDistortion"));
       bend.size() == 5 &&
       std::all_of(bend.begin(), bend.end(), [](const auto& v) { return v && std::abs(*v) < 10; })) {
     camera.k1 = *bend[0];
@@ -128,6 +118,31 @@ std::optional<Intrinsics> FromXmpCamera(int width_px, int height_px, const ExifR
     camera.p2 = *bend[4];
   }
   return camera;
+}
+
+// Pix4D's fisheye: the affine matrix is in pixels a right angle, the principal point in mm.
+std::optional<Intrinsics> FromFisheye(int width_px, int height_px, const ExifRecord& exif, const XmpTags& xmp,
+                                      std::vector<std::string>& notes) {
+  constexpr std::size_t kAffineNumbers = 4, kPolynomialNumbers = 4;
+  const auto affine = AllXmpNumbers(xmp.Text("Camera:FisheyeAffineMatrix"), kAffineNumbers);
+  const auto bend = AllXmpNumbers(xmp.Text("Camera:FisheyePolynomial"), kPolynomialNumbers);
+  const auto middle_mm = AllXmpNumbers(xmp.Text("Camera:PrincipalPoint"), 2);
+  if (!affine || !bend || !middle_mm || !exif.focal_plane_x_px_per_mm) return std::nullopt;
+  camera::FisheyeLens fisheye;
+  fisheye.px_per_right_angle_x = (*affine)[0];
+  fisheye.px_per_right_angle_y = (*affine)[3];
+  std::copy(bend->begin(), bend->end(), fisheye.polynomial.begin());
+  fisheye.center_x_px = (*middle_mm)[0] * *exif.focal_plane_x_px_per_mm - 0.5;
+  fisheye.center_y_px =
+      (*middle_mm)[1] * exif.focal_plane_y_px_per_mm.value_or(*exif.focal_plane_x_px_per_mm) - 0.5;
+  const auto fitted = camera::FitFisheye(fisheye, width_px, height_px);
+  if (!fitted || !IsPlausible(fitted->lens.focal_x_px, width_px, height_px)) return std::nullopt;
+  constexpr double kWorthSayingPx = 1.0;
+  if (fitted->worst_px > kWorthSayingPx) {
+    notes.push_back(fmt::format(
+        "The lens is a fisheye, whose calibration the lens model fits within {:.1f} px.", fitted->worst_px));
+  }
+  return fitted->lens;
 }
 
 std::optional<double> FromFocalPlane(int width_px, int height_px, const ExifRecord& exif,
@@ -170,6 +185,9 @@ ChosenIntrinsics ChooseIntrinsics(int width_px, int height_px, const ExifRecord&
     return {*camera, FocalSource::kCalibrated};
   }
   if (const auto camera = FromXmpCamera(width_px, height_px, exif, xmp, notes)) {
+    return {*camera, FocalSource::kXmpCamera};
+  }
+  if (const auto camera = FromFisheye(width_px, height_px, exif, xmp, notes)) {
     return {*camera, FocalSource::kXmpCamera};
   }
   const auto chosen = [&](std::optional<double> focal_px,

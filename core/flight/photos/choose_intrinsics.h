@@ -2,6 +2,7 @@
 //   drone-dji:DewarpData               calibrated at the factory: focal lengths, centre, distortion
 //   drone-dji:CalibratedFocalLength    pixels, often only nominal
 //   Camera:PerspectiveFocalLength      mm (or pixels), with the focal plane resolution
+//   Camera:FisheyePolynomial           our lens model fitted to the calibrated fisheye
 //   EXIF focal length and FocalPlaneXResolution
 //   EXIF focal length and the table of sensors
 //   EXIF 35 mm equivalent

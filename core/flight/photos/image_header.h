@@ -7,6 +7,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/metadata/exif_table.h"
+#include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/byte_source.h"
 
 namespace skyquilt::flight {
@@ -17,6 +18,9 @@ struct ImageHeader {
   ExifTable exif;
   std::vector<std::string> xmp_packets;
 };
+
+// The XMP of a header, or of wherever else in the source it stands; what is damaged is said in `notes`.
+XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<std::string>& notes);
 
 // Errors: kUnsupportedFormat (says what it is, where known), kCorrupt, kTooLarge.
 Result<ImageHeader> ReadImageHeader(ByteSource& source);

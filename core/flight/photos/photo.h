@@ -79,6 +79,7 @@ struct Photo {
   std::string model;
   std::string software;
   std::string camera_key;  // photos with the same key share one physical camera at one image size
+  std::string band_name;   // as a camera of one band a picture writes it; empty for colour
   camera::Intrinsics intrinsics;
   FocalSource focal_source = FocalSource::kAssumed;
   std::optional<UtcTime> captured_at;

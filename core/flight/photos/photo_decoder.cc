@@ -26,17 +26,23 @@ using image::DecodedPart;
 
 int CeilDiv(int a, int b) { return (a + b - 1) / b; }
 
-Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
-                                    int denominator) {
-  cv::Mat bgr;
+// As stored, or as OpenCV's `flags` ask.
+Result<cv::Mat> ReadByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px, int flags) {
+  cv::Mat picture;
   try {
-    bgr = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    picture = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) throw std::bad_alloc();
     return image::PictureDamaged(error.what());
   }
-  if (bgr.empty()) return image::PictureDamaged("no picture came out");
-  if (bgr.cols != width_px || bgr.rows != height_px) return image::PictureChanged();
+  if (picture.empty()) return image::PictureDamaged("no picture came out");
+  if (picture.cols != width_px || picture.rows != height_px) return image::PictureChanged();
+  return picture;
+}
+
+Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
+                                    int denominator) {
+  SKYQUILT_TRY_ASSIGN(cv::Mat bgr, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_COLOR));
   if (denominator > 1) {
     const int width = CeilDiv(width_px, denominator);
     const int height = CeilDiv(height_px, denominator);
@@ -107,6 +113,27 @@ Result<DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int 
   return DecodedPart{std::move(image)};
 }
 
+Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& bytes, int width_px,
+                                             int height_px, std::int64_t max_bytes) {
+  const std::int64_t needed_bytes =
+      static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
+  if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
+  SKYQUILT_TRY_ASSIGN(cv::Mat stored, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_UNCHANGED));
+  if (stored.channels() != 1 || (stored.depth() != CV_16U && stored.depth() != CV_8U)) {
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        "The picture of a band has more than one channel, or numbers other than whole ones of 8 or 16 bits. "
+        "Give the file as the camera wrote it.",
+        ""};
+  }
+  image::SampleImage image{width_px, height_px, {}};
+  image.samples.resize(stored.total());
+  cv::Mat samples(height_px, width_px, CV_16UC1, image.samples.data());
+  constexpr double kEightToSixteenBits = 257.0;
+  stored.convertTo(samples, CV_16U, stored.depth() == CV_8U ? kEightToSixteenBits : 1.0);
+  return image;
+}
+
 Result<DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
                                       int denominator) {
   SKYQUILT_TRY_ASSIGN(DecodedPart whole,
@@ -127,6 +154,11 @@ Result<DecodedPart> FilePhotoSource::DecodePart(const Photo& photo, int denomina
   SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
   return DecodePhotoPart(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, denominator, box,
                          std::move(memory), max_bytes_);
+}
+
+Result<image::SampleImage> FilePhotoSource::DecodeSamples(const Photo& photo) const {
+  SKYQUILT_TRY_ASSIGN(const auto bytes, ReadFile(photo, max_bytes_));
+  return DecodeSampleBytes(bytes, photo.intrinsics.width_px, photo.intrinsics.height_px, max_bytes_);
 }
 
 }  // namespace skyquilt::flight

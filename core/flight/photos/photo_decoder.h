@@ -27,6 +27,7 @@ class FilePhotoSource final : public PhotoSource {
   Result<image::DecodedImage> Decode(const Photo& photo, int denominator) const override;
   Result<image::DecodedPart> DecodePart(const Photo& photo, int denominator, const image::PixelBox& box,
                                         PixelBytes memory) const override;
+  Result<image::SampleImage> DecodeSamples(const Photo& photo) const override;
 
  private:
   const std::int64_t max_bytes_;
@@ -35,6 +36,10 @@ class FilePhotoSource final : public PhotoSource {
 // The same from bytes in memory; `width_px`, `height_px` are what the header said.
 Result<image::DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, int width_px,
                                              int height_px, int denominator);
+
+// A TIFF or PNG of one channel, all 16 bits of it; one of 8 bits is brought to 16.
+Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& bytes, int width_px,
+                                             int height_px, std::int64_t max_bytes = kMaxDecodeBytes);
 
 // Of a JPEG no more than `box` and a little around it; of anything else, or with no box, everything.
 Result<image::DecodedPart> DecodePhotoPart(const std::vector<std::uint8_t>& bytes, int width_px,

@@ -8,6 +8,7 @@
 #include "core/base/try.h"
 #include "core/flight/photos/photo.h"
 #include "core/image/decoded_image.h"
+#include "core/image/sample_image.h"
 
 namespace skyquilt::flight {
 
@@ -23,6 +24,11 @@ class PhotoSource {
                                                 const image::PixelBox& /*box*/, PixelBytes /*memory*/) const {
     SKYQUILT_TRY_ASSIGN(image::DecodedImage whole, Decode(photo, denominator));
     return image::DecodedPart{std::move(whole)};
+  }
+  // The picture of a photo of one channel as its sensor stored it. Errors: as Decode; kUnsupportedFormat
+  // where the picture has colours, or the source holds none of one channel.
+  virtual Result<image::SampleImage> DecodeSamples(const Photo& photo) const {
+    return Error{ErrorCode::kUnsupportedFormat, photo.name + " is no picture of one band.", ""};
   }
 };
 

@@ -23,18 +23,6 @@ namespace {
 constexpr std::uint16_t kMakerNoteTag = 0x927C;
 constexpr double kLongestReadoutS = 0.5;
 
-XmpTags ReadXmp(const ImageHeader& header, ByteSource& source, std::vector<std::string>& notes) {
-  XmpTags xmp;
-  bool is_broken = false;
-  for (const std::string& packet : header.xmp_packets) is_broken |= !xmp.AddPacket(packet);
-  if (xmp.empty()) {
-    const std::string packet = ScanForXmpPacket(source);
-    if (!packet.empty()) is_broken |= !xmp.AddPacket(packet);
-  }
-  if (is_broken && xmp.empty()) notes.push_back("The XMP metadata is damaged and was not used.");
-  return xmp;
-}
-
 std::optional<DjiMakerNote> ReadMakerNote(const ExifTable& exif) {
   const ExifValue* note = exif.Find(ExifIfd::kExif, kMakerNoteTag);
   if (note == nullptr) return std::nullopt;
@@ -51,6 +39,15 @@ std::string CameraKey(const Photo& photo, const ExifRecord& exif, const XmpTags&
   return fmt::format("{}|{}|{}|{}|{}x{}|{:.2f}mm", photo.make, photo.model, serial, rig,
                      photo.intrinsics.width_px, photo.intrinsics.height_px,
                      exif.focal_length_mm.value_or(0.0) * exif.digital_zoom);
+}
+
+// Of a camera that takes one band a picture; empty for colour.
+std::string BandNameOf(const ExifTable& exif, const XmpTags& xmp) {
+  constexpr std::uint16_t kSamplesPerPixelTag = 0x0115;
+  if (exif.Number(ExifIfd::kImage, kSamplesPerPixelTag) != 1.0) return "";
+  std::string name = xmp.Text("Camera:BandName");
+  if (name.empty()) name = xmp.Text("drone-dji:BandName");
+  return name.find_first_of(",;") == std::string::npos ? name : "";
 }
 
 void NoteSoftware(Photo& photo) {
@@ -110,6 +107,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   const ChosenIntrinsics chosen = ChooseIntrinsics(header.width_px, header.height_px, exif, xmp, photo.notes);
   photo.intrinsics = chosen.intrinsics;
   photo.focal_source = chosen.source;
+  photo.band_name = BandNameOf(header.exif, xmp);
   photo.camera_key = CameraKey(photo, exif, xmp);
   const CaptureTime time = ChooseCaptureTime(exif, xmp, photo.notes);
   photo.captured_at = time.captured_at;

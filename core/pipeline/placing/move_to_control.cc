@@ -60,6 +60,17 @@ GroundSimilarity FitMove(const std::vector<Tied>& tied, double extent_m) {
   return alignment::FitSimilarity(places);
 }
 
+// Each point by a move that the others alone say.
+void Predict(const std::vector<Tied>& tied, double extent_m, std::vector<alignment::ControlReport>& reports) {
+  if (tied.size() < alignment::kMinPredictedPoints) return;
+  for (std::size_t left = 0; left < tied.size(); ++left) {
+    std::vector<Tied> others = tied;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
+    const Complex miss = FitMove(others, extent_m) * tied[left].now - tied[left].surveyed;
+    reports[tied[left].report].left_out = alignment::ControlPrediction{miss.real(), miss.imag(), 0.0};
+  }
+}
+
 // About the vertical through the origin, and stretched about the mean height of the ground.
 alignment::Similarity3 InSpace(const GroundSimilarity& move, double ground_z_m) {
   alignment::Similarity3 similarity;
@@ -97,6 +108,7 @@ std::optional<FlightFacts> MoveToControl(const FlightFacts& known,
     told.miss_north_m = residual.imag();
     told.residual_px = std::abs(residual) / gsd_m;
   }
+  Predict(tied, ExtentM(known), reports);
   for (const alignment::ControlReport& point : reports) {
     if (std::string words = alignment::ControlInWords(point); !words.empty())
       moved.flight.warnings.push_back(words + ".");

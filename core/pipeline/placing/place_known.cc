@@ -139,6 +139,29 @@ std::vector<PlacePair> PairsOf(const std::vector<MarkedPoint>& marked, const geo
   return pairs;
 }
 
+// Each point that is used, by a fit to the others that are.
+void PredictPairs(const std::vector<PlacePair>& pairs, const std::vector<MarkedPoint>& marked,
+                  std::vector<alignment::ControlReport>& reports) {
+  std::vector<std::size_t> used;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (reports[marked[k].report].is_used) used.push_back(k);
+  }
+  if (used.size() < alignment::kMinPredictedPoints) return;
+  for (const std::size_t left : used) {
+    std::vector<PlacePair> others;
+    for (const std::size_t k : used) {
+      if (k != left) others.push_back(pairs[k]);
+    }
+    const auto fitted =
+        alignment::FitRobustly(others, alignment::UpDirection{Vector3d::UnitZ(), kSigmaUpRad});
+    if (!fitted) continue;
+    const Vector3d miss = fitted->target_from_source * pairs[left].in_source - pairs[left].in_target;
+    const bool has_height = std::isfinite(pairs[left].sigma.z());
+    reports[marked[left].report].left_out =
+        alignment::ControlPrediction{miss.x(), miss.y(), has_height ? miss.z() : 0.0};
+  }
+}
+
 double SpreadM(const std::vector<MarkedPoint>& marked) {
   geo::Bounds2 bounds;
   for (const MarkedPoint& one : marked) bounds.Include(one.seen_in_enu.head<2>());
@@ -204,6 +227,7 @@ Result<FlightFacts> PlaceByControl(const FlightFacts& known, const std::vector<f
                     "coordinates, the reference system in the first line, and the marks.",
                     kContradictWords, agreed_m, WhyNot(reports)));
   }
+  PredictPairs(pairs, marked, reports);
   Similarity3 move = fitted->target_from_source;
   const bool has_heights = std::any_of(pairs.begin(), pairs.end(),
                                        [](const PlacePair& pair) { return std::isfinite(pair.sigma.z()); });

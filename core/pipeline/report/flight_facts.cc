@@ -17,10 +17,35 @@ using Cbor = nlohmann::json;
 
 // Raised whenever the meaning or a name changes (those of report_fields.h too), or alignment so much that a
 // flight should be aligned anew.
-constexpr int kVersion = 6;
+constexpr int kVersion = 7;
 
-Cbor OfTone(const render::PhotoTone& tone) {
-  return {{"gain", tone.gain}, {"vignetting", tone.vignetting.a}};
+Cbor OfExposure(const render::KnownExposure& exposure) {
+  const render::HotSpot& spot = exposure.light.directions.hot_spot;
+  Cbor cameras = Cbor::array();
+  for (const auto& [key, terms] : exposure.light.cameras) cameras.push_back({{"key", key}, {"terms", terms}});
+  Cbor photos = Cbor::array();
+  for (const render::PhotoLight& photo : exposure.photos)
+    photos.push_back({{"gain", photo.gain}, {"hot_spot", photo.hot_spot}});
+  return {{"photos", photos},
+          {"cameras", cameras},
+          {"directions", exposure.light.of_directions},
+          {"widest_look", exposure.light.directions.widest_look},
+          {"hot_spot", {spot.look.x(), spot.look.y(), spot.width}}};
+}
+
+render::KnownExposure ToExposure(const Cbor& json) {
+  render::KnownExposure exposure;
+  for (const Cbor& photo : json.at("photos")) {
+    exposure.photos.push_back(
+        {photo.at("gain").get<std::array<double, 3>>(), photo.at("hot_spot").get<std::array<double, 3>>()});
+  }
+  exposure.light.of_directions = json.at("directions").get<std::array<render::DirectionTerms, 3>>();
+  const auto spot = json.at("hot_spot").get<std::array<double, 3>>();
+  exposure.light.directions = {{{spot[0], spot[1]}, spot[2]}, json.at("widest_look")};
+  for (const Cbor& camera : json.at("cameras"))
+    exposure.light.cameras[camera.at("key").get<std::string>()] =
+        camera.at("terms").get<std::array<render::CameraTerms, 3>>();
+  return exposure;
 }
 
 // Reports are kept as text, as report.json has them; bytes of names that are not UTF-8 are replaced there
@@ -44,10 +69,8 @@ Cbor OfAppearance(const MapAppearance& appearance) {
       ++runs.back();
     }
   }
-  Cbor tones = Cbor::array();
-  for (const render::PhotoTone& tone : appearance.tones) tones.push_back(OfTone(tone));
   return {{"gsd_m", appearance.gsd_m},
-          {"tones", tones},
+          {"exposure", OfExposure(appearance.exposure)},
           {"zoom", appearance.grid.zoom},
           {"tile_size_px", appearance.grid.tile_size_px},
           {"cell_px", appearance.grid.cell_px},
@@ -61,10 +84,9 @@ Cbor OfAppearance(const MapAppearance& appearance) {
 MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
   MapAppearance appearance;
   appearance.gsd_m = json.at("gsd_m");
-  for (const Cbor& tone : json.at("tones")) {
-    appearance.tones.push_back(
-        {tone.at("gain").get<std::array<double, 3>>(), {tone.at("vignetting").get<std::array<double, 3>>()}});
-  }
+  appearance.exposure = ToExposure(json.at("exposure"));
+  if (appearance.exposure.photos.size() > photos)
+    throw Cbor::other_error::create(500, "more light than photos", nullptr);
   appearance.grid.zoom = json.at("zoom");
   appearance.grid.tile_size_px = json.at("tile_size_px");
   appearance.grid.cell_px = json.at("cell_px");
@@ -92,6 +114,37 @@ MapAppearance ToAppearance(const Cbor& json, std::size_t photos) {
     }
   }
   return appearance;
+}
+
+// Polygons of rings of longitudes and latitudes in turn.
+Cbor OfBoundary(const geo::Boundary& boundary) {
+  Cbor polygons = Cbor::array();
+  for (const geo::Boundary::Polygon& polygon : boundary.polygons) {
+    Cbor rings = Cbor::array();
+    for (const geo::Boundary::Ring& ring : polygon) {
+      std::vector<double> places;
+      for (const geo::LatLon& corner : ring) places.insert(places.end(), {corner.lon_deg, corner.lat_deg});
+      rings.push_back(std::move(places));
+    }
+    polygons.push_back(std::move(rings));
+  }
+  return polygons;
+}
+
+geo::Boundary ToBoundary(const Cbor& polygons) {
+  geo::Boundary boundary;
+  for (const Cbor& rings : polygons) {
+    geo::Boundary::Polygon& polygon = boundary.polygons.emplace_back();
+    for (const Cbor& places : rings) {
+      const auto numbers = places.get<std::vector<double>>();
+      geo::Boundary::Ring& ring = polygon.emplace_back();
+      for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) ring.push_back({numbers[i + 1], numbers[i]});
+      if (ring.empty()) throw Cbor::other_error::create(500, "a ring of the boundary is empty", nullptr);
+    }
+    if (polygon.empty()) throw Cbor::other_error::create(500, "a part of the boundary is empty", nullptr);
+  }
+  if (boundary.polygons.empty()) throw Cbor::other_error::create(500, "the boundary is empty", nullptr);
+  return boundary;
 }
 
 FlightFacts Parse(std::string_view bytes) {
@@ -129,6 +182,7 @@ FlightFacts Parse(std::string_view bytes) {
     photo.error_radius_m = camera.error_radius_m;
     photo.height_above_ground_m = photos[i].at("height_m");
     photo.readout_motion = camera.readout_motion;
+    photo.sharpness = camera.sharpness;
     photo.max_look_rad = photos[i].value("max_look_rad", photo.max_look_rad);
     photo.tied_look_rad = photos[i].value("tied_look_rad", photo.tied_look_rad);
     const std::vector<std::uint8_t>& jpeg = photos[i].at("thumbnail").get_binary();
@@ -143,6 +197,7 @@ FlightFacts Parse(std::string_view bytes) {
   if (align_report != "") facts.align_report = OfReportText<alignment::AlignReport>(align_report);
   facts.ground_report = OfReportText<ground::ModelGroundReport>(json.at("ground"));
   facts.poses_report = OfReportText<poses::PoseReport>(json.at("poses"));
+  if (json.contains("boundary")) facts.boundary = ToBoundary(json.at("boundary"));
   if (const Cbor& appearance = json.at("look"); !appearance.is_null())
     facts.appearance = ToAppearance(appearance, photos.size());
   return facts;
@@ -168,6 +223,7 @@ Digest DigestOfPlacing(const MosaicOptions& options) {
     // One that cannot be read is refused where it is opened.
     if (const Result<Digest> dem = DigestOfFile(options.dem_path)) hasher.AddBytes(dem->data(), dem->size());
   }
+  if (options.takeoff_height_amsl_m) hasher.Add(*options.takeoff_height_amsl_m);
   return hasher.Finish();
 }
 
@@ -210,6 +266,7 @@ std::string WriteFacts(const FlightFacts& facts) {
   json["alignment"] = facts.align_report ? ReportText(*facts.align_report) : "";
   json["ground"] = ReportText(facts.ground_report);
   json["poses"] = ReportText(facts.poses_report);
+  if (facts.boundary) json["boundary"] = OfBoundary(*facts.boundary);
   json["look"] = facts.appearance ? OfAppearance(*facts.appearance) : Cbor(nullptr);
   const std::vector<std::uint8_t> bytes = Cbor::to_cbor(json);
   return {bytes.begin(), bytes.end()};

@@ -14,11 +14,12 @@
 #include "core/alignment/aligned_flight.h"
 #include "core/base/digest.h"
 #include "core/flight/lists/input_file.h"
+#include "core/geo/areas/boundary.h"
 #include "core/ground/ground_surface.h"
 #include "core/ground/model_ground_report.h"
 #include "core/pipeline/mosaic_options.h"
 #include "core/poses/pose_report.h"
-#include "core/render/exposure/exposure.h"
+#include "core/render/exposure/extend_exposure.h"
 #include "core/render/mosaic_plan.h"
 #include "core/render/seams/seam_map.h"
 #include "core/render/thumbnail.h"
@@ -33,7 +34,7 @@ struct NamedDigest {
 // The appearance of the map, decided before it was rendered.
 struct MapAppearance {
   double gsd_m = 0.0;
-  std::vector<render::PhotoTone> tones;  // one per photo
+  render::KnownExposure exposure;  // a gain for each photo, and the light
   render::SeamGrid grid;
   render::SeamLabels labels;
 };
@@ -50,6 +51,7 @@ struct FlightFacts {
   poses::PoseReport poses_report;
   ground::ModelGroundReport ground_report;
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
+  std::optional<geo::Boundary> boundary;               // that the map is cut to
   std::optional<MapAppearance> appearance;             // absent: the run was killed before
 };
 

@@ -18,6 +18,12 @@ const LocatedCamera* FindCamera(const LocatedMap& map, std::string_view photo) {
   return nullptr;
 }
 
+double QualityOf(const std::optional<double>& sharpness, double off_nadir_rad) {
+  constexpr double kSharp = 0.8;
+  const double vertical = std::cos(off_nadir_rad);
+  return std::clamp(sharpness.value_or(1.0) / kSharp, 0.0, 1.0) * vertical * vertical;
+}
+
 // A placement error moves the point by its radius across the ray, and by more where the ray meets the ground
 // slantingly.
 double SigmaUnder(double error_radius_m, double off_nadir_rad) {
@@ -115,10 +121,11 @@ std::vector<Sighting> PhotosAtPoint(const LocatedMap& map, const geo::LatLon& po
     const double off_nadir_rad = std::atan2(up.head<2>().norm(), up.z());
     if (off_nadir_rad > camera::kMaxViewAngleRad) continue;
     sightings.push_back({camera.name, *pixel, off_nadir_rad, camera.placement,
-                         SigmaUnder(camera.error_radius_m, off_nadir_rad)});
+                         SigmaUnder(camera.error_radius_m, off_nadir_rad), camera.sharpness,
+                         QualityOf(camera.sharpness, off_nadir_rad)});
   }
   std::sort(sightings.begin(), sightings.end(), [](const Sighting& a, const Sighting& b) {
-    return a.off_nadir_rad != b.off_nadir_rad ? a.off_nadir_rad < b.off_nadir_rad : a.photo < b.photo;
+    return a.quality != b.quality ? a.quality > b.quality : a.photo < b.photo;
   });
   return sightings;
 }

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/pipeline/report/locate.h"
@@ -36,6 +37,7 @@ Json CameraOf(const alignment::AlignedPhoto& photo) {
                {"translation_m", {translation.x(), translation.y(), translation.z()}},
                {"placement", alignment::PlacementName(photo.placement)},
                {"error_radius_m", photo.error_radius_m}};
+  if (photo.sharpness && std::isfinite(*photo.sharpness)) json["sharpness"] = *photo.sharpness;
   const camera::RowMotion& motion = photo.readout_motion;
   if (!motion.shift_in_enu_m.isZero(0.0)) json["readout_shift_m"] = Numbers(motion.shift_in_enu_m);
   for (const Eigen::Vector3d& turn : motion.turns_rad) json["readout_turns_rad"].push_back(Numbers(turn));
@@ -95,6 +97,7 @@ LocatedMap MapFrom(const Json& json) {
                            ? alignment::Placement::kAligned
                            : alignment::Placement::kPoseOnly;
     camera.error_radius_m = from.at("error_radius_m");
+    if (from.contains("sharpness")) camera.sharpness = from.at("sharpness").get<double>();
     if (from.contains("readout_shift_m"))
       camera.readout_motion.shift_in_enu_m = Vector<3>(from.at("readout_shift_m"));
     if (from.contains("readout_turns_rad")) {

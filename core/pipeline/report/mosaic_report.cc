@@ -46,6 +46,27 @@ Json FootprintRing(const alignment::AlignedPhoto& photo, const geo::LocalFrame& 
   return ring;
 }
 
+Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json BandsJson(const bands::BandsReport& report) {
+  Json bands = Json::array();
+  for (const bands::BandReport& one : report.bands) {
+    bands.push_back({{"name", one.band.name},
+                     {"wavelength_nm", OrNull(one.band.wavelength_nm)},
+                     {"width_nm", OrNull(one.band.width_nm)},
+                     {"calibration", bands::CalibrationName(one.band.calibration)},
+                     {"method", one.band.method},
+                     {"pictures", one.pictures},
+                     {"registered", one.registered},
+                     {"patches", one.patches},
+                     {"residual_px", Rounded(one.residual_px, 3)}});
+  }
+  return {{"reference_band", report.reference_band},
+          {"captures", {{"total", report.captures_total}, {"placed", report.captures}}},
+          {"gsd_m", Rounded(report.gsd_m, 6)},
+          {"bands", bands}};
+}
+
 }  // namespace
 
 std::string ReportJson(const MosaicReport& report) {
@@ -87,6 +108,7 @@ std::string ReportJson(const MosaicReport& report) {
   json["ground"] = JsonOf<Json>(report.ground_report);
   json["seams"] = JsonOf<Json>(report.seam_shift);
   json["alignment"] = report.align_report ? JsonOf<Json>(*report.align_report) : Json(nullptr);
+  if (report.bands) json["bands"] = BandsJson(*report.bands);
   return Printed(json);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/alignment/align_report.h"
 #include "core/alignment/aligned_flight.h"
+#include "core/bands/bands_report.h"
 #include "core/flight/photos/photo.h"
 #include "core/geo/lat_lon_bounds.h"
 #include "core/ground/ground_surface.h"
@@ -51,6 +52,7 @@ struct MosaicReport {
   ground::ModelGroundReport ground_report;
   render::SeamShift seam_shift;
   std::optional<alignment::AlignReport> align_report;  // nothing where photos lie by their poses alone
+  std::optional<bands::BandsReport> bands;             // of bands.tif; nothing for photos in colour
 };
 
 std::string ReportJson(const MosaicReport& report);

@@ -50,6 +50,10 @@ class FieldWriter {
   void IfAny(const char* name, const List& list) {
     if (!list.empty()) (*this)(name, list);
   }
+  template <typename Value>
+  void IfKnown(const char* name, const std::optional<Value>& value) {
+    if (value) (*this)(name, *value);
+  }
   void OneOf(const char* name, bool is_so, const char* if_so, const char* if_not) {
     json_[name] = is_so ? if_so : if_not;
   }
@@ -117,6 +121,11 @@ class FieldReader {
   void IfAny(const char* name, List& list) const {
     list.clear();
     if (json_.contains(name)) (*this)(name, list);
+  }
+  template <typename Value>
+  void IfKnown(const char* name, std::optional<Value>& value) const {
+    value.reset();
+    if (json_.contains(name)) (*this)(name, value.emplace());
   }
   void OneOf(const char* name, bool& is_so, const char* if_so, const char* if_not) const {
     const Json& word = json_.at(name);

@@ -140,6 +140,13 @@ void VisitFields(Mark& mark, Visit& visit) {
   visit("is_used", mark.is_used);
 }
 
+template <IsA<alignment::ControlPrediction> Prediction, typename Visit>
+void VisitFields(Prediction& left_out, Visit& visit) {
+  visit("miss_east_m", left_out.miss_east_m);
+  visit("miss_north_m", left_out.miss_north_m);
+  visit("miss_up_m", left_out.miss_up_m);
+}
+
 template <IsA<alignment::ControlReport> Point, typename Visit>
 void VisitFields(Point& point, Visit& visit) {
   visit("name", point.name);
@@ -150,6 +157,7 @@ void VisitFields(Point& point, Visit& visit) {
   visit("miss_north_m", point.miss_north_m);
   visit("miss_up_m", point.miss_up_m);
   visit("residual_px", point.residual_px);
+  visit.IfKnown("left_out", point.left_out);
   visit.IfAny("marks", point.marks);
 }
 

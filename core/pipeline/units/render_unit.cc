@@ -57,8 +57,7 @@ Result<RenderedUnit> RenderRange(std::string_view facts_bytes, const UnitRange& 
     for (std::size_t i = 0; i < shown.size(); ++i) cache.Expect(i, shown[i]);
     const render::RenderContext context{facts.flight,  facts.ground, planned.exposure,
                                         planned.seams, plan,         cache};
-    const render::RenderOptions render_options{
-        budget.threads, {options.encoding == TileEncoding::kWebp, options.jpeg_quality}};
+    const render::RenderOptions render_options{budget.threads, {options.encoding, options.jpeg_quality}};
     const render::RenderMemory render_memory{memory, digests};
     return render::RenderTiles(context, render_options, sink, progress, &render_memory);
   });

@@ -78,6 +78,27 @@ bool ByElevationModel(const std::vector<Photo>& photos, const geo::DemSource& de
   return true;
 }
 
+// Absolute heights over the place of take-off, whose height somebody gives. False: none lies above it.
+bool ByGivenTakeoff(const std::vector<Photo>& photos, double takeoff_ellipsoid_m, FlightHeights& heights) {
+  constexpr double kLowestFlightM = 5.0;
+  std::vector<std::optional<double>> above_m(photos.size());
+  std::vector<double> known;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!photos[i].position) continue;
+    if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
+      above_m[i] = *ellipsoid_m - takeoff_ellipsoid_m;
+      known.push_back(*above_m[i]);
+    }
+  }
+  const auto typical_m = MedianIfAny(std::move(known));
+  if (!typical_m || *typical_m < kLowestFlightM) return false;
+  heights.above_ground_m = std::move(above_m);
+  heights.takeoff_ellipsoid_m = takeoff_ellipsoid_m;
+  heights.sigma_m = 5.0;
+  heights.rule_in_words = "absolute height above the take-off as given, flat ground at take-off height";
+  return true;
+}
+
 }  // namespace
 
 std::optional<double> EllipsoidHeightM(const RecordedPosition& position) {
@@ -135,7 +156,8 @@ double GuessHeightFromSpacing(const std::vector<Photo>& photos) {
   return std::clamp(HeightFromSpacing(photos).value_or(60.0), 5.0, 500.0);
 }
 
-FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSource* dem) {
+FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSource* dem,
+                            const std::optional<double>& takeoff_ellipsoid_m) {
   FlightHeights heights;
   heights.above_ground_m.resize(photos.size());
   std::vector<double> takeoff_heights;
@@ -152,9 +174,11 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
   const std::optional<double> takeoff_m = MedianIfAny(takeoff_heights);
   std::optional<double> guessed_above_ground_m;  // only where no photo says it
   if (known > 0) {
-    heights.takeoff_ellipsoid_m = takeoff_m.value_or(0.0);
+    heights.takeoff_ellipsoid_m = takeoff_ellipsoid_m.value_or(takeoff_m.value_or(0.0));
     heights.rule_in_words = "height above take-off as recorded, flat ground at take-off height";
     heights.sigma_m = 0.7;
+  } else if (takeoff_ellipsoid_m && ByGivenTakeoff(photos, *takeoff_ellipsoid_m, heights)) {
+    return heights;
   } else if (dem != nullptr && ByElevationModel(photos, *dem, heights)) {
     return heights;
   } else {
@@ -166,6 +190,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
     const double above_ground_m = GuessHeightFromSpacing(photos);
     guessed_above_ground_m = above_ground_m;
     heights.takeoff_ellipsoid_m = MedianIfAny(ellipsoid_heights).value_or(above_ground_m) - above_ground_m;
+    if (takeoff_ellipsoid_m && ellipsoid_heights.empty()) heights.takeoff_ellipsoid_m = *takeoff_ellipsoid_m;
     heights.rule = HeightRule::kSpacing;
     heights.rule_in_words = "height above ground guessed from the spacing of the photos";
     heights.sigma_m = 0.3 * above_ground_m;
@@ -189,7 +214,7 @@ FlightHeights ChooseHeights(const std::vector<Photo>& photos, const geo::DemSour
     if (heights.above_ground_m[i] || !photos[i].position) continue;
     if (known > 0 && !takeoff_m) continue;
     if (const auto ellipsoid_m = EllipsoidHeightM(*photos[i].position)) {
-      const double above_ground_m = *ellipsoid_m - heights.takeoff_ellipsoid_m;
+      const double above_ground_m = *ellipsoid_m - takeoff_m.value_or(heights.takeoff_ellipsoid_m);
       if (above_ground_m > 1.0) heights.above_ground_m[i] = above_ground_m;
     } else {
       heights.above_ground_m[i] = guessed_above_ground_m;

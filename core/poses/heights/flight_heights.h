@@ -2,7 +2,7 @@
 // so that photos never differ by a zero point. Metres. Pure; any thread. Order of trust: relative height
 // (barometer since take-off), measured height above ground, sea-level or ellipsoidal height against photos of
 // this flight that have both, absolute height above an elevation model, and last a height guessed from the
-// spacing of the photos.
+// spacing of the photos. A take-off height that somebody gives counts instead of what the photos say of it.
 #pragma once
 
 #include <optional>
@@ -27,8 +27,9 @@ struct FlightHeights {
   std::optional<Assumption> assumption;  // nothing: heights are recorded
 };
 
-// `dem` may be null.
-FlightHeights ChooseHeights(const std::vector<flight::Photo>& photos, const geo::DemSource* dem);
+// `dem` may be null. `takeoff_ellipsoid_m`: given by the user.
+FlightHeights ChooseHeights(const std::vector<flight::Photo>& photos, const geo::DemSource* dem,
+                            const std::optional<double>& takeoff_ellipsoid_m = {});
 
 // The height at which photos spaced as these are would overlap as surveys usually do; within 5 to 500 m.
 double GuessHeightFromSpacing(const std::vector<flight::Photo>& photos);

@@ -28,8 +28,9 @@ std::optional<double> At(const std::vector<Sample>& samples, double t_s, Value v
 
 class TakeoffSearch {
  public:
-  TakeoffSearch(const FlightLog& log, const std::vector<std::pair<double, const flight::Photo*>>& photos_at)
-      : log_(log), photos_at_(photos_at) {
+  TakeoffSearch(const FlightLog& log, const std::vector<std::pair<double, const flight::Photo*>>& photos_at,
+                const std::optional<double>& given_ellipsoid_m)
+      : log_(log), photos_at_(photos_at), given_ellipsoid_m_(given_ellipsoid_m) {
     if (!log.gnss.empty()) geoid_m_ = geo::GeoidHeightM(log.gnss.front().position).value_or(0.0);
   }
 
@@ -156,7 +157,7 @@ class TakeoffSearch {
       photos.back().position->position = fix.position;
       photos.back().position->height_ellipsoid_m = Ellipsoid(fix);
     }
-    const FlightHeights heights = ChooseHeights(photos, nullptr);
+    const FlightHeights heights = ChooseHeights(photos, nullptr, given_ellipsoid_m_);
     out_.height_ellipsoid_m = heights.takeoff_ellipsoid_m;
     out_.sigma_m = heights.sigma_m;
     out_.rule = heights.rule_in_words;
@@ -187,6 +188,7 @@ class TakeoffSearch {
 
   const FlightLog& log_;
   const std::vector<std::pair<double, const flight::Photo*>>& photos_at_;
+  const std::optional<double>& given_ellipsoid_m_;
   double geoid_m_ = 0.0;
   Takeoff out_;
 };
@@ -194,8 +196,9 @@ class TakeoffSearch {
 }  // namespace
 
 Takeoff FindTakeoff(const FlightLog& log,
-                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at) {
-  return TakeoffSearch(log, photos_at).Run();
+                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at,
+                    const std::optional<double>& given_ellipsoid_m) {
+  return TakeoffSearch(log, photos_at, given_ellipsoid_m).Run();
 }
 
 }  // namespace skyquilt::poses

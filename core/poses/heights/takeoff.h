@@ -27,7 +27,9 @@ struct Takeoff {
 };
 
 // photos_at: photos with their times on the log's clock, rising.
+// given_ellipsoid_m: the height of the take-off, as the user says.
 Takeoff FindTakeoff(const flight::FlightLog& log,
-                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at);
+                    const std::vector<std::pair<double, const flight::Photo*>>& photos_at,
+                    const std::optional<double>& given_ellipsoid_m = {});
 
 }  // namespace skyquilt::poses

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/render/blocks/block_boundary.h"
 #include "core/render/blocks/block_weights.h"
 
 namespace skyquilt::render {
 namespace {
 
 // Raised whenever the same input gives other pixels than before.
-constexpr int kRendererVersion = 3;
+constexpr int kRendererVersion = 4;
 // Ground nearer together than this is the same: a grid that grew tells it a rounding error differently.
 constexpr double kGroundStepM = 1e-4;
 constexpr std::int32_t kOtherPhoto = -2;  // one that shows nothing of the block itself
@@ -27,7 +28,10 @@ void AddPhoto(const alignment::AlignedPhoto& photo, const PhotoTone& tone, Hashe
   hasher.Add(static_cast<int>(photo.placement)).Add(photo.error_radius_m).Add(photo.height_above_ground_m);
   hasher.Add(photo.max_look_rad);
   for (const double gain : tone.gain) hasher.Add(gain);
-  for (const double term : tone.vignetting.a) hasher.Add(term);
+  hasher.AddBytes(tone.shade.terms.data(), sizeof(tone.shade.terms));
+  for (const float at : tone.shade.spot_place) hasher.Add(at);
+  hasher.Add(tone.shade.spot_width);
+  for (const float log_gain : tone.shade.spot_log_gain) hasher.Add(log_gain);
 }
 
 }  // namespace
@@ -38,18 +42,20 @@ Digest DigestBlock(const RenderContext& context, const pyramid::EncodeOptions& e
   const MosaicPlan& plan = context.plan;
   const SeamGrid& grid = context.seams.grid;
   Hasher hasher;
-  hasher.Add(kRendererVersion).Add(encode.use_webp).Add(encode.quality);
+  hasher.Add(kRendererVersion).Add(static_cast<std::uint8_t>(encode.encoding)).Add(encode.quality);
   hasher.Add(plan.block_levels).Add(plan.tile_size_px).Add(plan.feather_m);
   hasher.Add(grid.cell_px).Add(context.seams.cell_m).Add(context.flight.frame.origin().lat_deg);
   for (const Eigen::Vector3d& node : geometry.ground_in_enu) {
     for (const double metres : {node.x(), node.y(), node.z()})
       hasher.Add(std::llround(metres / kGroundStepM));
   }
+  const BlockBoundary boundary(plan, block.tile);
+  if (!boundary.CutsNothing()) hasher.AddBytes(boundary.inside().data(), boundary.inside().size());
   const BlockCells cells(context.seams, block.tile, plan.block_levels);
   const std::vector<std::uint32_t> photos = cells.PhotosOf(block);
   for (const std::uint32_t photo : photos) {
     hasher.AddBytes(photo_digests[photo].data(), photo_digests[photo].size());
-    AddPhoto(context.flight.photos[photo], context.exposure.photos[photo], hasher);
+    AddPhoto(context.flight.photos[photo], context.exposure.tones[photo], hasher);
   }
   // Cells and their neighbours, by place in the list above: numbers of photos change when photos are added.
   for (int row = -1; row <= cells.side; ++row) {

@@ -19,9 +19,9 @@ constexpr float kMinWeight = 1.0f / 512.0f;
 struct Corners {
   float nw, ne, sw, se;
   float At(int x, int y) const {
-    constexpr float kStep = 1.0f / kNodeStepPx;
-    const float u = x * kStep;
-    const float v = y * kStep;
+    constexpr float kPerPixel = 1.0f / kNodeStepPx;
+    const float u = x * kPerPixel;
+    const float v = y * kPerPixel;
     const float north = nw + u * (ne - nw);
     const float south = sw + u * (se - sw);
     return north + v * (south - north);

@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/trace.h"
+
 namespace skyquilt::render {
 namespace {
 
@@ -113,7 +115,10 @@ Result<DecodedPhoto> PhotoCache::Get(std::size_t photo_index, const flight::Phot
                  whole);
   ++decodes_;
   lock.unlock();
-  Result<image::DecodedPart> decoded = source_.DecodePart(photo, denominator, entry.box, spare_->Take());
+  Result<image::DecodedPart> decoded = [&] {
+    const TraceSpan span("decode for the map", photo.name);
+    return source_.DecodePart(photo, denominator, entry.box, spare_->Take());
+  }();
   if (decoded && observer_) observer_(photo_index, denominator, *decoded);
   lock.lock();
   entry.is_ready = true;

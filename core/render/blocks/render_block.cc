@@ -8,6 +8,7 @@
 
 #include "core/base/try.h"
 #include "core/geo/web_mercator.h"
+#include "core/render/blocks/block_boundary.h"
 #include "core/render/blocks/block_weights.h"
 #include "core/render/blocks/cubic_sampler.h"
 #include "core/render/blocks/photo_regions.h"
@@ -54,10 +55,7 @@ class PhotoOnBlock {
         levels_(levels),
         cells_(cells),
         gain_(FourOf(tone.gain)),
-        vignetting_(tone.vignetting),
-        center_(photo.intrinsics.center_x_px, photo.intrinsics.center_y_px),
-        radius_scale_(4.0 /
-                      (std::pow(photo.intrinsics.width_px, 2) + std::pow(photo.intrinsics.height_px, 2))) {}
+        shade_(tone.shade, photo.intrinsics) {}
 
   // The numbers at the corners of a square of the block.
   struct Square {
@@ -74,8 +72,8 @@ class PhotoOnBlock {
       // Pixel corners scale, centres carry the half pixel.
       square.x[k] = (in_photo.x() + 0.5f) * scale_ - 0.5f;
       square.y[k] = (in_photo.y() + 0.5f) * scale_ - 0.5f;
-      const double r2 = (in_photo.cast<double>() - center_).squaredNorm() * radius_scale_;
-      square.gain[k] = gain_ / static_cast<float>(std::isnan(r2) ? 1.0 : vignetting_.Falloff(r2));
+      const auto shade = shade_.At(in_photo.x(), in_photo.y());
+      square.gain[k] = gain_ * Four{shade[0], shade[1], shade[2], 1.0f};
       square.light[k] = LightAt(x, y, block_x, block_y);
     }
     return square;
@@ -117,9 +115,7 @@ class PhotoOnBlock {
   const PhotoLevels& levels_;
   const BlockCells& cells_;
   const Four gain_;
-  const Vignetting vignetting_;
-  const Eigen::Vector2d center_;
-  const double radius_scale_;
+  const ShadeGrid shade_;
 };
 
 Four Clamped(Four value) {
@@ -255,13 +251,14 @@ Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const R
         ShownBy(share, view, geometry.nodes_per_side).Grown(denominator * CubicSampler::kReachPx);
     SKYQUILT_TRY_ASSIGN(const DecodedPhoto decoded,
                         context.cache.Get(share.photo, photo.photo, denominator, box));
-    const PhotoOnBlock on_block(photo, context.exposure.photos[share.photo], view, geometry.nodes_per_side,
+    const PhotoOnBlock on_block(photo, context.exposure.tones[share.photo], view, geometry.nodes_per_side,
                                 denominator, context.seams.levels[share.photo], cells);
     const image::DecodedPart& part = *decoded;
     Paint(share, on_block, CubicSampler(part.image, part.left_px, part.top_px), shares.square_px, image,
           mixture);
   }
   mixture.WriteTo(image);
+  BlockBoundary(context.plan, block.tile).Cut(image);
   return image;
 }
 

@@ -23,7 +23,8 @@ struct RenderContext {
   PhotoCache& cache;
 };
 
-// The block's pixels, plan.BlockSizePx() a side; transparent where no photo sees the ground.
+// The block's pixels, plan.BlockSizePx() a side; transparent where no photo sees the ground and
+// beyond the plan's boundary.
 Result<image::RgbaImage> RenderBlockPixels(const RenderContext& context, const RenderBlock& block);
 // The same, where the ground below the block is known already.
 BlockGeometry GeometryOf(const RenderContext& context, const RenderBlock& block);

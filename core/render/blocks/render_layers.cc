@@ -13,6 +13,7 @@
 #include "core/base/parallel_for.h"
 #include "core/image/png_encoder.h"
 #include "core/pyramid/build_overviews.h"
+#include "core/render/blocks/block_boundary.h"
 #include "core/render/blocks/weigh_block.h"
 
 namespace skyquilt::render {
@@ -24,7 +25,7 @@ constexpr std::size_t kPixels = static_cast<std::size_t>(kLayerTilePx) * kLayerT
 
 // By pixel of the layers' tile: the photo that shows most of it; kNoPhoto where less than half of it is
 // shown.
-std::vector<std::int32_t> OwnersOf(const WeighedBlock& block) {
+std::vector<std::int32_t> OwnersOf(const WeighedBlock& block, const BlockBoundary& boundary) {
   const int step = block.geometry.size_px / kLayerTilePx;
   std::vector<float> total(kPixels, 0.0f), most(kPixels, 0.0f), own(kPixels, 0.0f);
   std::vector<std::int32_t> owners(kPixels, kNoPhoto);
@@ -36,8 +37,10 @@ std::vector<std::int32_t> OwnersOf(const WeighedBlock& block) {
       const float* weight = is_alone ? nullptr : share.weights.data() + square.first_weight;
       for (int y = square.y; y < square.y + side; ++y) {
         for (int x = square.x; x < square.x + side; ++x) {
+          const float of_pixel = is_alone ? 1.0f : *weight++;
+          if (!boundary.Holds(x, y)) continue;
           own[static_cast<std::size_t>(y / step) * kLayerTilePx + static_cast<std::size_t>(x / step)] +=
-              is_alone ? 1.0f : *weight++;
+              of_pixel;
         }
       }
     }
@@ -135,7 +138,7 @@ Result<HeightRange> RenderLayers(const alignment::AlignedFlight& flight, const g
     DrawnBlock drawn;
     const WeighedBlock weighed = WeighBlock(
         flight, seams, plan, block, MakeBlockGeometry(block.tile, plan.BlockSizePx(), flight.frame, ground));
-    const std::vector<std::int32_t> owners = OwnersOf(weighed);
+    const std::vector<std::int32_t> owners = OwnersOf(weighed, BlockBoundary(plan, block.tile));
     if (std::all_of(owners.begin(), owners.end(), [](std::int32_t owner) { return owner == kNoPhoto; })) {
       return drawn;
     }

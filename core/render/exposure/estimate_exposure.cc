@@ -1,191 +1,109 @@
 #include "core/render/exposure/estimate_exposure.h"
 
-#include <Eigen/Dense>
-#include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
-#include "core/base/median.h"
 #include "core/render/exposure/exposure_samples.h"
+#include "core/render/exposure/find_hot_spot.h"
+#include "core/render/exposure/light_equations.h"
 
 namespace skyquilt::render {
 namespace {
 
-constexpr int kCurveTerms = 3;
-constexpr int kRounds = 5;
-// A misfit beyond this (in log value: 12 %) is another thing moving, glint or relief, not exposure.
-constexpr double kRobustScale = 0.12;
-// How much a photo's gain may stray without evidence, and a curve term. A sample counts little: the misfits
-// of one pair of photos go together (the sun's direction, the lens), and many such pairs in a row would add
-// up to a drift.
-constexpr double kGainSigma = 0.15;
-constexpr double kCurveSigma = 0.25;
-constexpr double kSampleSigma = 0.35;
+constexpr double kMaxLogOfGain = 1.2;
+// Cameras of fewer photos have no terms of their own, and only the ones with the most photos have: a folder
+// of photos from everywhere must not make the equations large.
+constexpr std::size_t kMinPhotos = 2, kMaxCameras = 16;
+// Directions are trusted as far out as most samples look.
+constexpr double kSamplesWithin = 0.99;
+// How many samples in the middle of a hot spot the flight's own value counts for.
+constexpr double kSpotPrior = 0.5;
+constexpr double kWidestLook = 1.7;  // 60 degrees
 
-// Unknowns: one log gain a photo (one channel), then the curve of each camera. A spot's own brightness is
-// eliminated: its samples only speak through their difference from their weighted mean.
-struct Unknowns {
-  std::size_t photos = 0;
-  std::vector<std::size_t> camera_of_photo;
-  std::size_t cameras = 0;
-
-  std::size_t count() const { return photos + cameras * kCurveTerms; }
-  std::size_t Curve(std::size_t photo, int term) const {
-    return photos + camera_of_photo[photo] * kCurveTerms + static_cast<std::size_t>(term);
+LightTerms TermsOf(const alignment::AlignedFlight& flight, const std::vector<ExposureSample>& samples) {
+  LightTerms terms;
+  std::map<std::string, std::size_t> photos_of;
+  for (const auto& photo : flight.photos) ++photos_of[photo.photo.camera_key];
+  std::vector<std::pair<std::size_t, std::string>> cameras;
+  for (const auto& [key, count] : photos_of) {
+    if (count >= kMinPhotos) cameras.emplace_back(count, key);
   }
-};
-
-std::array<double, kCurveTerms> Powers(double r2) { return {r2, r2 * r2, r2 * r2 * r2}; }
-
-// log v = spot brightness - log gain + curve(r): the misfit to the spot's mean, given the present unknowns.
-double Explained(const ExposureSample& sample, const Unknowns& unknowns, const Eigen::VectorXd& x) {
-  double value = -x[static_cast<Eigen::Index>(sample.photo)];
-  const auto powers = Powers(sample.radius_squared);
-  for (int term = 0; term < kCurveTerms; ++term) {
-    value += powers[static_cast<std::size_t>(term)] *
-             x[static_cast<Eigen::Index>(unknowns.Curve(sample.photo, term))];
+  std::stable_sort(cameras.begin(), cameras.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  cameras.resize(std::min(cameras.size(), kMaxCameras));
+  std::map<std::string, std::size_t> number_of;
+  for (const auto& [count, key] : cameras) {
+    number_of.emplace(key, terms.cameras.size());
+    terms.cameras.push_back(key);
   }
-  return value;
+  for (const auto& photo : flight.photos) {
+    const auto at = number_of.find(photo.photo.camera_key);
+    terms.camera_of_photo.push_back(at == number_of.end() ? LightTerms::kNone : at->second);
+  }
+  std::vector<double> looks;
+  looks.reserve(samples.size());
+  for (const ExposureSample& sample : samples) looks.push_back(std::hypot(sample.look[0], sample.look[1]));
+  const auto nth = looks.begin() + static_cast<std::ptrdiff_t>(kSamplesWithin * (looks.size() - 1.0));
+  std::nth_element(looks.begin(), nth, looks.end());
+  terms.directions.widest_look = std::clamp(*nth, 0.05, kWidestLook);
+  return terms;
 }
 
-Eigen::VectorXd SolveChannel(const std::vector<ExposureSample>& samples, int channel,
-                             const Unknowns& unknowns) {
-  const auto n = static_cast<Eigen::Index>(unknowns.count());
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<double> weights(samples.size(), 1.0);
-  for (int round = 0; round < kRounds; ++round) {
-    std::map<std::pair<Eigen::Index, Eigen::Index>, double> normal;
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double sigma = i < static_cast<Eigen::Index>(unknowns.photos) ? kGainSigma : kCurveSigma;
-      normal[{i, i}] += kSampleSigma * kSampleSigma / (sigma * sigma);
-    }
-    for (std::size_t begin = 0; begin < samples.size();) {
-      std::size_t end = begin;
-      double weight_sum = 0.0;
-      double mean = 0.0;
-      std::map<Eigen::Index, double> mean_row;
-      std::vector<std::map<Eigen::Index, double>> rows;
-      for (; end < samples.size() && samples[end].spot == samples[begin].spot; ++end) {
-        std::map<Eigen::Index, double> row;
-        row[static_cast<Eigen::Index>(samples[end].photo)] = -1.0;
-        const auto powers = Powers(samples[end].radius_squared);
-        for (int term = 0; term < kCurveTerms; ++term) {
-          row[static_cast<Eigen::Index>(unknowns.Curve(samples[end].photo, term))] =
-              powers[static_cast<std::size_t>(term)];
-        }
-        const double w = weights[end];
-        weight_sum += w;
-        mean += w * samples[end].log_value[static_cast<std::size_t>(channel)];
-        for (const auto& [k, a] : row) mean_row[k] += w * a;
-        rows.push_back(std::move(row));
-      }
-      if (weight_sum > 1e-9) {
-        // Sum over samples of w a a^T minus the part along the spot's mean.
-        for (std::size_t s = begin; s < end; ++s) {
-          const auto& row = rows[s - begin];
-          const double value = samples[s].log_value[static_cast<std::size_t>(channel)];
-          for (const auto& [i, a] : row) {
-            right[i] += weights[s] * a * (value - mean / weight_sum);
-            for (const auto& [j, b] : row) {
-              if (j <= i) normal[{i, j}] += weights[s] * a * b;
-            }
-          }
-        }
-        for (const auto& [i, a] : mean_row) {
-          for (const auto& [j, b] : mean_row) {
-            if (j <= i) normal[{i, j}] -= a * b / weight_sum;
-          }
-        }
-      }
-      begin = end;
-    }
-    std::vector<Eigen::Triplet<double>> triplets;
-    triplets.reserve(normal.size());
-    for (const auto& [at, value] : normal) triplets.emplace_back(at.first, at.second, value);
-    Eigen::SparseMatrix<double> matrix(n, n);
-    matrix.setFromTriplets(triplets.begin(), triplets.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-    if (solver.info() != Eigen::Success) return x;
-    x = solver.solve(right);
-
-    for (std::size_t begin = 0; begin < samples.size();) {
-      std::size_t end = begin;
-      std::vector<double> left;
-      for (; end < samples.size() && samples[end].spot == samples[begin].spot; ++end) {
-        left.push_back(samples[end].log_value[static_cast<std::size_t>(channel)] -
-                       Explained(samples[end], unknowns, x));
-      }
-      const double centre = left.size() == 2 ? 0.5 * (left[0] + left[1]) : Median(left);
-      for (std::size_t s = begin; s < end; ++s) {
-        const double misfit = (left[s - begin] - centre) / kRobustScale;
-        weights[s] = 1.0 / (1.0 + misfit * misfit);  // Cauchy
-      }
-      begin = end;
-    }
+// By how much the hot spot is brighter in each photo: on grass more than on bare soil. The flight's own value
+// stands where a photo does not show it, or nobody else shows what lies there.
+std::vector<double> HotSpotsOf(const std::vector<ExposureSample>& samples, std::size_t channel,
+                               const LightTerms& terms, const SolvedLight& solved) {
+  const double of_flight = solved.terms[kSmoothDirectionTerms];
+  std::vector<double> of_photos(terms.photos(), of_flight);
+  if (terms.directions.hot_spot.width <= 0.0) return of_photos;
+  const std::vector<double> misfits = MisfitsOf(samples, channel, terms, solved);
+  std::vector<double> more(terms.photos(), 0.0), weights(terms.photos(), kSpotPrior);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double shape =
+        terms.directions.hot_spot.At(Eigen::Vector2f(samples[i].look[0], samples[i].look[1]).cast<double>());
+    const double weight = SampleWeight(misfits[i]) * shape;
+    more[samples[i].photo] += weight * misfits[i];
+    weights[samples[i].photo] += weight * shape;
   }
-  return x;
-}
-
-// The polynomial whose value is nearest to exp(curve) over the image: what the renderer divides by.
-Vignetting VignettingFromLogCurve(const std::array<double, kCurveTerms>& log_curve) {
-  constexpr int kPoints = 33;
-  Eigen::Matrix<double, kPoints, kCurveTerms> basis;
-  Eigen::Matrix<double, kPoints, 1> target;
-  for (int i = 0; i < kPoints; ++i) {
-    const auto powers = Powers(static_cast<double>(i) / (kPoints - 1));
-    double value = 0.0;
-    for (int term = 0; term < kCurveTerms; ++term) {
-      basis(i, term) = powers[static_cast<std::size_t>(term)];
-      value += powers[static_cast<std::size_t>(term)] * log_curve[static_cast<std::size_t>(term)];
-    }
-    target(i) = std::exp(std::clamp(value, -1.2, 0.5)) - 1.0;
+  for (std::size_t photo = 0; photo < of_photos.size(); ++photo) {
+    of_photos[photo] = std::clamp(of_flight + more[photo] / weights[photo], std::min(0.0, 2.0 * of_flight),
+                                  std::max(0.0, 2.0 * of_flight));
   }
-  const Eigen::Matrix<double, kCurveTerms, 1> fitted = basis.colPivHouseholderQr().solve(target);
-  Vignetting vignetting;
-  for (int term = 0; term < kCurveTerms; ++term) vignetting.a[static_cast<std::size_t>(term)] = fitted(term);
-  return vignetting;
+  return of_photos;
 }
 
 }  // namespace
 
 ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const ground::GroundSurface& ground,
                                const std::vector<Thumbnail>& thumbnails) {
-  ExposureModel model{std::vector<PhotoTone>(flight.photos.size())};
+  ExposureModel model = ExposureModel::Even(flight.photos.size());
   const std::vector<ExposureSample> samples = SampleExposure(flight, ground, thumbnails);
   if (samples.empty()) return model;
-  Unknowns unknowns;
-  unknowns.photos = flight.photos.size();
-  std::map<std::string, std::size_t> cameras;
-  for (const auto& photo : flight.photos) {
-    unknowns.camera_of_photo.push_back(
-        cameras.try_emplace(photo.photo.camera_key, cameras.size()).first->second);
-  }
-  unknowns.cameras = cameras.size();
-
-  std::vector<std::array<double, kCurveTerms>> curves(unknowns.cameras);
-  for (int channel = 0; channel < 3; ++channel) {
-    const Eigen::VectorXd x = SolveChannel(samples, channel, unknowns);
-    double mean = 0.0;
-    for (std::size_t i = 0; i < unknowns.photos; ++i) mean += x[static_cast<Eigen::Index>(i)];
-    mean /= static_cast<double>(unknowns.photos);
-    for (std::size_t i = 0; i < unknowns.photos; ++i) {
-      model.photos[i].gain[static_cast<std::size_t>(channel)] =
-          std::exp(std::clamp(x[static_cast<Eigen::Index>(i)] - mean, -1.2, 1.2));
+  LightTerms terms = TermsOf(flight, samples);
+  constexpr std::size_t kGreen = 1;
+  terms.directions.hot_spot =
+      FindHotSpot(samples, MisfitsOf(samples, kGreen, terms, SolveLight(samples, kGreen, terms)),
+                  terms.directions.widest_look);
+  model.light.directions = terms.directions;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const SolvedLight solved = SolveLight(samples, channel, terms);
+    const double mean = solved.log_gains.mean();
+    for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+      model.photos[i].gain[channel] = std::exp(
+          std::clamp(solved.log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogOfGain, kMaxLogOfGain));
     }
-    for (std::size_t camera = 0; camera < unknowns.cameras; ++camera) {
-      for (int term = 0; term < kCurveTerms; ++term) {
-        curves[camera][static_cast<std::size_t>(term)] +=
-            x[static_cast<Eigen::Index>(unknowns.photos + camera * kCurveTerms +
-                                        static_cast<std::size_t>(term))] /
-            3.0;
-      }
+    std::copy_n(solved.terms.data(), kDirectionTerms, model.light.of_directions[channel].begin());
+    const std::vector<double> spots = HotSpotsOf(samples, channel, terms, solved);
+    for (std::size_t i = 0; i < flight.photos.size(); ++i) model.photos[i].hot_spot[channel] = spots[i];
+    for (std::size_t camera = 0; camera < terms.cameras.size(); ++camera) {
+      std::copy_n(solved.terms.data() + LightTerms::OfCamera(camera), kCameraTerms,
+                  model.light.cameras[terms.cameras[camera]][channel].begin());
     }
   }
-  for (std::size_t i = 0; i < unknowns.photos; ++i) {
-    model.photos[i].vignetting = VignettingFromLogCurve(curves[unknowns.camera_of_photo[i]]);
-  }
+  for (std::size_t i = 0; i < flight.photos.size(); ++i)
+    model.tones[i] = ToneOf(model.light, model.photos[i], flight.photos[i]);
   return model;
 }
 

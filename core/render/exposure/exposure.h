@@ -1,27 +1,43 @@
-// ExposureModel: what makes photos of one flight agree in brightness and colour: a gain per photo and channel
-// and one even radial vignetting curve per camera, in the stored (sRGB) values. A value; any thread.
+// ExposureModel: what makes photos of one flight agree in brightness and colour: a gain per photo and
+// channel, and what lens and light do across each photo, in the stored (sRGB) values. A value; any thread.
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "core/render/exposure/light_model.h"
+#include "core/render/exposure/shade.h"
+
 namespace skyquilt::render {
 
-// A pixel at relative radius r (1 at the image corner) is divided by 1 + a[0] r^2 + a[1] r^4 + a[2] r^6.
-struct Vignetting {
-  std::array<double, 3> a{};
-  double Falloff(double radius_squared) const {
-    return 1.0 + radius_squared * (a[0] + radius_squared * (a[1] + radius_squared * a[2]));
-  }
+// What is a photo's own in the light of the flight.
+struct PhotoLight {
+  std::array<double, 3> gain{1.0, 1.0, 1.0};
+  std::array<double, 3> hot_spot{};  // by how much its middle is brighter there, as a logarithm
+
+  bool operator==(const PhotoLight&) const = default;
 };
 
+// A pixel of the photo is multiplied by gain and shade.
 struct PhotoTone {
   std::array<double, 3> gain{1.0, 1.0, 1.0};
-  Vignetting vignetting;
+  Shade shade;
 };
 
 struct ExposureModel {
-  std::vector<PhotoTone> photos;  // one per photo of the flight
+  LightModel light;
+  std::vector<PhotoLight> photos;  // one per photo of the flight
+  std::vector<PhotoTone> tones;    // the same, made by ToneOf
+
+  // Of photos that are shown as they are.
+  static ExposureModel Even(std::size_t photos) {
+    return {{}, std::vector<PhotoLight>(photos), std::vector<PhotoTone>(photos)};
+  }
 };
+
+inline PhotoTone ToneOf(const LightModel& light, const PhotoLight& own,
+                        const alignment::AlignedPhoto& photo) {
+  return {own.gain, ShadeOf(light, photo, own.hot_spot)};
+}
 
 }  // namespace skyquilt::render

@@ -8,14 +8,22 @@
 #include "core/base/median.h"
 #include "core/camera/footprint.h"
 #include "core/camera/rolling_shutter.h"
+#include "core/render/exposure/light_model.h"
 
 namespace skyquilt::render {
 namespace {
 
-// About this many spots across a photo: enough for a gain and a curve, few enough for thousands of photos.
-constexpr double kSpotsAcrossPhoto = 14.0;
+// About this many spots across a photo: enough to see a hot spot, and of thousands of photos, which see it
+// often enough, enough for a gain.
+double SpotsAcross(std::size_t photos) {
+  constexpr double kMax = 28.0, kMin = 14.0, kPhotos = 100.0;
+  return std::clamp(kMax * std::sqrt(kPhotos / static_cast<double>(photos)), kMin, kMax);
+}
 constexpr float kDarkest = 12.0f;
 constexpr float kBrightest = 246.0f;
+
+// A photo that reaches further than so many times what one sees straight down looks towards the horizon.
+constexpr double kMaxReach = 4.3;
 
 // Half the side of the patch whose mean is taken, as a share of the thumbnail's width.
 constexpr double kHalfPatchShare = 1.0 / 128.0;
@@ -55,7 +63,8 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
     sizes_m.push_back(photo.height_above_ground_m / photo.intrinsics.MeanFocalPx() *
                       std::max(photo.intrinsics.width_px, photo.intrinsics.height_px));
   }
-  const double step_m = std::max(0.1, Median(std::move(sizes_m)) / kSpotsAcrossPhoto);
+  const double size_m = Median(std::move(sizes_m));
+  const double step_m = std::max(0.1, size_m / SpotsAcross(flight.photos.size()));
 
   std::unordered_map<std::int64_t, std::uint32_t> spot_of_cell;
   for (std::uint32_t i = 0; i < flight.photos.size(); ++i) {
@@ -64,26 +73,29 @@ std::vector<ExposureSample> SampleExposure(const alignment::AlignedFlight& fligh
         photo.intrinsics, photo.cam_from_enu, ground.MeanHeight(), 8, photo.max_look_rad));
     if (bounds.IsEmpty()) continue;
     const double reach_m = std::max(bounds.Width(), bounds.Height());
-    if (reach_m > 60.0 * step_m) continue;  // a look towards the horizon says nothing of exposure
+    if (reach_m > kMaxReach * size_m) continue;
     const image::DecodedImage thumbnail = Decode(thumbnails[i]);
     const double half_diagonal_px = 0.5 * std::hypot(photo.intrinsics.width_px, photo.intrinsics.height_px);
+    const Eigen::Vector2d image_center_px{photo.intrinsics.center_x_px, photo.intrinsics.center_y_px};
+    const Eigen::Vector3d camera_in_enu = photo.cam_from_enu.TargetOriginInSource();
     for (auto row = static_cast<std::int64_t>(std::floor(bounds.min.y() / step_m));
          row * step_m <= bounds.max.y(); ++row) {
       for (auto column = static_cast<std::int64_t>(std::floor(bounds.min.x() / step_m));
            column * step_m <= bounds.max.x(); ++column) {
         const Eigen::Vector2d spot{column * step_m, row * step_m};
+        const double ground_z_m = ground.HeightAt(spot);
         const auto pixel = camera::ProjectRolling(photo.intrinsics, photo.cam_from_enu, photo.readout_motion,
-                                                  {spot.x(), spot.y(), ground.HeightAt(spot)});
+                                                  {spot.x(), spot.y(), ground_z_m});
         if (!pixel || !photo.intrinsics.IsInImage(*pixel)) continue;
         const auto colour = Colour(thumbnail, photo.intrinsics, *pixel);
         if (!colour) continue;
         const std::int64_t cell = (row << 32) ^ (column & 0xffffffff);
         const auto number =
             spot_of_cell.try_emplace(cell, static_cast<std::uint32_t>(spot_of_cell.size())).first->second;
-        const double r =
-            std::hypot(pixel->x() - photo.intrinsics.center_x_px, pixel->y() - photo.intrinsics.center_y_px) /
-            half_diagonal_px;
-        samples.push_back({number, i, static_cast<float>(r * r), *colour});
+        const Eigen::Vector2f place = ((*pixel - image_center_px) / half_diagonal_px).cast<float>();
+        const Eigen::Vector2f look =
+            LookOf(Eigen::Vector3d(spot.x(), spot.y(), ground_z_m) - camera_in_enu).cast<float>();
+        samples.push_back({number, i, {place.x(), place.y()}, {look.x(), look.y()}, *colour});
       }
     }
   }

@@ -14,7 +14,8 @@ namespace skyquilt::render {
 struct ExposureSample {
   std::uint32_t spot = 0;  // which spot of ground
   std::uint32_t photo = 0;
-  float radius_squared = 0.0f;  // 1 at the image corner
+  std::array<float, 2> place{};  // in the image, as Shade has it
+  std::array<float, 2> look{};   // as LookOf has it
   std::array<float, 3> log_value{};
 };
 

@@ -88,8 +88,7 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
   const double max_radius_squared = lens.HasDistortion() ? lens.MaxRadiusSquared() : 1e300;
   const double widest_tangent = std::tan(photo.max_look_rad);
   const bool turns = !photo.readout_motion.turns_rad.empty();  // a shift alone is less than a cell
-  const double radius_scale = 4.0 / (static_cast<double>(lens.width_px) * lens.width_px +
-                                     static_cast<double>(lens.height_px) * lens.height_px);
+  const ShadeGrid shades(tone.shade, lens);
   // A long thin photo's thumbnail may be one pixel wide.
   const double last_u = std::max(0.0, picture.cols - 1.001), last_v = std::max(0.0, picture.rows - 1.001);
   const std::vector<Eigen::Vector2d> ground_of_cells = GroundOfCells(view, grid, frame, ground.MeanHeight());
@@ -122,13 +121,13 @@ LowResView MakeLowResView(const alignment::AlignedPhoto& photo, const geo::Bound
     const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);
     const int u1 = std::min(u0 + 1, picture.cols - 1), v1 = std::min(v0 + 1, picture.rows - 1);
     const double fu = u - u0, fv = v - v0;
-    const double dx = x - lens.center_x_px, dy = y - lens.center_y_px;
-    const double falloff = tone.vignetting.Falloff((dx * dx + dy * dy) * radius_scale);
+    const auto shade = shades.At(static_cast<float>(x), static_cast<float>(y));
     for (int c = 0; c < 3; ++c) {
+      const auto channel = static_cast<std::size_t>(c);
       const double value = (1 - fv) * ((1 - fu) * picture(v0, u0)[c] + fu * picture(v0, u1)[c]) +
                            fv * ((1 - fu) * picture(v1, u0)[c] + fu * picture(v1, u1)[c]);
-      view.rgb[i][static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(
-          std::clamp(std::lround(value * tone.gain[static_cast<std::size_t>(c)] / falloff), 0L, 255L));
+      view.rgb[i][channel] = static_cast<std::uint8_t>(std::clamp(
+          std::lround(value * tone.gain[channel] * static_cast<double>(shade[channel])), 0L, 255L));
     }
   }
   return view;

@@ -33,16 +33,21 @@ double GsdM(const alignment::AlignedPhoto& photo) {
   return photo.height_above_ground_m / photo.intrinsics.MeanFocalPx();
 }
 
-// Pairs of which no third camera stands nearer to the place half-way.
+// Pairs of which no third camera stands nearer to the place half-way. Photos that show nothing of the map (a
+// look of 0) have no seams.
 std::vector<Seam> FindSeams(const alignment::AlignedFlight& flight) {
-  const std::size_t count = flight.photos.size();
+  std::vector<std::size_t> shown;
   std::vector<Eigen::Vector2d> nadirs;
-  for (const alignment::AlignedPhoto& photo : flight.photos) {
-    nadirs.push_back(photo.cam_from_enu.TargetOriginInSource().head<2>());
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    if (!(flight.photos[i].max_look_rad > 0.0)) continue;
+    shown.push_back(i);
+    nadirs.push_back(flight.photos[i].cam_from_enu.TargetOriginInSource().head<2>());
   }
+  const std::size_t count = shown.size();
   std::vector<Seam> seams;
   for (std::size_t i = 0; i < count; ++i) {
-    const double reach_m = GsdM(flight.photos[i]) * flight.photos[i].intrinsics.width_px;
+    const alignment::AlignedPhoto& photo = flight.photos[shown[i]];
+    const double reach_m = GsdM(photo) * photo.intrinsics.width_px;
     for (std::size_t j = i + 1; j < count; ++j) {
       const Eigen::Vector2d apart = nadirs[j] - nadirs[i];
       if (apart.norm() > reach_m || apart.norm() < 0.02 * reach_m) continue;
@@ -51,7 +56,7 @@ std::vector<Seam> FindSeams(const alignment::AlignedFlight& flight) {
       const bool is_ours = std::none_of(nadirs.begin(), nadirs.end(), [&](const Eigen::Vector2d& other) {
         return (other - middle).norm() < 0.99 * near_m;
       });
-      if (is_ours) seams.push_back({i, j, middle, {-apart.y(), apart.x()}});
+      if (is_ours) seams.push_back({shown[i], shown[j], middle, {-apart.y(), apart.x()}});
     }
   }
   return seams;

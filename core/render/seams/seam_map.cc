@@ -91,8 +91,8 @@ SeamMap BuildSeamMap(const alignment::AlignedFlight& flight, const ground::Groun
   map.cell_m = map.grid.CellInMercM() * ground_per_merc;
   std::vector<LowResView> views(flight.photos.size());
   const auto look = [&](std::size_t i) {
-    views[i] = MakeLowResView(flight.photos[i], plan.seen_in_merc[i], flight.frame, ground,
-                              exposure.photos[i], thumbnails[i], map.grid, plan.gsd_m);
+    views[i] = MakeLowResView(flight.photos[i], plan.seen_in_merc[i], flight.frame, ground, exposure.tones[i],
+                              thumbnails[i], map.grid, plan.gsd_m);
   };
   if (options.known != nullptr && IsDecided(*options.known, map.grid, views.size())) {
     map.labels = options.known->labels;

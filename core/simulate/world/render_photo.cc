@@ -41,6 +41,8 @@ std::vector<SubSample> MakeSubSamples(const RenderPhotoOptions& options, int sid
   return samples;
 }
 
+constexpr double kHotSpotRad = 0.2;
+
 // About Gaussian, from the pixel's own hash: four uniform bytes summed.
 float NoiseOf(int x, int y, int channel, std::uint32_t seed) {
   const std::uint32_t h = HashCell(x * 3 + channel, y, seed);
@@ -80,7 +82,8 @@ class PhotoRenderer {
         const double dx = x - intrinsics_.center_x_px;
         const double dy = y - intrinsics_.center_y_px;
         const double r2 = (dx * dx + dy * dy) / (half_diagonal_px_ * half_diagonal_px_);
-        const auto light = static_cast<float>(options_.exposure_gain * (1.0 - options_.vignetting * r2));
+        const auto light =
+            static_cast<float>(options_.exposure_gain * (1.0 - options_.vignetting * r2) * HotSpot(x, y));
         for (int c = 0; c < 3; ++c) {
           float value = light * color[c];
           if (options_.noise_counts > 0.0) {
@@ -93,6 +96,15 @@ class PhotoRenderer {
   }
 
  private:
+  // The form of Maignan, Breon and Lacaze (2004), wider: a canopy's from the height of a drone.
+  double HotSpot(int x, int y) const {
+    if (options_.hot_spot == 0.0) return 1.0;
+    double length = 1.0;
+    const double phase_rad =
+        std::acos(std::clamp(-DirectionOf(x, y, length).dot(options_.sun_in_enu), -1.0, 1.0));
+    return 1.0 + options_.hot_spot / (1.0 + phase_rad / kHotSpotRad);
+  }
+
   // Of a picture taken in motion over the level ground: enough samples to draw a streak, not copies.
   int SideOfMoving() const {
     const double motion_px =

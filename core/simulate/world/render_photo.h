@@ -20,6 +20,9 @@ struct RenderPhotoOptions {
   int supersample = 0;
   double vignetting = 0.0;     // share of light lost in the corners (of the encoded value), falling with r^2
   double exposure_gain = 1.0;  // factor on the encoded values
+  // How much brighter ground is that is seen with the sun behind, and towards the sun; falls with the angle.
+  double hot_spot = 0.0;
+  Eigen::Vector3d sun_in_enu = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d motion_in_enu_m = Eigen::Vector3d::Zero();  // of the camera while the shutter is open
   camera::RowMotion readout_motion;                           // while it reads its rows
   double noise_counts = 1.0;  // 1-sigma of the sensor's noise, in 8-bit counts

@@ -93,6 +93,8 @@ Eigen::Vector3f World::ColorAt(double east, double north, float footprint_m) con
   } else if (options_.texture == TextureLevel::kRich && parcel.kind != ParcelKind::kPond) {
     color = WithTrees(point, parcel, color);
   }
+  if (options_.gradient_per_km != 0.0)
+    color *= static_cast<float>(std::exp(1e-3 * options_.gradient_per_km * east));
   if (options_.mark_spacing_m > 0.0) color = WithMark(point, options_, color);
   return color.cwiseMax(0.0f).cwiseMin(255.0f);
 }

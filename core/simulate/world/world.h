@@ -21,6 +21,8 @@ struct WorldOptions {
   bool has_boxes = false;  // buildings stand up; otherwise their roofs are painted on the ground
   // Survey marks: a white disc on a black one at every multiple of this distance in E and N; 0 = none.
   double mark_spacing_m = 0.0;
+  // How much brighter the ground becomes to the east, as a logarithm.
+  double gradient_per_km = 0.0;
   double mark_radius_m = 0.25;  // of the white disc; the black one is twice as wide
 };
 

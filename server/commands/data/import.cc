@@ -8,6 +8,7 @@
 #include <string>
 #include <system_error>
 
+#include "core/base/scoped_folder.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
 #include "server/imports/enter_map.h"
@@ -33,21 +34,15 @@ struct ImportArguments {
 class ImportFolder {
  public:
   explicit ImportFolder(const storage::DataDir& dir)
-      : path_(dir.Incoming() / dir.NewTemporaryName(storage::kImportKind)) {
+      : folder_(dir.Incoming() / dir.NewTemporaryName(storage::kImportKind)) {
     std::error_code error;
-    if (!fs::create_directory(path_, error))
-      Fail(kImportCommand, storage::FileError("cannot make", path_, error.value()));
+    if (!fs::create_directory(path(), error))
+      Fail(kImportCommand, storage::FileError("cannot make", path(), error.value()));
   }
-  ~ImportFolder() {
-    std::error_code stays;  // the next server removes it
-    fs::remove_all(path_, stays);
-  }
-  ImportFolder(const ImportFolder&) = delete;
-  ImportFolder& operator=(const ImportFolder&) = delete;
-  const fs::path& path() const { return path_; }
+  const fs::path& path() const { return folder_.path(); }
 
  private:
-  fs::path path_;
+  ScopedFolder folder_;
 };
 
 storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {

@@ -12,9 +12,9 @@
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
 #include "server/commands/work_beside.h"
+#include "server/inputs/read_boundary.h"
 #include "server/usage/one_of.h"
 #include "storage/exports/custom/export_map.h"
-#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -55,15 +55,7 @@ storage::ExportRequest ExportRequestOf(const ExportArguments& arguments) {
                  " is always in Web Mercator.");
   request.resolution_m = arguments.resolution_m;
   if (!arguments.clip.empty()) {
-    const Result<std::string> text = storage::ReadWholeFile(arguments.clip);
-    if (!text) Fail(kExportCommand, text.error());
-    Result<storage::Boundary> boundary = storage::ParseBoundary(*text);
-    if (!boundary) {
-      Error error = boundary.error();
-      error.message = arguments.clip.string() + ": " + error.message;
-      Fail(kExportCommand, error);
-    }
-    request.boundary = *std::move(boundary);
+    request.boundary = ReadBoundary(kExportCommand, arguments.clip);
   }
   return request;
 }
@@ -111,7 +103,7 @@ void AddExportCommand(CLI::App& app) {
       "EPSG:2056. Default: Web Mercator, as the map's tiles, which are copied");
   command
       ->add_option("--clip", arguments->clip,
-                   "GeoJSON file with a polygon (longitude, latitude): what lies outside is left out")
+                   "GeoJSON or KML file with a polygon: what lies outside is left out")
       ->check(CLI::ExistingFile);
   command
       ->add_option(

@@ -48,9 +48,10 @@ void Run(const LocateOptions& options) {
   const Result<geo::LatLon> position = geo::LatLon::Make(options.lon_lat[1], options.lon_lat[0]);
   if (!position) Fail("skyquilt locate", position.error());
   for (const pipeline::Sighting& sighting : pipeline::PhotosAtPoint(*map, *position)) {
-    fmt::print("{} {:.2f},{:.2f} +-{:.2f} m, {:.1f} degrees off the vertical\n", sighting.photo,
+    fmt::print("{} {:.2f},{:.2f} +-{:.2f} m, {:.1f} degrees off the vertical{}\n", sighting.photo,
                sighting.pixel_in_image.x(), sighting.pixel_in_image.y(), sighting.sigma_m,
-               geo::RadToDeg(sighting.off_nadir_rad));
+               geo::RadToDeg(sighting.off_nadir_rad),
+               sighting.sharpness ? fmt::format(", sharpness {:.2f}", *sighting.sharpness) : "");
   }
 }
 

@@ -127,10 +127,7 @@ StitchJobOptions OptionsOf(const PlaceArguments& arguments) {
   options.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   const auto tiles = storage::MbtilesReader::Open(arguments.map_dir / "mosaic.mbtiles");
   if (!tiles) Fail(kCommand, tiles.error());
-  const auto& metadata = (*tiles)->metadata();
-  const auto format = metadata.find("format");
-  if (format != metadata.end() && format->second == "webp")
-    options.mosaic.encoding = pipeline::TileEncoding::kWebp;
+  options.mosaic.encoding = storage::EncodingOf((*tiles)->metadata());
   return options;
 }
 

@@ -228,6 +228,14 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_option("--vignetting", options.vignetting, "Share of light lost in the corners")
       ->capture_default_str();
   command
+      ->add_option("--hot-spot", options.hot_spot,
+                   "Share by which ground looks brighter with the sun right behind the camera")
+      ->capture_default_str();
+  command
+      ->add_option("--gradient-per-km", options.world.gradient_per_km,
+                   "How much brighter the ground itself becomes to the east, as a logarithm")
+      ->capture_default_str();
+  command
       ->add_option("--shutter-ms", arguments->shutter_ms,
                    "Exposure time in milliseconds; blurs by speed x time")
       ->capture_default_str();

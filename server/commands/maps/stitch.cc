@@ -1,23 +1,30 @@
 #include "server/commands/maps/stitch.h"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/base/digest.h"
 #include "core/base/printable.h"
+#include "core/base/trace.h"
 #include "server/commands/fail.h"
 #include "server/commands/maps/parse_lat_lon.h"
 #include "server/commands/terminal_progress.h"
+#include "server/inputs/read_boundary.h"
 #include "server/jobs/out_folder.h"
 #include "server/jobs/stitch_job.h"
 #include "server/usage/one_of.h"
+#include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
 namespace {
@@ -30,12 +37,14 @@ struct StitchArguments {
   std::optional<double> readout_ms;
   double max_memory_gib = 1.0;
   std::string origin;
+  std::filesystem::path boundary;
   bool no_cog = false;
   bool no_pmtiles = false;
   bool utm = false;
   bool kmz = false;
   bool append = false;
   bool overwrite = false;
+  std::filesystem::path trace;
 };
 
 void PrintOutcome(const pipeline::MosaicReport& report, const std::filesystem::path& out_dir) {
@@ -79,11 +88,33 @@ void AddFinishedFiles(const std::filesystem::path& out_dir, std::vector<flight::
   files = *std::move(all);
 }
 
+// Before hours of work, not after them.
+void CheckTraceCanBeWritten(const std::filesystem::path& trace) {
+  std::error_code error;
+  if (std::filesystem::is_directory(trace, error)) {
+    Fail("skyquilt",
+         {ErrorCode::kInvalidArgument, trace.string() + " is a folder; give --trace the name of a file", ""});
+  }
+  std::string probe = trace.string() + ".XXXXXX";
+  const int file = mkstemp(probe.data());
+  if (file < 0) {
+    Fail("skyquilt",
+         {ErrorCode::kIo,
+          fmt::format("{} cannot be written ({}); give --trace a file in a folder that is there and yours",
+                      trace.string(), std::generic_category().message(errno)),
+          ""});
+  }
+  close(file);
+  unlink(probe.c_str());
+}
+
 void Run(StitchArguments& arguments) {
   if (!arguments.origin.empty())
     arguments.job.mosaic.origin = ParseLatLon("skyquilt", "--origin", arguments.origin);
   if (arguments.gsd_m) arguments.job.mosaic.gsd_m = arguments.gsd_m;
   if (arguments.readout_ms) arguments.job.mosaic.readout_s = 1e-3 * *arguments.readout_ms;
+  if (!arguments.boundary.empty())
+    arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
   arguments.job.write_cog = !arguments.no_cog;
   arguments.job.write_pmtiles = !arguments.no_pmtiles;
@@ -108,10 +139,18 @@ void Run(StitchArguments& arguments) {
     arguments.job.mosaic.title =
         std::filesystem::is_directory(first) ? first.filename().string() : first.stem().string();
   }
+  if (!arguments.trace.empty()) {
+    CheckTraceCanBeWritten(arguments.trace);
+    BeginTrace();
+  }
   Result<pipeline::MosaicReport> report = [&] {
     TerminalProgress progress;
     return StitchToDirectory(*files, arguments.job, arguments.out_dir, progress);
   }();
+  if (!arguments.trace.empty()) {
+    const Result<void> written = storage::WriteFileAtomically(arguments.trace, EndTrace());
+    if (!written) Fail("skyquilt", written.error());
+  }
   if (!report) Fail("skyquilt", report.error());
   PrintOutcome(*report, arguments.out_dir);
 }
@@ -127,7 +166,7 @@ void AddStitchCommand(CLI::App& app) {
   command
       ->add_option("-o,--out", arguments->out_dir,
                    "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, "
-                   "cameras.json and geo.txt; made if missing")
+                   "cameras.json and geo.txt, and bands.tif of cameras with several bands; made if missing")
       ->required();
   command->add_option("--gsd", arguments->gsd_m,
                       "Ground size of a map pixel in metres (default: that of the photos)");
@@ -139,9 +178,13 @@ void AddStitchCommand(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--format", arguments->job.mosaic.encoding,
-                   "auto: JPEG inside, PNG at the fringe; webp: WebP throughout")
-      ->transform(OneOf(std::vector<std::pair<std::string, pipeline::TileEncoding>>{
-          {"auto", pipeline::TileEncoding::kJpegPng}, {"webp", pipeline::TileEncoding::kWebp}}));
+                   "Of the tiles. auto: JPEG inside, WebP with alpha at the fringe, which is smallest; "
+                   "jpeg-png: PNG at the fringe, for programs that open mosaic.mbtiles or mosaic.pmtiles "
+                   "themselves and know no WebP; webp: WebP throughout")
+      ->transform(OneOf(std::vector<std::pair<std::string, image::TileEncoding>>{
+          {"auto", image::TileEncoding::kJpegWebp},
+          {"jpeg-png", image::TileEncoding::kJpegPng},
+          {"webp", image::TileEncoding::kWebp}}));
   command
       ->add_option(
           "--max-look-deg", arguments->job.mosaic.max_look_deg,
@@ -160,6 +203,14 @@ void AddStitchCommand(CLI::App& app) {
           {"imu", pipeline::AlignMethod::kImu},
           {"features", pipeline::AlignMethod::kFeatures},
           {"direct", pipeline::AlignMethod::kDirect}}));
+  command
+      ->add_option("--boundary", arguments->boundary,
+                   "GeoJSON or KML file with a polygon: the map is cut to it. Photos are placed as without")
+      ->check(CLI::ExistingFile);
+  command->add_option(
+      "--takeoff-height-m", arguments->job.mosaic.takeoff_height_amsl_m,
+      "Height of the place of take-off in metres above sea level, where photos record heights "
+      "above take-off alone, or wrong ones above sea level");
   command->add_option("--origin", arguments->origin,
                       "LAT,LON of the take-off in degrees, for a flight that recorded no position at all");
   command->add_flag("--landed-at-start", arguments->job.mosaic.landed_at_start,
@@ -208,6 +259,8 @@ void AddStitchCommand(CLI::App& app) {
       "--fresh", arguments->job.is_fresh,
       "Take nothing over from an earlier run. Without it a killed run goes on where it stopped, "
       "and photos that did not change are not compared again");
+  command->add_option("--trace", arguments->trace,
+                      "Also this file: what each thread did when, for chrome://tracing or ui.perfetto.dev");
   command->footer(
       "Example:\n"
       "  skyquilt stitch /media/sd/DCIM -o map\n"

@@ -194,6 +194,12 @@ Error S3Client::Meaning(const Ask& ask, const HttpAnswer& answer, bool& may_retr
     return {ErrorCode::kNotFound, fmt::format("{}{} is not there.", place, ask.key), detail};
   if (answer.status == 412 || answer.status == 409)
     return {ErrorCode::kConflict, fmt::format("{}{} is there already.", place, ask.key), detail};
+  if (answer.status == 501) {
+    return {ErrorCode::kNotImplemented,
+            fmt::format("The store of photos and maps at {} does not know a request that is needed ({}).",
+                        place, refusal.message),
+            detail};
+  }
   if (answer.status == 416)
     return {ErrorCode::kRangeNotSatisfiable, "The range lies outside the object.", detail};
   if (answer.status == 400 || answer.status == 401 || answer.status == 403 || answer.status == 301 ||
@@ -319,7 +325,7 @@ Result<void> S3Client::Put(const std::string& key, std::string_view bytes, const
   ask.body = bytes;
   const std::string writer = NewId();
   if (options.if_absent) {
-    // Not every store obeys the condition; those that do settle what comes between.
+    // Not every store obeys the condition, and some refuse it; those that obey settle what comes between.
     const Result<S3Object> there = Head(key);
     if (there) return Error{ErrorCode::kConflict, fmt::format("{} is there already.", key), ""};
     if (there.error().code != ErrorCode::kNotFound) return there.error();
@@ -327,7 +333,17 @@ Result<void> S3Client::Put(const std::string& key, std::string_view bytes, const
     ask.headers.emplace_back(kWriterHeader, writer);
   }
   int attempts = 0;
-  const Result<HttpAnswer> answer = Perform(ask, &attempts);
+  Result<HttpAnswer> answer = Perform(ask, &attempts);
+  if (!answer && options.if_absent && answer.error().code == ErrorCode::kNotImplemented) {
+    // OpenStack Swift: the last of two who put at once stays, and the other one must see that.
+    std::erase_if(ask.headers, [](const auto& header) { return header.first == "If-None-Match"; });
+    answer = Perform(ask);
+    if (answer) {
+      SKYQUILT_TRY_ASSIGN(const S3Object kept, Head(key));
+      if (kept.writer != writer)
+        return Error{ErrorCode::kConflict, fmt::format("{} is there already.", key), ""};
+    }
+  }
   if (answer) return {};
   if (answer.error().code == ErrorCode::kConflict && attempts > 1) {
     // An earlier attempt may have arrived, and only its answer got lost.

@@ -13,6 +13,7 @@ namespace skyquilt::storage {
 extern const std::string_view kPostgresTables;     // storage/db/postgres/schema_postgres.sql
 extern const std::string_view kPostgresFunctions;  // storage/db/postgres/functions_postgres.sql
 extern const std::string_view kPostgres16To17;     // storage/db/postgres/schema_17_postgres.sql
+extern const std::string_view kPostgres17To18;     // storage/db/postgres/schema_18_postgres.sql
 
 namespace {
 
@@ -61,8 +62,11 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   }
   SKYQUILT_TRY_ASSIGN(const int version, PostgresVersion(db));
   if (version == kSchemaVersion) return {};
-  if (version == 16) {
-    SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
+  if (version == 16 || version == 17) {
+    if (version == 16) {
+      SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
+    }
+    SKYQUILT_TRY(db.Exec(std::string(kPostgres17To18)));
     SKYQUILT_TRY(db.Exec(fmt::format("UPDATE catalogue_version SET version={}", kSchemaVersion)));
     return transaction.Commit();
   }
@@ -77,6 +81,7 @@ Result<void> PreparePostgres(PostgresDb& db, const CataloguePlace& place, bool m
   }
   SKYQUILT_TRY(db.Exec(std::string(kPostgresTables)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgres16To17)));
+  SKYQUILT_TRY(db.Exec(std::string(kPostgres17To18)));
   SKYQUILT_TRY(db.Exec(std::string(kPostgresFunctions)));
   SKYQUILT_TRY(db.Exec(fmt::format("INSERT INTO catalogue_version VALUES(1, {}, pg_postmaster_start_time())",
                                    kSchemaVersion)));

@@ -1,14 +1,14 @@
 #include "storage/exports/custom/boundary.h"
 
 #include <fmt/core.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/base/try.h"
-#include "core/geo/web_mercator.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -17,12 +17,14 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kFewestCorners = 4;  // the last is the first again
 constexpr int kDeepestJson = 12;           // a MultiPolygon in a collection of features has nine levels
+constexpr std::string_view kWhiteSpace = " \t\r\n";
 
 Error NoBoundary(std::string why) {
-  return {ErrorCode::kUnprocessable,
-          "The boundary cannot be used: " + std::move(why) +
-              " Give a GeoJSON Polygon or MultiPolygon with longitudes and latitudes of WGS 84 in degrees.",
-          ""};
+  return {
+      ErrorCode::kUnprocessable,
+      "The boundary cannot be used: " + std::move(why) +
+          " Give a GeoJSON Polygon or MultiPolygon, or a KML, with longitudes and latitudes of WGS 84 in degrees.",
+      ""};
 }
 
 Result<geo::LatLon> CornerOf(const Json& position) {
@@ -94,17 +96,83 @@ Result<void> CheckNamedCrs(const Json& object) {
   return NoBoundary("its coordinates are of " + text.substr(0, 60) + ".");
 }
 
-}  // namespace
-
-geo::LatLonBounds Boundary::Bounds() const {
-  const geo::LatLon first = polygons.front().front().front();
-  geo::LatLonBounds bounds{first.lon_deg, first.lat_deg, first.lon_deg, first.lat_deg};
-  for (const Polygon& polygon : polygons) {
-    for (const geo::LatLon& corner : polygon.front())
-      bounds.Include({corner.lon_deg, corner.lat_deg, corner.lon_deg, corner.lat_deg});
-  }
-  return bounds;
+std::string_view WithoutPrefix(const char* name) {
+  const std::string_view whole = name;
+  const std::size_t colon = whole.find(':');
+  return colon == std::string_view::npos ? whole : whole.substr(colon + 1);
 }
+
+// "longitude,latitude[,height]" tuples, with white space between them.
+Result<Boundary::Ring> RingOfKml(const tinyxml2::XMLElement& ring, std::size_t& corners) {
+  const char* text = nullptr;
+  for (auto* linear = ring.FirstChildElement(); linear != nullptr; linear = linear->NextSiblingElement()) {
+    for (auto* inner = linear->FirstChildElement(); inner != nullptr; inner = inner->NextSiblingElement()) {
+      if (WithoutPrefix(inner->Name()) == "coordinates" && text == nullptr) text = inner->GetText();
+    }
+  }
+  Boundary::Ring corners_of_ring;
+  const auto skip_space = [&] {
+    while (text != nullptr && kWhiteSpace.find(*text) != std::string_view::npos) ++text;
+  };
+  for (skip_space(); text != nullptr && *text != 0; skip_space()) {
+    char* end = nullptr;
+    const double lon_deg = std::strtod(text, &end);
+    if (end == text || *end != ',') return NoBoundary("one of its coordinates is not longitude,latitude.");
+    const char* after = end + 1;
+    const double lat_deg = std::strtod(after, &end);
+    if (end == after) return NoBoundary("one of its coordinates is not longitude,latitude.");
+    SKYQUILT_TRY_ASSIGN(const geo::LatLon corner, CornerOf(Json::array({lon_deg, lat_deg})));
+    corners_of_ring.push_back(corner);
+    if (++corners > kMaxBoundaryCorners)
+      return NoBoundary(fmt::format("it has more than {} corners; simplify it.", kMaxBoundaryCorners));
+    text = end;
+    while (*text != 0 && kWhiteSpace.find(*text) == std::string_view::npos) ++text;  // the height
+  }
+  if (corners_of_ring.size() < kFewestCorners)
+    return NoBoundary("one of its rings has fewer than four positions (the last is the first again).");
+  return corners_of_ring;
+}
+
+// The polygons below an element, whatever folders, placemarks and collections they are in.
+Result<void> AddKml(const tinyxml2::XMLElement& element, int depth, Boundary& boundary,
+                    std::size_t& corners) {
+  constexpr int kDeepestKml = 32;
+  if (depth > kDeepestKml) return NoBoundary("it is nested too deeply.");
+  if (WithoutPrefix(element.Name()) != "Polygon") {
+    for (auto* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement())
+      SKYQUILT_TRY(AddKml(*child, depth + 1, boundary, corners));
+    return {};
+  }
+  Boundary::Polygon polygon;
+  for (const std::string_view kind : {"outerBoundaryIs", "innerBoundaryIs"}) {
+    for (auto* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+      if (WithoutPrefix(child->Name()) != kind) continue;
+      SKYQUILT_TRY_ASSIGN(Boundary::Ring ring, RingOfKml(*child, corners));
+      polygon.push_back(std::move(ring));
+    }
+    if (polygon.empty()) return NoBoundary("one of its polygons has no outline.");
+  }
+  boundary.polygons.push_back(std::move(polygon));
+  return {};
+}
+
+Result<Boundary> ParseKml(std::string_view xml) {
+  if (xml.size() > kMaxBoundaryBytes)
+    return NoBoundary(fmt::format("it has more than {} MiB.", kMaxBoundaryBytes >> 20));
+  tinyxml2::XMLDocument document;
+  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr ||
+      WithoutPrefix(document.RootElement()->Name()) != "kml") {
+    return Error{ErrorCode::kInvalidArgument,
+                 "The boundary is neither GeoJSON nor KML. Give a file with a polygon in one of them.", ""};
+  }
+  Boundary boundary;
+  std::size_t corners = 0;
+  SKYQUILT_TRY(AddKml(*document.RootElement(), 0, boundary, corners));
+  if (boundary.polygons.empty()) return NoBoundary("it has no polygon.");
+  return boundary;
+}
+
+}  // namespace
 
 Result<Boundary> ParseBoundary(std::string_view geojson) {
   if (geojson.size() > kMaxBoundaryBytes)
@@ -129,62 +197,12 @@ Result<Boundary> ParseBoundary(std::string_view geojson) {
   return boundary;
 }
 
-BoundaryOnZoom::BoundaryOnZoom(const Boundary& boundary, int zoom, int tile_size_px)
-    : tile_size_px_(tile_size_px) {
-  const double pixel_merc_m = geo::PixelSizeInMercM(zoom, tile_size_px);
-  for (const Boundary::Polygon& polygon : boundary.polygons) {
-    std::vector<Edge> edges;
-    for (const Boundary::Ring& ring : polygon) {
-      Eigen::Vector2d from = Eigen::Vector2d::Zero();
-      for (std::size_t i = 0; i <= ring.size(); ++i) {
-        // Beyond the square of the tiles there are none: clamped, a pole is not infinitely far.
-        geo::LatLon corner = ring[i % ring.size()];
-        corner.lat_deg = std::clamp(corner.lat_deg, -85.06, 85.06);
-        const Eigen::Vector2d merc = geo::MercFromLatLon(corner);
-        const Eigen::Vector2d to((merc.x() + geo::kMercHalfWidthM) / pixel_merc_m,
-                                 (geo::kMercHalfWidthM - merc.y()) / pixel_merc_m);
-        if (i > 0 && from.y() != to.y()) edges.push_back({from.x(), from.y(), to.x(), to.y()});
-        from = to;
-      }
-    }
-    polygons_.push_back(std::move(edges));
-  }
-}
-
-Cover BoundaryOnZoom::Mask(const geo::TileId& tile, std::vector<std::uint8_t>& inside) const {
-  const auto side = static_cast<std::size_t>(tile_size_px_);
-  const double left = static_cast<double>(tile.x()) * tile_size_px_,
-               top = static_cast<double>(tile.y()) * tile_size_px_;
-  inside.assign(side * side, 0);
-  std::vector<Edge> near;
-  std::vector<double> crossings;
-  // The first pixel whose middle lies at or beyond x.
-  const auto first_from = [&](double x) {
-    return static_cast<std::size_t>(std::clamp(std::ceil(x - left - 0.5), 0.0, static_cast<double>(side)));
-  };
-  for (const std::vector<Edge>& edges : polygons_) {
-    near.clear();
-    for (const Edge& edge : edges) {
-      if (std::max(edge.y0, edge.y1) >= top && std::min(edge.y0, edge.y1) <= top + tile_size_px_)
-        near.push_back(edge);
-    }
-    for (std::size_t row = 0; row < side && !near.empty(); ++row) {
-      const double y = top + static_cast<double>(row) + 0.5;
-      crossings.clear();
-      for (const Edge& edge : near) {
-        if ((edge.y0 <= y) == (edge.y1 <= y)) continue;
-        crossings.push_back(edge.x0 + (y - edge.y0) / (edge.y1 - edge.y0) * (edge.x1 - edge.x0));
-      }
-      std::sort(crossings.begin(), crossings.end());
-      for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-        const auto begin = inside.begin() + static_cast<std::ptrdiff_t>(row * side);
-        std::fill(begin + static_cast<std::ptrdiff_t>(first_from(crossings[i])),
-                  begin + static_cast<std::ptrdiff_t>(first_from(crossings[i + 1])), std::uint8_t{1});
-      }
-    }
-  }
-  const auto count = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), std::uint8_t{1}));
-  return count == 0 ? Cover::kNone : count == inside.size() ? Cover::kAll : Cover::kPart;
+Result<Boundary> ParseBoundaryFile(std::string_view bytes) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  const std::size_t first = bytes.find_first_not_of(kWhiteSpace);
+  if (first != std::string_view::npos && bytes[first] == '<') return ParseKml(bytes.substr(first));
+  return ParseBoundary(bytes);
 }
 
 }  // namespace skyquilt::storage

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/image/fringe_encoder.h"
 #include "core/image/picture_codec.h"
 #include "storage/exports/custom/export_request.h"
 #include "storage/exports/fringe_tile.h"
@@ -31,8 +33,8 @@ bool Cut(const std::vector<std::uint8_t>& inside, image::RgbaImage& tile) {
 
 class Clip {
  public:
-  Clip(const ClipOptions& options, int tile_size_px, MbtilesWriter& writer)
-      : options_(options), tile_size_px_(tile_size_px), writer_(writer) {}
+  Clip(const ClipOptions& options, int tile_size_px, image::TileEncoding encoding, MbtilesWriter& writer)
+      : options_(options), tile_size_px_(tile_size_px), encoding_(encoding), writer_(writer) {}
 
   Result<void> Take(const geo::TileId& tile, std::string_view bytes) {
     const auto format = image::PictureFormatOf(bytes);
@@ -43,11 +45,17 @@ class Clip {
       return Put(tile, *format, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     SKYQUILT_TRY_ASSIGN(image::RgbaImage picture, DecodeTile(bytes, tile_size_px_));
     if (!Cut(inside_, picture)) return {};
-    if (*format == image::PictureFormat::kWebp)
-      return Put(tile, *format,
-                 image::EncodeWebp(image::RowsOf(picture), static_cast<float>(options_.quality)));
-    return Put(tile, image::PictureFormat::kPng,
-               image::EncodePicture(std::move(picture), image::PictureFormat::kPng));
+    switch (encoding_) {
+      case image::TileEncoding::kWebp:
+        return Put(tile, image::PictureFormat::kWebp,
+                   image::EncodeWebp(image::RowsOf(picture), static_cast<float>(options_.quality)));
+      case image::TileEncoding::kJpegWebp:
+        return Put(tile, image::PictureFormat::kWebp, image::EncodeFringe(picture, options_.quality));
+      case image::TileEncoding::kJpegPng:
+        return Put(tile, image::PictureFormat::kPng,
+                   image::EncodePicture(std::move(picture), image::PictureFormat::kPng));
+    }
+    SKYQUILT_CHECK(false, "an encoding outside the list");
   }
   bool is_empty() const { return min_zoom_ > max_zoom_; }
   int min_zoom() const { return min_zoom_; }
@@ -71,6 +79,7 @@ class Clip {
 
   const ClipOptions& options_;
   const int tile_size_px_;
+  const image::TileEncoding encoding_;
   MbtilesWriter& writer_;
   std::optional<BoundaryOnZoom> on_zoom_;
   int zoom_ = 0;
@@ -94,7 +103,7 @@ Result<void> ClipTileset(const std::filesystem::path& mbtiles, const std::filesy
   SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
   SKYQUILT_TRY_ASSIGN(const std::int64_t count, CountTiles(db));
   SKYQUILT_TRY_ASSIGN(auto writer, MbtilesWriter::Create(path));
-  Clip clip(options, facts.tile_size_px, *writer);
+  Clip clip(options, facts.tile_size_px, EncodingOf(metadata), *writer);
   SKYQUILT_TRY_ASSIGN(auto walk, TileWalk::Of(db));
   for (std::int64_t done = 1;; ++done) {
     if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The export was cancelled.", ""};

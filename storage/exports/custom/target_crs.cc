@@ -1,6 +1,5 @@
 #include "storage/exports/custom/target_crs.h"
 
-#include <cpl_error.h>
 #include <fmt/core.h>
 #include <ogr_spatialref.h>
 
@@ -8,21 +7,10 @@
 #include <memory>
 
 #include "core/base/try.h"
+#include "storage/rasters/quiet_gdal.h"
 
 namespace skyquilt::storage {
 namespace {
-
-// PROJ's words go into our sentences or nowhere.
-class QuietGdal {
- public:
-  QuietGdal() { CPLPushErrorHandler(CPLQuietErrorHandler); }
-  ~QuietGdal() {
-    CPLPopErrorHandler();
-    CPLErrorReset();
-  }
-  QuietGdal(const QuietGdal&) = delete;
-  QuietGdal& operator=(const QuietGdal&) = delete;
-};
 
 Error Unfit(int epsg, const std::string& why) {
   return {

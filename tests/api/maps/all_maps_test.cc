@@ -89,7 +89,9 @@ TEST_F(AllMapsTest, WmsLaysLayersOverEachOther) {
   for (const std::string& layers : {std::string(), std::string("map"), red_ + ",", many}) {
     const Response response = sample_.Get(get + layers);
     EXPECT_EQ(response.status, 400) << layers;
-    if (layers != many) EXPECT_NE(response.body.find("LayerNotDefined"), std::string::npos) << layers;
+    if (layers != many) {
+      EXPECT_NE(response.body.find("LayerNotDefined"), std::string::npos) << layers;
+    }
   }
   const std::string wrong = "/wms?REQUEST=GetMap&VERSION=1.3.0&STYLES=&FORMAT=image/png&LAYERS=" + red_;
   for (const char* window :
@@ -144,7 +146,10 @@ TEST_F(AllMapsTest, TheListOfTileJsonHasPages) {
   EXPECT_EQ(all[0]["id"], large_);
   EXPECT_EQ(all[0]["tileSize"], 512);
   const json alone = json::parse(Body("/tiles/" + large_ + ".json"));
-  for (const auto& [key, value] : alone.items()) EXPECT_EQ(all[0][key], value) << key;
+  for (const auto& [key, value] : alone.items()) {
+    if (key == "bands" || key == "indices") continue;  // what else can be made of it is said by the map's own
+    EXPECT_EQ(all[0][key], value) << key;
+  }
   const Response first = sample_.Get("/tiles/index.json?limit=1");
   EXPECT_EQ(json::parse(first.body).size(), 1u);
   const std::string link(first.headers.Find("Link"));

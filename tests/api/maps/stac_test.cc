@@ -128,7 +128,9 @@ TEST_F(StacTest, DocumentsLeadToEachOther) {
   EXPECT_EQ(root["type"], "Catalog");
   for (const json& link : root["links"]) {
     const std::string path = link["href"].get<std::string>().substr(std::string("http://127.0.0.1:1").size());
-    if (path != "/docs") EXPECT_EQ(sample_.Get(path).status, 200) << path;
+    if (path != "/docs") {
+      EXPECT_EQ(sample_.Get(path).status, 200) << path;
+    }
   }
   const json collection = json::parse(sample_.Get(LinkOf(root, "child")).body);
   EXPECT_EQ(collection["extent"]["spatial"]["bbox"], json::parse("[[1.0,0.0,4.0,2.0]]"));
@@ -142,6 +144,28 @@ TEST_F(StacTest, DocumentsLeadToEachOther) {
   EXPECT_EQ(item["properties"]["start_datetime"], "2024-06-01T10:00:00Z");
   EXPECT_EQ(sample_.Get("/stac/collections/flights/items/" + flight + "-r7").status, 404);
   EXPECT_EQ(sample_.Get("/stac/collections/flights/items/..x").status, 404);
+}
+
+TEST_F(StacTest, MapsThatLieNowhereAreNotFound) {
+  Add({-0.001, -0.001, 0.001, 0.001});
+  const std::string bern = Add({7.40, 46.90, 7.50, 46.95});
+  EXPECT_EQ(Found(Search("")), Ids{bern});
+  const json collection = json::parse(sample_.Get("/stac/collections/flights").body);
+  EXPECT_EQ(collection["extent"]["spatial"]["bbox"], json::parse("[[7.4,46.9,7.5,46.95]]"));
+}
+
+TEST_F(StacTest, AcrossTheAntimeridianBoxesAreThoseOfGeoJson) {
+  Add({179.75, -18.0, 180.25, -17.5});
+  const json item = Search("")["features"][0];
+  EXPECT_EQ(item["bbox"], json::parse("[179.75,-18.0,-179.75,-17.5]"));
+  EXPECT_EQ(item["geometry"]["type"], "MultiPolygon");
+  const json& sides = item["geometry"]["coordinates"];
+  ASSERT_EQ(sides.size(), 2u);
+  EXPECT_EQ(sides[0][0][2], json::parse("[180.0,-17.5]"));
+  EXPECT_EQ(sides[1][0][2], json::parse("[-179.75,-17.5]"));
+  Add({-179.5, -18.0, -179.25, -17.5});  // from there eastward to the end of the other
+  const json collection = json::parse(sample_.Get("/stac/collections/flights").body);
+  EXPECT_EQ(collection["extent"]["spatial"]["bbox"], json::parse("[[-179.5,-18.0,-179.75,-17.5]]"));
 }
 
 TEST_F(StacTest, RefusesWhatCannotBeMeant) {

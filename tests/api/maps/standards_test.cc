@@ -49,7 +49,7 @@ TEST_P(StandardsTest, AddressesWithoutARequestAreCapabilities) {
 
 TEST_P(StandardsTest, WmtsNamesTheUsualSizeFirst) {
   const std::string text = Body("/wmts/" + flight_);
-  EXPECT_EQ(CountOf(text, "<TileMatrixSetLink>"), depth_ > 0 ? 2 : 1);
+  EXPECT_EQ(CountOf(text, "<TileMatrixSetLink>"), (depth_ > 0 ? 2 : 1) + 2);  // and degrees, and UTM
   const std::size_t usual = text.find("<TileMatrixSet>WebMercatorQuad</TileMatrixSet>");
   ASSERT_NE(usual, std::string::npos);
   EXPECT_LT(usual,

@@ -81,18 +81,23 @@ def colmap(_, photos, scratch, __):
     folder = scratch / "colmap"
     (folder / "sparse").mkdir(parents=True)
     database = ("--database_path", folder / "database.db")
-    is_one_camera = len({cv2.imread(str(photo), cv2.IMREAD_REDUCED_GRAYSCALE_8).shape for photo in photos.iterdir()}) == 1
-    costs = [run("colmap", "feature_extractor", *database, "--image_path", photos, "--ImageReader.single_camera", int(is_one_camera),
+    # Pictures of one size are of one camera: a folder each, as COLMAP wants it said.
+    images = folder / "images"
+    for photo in photos.iterdir():
+        size = "x".join(map(str, cv2.imread(str(photo), cv2.IMREAD_REDUCED_GRAYSCALE_8).shape))
+        (images / size).mkdir(parents=True, exist_ok=True)
+        (images / size / photo.name).symlink_to(photo.resolve())
+    costs = [run("colmap", "feature_extractor", *database, "--image_path", images, "--ImageReader.single_camera_per_folder", 1,
                  "--ImageReader.camera_model", "SIMPLE_RADIAL", "--SiftExtraction.use_gpu", 0,
                  "--SiftExtraction.max_num_features", COLMAP_FEATURES),
              run("colmap", "exhaustive_matcher", *database, "--SiftMatching.use_gpu", 0),
-             run("colmap", "mapper", *database, "--image_path", photos, "--output_path", folder / "sparse")]
+             run("colmap", "mapper", *database, "--image_path", images, "--output_path", folder / "sparse")]
     largest = {}
     for model in sorted((folder / "sparse").iterdir()):
         run("colmap", "model_converter", "--input_path", model, "--output_path", model, "--output_type", "TXT")
         lines = [line.split() for line in (model / "images.txt").read_text().splitlines() if not line.startswith("#")]
         numbers = [(row[9], [float(word) for word in row[1:8]]) for row in lines[::2]]
-        places = {name: center(pose[:4], pose[4:]) for name, pose in numbers}
+        places = {pathlib.Path(name).name: center(pose[:4], pose[4:]) for name, pose in numbers}
         largest = max(largest, places, key=len)
     return [("COLMAP", sum(c[1] for c in costs), sum(c[2] for c in costs), max(c[3] for c in costs), largest)]
 

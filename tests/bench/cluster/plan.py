@@ -18,8 +18,8 @@ GBIT = 1e9 / 8
 
 # What is fetched: by the program as it is, with its own cache or with one for the whole flight, and as it could be.
 VARIANTS = {
-    "whole": "today: placing, each range and putting together fetch all photos of the flight",
-    "range": "if placing fetched headers, a range its photos, and putting together none",
+    "today": "as it is: placing and putting together fetch all photos of the flight, a range those that it shows",
+    "least": "if placing fetched headers and putting together none",
 }
 
 Flight = collections.namedtuple("Flight", "photos mpx photo_bytes")
@@ -46,14 +46,14 @@ def phases_of(flight, costs, part_files, variant, cores):
     look_cpu_s = line_through(look["cpu_s_by_mpx"], flight.mpx)
     place_cpu_s = place["cpu_s_per_photo"] * place["at_photos"] * (n / place["at_photos"]) ** place["exponent"]
     found, facts, tiles = n * look["found_bytes_per_photo"], n * place["facts_bytes_per_photo"], n * last["map_bytes_per_photo"]
-    whole = variant == "whole"
+    whole = variant == "today"
     looks = [Unit((first, end), 0, (end - first) * look_cpu_s, cores, 0, (end - first) * look["found_bytes_per_photo"], 1)
              for first, end in ranges(n, part_files)]
     placing = Unit(everything if whole else None, found + (0 if whole else n * place["header_bytes"]), place_cpu_s, place["cores"], 0, facts, 1)
     renders = []
     for first, end in ranges(n, 2 * part_files):
         around = round((end - first) * (render["range_halo"] - 1) / 2)
-        renders.append(Unit(everything if whole else (max(0, first - around), min(n, end + around)), facts,
+        renders.append(Unit((max(0, first - around), min(n, end + around)), facts,
                             (end - first) * flight.mpx * render["cpu_s_per_mpx"], cores, 0, (end - first) * last["map_bytes_per_photo"], 1))
     together = Unit(everything if whole else None, facts + tiles, n * last["cpu_s_per_photo"], last["cores"], (1 + last["products"]) * tiles,
                     last["products"] * tiles, last["products"])
@@ -84,7 +84,7 @@ class Worker:
         return sum(end - first for first, end in missing) * self.photo_bytes
 
 
-def simulate(flight, cluster, costs, part_files=200, variant="whole"):
+def simulate(flight, cluster, costs, part_files=200, variant="today"):
     machine = costs["machine"]
     link = cluster.link_gbit if not cluster.store_gbit else min(cluster.link_gbit, cluster.store_gbit / cluster.workers)
     rate = lambda streams: GBIT * min(link, streams * machine["stream_gbit"])
@@ -128,8 +128,8 @@ def main():
     asked = parse()
     costs = json.loads(asked.costs.read_text())
     flight = Flight(asked.photos, asked.mpx, asked.mbyte * 1e6)
-    cases = [("whole", asked.cache_gbyte * 1e9, f"a cache of {asked.cache_gbyte:g} GB"), ("whole", math.inf, "a cache for the whole flight"),
-             ("range", asked.cache_gbyte * 1e9, f"a cache of {asked.cache_gbyte:g} GB")]
+    cases = [("today", asked.cache_gbyte * 1e9, f"a cache of {asked.cache_gbyte:g} GB"), ("today", math.inf, "a cache for the whole flight"),
+             ("least", asked.cache_gbyte * 1e9, f"a cache of {asked.cache_gbyte:g} GB")]
     for variant, cache, words in cases:
         print(f"\n{VARIANTS[variant]}; {words}\n")
         print("| workers | makespan, h | look | place | render | put together | idle | fetched, TB | put, TB | disk of a worker, GB |")

@@ -154,7 +154,8 @@ double Sharpness(const test::SimulatedMap& map, const render::SeamMap& seams) {
       one.photos = {map.flight.photos[photo]};
       render::MosaicPlan plan = map.plan;
       plan.seen_in_merc = {map.plan.seen_in_merc[photo]};
-      const render::ExposureModel exposure{{map.exposure.photos[photo]}};
+      const render::ExposureModel exposure{
+          map.exposure.light, {map.exposure.photos[photo]}, {map.exposure.tones[photo]}};
       const auto alone_seams =
           render::BuildSeamMap(one, map.ground, plan, exposure, {map.thumbnails[photo]}, {});
       render::PhotoCache own(*map.photos, std::int64_t{1} << 28);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "core/alignment/view.h"
 
@@ -54,6 +56,23 @@ TEST(CorrectPose, LeavesAPhotoWithoutVerifiedPairsAsItWasRecorded) {
   const CorrectedPose corrected = CorrectPose(posed, {{0.0, 0.0}, 2.0, 0.1}, {{0.0, 1.0}, {9.0, 9.0}, -1});
   EXPECT_TRUE(corrected.start_cam_from_enu.rotation.isApprox(posed.cam_from_enu.rotation));
   EXPECT_TRUE(corrected.note.empty());
+}
+
+// Nothing was recorded that a photo could contradict where the course of the flight stood for its yaw.
+TEST(CorrectPose, SaysAgainstWhatPhotosLieTurned) {
+  poses::PosedPhoto posed = Leaning(0.0);
+  const GroundPrior prior{{0.0, 0.0}, 5.0, 0.1};
+  const GroundCorrection half_turn{{-1.0, 0.0}, {0.0, 0.0}, 0}, kept{{1.0, 0.0}, {0.0, 0.0}, 0};
+  for (const auto& [origin, words] : {std::pair{poses::AttitudeOrigin::kRecorded, "their recorded yaw"},
+                                      std::pair{poses::AttitudeOrigin::kCourse, "the flight's course"}}) {
+    posed.attitude_origin = origin;
+    const CorrectedPose turned = CorrectPose(posed, prior, half_turn);
+    const auto sentences =
+        DescribeCorrections({turned, turned, CorrectPose(posed, prior, kept)}, {"a", "b", "c"}, {0, 0, 0});
+    ASSERT_EQ(sentences.size(), 1u);
+    EXPECT_NE(sentences[0].find(std::string("turned by 180 degrees against ") + words), std::string::npos)
+        << sentences[0];
+  }
 }
 
 }  // namespace

@@ -118,6 +118,9 @@ TEST(DoubtPhotos, KnowsABlurredPhotoByOthersOfTheSameGround) {
   photos.features[1].detail = EvenDetail(10.0F);
   const auto doubts = DoubtPhotos(photos.input, photos.pairs, photos.verified, Relief(0.0));
   EXPECT_TRUE(doubts[1].is_blurred);
+  ASSERT_TRUE(doubts[0].sharpness && doubts[1].sharpness);
+  EXPECT_LT(*doubts[1].sharpness, 0.35);
+  EXPECT_GT(*doubts[0].sharpness, 0.9);
   EXPECT_FALSE(doubts[0].is_blurred);
 }
 

@@ -49,7 +49,7 @@ Block MakeBlock(double step_m, double sigma_m, const std::vector<double>& record
         const auto same = std::find(seen[j].begin(), seen[j].end(), seen[i][a]);
         if (same == seen[j].end()) continue;
         const auto b = static_cast<std::size_t>(same - seen[j].begin());
-        link.matches.push_back({static_cast<int>(a), static_cast<int>(b)});
+        link.matches.push_back({static_cast<std::uint16_t>(a), static_cast<std::uint16_t>(b)});
         places.emplace_back(block.projected[i][a].place, block.projected[j][b].place);
       }
       if (link.matches.size() < 10) continue;

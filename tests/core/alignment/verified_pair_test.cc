@@ -21,7 +21,7 @@ struct Matched {
       const std::complex<double> at(place(random), place(random));
       first.push_back({at, 0.0F, 0.0F, true});
       second.push_back({at + residual(random), 0.0F, 0.0F, true});
-      matches.push_back({i, i});
+      matches.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(i)});
     }
   }
   std::optional<VerifiedPair> Fit(const VerificationOptions& options) const {

@@ -178,6 +178,16 @@ TEST(ReadFlight, WarnsOfLogsByNameThatHoldNone) {
               Contains(::testing::AllOf(HasSubstr("Not used"), HasSubstr("notes.dat"))));
 }
 
+TEST(ReadFlight, SaysNothingOfNotesOnTheMap) {
+  const Folder folder;
+  folder.Write("a.jpg", PhotoAt(1.0, ""));
+  const std::string notes = R"({"type":"FeatureCollection","features":[]})";
+  folder.Write("Map_Notes.geojson", Bytes(notes.begin(), notes.end()));
+  const Flight flight = Read(folder);
+  EXPECT_EQ(flight.photos.size(), 1u);
+  EXPECT_THAT(flight.warnings, ::testing::Not(Contains(HasSubstr("Not used"))));
+}
+
 TEST(ReadFlight, ExplainsATableThatItCannotUseAboveAllElse) {
   const Folder folder;
   folder.Write("a.jpg", PhotoAt(1.0, ""));

@@ -176,21 +176,40 @@ Bytes JpegHeader(const JpegParts& parts) {
   return jpeg;
 }
 
-Bytes TiffImage(ExifWriter tags, int width_px, int height_px, const Bytes& pixels_rgb,
-                const std::string& xmp) {
+namespace {
+
+Bytes TiffOf(ExifWriter tags, int width_px, int height_px, const Bytes& pixels, const std::string& xmp) {
   constexpr auto kImage = ExifIfd::kImage;
   tags.Long(kImage, 0x0100, static_cast<std::uint32_t>(width_px));
   tags.Long(kImage, 0x0101, static_cast<std::uint32_t>(height_px));
-  tags.Short(kImage, 0x0102, 8).Short(kImage, 0x0103, 1).Short(kImage, 0x0106, 2).Short(kImage, 0x0115, 3);
+  tags.Short(kImage, 0x0103, 1);
   tags.Long(kImage, 0x0116, static_cast<std::uint32_t>(height_px)).Short(kImage, 0x011C, 1);
-  tags.Long(kImage, 0x0117, static_cast<std::uint32_t>(pixels_rgb.size()));
+  tags.Long(kImage, 0x0117, static_cast<std::uint32_t>(pixels.size()));
   if (!xmp.empty()) tags.Undefined(kImage, 0x02BC, Bytes(xmp.begin(), xmp.end()));
   tags.Long(kImage, 0x0111, 0);
   const auto pixel_offset = static_cast<std::uint32_t>(tags.Write().size());
   tags.Long(kImage, 0x0111, pixel_offset);
   Bytes file = tags.Write();
-  file.insert(file.end(), pixels_rgb.begin(), pixels_rgb.end());
+  file.insert(file.end(), pixels.begin(), pixels.end());
   return file;
+}
+
+}  // namespace
+
+Bytes TiffImage(ExifWriter tags, int width_px, int height_px, const Bytes& pixels_rgb,
+                const std::string& xmp) {
+  constexpr auto kImage = ExifIfd::kImage;
+  tags.Short(kImage, 0x0102, 8).Short(kImage, 0x0106, 2).Short(kImage, 0x0115, 3);
+  return TiffOf(std::move(tags), width_px, height_px, pixels_rgb, xmp);
+}
+
+Bytes BandTiff(ExifWriter tags, int width_px, int height_px, const std::vector<std::uint16_t>& samples,
+               const std::string& xmp) {
+  constexpr auto kImage = ExifIfd::kImage;
+  tags.Short(kImage, 0x0102, 16).Short(kImage, 0x0106, 1).Short(kImage, 0x0115, 1);
+  Bytes pixels;
+  for (const std::uint16_t sample : samples) Put(pixels, sample, 2, false);
+  return TiffOf(std::move(tags), width_px, height_px, pixels, xmp);
 }
 
 Bytes DjiNote(const std::map<std::uint16_t, float>& values) {

@@ -58,6 +58,10 @@ Bytes JpegHeader(const JpegParts& parts);
 Bytes TiffImage(ExifWriter tags, int width_px, int height_px, const Bytes& pixels_rgb,
                 const std::string& xmp = "");
 
+// The same of one channel of 16 bits.
+Bytes BandTiff(ExifWriter tags, int width_px, int height_px, const std::vector<std::uint16_t>& samples,
+               const std::string& xmp);
+
 // A TIFF directory as DJI writes it into its maker note: floats under tags 3..11.
 Bytes DjiNote(const std::map<std::uint16_t, float>& values);
 

@@ -58,6 +58,27 @@ TEST(PictureCodec, KeepsTheAlphaOfWebpAndLaysJpegOnWhite) {
   }
 }
 
+TEST(PictureFormat, SaysWhetherAWebpHasAlpha) {
+  RgbaImage image = Painted(64, 48);
+  const auto lossy = EncodeWebp(RowsOf(image), 80.0F);
+  EXPECT_TRUE(IsWebpWithAlpha(Text(lossy)));
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
+  const auto opaque = EncodeWebp(RowsOf(image), 80.0F);
+  EXPECT_FALSE(IsWebpWithAlpha(Text(opaque)));
+  cv::Mat colors(20, 30, CV_8UC4, cv::Scalar(10, 200, 30, 255));
+  std::vector<std::uint8_t> lossless;
+  cv::imencode(".webp", colors, lossless, {cv::IMWRITE_WEBP_QUALITY, 101});
+  EXPECT_EQ(Text(lossless).substr(12, 4), "VP8L");
+  EXPECT_FALSE(IsWebpWithAlpha(Text(lossless)));
+  colors.at<cv::Vec4b>(3, 3)[3] = 7;
+  cv::imencode(".webp", colors, lossless, {cv::IMWRITE_WEBP_QUALITY, 101});
+  EXPECT_TRUE(IsWebpWithAlpha(Text(lossless)));
+  for (const std::vector<std::uint8_t>& whole : {lossy, lossless}) {
+    for (std::size_t size = 0; size <= 20; ++size) EXPECT_FALSE(IsWebpWithAlpha(Text(whole).substr(0, size)));
+  }
+  EXPECT_FALSE(IsWebpWithAlpha(Text(EncodePicture(image, PictureFormat::kPng))));
+}
+
 TEST(PictureCodec, EncodesRowsWithinALargerPicture) {
   const RgbaImage image = Painted(64, 64);
   const PixelRows part{image.Pixel(16, 32), 32, 16, 4, 4 * 64};

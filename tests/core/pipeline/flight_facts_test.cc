@@ -35,9 +35,10 @@ FlightFacts SomeFacts() {
   facts.align_report = FullAlignReport();
   MapAppearance shown;
   shown.gsd_m = 0.031;
-  shown.tones.resize(1);
-  shown.tones[0].gain = {0.9, 1.0 / 3.0, 1.1};
-  shown.tones[0].vignetting.a = {0.1, -0.2, 0.3};
+  shown.exposure.photos = {{{0.9, 1.0 / 3.0, 1.1}, {0.01, 0.0, 1.0 / 3.0}}};
+  shown.exposure.light.cameras["key"][1][3] = -0.2;
+  shown.exposure.light.of_directions[2][13] = 1.0 / 7.0;
+  shown.exposure.light.directions = {{{0.3, -0.1}, 0.05}, 0.7};
   shown.grid = {19, 256, 32, 100'000'000'000, -5, 70, 3};
   shown.labels = render::SeamLabels(70, 3);
   shown.labels.Set(69, 2, 0);
@@ -67,7 +68,8 @@ TEST(FlightFacts, AreReadAgainExactly) {
   EXPECT_EQ(read->ground_report, facts.ground_report);
   EXPECT_EQ(read->align_report, facts.align_report);
   ASSERT_TRUE(read->appearance);
-  EXPECT_EQ(read->appearance->tones[0].gain, facts.appearance->tones[0].gain);
+  EXPECT_EQ(read->appearance->exposure.photos, facts.appearance->exposure.photos);
+  EXPECT_EQ(read->appearance->exposure.light, facts.appearance->exposure.light);
   EXPECT_EQ(read->appearance->grid.first_column, facts.appearance->grid.first_column);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 70; ++column) {

@@ -108,7 +108,8 @@ inline alignment::AlignReport FullAlignReport() {
   report.rejected_pairs = {FullPairReport()};
   report.rejected_pairs[0].rms_px = 0.0;  // which is of pairs in use alone, as is the next
   report.rejected_pairs[0].is_by_direct = false;
-  report.control = {{"point1", 3, true, "lies off", 0.1, -0.2, 0.3, 1.5}};
+  report.control = {
+      {"point1", 3, true, "lies off", 0.1, -0.2, 0.3, 1.5, alignment::ControlPrediction{0.4, -0.5, 0.6}, {}}};
   report.position_bias_m = {0.1, -0.2, 0.3};
   report.corrections = {"DJI_1.JPG was stored turned"};
   report.second_leg.why = "positions doubted";

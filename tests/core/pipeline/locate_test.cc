@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -134,6 +135,29 @@ TEST(Locate, DamagedFilesAreRefused) {
   EXPECT_FALSE(ParseLocateJson(R"({"version":1,"origin":[1,2],"ground":{"z_m":0},"cameras":[]})"));
   EXPECT_FALSE(ParseLocateJson(
       R"({"version":1,"origin":[1,2,3],"ground":{"z_m":0,"heights_m":[1],"columns":2,"rows":2,"cell_m":1},"cameras":[]})"));
+}
+
+TEST(Locate, ASharpViewComesBeforeABlurredOneThatIsMoreVertical) {
+  alignment::AlignedFlight flight = Flight();
+  flight.photos[0].sharpness = 0.95;
+  flight.photos[1].sharpness = 0.4;  // straight above the place
+  flight.photos[2].sharpness = 1.3;
+  const Result<LocatedMap> map = ParseLocateJson(LocateJson(flight, ground::GroundSurface::Plane(0.0)));
+  ASSERT_TRUE(map);
+  const geo::Wgs84 below = map->frame.Wgs84FromEnu({31.0, 10.0, 0.0});
+  const std::vector<Sighting> sightings = PhotosAtPoint(*map, {below.lat_deg, below.lon_deg});
+  ASSERT_GE(sightings.size(), 3u);
+  EXPECT_NE(sightings.front().photo, "p1");
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const Sighting& one = sightings[i];
+    if (i > 0) {
+      EXPECT_LE(one.quality, sightings[i - 1].quality);
+    }
+    const double vertical = std::cos(one.off_nadir_rad);
+    EXPECT_DOUBLE_EQ(one.quality, std::min(1.0, one.sharpness.value_or(1.0) / 0.8) * vertical * vertical);
+    const auto& photo = flight.photos[static_cast<std::size_t>(one.photo[1] - '0')];
+    EXPECT_EQ(one.sharpness, photo.sharpness) << "kept, and unknown where it is not known";
+  }
 }
 
 }  // namespace

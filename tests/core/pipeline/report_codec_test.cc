@@ -114,7 +114,7 @@ TEST(ReportCodec, KeepsTheNamesThatFilesHave) {
       R"("matches":88,"rms_m":0.02,"rms_px":0.9,"by_direct":true}],"rejected_pairs":[{"first":"DJI_1.JPG",)"
       R"("second":"DJI_2.JPG","matches":88,"rms_m":0.02}],"ground_control":[{"name":"point1",)"
       R"("sightings":3,"is_used":true,"reason":"lies off","miss_east_m":0.1,"miss_north_m":-0.2,)"
-      R"("miss_up_m":0.3,"residual_px":1.5}],"position_bias_m":[0.1,-0.2,0.3],"placed_by":"images",)"
+      R"("miss_up_m":0.3,"residual_px":1.5,"left_out":{"miss_east_m":0.4,"miss_north_m":-0.5,"miss_up_m":0.6}}],"position_bias_m":[0.1,-0.2,0.3],"placed_by":"images",)"
       R"("second_leg":{"why":"positions doubted","outcome":"taken","is_taken":true,)"
       R"("registered":18,"groups":2,"pairs_compared":100,"pairs_verified":60,"pairs_refused":9,)"
       R"("residual_rms_px":0.8,"total_wall_s":33.0}})");

@@ -351,5 +351,39 @@ TEST(JoinLogs, RefusesLogsWhoseClocksCannotBeCompared) {
   EXPECT_THAT(joined->warnings, Contains(HasSubstr("loose.csv")));
 }
 
+TEST(EstimatePoses, HangsTheFlightOnAGivenTakeoffHeight) {
+  Flight by_records;
+  by_records.photos = PhotosEvery2s(6);
+  for (int k = 0; k < 6; ++k) {
+    Photo& photo = by_records.photos[static_cast<std::size_t>(k)];
+    photo.position.emplace();
+    photo.position->position = {kField.lat_deg, kField.lon_deg + 1e-4 * k};
+    photo.position->height_above_takeoff_m = 60.0;
+  }
+  Flight by_log;
+  by_log.photos = PhotosEvery2s(6);
+  by_log.logs = {Track(0.0, 60.0)};
+  EstimatePosesOptions options;
+  options.takeoff_height_amsl_m = 512.0;
+  for (const Flight& flight : {by_records, by_log}) {
+    const auto as_recorded = Estimate(flight);
+    const auto given = Estimate(flight, options);
+    ASSERT_TRUE(as_recorded.ok() && given.ok());
+    const geo::Wgs84 origin = given->frame.origin();
+    const double geoid_m = geo::GeoidHeightM({origin.lat_deg, origin.lon_deg}).value_or(0.0);
+    EXPECT_NEAR(origin.height_ellipsoid_m, 512.0 + geoid_m, 0.01);
+    EXPECT_GT(std::abs(as_recorded->frame.origin().height_ellipsoid_m - origin.height_ellipsoid_m), 100.0);
+    EXPECT_THAT(given->report.height_rule, HasSubstr("take-off 512.0 m above sea level, as given"));
+    ASSERT_EQ(given->photos.size(), as_recorded->photos.size());
+    for (std::size_t i = 0; i < given->photos.size(); ++i) {
+      EXPECT_NEAR(given->photos[i].height_above_ground_m, as_recorded->photos[i].height_above_ground_m, 1e-3);
+      EXPECT_NEAR((given->photos[i].cam_from_enu.TargetOriginInSource() -
+                   as_recorded->photos[i].cam_from_enu.TargetOriginInSource())
+                      .norm(),
+                  0.0, 0.05);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace skyquilt::poses

@@ -107,5 +107,31 @@ TEST(ChooseHeights, TakesPhotosWithoutAnyPosition) {
   EXPECT_EQ(ChooseHeights({}, nullptr).above_ground_m.size(), 0u);
 }
 
+TEST(ChooseHeights, CountsFromAGivenTakeoffInsteadOfWhatIsRecordedOfIt) {
+  std::vector<flight::Photo> photos = Photos(4);
+  for (flight::Photo& photo : photos) {
+    photo.position->height_above_takeoff_m = 60.0;
+    photo.position->height_ellipsoid_m = 245.0;  // a hundred metres too high
+  }
+  photos[3].position->height_above_takeoff_m.reset();
+  photos[3].position->height_ellipsoid_m = 250.0;
+  const FlightHeights heights = ChooseHeights(photos, nullptr, 85.0);
+  EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
+  EXPECT_DOUBLE_EQ(heights.takeoff_ellipsoid_m, 85.0);
+  EXPECT_EQ(heights.above_ground_m[0], 60.0);
+  EXPECT_EQ(heights.above_ground_m[3], 65.0) << "against the others, whose error it shares";
+}
+
+TEST(ChooseHeights, PutsAbsoluteHeightsOverAGivenTakeoff) {
+  std::vector<flight::Photo> photos = Photos(3);
+  for (flight::Photo& photo : photos) photo.position->height_ellipsoid_m = 145.0;
+  const FlightHeights heights = ChooseHeights(photos, nullptr, 85.0);
+  EXPECT_EQ(heights.rule, HeightRule::kAboveTakeoff);
+  EXPECT_FALSE(heights.assumption.has_value());
+  for (const auto& height_m : heights.above_ground_m) EXPECT_DOUBLE_EQ(height_m.value_or(0.0), 60.0);
+  EXPECT_EQ(ChooseHeights(photos, nullptr, 300.0).rule, HeightRule::kSpacing)
+      << "a take-off above the cameras";
+}
+
 }  // namespace
 }  // namespace skyquilt::poses

@@ -171,7 +171,7 @@ TEST(PhotoRegions, MakeTheMapOfTheWholePhotosFromLess) {
       SilentProgress progress;
       test::MemorySink tiles;
       ASSERT_TRUE(RenderTiles({map.flight, map.ground, map.exposure, seams, map.plan, cache},
-                              {threads, {false, 95}}, tiles, progress));
+                              {threads, {image::TileEncoding::kJpegPng, 95}}, tiles, progress));
       ASSERT_EQ(tiles.tiles.size(), expected.tiles.size());
       for (const auto& [tile, stored] : expected.tiles)
         ASSERT_EQ(tiles.tiles.at(tile).bytes, stored.bytes) << tile.z() << "/" << tile.x() << "/" << tile.y();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -190,6 +191,66 @@ TEST(RenderTiles, DoesNotAlias) {
     // Aliased rings would have the full contrast: a deviation of 78.
     EXPECT_LT(worst, 25.0) << "coarser by " << times_coarser;
   }
+}
+
+// A triangle over the middle of the map, its corners given in the local frame.
+geo::Boundary TriangleOver(const test::SimulatedMap& map, double aside_m) {
+  geo::Boundary::Ring ring;
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(-20.0, -15.0), Eigen::Vector2d(22.0, -9.0), Eigen::Vector2d(1.0, 18.0)}) {
+    const geo::Wgs84 at = map.flight.frame.Wgs84FromEnu({corner.x() + aside_m, corner.y(), 0.0});
+    ring.push_back({at.lat_deg, at.lon_deg});
+  }
+  ring.push_back(ring.front());
+  return {{{ring}}};
+}
+
+TEST(RenderTiles, ABoundaryCutsPixelsAndChangesNoneOfTheRest) {
+  const test::SimulatedMap whole = SmallMap();
+  const geo::Boundary triangle = TriangleOver(whole, 0.0);
+  PlanOptions options;
+  options.boundary = &triangle;
+  const test::SimulatedMap cut = SmallMap(options);
+  ASSERT_LT(cut.plan.blocks.size(), whole.plan.blocks.size());
+  ASSERT_EQ(cut.plan.base_zoom, whole.plan.base_zoom);
+  const SeamMap whole_seams = whole.Seams({}), cut_seams = cut.Seams({});
+  PhotoCache whole_cache(*whole.photos, 1 << 28), cut_cache(*cut.photos, 1 << 28);
+  const geo::BoundaryOnZoom on_blocks(triangle, whole.plan.base_zoom - whole.plan.block_levels,
+                                      whole.plan.BlockSizePx());
+  std::int64_t inside_pixels = 0, outside_pixels = 0;
+  for (const RenderBlock& block : whole.plan.blocks) {
+    std::vector<std::uint8_t> inside;
+    const bool is_beyond = on_blocks.Mask(block.tile, inside) == geo::Cover::kNone;
+    const auto kept = std::find_if(cut.plan.blocks.begin(), cut.plan.blocks.end(),
+                                   [&](const RenderBlock& one) { return one.tile == block.tile; });
+    ASSERT_EQ(kept == cut.plan.blocks.end(), is_beyond);
+    if (is_beyond) continue;
+    const auto before = RenderBlockPixels(
+        {whole.flight, whole.ground, whole.exposure, whole_seams, whole.plan, whole_cache}, block);
+    const auto after =
+        RenderBlockPixels({cut.flight, cut.ground, cut.exposure, cut_seams, cut.plan, cut_cache}, *kept);
+    ASSERT_TRUE(before.ok() && after.ok());
+    for (std::size_t i = 0; i < inside.size(); ++i) {
+      for (std::size_t channel = 0; channel < 4; ++channel) {
+        const std::uint8_t expected = inside[i] != 0 ? before->rgba[4 * i + channel] : std::uint8_t{0};
+        ASSERT_EQ(after->rgba[4 * i + channel], expected);
+      }
+      ++(inside[i] != 0 ? inside_pixels : outside_pixels);
+    }
+  }
+  EXPECT_GT(inside_pixels, 1000);
+  EXPECT_GT(outside_pixels, 1000);
+}
+
+TEST(RenderTiles, ABoundaryElsewhereIsRefusedWithTheFlightsPlace) {
+  const test::SimulatedMap map = SmallMap();
+  const geo::Boundary far = TriangleOver(map, 20'000.0);
+  PlanOptions options;
+  options.boundary = &far;
+  const Result<MosaicPlan> plan = PlanMosaic(map.flight, map.ground, options);
+  ASSERT_FALSE(plan.ok());
+  EXPECT_EQ(plan.error().code, ErrorCode::kUnprocessable);
+  EXPECT_NE(plan.error().message.find("46.80000, 7.10000"), std::string::npos) << plan.error().message;
 }
 
 }  // namespace

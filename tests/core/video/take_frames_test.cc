@@ -40,7 +40,9 @@ TEST(TakeFrames, TakesThemAsFarApartAsTheyMayOverlap) {
   EXPECT_EQ(NumberOf(photos.front()), 0);
   for (std::size_t i = 1; i < photos.size(); ++i) {
     const int moved_px = 6 * (NumberOf(photos[i]) - NumberOf(photos[i - 1]));
-    if (i + 1 < photos.size()) EXPECT_GE(moved_px, 0.12 * kFilmWidthPx);
+    if (i + 1 < photos.size()) {
+      EXPECT_GE(moved_px, 0.12 * kFilmWidthPx);
+    }
     EXPECT_LE(moved_px, 0.26 * kFilmWidthPx);
     EXPECT_NEAR(taken.frames->times_s[i], NumberOf(photos[i]) / 30.0, 1e-3);
   }

@@ -1,7 +1,9 @@
 """The map through GIS programs: GDAL and QGIS read the server's tiles and get the pixels of the MBTiles."""
+import contextlib
 import json
 import math
 import pathlib
+import sqlite3
 import subprocess
 import sys
 import unittest
@@ -105,13 +107,12 @@ class Gis(MapFileTestCase):
         self.assertEqual(self.server.request("GET", path + "?f=kmz")[0], 400)
 
     def test_gdals_ogcapi_driver_reads_the_collection(self):
-        collection = f"/ogc/collections/{self.flight_id}"
+        collection, options = f"/ogc/collections/{self.flight_id}", ["API=TILES", "TILEMATRIXSET=WebMercatorQuad"]
         if int(self.gdal.VersionInfo()) >= older_ogcapi.DRIVER_MENDED_IN:
-            self.check_against_mbtiles(self.gdal.OpenEx(f"OGCAPI:{self.address(collection)}", open_options=["API=TILES"]))
+            self.check_against_mbtiles(self.gdal.OpenEx(f"OGCAPI:{self.address(collection)}", open_options=options))
             return
         west, south, east, north, *_ = self.whole_window()
-        options = ["API=TILES", f"TILEMATRIX={self.tilejson['maxzoom']}", f"MINX={west!r}", f"MINY={south!r}", f"MAXX={east!r}",
-                   f"MAXY={north!r}"]
+        options += [f"TILEMATRIX={self.tilejson['maxzoom']}", f"MINX={west!r}", f"MINY={south!r}", f"MAXX={east!r}", f"MAXY={north!r}"]
         with older_ogcapi.widened_limits(self.server.port) as port:
             self.check_against_mbtiles(self.gdal.OpenEx(f"OGCAPI:http://127.0.0.1:{port}{collection}", open_options=options))
 
@@ -336,6 +337,47 @@ class Gis(MapFileTestCase):
                                               capture_output=True).stdout)
         self.assertIn('"EPSG",3857', described["coordinateSystem"]["wkt"].replace(" ", ""))
 
+    def test_gdal_reads_the_webp_at_the_edge_of_the_mbtiles(self):
+        """Tiles of JPEG and of WebP in one file: each is what it is by itself, alpha and all."""
+        zoom, size = self.tilejson["maxzoom"], self.tilejson.get("tileSize", 256)
+        dataset = self.gdal.Open(str(self.path("mbtiles")))
+        west, pixel_m, _, north, _, _ = dataset.GetGeoTransform()
+        tile_m, compared = 2 * WORLD_M / 2**zoom, 0
+        with contextlib.closing(sqlite3.connect(self.path("mbtiles"))) as mbtiles:
+            self.assertEqual(dict(mbtiles.execute("SELECT name, value FROM metadata WHERE name IN ('format', 'fringe')")),
+                             {"format": "jpg", "fringe": "webp"})
+            rows = mbtiles.execute("SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level=?", (zoom,)).fetchall()
+        self.assertEqual({content[:4] for *_, content in rows}, {b"\xff\xd8\xff\xe0", b"RIFF"})
+        for column, row, content in rows:
+            if not content.startswith(b"RIFF"):
+                continue
+            left = round((column * tile_m - WORLD_M - west) / pixel_m)
+            top = round((north - WORLD_M + (2**zoom - 1 - row) * tile_m) / pixel_m)
+            x, y = max(0, left), max(0, top)
+            width, height = min(left + size, dataset.RasterXSize) - x, min(top + size, dataset.RasterYSize) - y
+            if width <= 0 or height <= 0:
+                continue
+            self.gdal.FileFromMemBuffer("/vsimem/tile.webp", content)
+            want = self.gdal.Open("/vsimem/tile.webp").ReadAsArray()[:, y - top:y - top + height, x - left:x - left + width]
+            got = dataset.ReadAsArray(x, y, width, height)
+            self.assertTrue((got[3] == want[3]).all(), (column, row))
+            self.assertTrue((got[:3] == want[:3])[:, want[3] > 0].all(), (column, row))
+            compared += 1
+        self.assertGreater(compared, 5)
+
+    def test_the_edge_is_webp_for_those_who_name_it_and_png_for_others(self):
+        zoom = self.tilejson["maxzoom"]
+        with contextlib.closing(sqlite3.connect(self.path("mbtiles"))) as mbtiles:
+            column, row, stored = mbtiles.execute(
+                "SELECT tile_column, tile_row, tile_data FROM tiles WHERE zoom_level=? AND substr(tile_data, 1, 4)=x'52494646'", (zoom,)).fetchone()
+        address = f"/tiles/{self.flight_id}/{zoom}/{column}/{2**zoom - 1 - row}"
+        for accept in ("image/webp,*/*", "image/avif,image/webp,image/apng,image/svg+xml,image/*,*/*;q=0.8"):
+            status, headers, content = self.server.request("GET", address, headers={"Accept": accept})
+            self.assertEqual((status, headers["Content-Type"], content), (200, "image/webp", stored))
+        for headers in ({}, {"Accept": "*/*"}, {"Accept": "text/html, image/png, image/jpeg, image/gif, */*"}):
+            status, headers, content = self.server.request("GET", address, headers=headers)
+            self.assertEqual((status, headers["Content-Type"], content[:4], headers["Vary"]), (200, "image/png", b"\x89PNG", "Accept"))
+
     def test_qgis_shows_the_map_pixel_for_pixel(self):
         zoom, layer = self.tilejson["maxzoom"], "layers=map&format=image/png&crs=EPSG:3857"
         quoted = lambda url: urllib.parse.quote(url, safe="")
@@ -424,8 +466,8 @@ class LargeTiles(GdalTestCase):
         first, second = (xml.index(f"<TileMatrixSet>{name}</TileMatrixSet>") for name in ("WebMercatorQuad", "WebMercatorQuad512"))
         self.assertLess(first, second)
         _, tilesets = self.server.json("GET", f"/ogc/collections/{self.flight_id}/map/tiles")
-        self.assertEqual([one["links"][0]["href"].rsplit("/", 1)[1] for one in tilesets["tilesets"]],
-                         ["WebMercatorQuad", "WebMercatorQuad512"])
+        self.assertEqual([one["links"][0]["href"].rsplit("/", 1)[1] for one in tilesets["tilesets"]][:3],
+                         ["WebMercatorQuad", "WebMercatorQuad512", "WorldCRS84Quad"])
         _, quad = self.server.json("GET", f"/ogc/collections/{self.flight_id}/map/tiles/WebMercatorQuad")
         self.assertEqual(quad["tileMatrixSetLimits"][-1]["tileMatrix"], "23")
         maps = self.server.request("GET", "/tms/1.0.0")[2].decode()

@@ -34,9 +34,13 @@ def widened_limits(port):
                 body = answer.read()
             if answer.status == 200 and answer.headers["Content-Type"] == "application/json":
                 document = json.loads(body)
-                for limits in document.get("tileMatrixSetLimits", []):
-                    last = 2 ** int(limits["tileMatrix"]) - 1
-                    limits.update(minTileRow=0, minTileCol=0, maxTileRow=last, maxTileCol=last)
+                if "tileMatrixSetLimits" in document:
+                    scheme = next(link["href"] for link in document["links"] if link["rel"].endswith("/tiling-scheme"))
+                    with urllib.request.urlopen(scheme.replace(self.headers["Host"], f"127.0.0.1:{port}")) as answer:
+                        matrices = {matrix["id"]: matrix for matrix in json.load(answer)["tileMatrices"]}
+                    for limits in document["tileMatrixSetLimits"]:
+                        matrix = matrices[limits["tileMatrix"]]
+                        limits.update(minTileRow=0, minTileCol=0, maxTileRow=matrix["matrixHeight"] - 1, maxTileCol=matrix["matrixWidth"] - 1)
                 body = json.dumps(document).encode()
             self.send_response(answer.status)
             self.send_header("Content-Type", answer.headers["Content-Type"] or "application/octet-stream")

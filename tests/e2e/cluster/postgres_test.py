@@ -1,8 +1,7 @@
 """A server and workers of their own on one catalogue in PostgreSQL: upload, job, tiles; PostgreSQL restarted in the middle;
 a worker killed and its job taken by another; a password that nobody shows."""
-import os
+import http.client
 import pathlib
-import re
 import signal
 import subprocess
 import sys
@@ -11,89 +10,11 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
-from postgres_server import LATE_WRITER, find_binaries, server_for
-from server_support import BINARY, ServerTestCase, children_of, is_running, path_of, wait_until
-
-NOTHING_TO_DO = 3
+from cluster.shared_catalogue import NOTHING_TO_DO, SharedCatalogueCase
+from server_support import BINARY, children_of, wait_until
 
 
-class Worker:
-    """`skyquilt worker` as one would start it on another machine."""
-
-    def __init__(self, data, catalogue, *arguments):
-        self.log = tempfile.NamedTemporaryFile("w+", suffix=".log")
-        self.process = subprocess.Popen([BINARY, "worker", "--data", str(data), "--catalogue", catalogue, *arguments],
-                                        stderr=self.log, stdout=self.log, text=True)
-
-    def errors(self):
-        self.log.seek(0)
-        return self.log.read()
-
-    def kill(self):
-        """With the processes that it started, which follow it by themselves."""
-        children = children_of(self.process.pid)
-        self.process.kill()
-        self.process.wait()
-        for pid in children:
-            wait_until(lambda: not is_running(pid), "a confined process outlived its worker")
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.terminate()
-        return self.process.wait(timeout=60)
-
-
-@unittest.skipIf(find_binaries() is None, "PostgreSQL is not installed")
-class SharedCatalogue(ServerTestCase):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.postgres = server_for(cls, LATE_WRITER)
-        cls.schemas = 0
-
-    def setUp(self):
-        super().setUp()
-        SharedCatalogue.schemas += 1
-        self.schema = f"test{self.schemas}"
-        self.catalogue = f"{self.postgres.url}&schema={self.schema}"
-        self.workers = []
-
-    def tearDown(self):
-        for worker in self.workers:
-            worker.stop()
-        super().tearDown()
-
-    def serve_shared(self, *arguments, workers=0):
-        return self.serve("--catalogue", self.catalogue, "--workers", str(workers), *arguments)
-
-    def work(self, *arguments):
-        self.workers.append(Worker(self.data, self.catalogue, *arguments))
-        return self.workers[-1]
-
-    def upload(self, server):
-        status, made = server.upload(self.photos)
-        self.assertEqual(status, 202, made)
-        return made["flight"]["id"], made["job"]["id"]
-
-    def query(self, sql):
-        return self.postgres.query(sql, self.schema)
-
-    def check_map(self, server, flight_id):
-        _, flight = server.json("GET", f"/api/v1/flights/{flight_id}")
-        self.assertEqual(flight["state"], "ready", server.errors())
-        status, tilejson = server.json("GET", flight["tilejson"])
-        self.assertEqual(status, 200)
-        west, south, east, north = tilejson["bounds"]
-        from server_support import tile_of
-        zoom = tilejson["maxzoom"]
-        x, y = tile_of((west + east) / 2, (south + north) / 2, zoom)
-        tile = path_of(tilejson["tiles"][0]).format(z=zoom, x=x, y=y)
-        status, _, bytes_of_tile = server.request("GET", tile)
-        self.assertEqual(status, 200)
-        self.assertGreater(len(bytes_of_tile), 100)
-        self.assertEqual(self.query("SELECT count(*) FROM revision"), "1")
-
+class SharedCatalogue(SharedCatalogueCase):
     def test_a_worker_of_its_own_makes_the_map_of_an_upload(self):
         server = self.serve_shared()
         self.work()
@@ -165,7 +86,6 @@ class SharedCatalogue(ServerTestCase):
     def test_events_of_another_process_arrive_within_a_second(self):
         server = self.serve_shared()
         _, flight = server.json("POST", "/api/v1/flights", {})
-        import http.client
         connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
         connection.request("GET", "/api/v1/events")
         response = connection.getresponse()

@@ -103,6 +103,21 @@ class Append(unittest.TestCase):
         self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
         self.assertEqual(tiles_of(out), after)
 
+    def test_a_map_with_png_at_its_edge_becomes_the_same_as_one_made_anew(self):
+        out = self.scratch / "png"
+        self.stitch(self.first, out, "--format", "jpeg-png")
+        before = tiles_of(out)
+        self.assertEqual({tile[:4] for tile in before.values()}, {b"\xff\xd8\xff\xe0", b"\x89PNG"})
+        report = self.stitch(self.first, out)
+        self.assertEqual(report["blocks"]["kept"], report["blocks"]["total"])
+        self.assertEqual(tiles_of(out), tiles_of(self.finished))
+        again = self.stitch(self.first, out)
+        self.assertEqual(again["blocks"]["kept"], again["blocks"]["total"])
+        # Who wants PNG again has it rendered: what WebP lost is gone.
+        report = self.stitch(self.first, out, "--format", "jpeg-png")
+        self.assertEqual(report["blocks"]["kept"], 0)
+        self.assertEqual(tiles_of(out), before)
+
     def test_the_new_photo_lies_where_a_whole_alignment_puts_it(self):
         out, whole = self.scratch / "placed", self.scratch / "whole"
         shutil.copytree(self.finished, out)

@@ -110,6 +110,37 @@ class Control(unittest.TestCase):
     def stage(report, name):
         return next(stage for stage in report["timings"] if stage["stage"] == name)
 
+    def test_each_point_is_predicted_by_the_others(self):
+        places = [(-20, -20), (18, -15), (5, 20), (-15, 14), (20, 12)]
+        points = self.surveyed("five", places)
+        report = self.stitch(self.scratch / "predicted", points)
+        control = report["alignment"]["ground_control"]
+        self.assertEqual([point["is_used"] for point in control], [True] * 5)
+        misses = {point["name"]: math.hypot(point["left_out"]["miss_east_m"], point["left_out"]["miss_north_m"]) for point in control}
+        self.assertLess(max(misses.values()), 6 * report["gsd_m"], "a sound survey is met where it was not told")
+        subprocess.run([BINARY, "report", self.scratch / "predicted", "-o", self.scratch / "predicted.html"], check=True, capture_output=True)
+        worst = max(misses, key=misses.get)
+        self.assertRegex((self.scratch / "predicted.html").read_text(), rf"Each of them placed by the others</th><td>missed by .* in the median of 5, at worst .* \({worst}\)")
+        # One that is surveyed a little wrong: the others tell by how much, where the map itself was bent towards it.
+        lines = points.read_text().splitlines()
+        wrong_m = 1.5
+        a_degree_east = metres_a_degree(self.truth)[0]
+        for number, line in enumerate(lines):
+            if line.endswith(" p0"):
+                lon, rest = line.split(" ", 1)
+                lines[number] = f"{float(lon) + wrong_m / a_degree_east:.10f} {rest}"
+        (self.scratch / "wrong").mkdir()
+        wrong = self.scratch / "wrong" / "gcp_list.txt"
+        wrong.write_text("\n".join(lines) + "\n")
+        control = self.stitch(self.scratch / "bent", wrong)["alignment"]["ground_control"]
+        found = {point["name"]: point for point in control}
+        self.assertAlmostEqual(found["p0"]["left_out"]["miss_east_m"], -wrong_m, delta=0.35)
+        misses = {name: math.hypot(point["left_out"]["miss_east_m"], point["left_out"]["miss_north_m"]) for name, point in found.items()}
+        self.assertEqual(max(misses, key=misses.get), "p0")
+        # Too few to leave one out.
+        three = self.stitch(self.scratch / "only_three", self.surveyed("just_three", places[:3]))
+        self.assertFalse(any("left_out" in point for point in three["alignment"]["ground_control"]))
+
     def test_points_that_nobody_can_use_leave_every_tile_as_it_was(self):
         out = self.scratch / "unmoved"
         shutil.copytree(self.finished, out)

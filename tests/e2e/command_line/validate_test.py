@@ -74,7 +74,7 @@ class Validate(unittest.TestCase):
             ("UPDATE metadata SET value='png8' WHERE name='name'", None),
             ("DELETE FROM metadata WHERE name='name'", "no name"),
             ("DELETE FROM metadata WHERE name='format'", "no format"),
-            ("UPDATE metadata SET value='webp' WHERE name='format'", "none is"),
+            ("UPDATE metadata SET value='png' WHERE name='format'", "none is"),
             ("UPDATE metadata SET value='7' WHERE name='maxzoom'", "maxzoom is 7"),
             ("UPDATE metadata SET value='deep' WHERE name='maxzoom'", "no zoom"),
             ("UPDATE metadata SET value='1,2,3,4' WHERE name='bounds'", "the tiles lie at"),
@@ -130,7 +130,7 @@ class Validate(unittest.TestCase):
         self.assert_found(patched("count", 72, struct.pack("<Q", 5)), "counts 5 tiles")
         self.assert_found(patched("zoom", 101, b"\x09"), "maxzoom is 9")
         self.assert_found(patched("bounds", 102, struct.pack("<4i", 10**7, 10**7, 2 * 10**7, 2 * 10**7)), "the tiles lie at")
-        self.assert_found(patched("format", 99, b"\x04"), "none is")
+        self.assert_found(patched("format", 99, b"\x02"), "none is")
         self.assert_found(patched("overlap", 24, struct.pack("<Q", root)), "lie upon each other")
         self.assert_found(patched("root", root + root_bytes // 2, b"\0\0\0\0"), "root directory is damaged")
         self.assert_found(patched("tile", tiles + 200, bytes(4000)), "damaged pictures")

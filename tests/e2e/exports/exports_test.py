@@ -56,6 +56,40 @@ class Exports(ServerTestCase):
         """The files of a flight's exports, wherever they lie."""
         return [name for name in kept_of_flights(self.data) if name.startswith(f"{flight}/exports/")]
 
+    def test_a_job_cuts_its_map_to_an_area_and_refuses_what_is_none(self):
+        server = self.serve()
+        flight = self.made(server)
+        _, whole = server.json("GET", f"/api/v1/flights/{flight}")
+        west, south, east, north = whole["bounds"]
+        middle = [west + (east - west) / 3, south + (north - south) / 3, east - (east - west) / 3, north - (north - south) / 3]
+        def begin(options):
+            status, _, body = server.request("POST", f"/api/v1/flights/{flight}/jobs", json.dumps({"options": options}),
+                                             {"Content-Type": "application/json"})
+            return status, json.loads(body)
+        for bad, words in (({"boundary": {"type": "Point", "coordinates": [7, 46]}}, "has a Point"),
+                           ({"boundary": "field"}, "not JSON"), ({"takeoff_height_m": 9001}, "above sea level")):
+            status, refused = begin(bad)
+            self.assertIn(status, (400, 422), refused)
+            self.assertIn(words, refused["detail"])
+        status, elsewhere = begin({"boundary": box(west + 1, south, east + 1, north)})
+        self.assertEqual(status, 202, elsewhere)
+        failed = server.wait_for_job(elsewhere["id"])
+        self.assertEqual(failed["state"], "failed")
+        self.assertIn("Draw the boundary over the flight", json.dumps(failed))
+        status, job = begin({"boundary": box(*middle), "takeoff_height_m": 321})
+        self.assertEqual(status, 202, job)
+        self.assertEqual(server.wait_for_job(job["id"])["state"], "successful")
+        _, cut = server.json("GET", f"/api/v1/flights/{flight}")
+        for found, expected in zip(cut["bounds"], middle):
+            self.assertAlmostEqual(found, expected, delta=3e-6)
+        self.assertEqual(cut["job"]["options"]["takeoff_height_m"], 321)
+        lon, lat = (middle[0] + middle[2]) / 2, (middle[1] + middle[3]) / 2
+        status, seen = server.json("GET", f"/api/v1/flights/{flight}/at?lon={lon}&lat={lat}")
+        self.assertEqual(status, 200, seen)
+        qualities = [photo["quality"] for photo in seen["photos"]]
+        self.assertEqual(qualities, sorted(qualities, reverse=True))
+        self.assertTrue(any(photo["sharpness"] is not None for photo in seen["photos"]), seen)
+
     def test_every_format_and_what_cannot_be(self):
         server = self.serve()
         flight = self.made(server)

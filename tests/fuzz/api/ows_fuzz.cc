@@ -1,9 +1,10 @@
-// The parameters of WMS and of tile addresses, as they come in a query.
+// The parameters of WMS, of OGC API Maps and of tile addresses, as they come in a query.
 #include <cmath>
 #include <cstdint>
 #include <string>
 
 #include "api/http/target.h"
+#include "api/maps/map_request.h"
 #include "api/tiles/tile_path.h"
 #include "api/wms/wms_request.h"
 #include "core/base/check.h"
@@ -27,10 +28,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                    "a pixel beside the picture");
     SKYQUILT_CHECK(info->map.layers.size() <= kMaxWmsLayers, "layers beyond the limit");
   }
+  const WholeMap whole{{8.29, 47.09, 8.31, 47.11}, 0.3};
+  if (const auto map = ParseMapRequest(request, whole)) {
+    SKYQUILT_CHECK(map->width_px >= 1 && map->height_px >= 1 && map->width_px <= kMaxWmsSidePx &&
+                       map->height_px <= kMaxWmsSidePx && map->width_px * map->height_px <= kMaxWmsPixels,
+                   "a picture beyond the limit");
+    SKYQUILT_CHECK(map->box.min.allFinite() && map->box.max.allFinite() && map->box.Width() > 0.0 &&
+                       map->box.Height() > 0.0,
+                   "a window that is none");
+  }
   if (request.query.size() >= 3) {
     const auto path =
         ParseTilePath(request.query[0].second, request.query[1].second, request.query[2].second);
     if (path) SKYQUILT_CHECK(path->tile.z() <= 30, "a zoom beyond the last");
+    const auto numbers =
+        ParseTileNumbers(request.query[0].second, request.query[1].second, request.query[2].second);
+    if (numbers) SKYQUILT_CHECK(numbers->x >= 0 && numbers->y >= 0, "a tile before the first");
   }
   return 0;
 }

@@ -1,5 +1,6 @@
 // libFuzzer: EstimateExposure of flights and pictures of any kind. Checked: gains that pixels can be
 // multiplied with.
+#include <cmath>
 #include <cstdint>
 
 #include "core/base/check.h"
@@ -14,14 +15,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto thumbnails = fuzz::ThumbnailsFrom(bytes, flight);
   const auto ground = ground::GroundSurface::Plane(0.0);
   const render::ExposureModel model = render::EstimateExposure(flight, ground, thumbnails);
-  SKYQUILT_CHECK(model.photos.size() == flight.photos.size(), "a photo without a tone");
-  for (const render::PhotoTone& tone : model.photos) {
+  SKYQUILT_CHECK(model.tones.size() == flight.photos.size(), "a photo without a tone");
+  for (const render::PhotoTone& tone : model.tones) {
     for (const double gain : tone.gain) SKYQUILT_CHECK(gain > 0.0 && gain < 100.0, "an impossible gain");
+    for (const auto& channel : tone.shade.terms) {
+      for (const float term : channel) SKYQUILT_CHECK(std::isfinite(term), "an impossible shade");
+    }
   }
   if (flight.photos.size() > 1) {
-    const std::vector<render::PhotoTone> known(model.photos.begin(), model.photos.end() - 1);
+    render::KnownExposure known{model.light, model.photos};
+    known.photos.pop_back();
     SKYQUILT_CHECK(
-        render::ExtendExposure(flight, ground, thumbnails, known).photos.size() == flight.photos.size(),
+        render::ExtendExposure(flight, ground, thumbnails, known).tones.size() == flight.photos.size(),
         "a photo without a tone");
   }
   return 0;

@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   SKYQUILT_CHECK(plan->tile_size_px <= 4096, "tiles without bounds");
   plan->max_seam_cells = std::min<std::int64_t>(plan->max_seam_cells, 1 << 16);  // more only take longer
   const auto thumbnails = fuzz::ThumbnailsFrom(bytes, flight);
-  const render::ExposureModel exposure{std::vector<render::PhotoTone>(flight.photos.size())};
+  const render::ExposureModel exposure = render::ExposureModel::Even(flight.photos.size());
   render::SeamOptions options;
   options.threads = 1;
   const render::SeamMap seams = render::BuildSeamMap(flight, ground, *plan, exposure, thumbnails, options);

@@ -182,6 +182,44 @@ TEST(S3Client, LosesAConditionalPutToWhoeverWasFirst) {
   EXPECT_EQ(store->Put("k", "bytes", {"", true}).error().code, ErrorCode::kConflict);
 }
 
+// As OpenStack Swift's S3 interface.
+class StoreWithoutConditions {
+ public:
+  explicit StoreWithoutConditions(std::string last_writer = "")
+      : last_writer_(std::move(last_writer)), store_([this](int n, const std::string& request) {
+          if (n == 0) return HttpText(404);
+          if (n == 1) return HttpText(501, Refusal("NotImplemented"));
+          if (n == 2) {
+            EXPECT_EQ(request.find("If-None-Match"), std::string::npos);
+            if (last_writer_.empty())
+              last_writer_ = request.substr(request.find("x-amz-meta-writer: ") + 19, 26);
+            return HttpText(200);
+          }
+          return HttpText(200, "", "x-amz-meta-writer: " + last_writer_ + "\r\n");
+        }) {}
+
+  Result<void> PutIfAbsent() { return store_->Put("k", "bytes", {"", true}); }
+  std::size_t requests() const { return store_.requests().size(); }
+
+ private:
+  std::string last_writer_;
+  ScriptedStore store_;
+};
+
+TEST(S3Client, PutsWhereConditionsAreNotKnownAndLooksWhoWasLast) {
+  StoreWithoutConditions alone;
+  EXPECT_TRUE(alone.PutIfAbsent());
+  EXPECT_EQ(alone.requests(), 4U);
+  StoreWithoutConditions raced("01aaaaaaaaaaaaaaaaaaaaaaaa");
+  EXPECT_EQ(raced.PutIfAbsent().error().code, ErrorCode::kConflict);
+}
+
+TEST(S3Client, DoesNotAskAgainForWhatAStoreDoesNotKnow) {
+  ScriptedStore store([](int, const std::string&) { return HttpText(501, Refusal("NotImplemented")); });
+  EXPECT_EQ(store->Put("k", "bytes", {}).error().code, ErrorCode::kNotImplemented);
+  EXPECT_EQ(store.requests().size(), 1U);
+}
+
 TEST(S3Client, SeesAnErrorInsideACompletionThatSays200) {
   ScriptedStore store([](int, const std::string&) { return HttpText(200, Refusal("InternalError")); });
   const auto completed = store->Complete("k", "u", {{1, "e", 5}}, 5);

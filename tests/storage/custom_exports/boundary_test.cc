@@ -103,5 +103,75 @@ TEST(BoundaryOnZoom, KeepsHolesEmptyAndTakesPolygonsTogether) {
   EXPECT_EQ(pixel(-90.0, 45.0), 1);
 }
 
+TEST(BoundaryOnZoom, SaysOfATileWhatItsPixelsSay) {
+  // A comb of many teeth with a hole beside it, over tiles of several sizes.
+  std::string comb = "[[7.0,46.0]";
+  for (int i = 0; i < 40; ++i) {
+    comb += ",[" + std::to_string(7.0 + 0.02 * i) + "," + std::to_string(i % 2 == 0 ? 46.2 : 46.9) + "]";
+  }
+  comb += ",[7.8,46.0],[7.0,46.0]]";
+  const auto boundary =
+      ParseBoundary(R"({"type":"MultiPolygon","coordinates":[[)" + comb + "],[" +
+                    Square(8.0, 46.0, 9.0, 47.0) + "," + Square(8.2, 46.2, 8.8, 46.8) + "]]}");
+  ASSERT_TRUE(boundary.ok()) << boundary.error().message;
+  int covers[3] = {0, 0, 0};
+  for (const int zoom : {7, 9, 11}) {
+    const BoundaryOnZoom on_zoom(*boundary, zoom, 64);
+    const geo::TileId first = geo::TileId::AtMerc(zoom, geo::MercFromLatLon({47.1, 6.9}));
+    const geo::TileId last = geo::TileId::AtMerc(zoom, geo::MercFromLatLon({45.9, 9.1}));
+    std::vector<std::uint8_t> inside;
+    for (std::uint32_t y = first.y(); y <= last.y(); ++y) {
+      for (std::uint32_t x = first.x(); x <= last.x(); ++x) {
+        const geo::TileId tile = *geo::TileId::Make(zoom, x, y);
+        const Cover cover = on_zoom.Mask(tile, inside);
+        EXPECT_EQ(static_cast<int>(on_zoom.CoverOf(tile)), static_cast<int>(cover))
+            << zoom << " " << x << " " << y;
+        ++covers[static_cast<int>(cover)];
+      }
+    }
+  }
+  for (const int count : covers) EXPECT_GT(count, 3);
+}
+
+TEST(ParseBoundaryFile, ReadsPolygonsOfKml) {
+  const std::string kml =
+      R"(<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document><Folder>)"
+      R"(<Placemark><Point><coordinates>1,2</coordinates></Point></Placemark>)"
+      R"(<Placemark><MultiGeometry><Polygon><innerBoundaryIs><LinearRing><coordinates>)"
+      "7.2,46.2 7.8,46.2 7.8,46.8 7.2,46.8 7.2,46.2</coordinates></LinearRing></innerBoundaryIs>"
+      "<outerBoundaryIs><LinearRing><coordinates>\n 7,46,400\n 8,46,400 8,47,0\t7,47 7,46 "
+      "</coordinates></LinearRing></outerBoundaryIs></Polygon></MultiGeometry></Placemark>"
+      "</Folder></Document></kml>";
+  for (const std::string& text : {kml, "\xef\xbb\xbf \n" + kml}) {
+    const auto boundary = ParseBoundaryFile(text);
+    ASSERT_TRUE(boundary.ok()) << boundary.error().message;
+    ASSERT_EQ(boundary->polygons.size(), 1U);
+    ASSERT_EQ(boundary->polygons[0].size(), 2U);
+    EXPECT_EQ(boundary->Bounds(), (geo::LatLonBounds{7.0, 46.0, 8.0, 47.0}));
+    EXPECT_DOUBLE_EQ(boundary->polygons[0][1][0].lon_deg, 7.2);
+  }
+  EXPECT_TRUE(ParseBoundaryFile(" " + Polygon(Square(7.0, 46.0, 8.0, 47.0))).ok());
+  const auto polygon = [](const std::string& coordinates) {
+    return "<kml><Polygon><outerBoundaryIs><LinearRing><coordinates>" + coordinates +
+           "</coordinates></LinearRing></outerBoundaryIs></Polygon></kml>";
+  };
+  const std::pair<std::string, const char*> bad[] = {
+      {"<kml>", "neither GeoJSON nor KML"},
+      {"<gpx/>", "neither GeoJSON nor KML"},
+      {"<kml></kml>", "no polygon"},
+      {"<kml><Polygon></Polygon></kml>", "no outline"},
+      {polygon("7,46 8,46 7,46"), "fewer than four"},
+      {polygon(""), "fewer than four"},
+      {polygon("7,46 8,46 8;47 7,46"), "longitude,latitude"},
+      {polygon("7,46 8,46 8, 7,46"), "fewer than four"},
+      {polygon("2600000,1200000 8,46 8,47 7,46"), "no place in degrees"},
+      {polygon("nan,46 8,46 8,47 7,46"), "no place in degrees"}};
+  for (const auto& [text, word] : bad) {
+    const auto boundary = ParseBoundaryFile(text);
+    ASSERT_FALSE(boundary.ok()) << text;
+    EXPECT_NE(boundary.error().message.find(word), std::string::npos) << text << boundary.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace skyquilt::storage

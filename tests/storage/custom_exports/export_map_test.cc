@@ -55,7 +55,7 @@ class ExportMapTest : public testing::Test {
     fs::create_directory(folder_.path() / "map");
     fs::create_directory(folder_.path() / "work");
     const fs::path tiles = folder_.path() / "map" / "mosaic.mbtiles";
-    test::WritePaintedTileset(tiles, {kZoom, 256, kFirstColumn, kFirstRow, kTiles, kTiles, 0});
+    test::WritePaintedTileset(tiles, {kZoom, 256, kFirstColumn, kFirstRow, kTiles, kTiles});
     const auto& [w, s, e, n] = BoundsOf(0, 0, kTiles, kTiles);
     auto db = *SqliteDb::Open(tiles, OpenMode::kReadWriteCreate);
     EXPECT_TRUE(db.Exec(fmt::format(
@@ -128,7 +128,9 @@ TEST_F(ExportMapTest, ABoundaryCutsAtItsPixelsAndLeavesWholeTilesAsTheyAre) {
       if (x < 128) {
         EXPECT_EQ(after->Pixel(x, y)[3], 0) << x << "," << y;
       } else if (before->Pixel(x, y)[3] == 255) {
-        for (int c = 0; c < 4; ++c) EXPECT_EQ(after->Pixel(x, y)[c], before->Pixel(x, y)[c]) << x << "," << y;
+        EXPECT_EQ(after->Pixel(x, y)[3], 255) << x << "," << y;
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(after->Pixel(x, y)[c], before->Pixel(x, y)[c], 24) << x << "," << y;
       }
     }
   }

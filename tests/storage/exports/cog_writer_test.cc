@@ -43,6 +43,19 @@ std::unique_ptr<OpenedCog> WriteAndOpen(const PaintedTileset& tileset, int threa
   return opened;
 }
 
+// Of tiles that were put one by one.
+std::unique_ptr<GDALDataset> PublishAndOpen(MbtilesWriter& writer, int zoom,
+                                            const std::filesystem::path& mbtiles) {
+  TilesetMetadata metadata;
+  metadata.min_zoom = metadata.max_zoom = zoom;
+  const std::filesystem::path tif = mbtiles.string() + ".tif";
+  SilentProgress progress;
+  EXPECT_TRUE(writer.Publish(metadata));
+  EXPECT_TRUE(WriteCog(mbtiles, tif, {}, progress));
+  GDALAllRegister();
+  return std::unique_ptr<GDALDataset>(GDALDataset::Open(tif.c_str(), GDAL_OF_RASTER));
+}
+
 // Blue, green, red: what the stored tile decodes to.
 cv::Mat DecodedTile(MbtilesReader& tiles, const geo::TileId& id) {
   auto found = tiles.Find(id);
@@ -123,7 +136,7 @@ void ExpectLevelShowsTiles(OpenedCog& cog, const PaintedTileset& tileset, int le
 }
 
 TEST(WriteCog, ShowsTheTilesetsOwnTilesAtEveryLevel) {
-  const PaintedTileset tileset{18, 256, 1001, 2002, 7, 6, 0};
+  const PaintedTileset tileset{18, 256, 1001, 2002, 7, 6};
   const auto cog = WriteAndOpen(tileset);
   ASSERT_NE(cog->dataset, nullptr);
   // A small map keeps its corner; its overviews begin inside tiles.
@@ -133,7 +146,7 @@ TEST(WriteCog, ShowsTheTilesetsOwnTilesAtEveryLevel) {
 }
 
 TEST(WriteCog, MovesTheCornerOfALargeMapToATileOfItsFinerOverviews) {
-  const PaintedTileset tileset{12, 256, 1003, 2003, 33, 33, 0};
+  const PaintedTileset tileset{12, 256, 1003, 2003, 33, 33};
   const auto cog = WriteAndOpen(tileset);
   ASSERT_NE(cog->dataset, nullptr);
   const int levels = cog->dataset->GetRasterBand(1)->GetOverviewCount();
@@ -143,7 +156,7 @@ TEST(WriteCog, MovesTheCornerOfALargeMapToATileOfItsFinerOverviews) {
 }
 
 TEST(WriteCog, LiesWhereTheTilesLie) {
-  const PaintedTileset tileset{18, 512, 1001, 2002, 7, 6, 0};
+  const PaintedTileset tileset{18, 512, 1001, 2002, 7, 6};
   const auto cog = WriteAndOpen(tileset);
   ASSERT_NE(cog->dataset, nullptr);
   std::array<double, 6> transform{};
@@ -157,8 +170,38 @@ TEST(WriteCog, LiesWhereTheTilesLie) {
   EXPECT_STREQ(reference->GetAuthorityCode(nullptr), "3857");
 }
 
+// Maps from before, and those of `--format jpeg-png`.
+TEST(WriteCog, ShowsTilesWhoseFringeIsPng) {
+  const PaintedTileset tileset{18, 256, 1001, 2002, 7, 6, image::TileEncoding::kJpegPng};
+  const auto cog = WriteAndOpen(tileset);
+  ASSERT_NE(cog->dataset, nullptr);
+  for (int level = 0; level <= cog->dataset->GetRasterBand(1)->GetOverviewCount(); ++level)
+    ExpectLevelShowsTiles(*cog, tileset, level, 1001, 2002);
+}
+
+TEST(WriteCog, MakesWebpOfWhatIsNotAmongTilesThatAre) {
+  ScratchDir folder;
+  const std::filesystem::path mbtiles = folder.path() / "map.mbtiles";
+  const PaintedTileset painted{18, 256, 64, 64, 2, 1};
+  auto writer = *MbtilesWriter::Create(mbtiles);
+  auto opaque = image::RgbaImage::Transparent(256, 256);
+  std::fill(opaque.rgba.begin(), opaque.rgba.end(), std::uint8_t{255});
+  const image::RgbaImage fringe = PaintedTile(painted, 1, 0);
+  const auto put = [&](int column, const image::RgbaImage& tile, image::TileEncoding encoding) {
+    const auto encoded = pyramid::EncodeTile(tile, {encoding, 90});
+    ASSERT_TRUE(writer->Put(*geo::TileId::Make(8, column, 100), encoded->format, encoded->bytes));
+  };
+  put(100, opaque, image::TileEncoding::kWebp);
+  put(101, fringe, image::TileEncoding::kJpegPng);
+  const auto cog = PublishAndOpen(*writer, 8, mbtiles);
+  ASSERT_NE(cog, nullptr);
+  ASSERT_EQ(cog->GetRasterCount(), 4);
+  const auto alpha = ReadBand(cog->GetRasterBand(4), {256, 0, 512, 256});
+  for (std::size_t i = 0; i < alpha.size(); ++i) ASSERT_EQ(alpha[i], fringe.rgba[4 * i + 3]);
+}
+
 TEST(WriteCog, CopiesTheBytesOfOpaqueTiles) {
-  const PaintedTileset tileset{16, 256, 64, 64, 8, 8, 0};
+  const PaintedTileset tileset{16, 256, 64, 64, 8, 8};
   const auto cog = WriteAndOpen(tileset);
   auto tiles = *MbtilesReader::Open(cog->mbtiles);
   auto found = *tiles->Find(*geo::TileId::Make(16, 68, 68));
@@ -167,7 +210,7 @@ TEST(WriteCog, CopiesTheBytesOfOpaqueTiles) {
 }
 
 TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
-  const PaintedTileset tileset{18, 256, 1000, 2000, 4, 4, 90};
+  const PaintedTileset tileset{18, 256, 1000, 2000, 4, 4, image::TileEncoding::kWebp, 90};
   const auto cog = WriteAndOpen(tileset);
   ASSERT_NE(cog->dataset, nullptr);
   ASSERT_EQ(cog->dataset->GetRasterCount(), 4);
@@ -179,7 +222,7 @@ TEST(WriteCog, KeepsWebpTilesWithTheirAlpha) {
 }
 
 TEST(WriteCog, IsTheSameWithAnyNumberOfThreads) {
-  const PaintedTileset tileset{18, 256, 1001, 2002, 5, 5, 0};
+  const PaintedTileset tileset{18, 256, 1001, 2002, 5, 5};
   EXPECT_EQ(test::BytesOf(WriteAndOpen(tileset, 1)->tif), test::BytesOf(WriteAndOpen(tileset, 3)->tif));
 }
 
@@ -190,8 +233,9 @@ TEST(WriteCog, PassesGdalsValidator) {
     GTEST_SKIP() << "python3-gdal is not installed";
   }
   for (const PaintedTileset& tileset :
-       {PaintedTileset{18, 256, 1001, 2002, 7, 6, 0}, PaintedTileset{18, 512, 99, 70, 3, 9, 0},
-        PaintedTileset{18, 256, 1000, 2000, 1, 1, 0}, PaintedTileset{18, 256, 9, 2000, 4, 4, 80}}) {
+       {PaintedTileset{18, 256, 1001, 2002, 7, 6}, PaintedTileset{18, 512, 99, 70, 3, 9},
+        PaintedTileset{18, 256, 1000, 2000, 1, 1},
+        PaintedTileset{18, 256, 9, 2000, 4, 4, image::TileEncoding::kWebp, 80}}) {
     const auto cog = WriteAndOpen(tileset);
     cog->dataset.reset();
     EXPECT_EQ(std::system((python + " -q --full-check=yes " + cog->tif.string()).c_str()), 0);
@@ -210,14 +254,7 @@ TEST(WriteCog, StaysInOnePieceAcrossTheDateLine) {
     ASSERT_TRUE(
         writer->Put(*geo::TileId::Make(8, (254 + column) % 256, 100), encoded->format, encoded->bytes));
   }
-  TilesetMetadata metadata;
-  metadata.min_zoom = metadata.max_zoom = 8;
-  ASSERT_TRUE(writer->Publish(metadata));
-  SilentProgress progress;
-  ASSERT_TRUE(WriteCog(mbtiles, folder.path() / "map.tif", {}, progress));
-  GDALAllRegister();
-  const std::unique_ptr<GDALDataset> cog(
-      GDALDataset::Open((folder.path() / "map.tif").c_str(), GDAL_OF_RASTER));
+  const auto cog = PublishAndOpen(*writer, 8, mbtiles);
   ASSERT_NE(cog, nullptr);
   ASSERT_EQ(cog->GetRasterXSize(), 4 * 256);
   for (int column = 0; column < 4; ++column) {
@@ -234,7 +271,7 @@ TEST(WriteCog, LeavesNothingBehindWhenCancelled) {
     bool IsCancelled() const override { return true; }
   };
   ScratchDir folder;
-  test::WritePaintedTileset(folder.path() / "map.mbtiles", {18, 256, 1001, 2002, 3, 3, 0});
+  test::WritePaintedTileset(folder.path() / "map.mbtiles", {18, 256, 1001, 2002, 3, 3});
   Cancelled progress;
   const Result<void> written =
       WriteCog(folder.path() / "map.mbtiles", folder.path() / "map.tif", {}, progress);

@@ -97,7 +97,7 @@ TEST(PmtilesNumber, CountsAsTheSpecificationsTable) {
 
 TEST(WritePmtiles, HoldsExactlyTheTilesOfTheTileset) {
   ScratchDir folder;
-  const test::PaintedTileset tileset{18, 256, 1001, 2002, 7, 6, 0};
+  const test::PaintedTileset tileset{18, 256, 1001, 2002, 7, 6};
   WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
   SilentProgress progress;
   ASSERT_TRUE(WritePmtiles(folder.path() / "map.mbtiles", folder.path() / "map.pmtiles", progress));

@@ -27,7 +27,7 @@ TEST(UtmEpsg, KnowsTheZonesAndTheirExceptions) {
 
 TEST(WriteUtmGeotiff, KeepsEveryPlaceAndTheMask) {
   ScratchDir folder;
-  const test::PaintedTileset tileset{19, 256, 272500, 184700, 4, 4, 0};
+  const test::PaintedTileset tileset{19, 256, 272500, 184700, 4, 4};
   test::WritePaintedTileset(folder.path() / "map.mbtiles", tileset);
   SilentProgress progress;
   ASSERT_TRUE(WriteCog(folder.path() / "map.mbtiles", folder.path() / "map.tif", {}, progress));

@@ -71,6 +71,15 @@ TEST_F(UnitQueueTest, AJobWaitsForItsUnitsAndIsThenClaimedAgain) {
   EXPECT_EQ(counts[0].done, 2);
 }
 
+TEST_F(UnitQueueTest, AreCountedBesideTheJobsUntilTheyAreDone) {
+  CutJob(3);
+  Claimed();
+  EXPECT_TRUE(*units_.Done(Claimed()));
+  const JobCounts counts = *queue_.Count();
+  EXPECT_EQ(counts.waiting_units, 1);
+  EXPECT_EQ(counts.running_units, 1);
+}
+
 TEST_F(UnitQueueTest, TheLeaseOfWhoCutItIsOver) {
   const Lease lease = CutJob(1);
   EXPECT_EQ(*queue_.Renew(lease, now_), LeaseState::kLost);

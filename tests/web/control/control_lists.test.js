@@ -3,7 +3,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { guessedPlace, shownFromSurveyed } from '../../../web/src/control/control_guess.js';
 import { parseControlList, withPoints } from '../../../web/src/control/control_lists.js';
-import { residualsOf } from '../../../web/src/control/control_residuals.js';
+import { byQuality } from '../../../web/src/map/sighting_order.js';
+import { predictionOf, residualsOf } from '../../../web/src/control/control_residuals.js';
 
 const point = (name, x, y, height = null, marks = []) => ({ name, x, y, height, marks });
 
@@ -70,6 +71,20 @@ test('where a map shows a point is told by its mark, its survey or the other poi
   assert.ok(Math.abs(near[0] - 7.1021) < 1e-6 && Math.abs(near[1] - 46.8002) < 1e-6);
   assert.equal(shownFromSurveyed([]), null);
   assert.equal(shownFromSurveyed([{ shown: [0, 0], is: [1, 1] }, { shown: [1, 0], is: [1, 1] }]), null);
+});
+
+test('photos of a place come sharpest and most vertical first, aligned ones before others', () => {
+  const order = (/** @type {any[]} */ ...seen) => seen.sort(byQuality).map(({ name }) => name).join('');
+  assert.equal(order({ name: 'a', off_nadir_deg: 3, quality: 0.4 }, { name: 'b', off_nadir_deg: 20, quality: 0.88 }, { name: 'c', quality: 1, placement: 'pose_only' }), 'bac');
+  assert.equal(order({ name: 'a', off_nadir_deg: 30 }, { name: 'b', off_nadir_deg: 1, sigma_m: 2 }, { name: 'c', off_nadir_deg: 2, sigma_m: 1 }), 'cba', 'of servers that say no quality by the angle; views alike by their placement');
+});
+
+test('what a map placed by the other points says of each is summed up', () => {
+  const figures = (/** @type {string} */ name, /** @type {number|null} */ east) => ({ name, sightings: 2, is_used: true, reason: '', miss_east_m: 0, miss_north_m: 0, miss_up_m: 0, residual_px: 1, ...(east === null ? {} : { left_out: { miss_east_m: east, miss_north_m: 0, miss_up_m: 0 } }) });
+  const of = (/** @type {(number|null)[]} */ ...easts) => predictionOf(residualsOf(/** @type {any} */ ({ alignment: { ground_control: easts.map((east, i) => figures(`P${i}`, east)) } })));
+  assert.deepEqual(of(0.02, -0.5, null, 0.03), { median_m: 0.03, worst_m: 0.5, worst: 'P1' });
+  assert.equal(of(null, null), null);
+  assert.equal(of(), null);
 });
 
 test('points and marks that stand out are flagged', () => {

@@ -12,6 +12,7 @@ import { gzipSync } from 'node:zlib';
 import { tilePosition } from '../../../web/src/map/tile_addresses.js';
 import { boundsOf, moveByPairs, photosGeoJson, reportOf } from './mock_flight.js';
 import { answerExports } from './mock_exports.js';
+import { answerIndices, index_facts, indexTile } from './mock_indices.js';
 import { mockTus } from './mock_tus.js';
 import { countrysidePicture, countrysideTile, encodePng } from './tile_picture.js';
 
@@ -33,7 +34,7 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean, is_unplaced?: boolean, page_limit?: number}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, page_limit?: number}} [options] upload_ms: time each file takes at least;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
  *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
  */
@@ -254,6 +255,17 @@ export async function startMockServer(options = {}) {
         flight.shares = flight.shares.filter(({ id }) => id !== rest.slice('/shares/'.length));
         return send(204, null);
       }
+      if (rest === '/notes') {
+        flight.notes ??= { features: [], number: 0 };
+        const etag = () => (flight.notes.number === 0 ? '"none"' : `"n${flight.notes.number}"`);
+        if (request.method === 'PUT') {
+          const { features } = JSON.parse((await readBody()).toString());
+          if (flight.refuses_notes) return problem(flight.refuses_notes.status, 'Refused', flight.refuses_notes.detail);
+          if (request.headers['if-match'] !== etag()) return problem(412, 'Changed', 'The notes were changed elsewhere meanwhile.');
+          flight.notes = { features, number: flight.notes.number + 1 };
+        }
+        return send(200, { type: 'FeatureCollection', features: flight.notes.features }, 'application/geo+json', { ETag: etag() });
+      }
       if (rest.startsWith('/exports')) {
         const answer = answerExports(flight, request.method ?? 'GET', rest, request.method === 'POST' ? JSON.parse((await readBody()).toString()) : null);
         return answer.file ? send(200, answer.file, 'image/tiff') : answer.detail ? problem(answer.status, 'Refused', answer.detail) : send(answer.status, answer.body ?? null);
@@ -270,20 +282,23 @@ export async function startMockServer(options = {}) {
       }
       const names = [...flight.files.keys()];
       if (!flight.ready) return problem(404, 'No map yet', 'The map of this flight has not been made.');
+      const of_indices = answerIndices(rest, url.searchParams);
+      if (of_indices) return of_indices.detail ? problem(of_indices.status, 'Bad request', of_indices.detail) : send(of_indices.status, of_indices.body ?? null);
       if (rest === '/report') return send(200, { ...reportOf(flight.place, names, max_zoom, options.is_whole), is_placed: !(options.is_unplaced && !flight.is_placed), alignment: { placed_by: options.is_unplaced ? 'images' : 'records' } });
       if (rest === '/photos.geojson') return send(200, photosGeoJson(flight.place, names), 'application/geo+json');
-      if (rest === '/thumbnail.webp' || rest === '/thumbnail.png') return send(200, countrysidePicture(flight.place), 'image/png');
+      if (rest === '/thumbnail.webp' || rest === '/thumbnail.png') return send(200, countrysidePicture(flight.place, url.searchParams.get('size') === '1024' ? 1000 : 160), 'image/png');
       if (rest.startsWith('/download.')) return send(200, Buffer.from('mock'), 'application/octet-stream');
     }
     if ((match = path.match(/^\/tiles\/([^/]+)\.json$/)) && flights.get(match[1])?.ready) {
       const flight = flights.get(match[1]);
       return send(200, {
-        tilejson: '3.0.0', tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}?rev=${flight.revision}`], tileSize: 256,
-        minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name, attribution: flight.attribution,
+        tilejson: '3.0.0', version: `${flight.revision}.0.0`, tiles: [`http://${request.headers.host}/tiles/${flight.id}/{z}/{x}/{y}?rev=${flight.revision}`], tileSize: 256,
+        minzoom: 14, maxzoom: max_zoom, bounds: boundsOf(flight.place), name: flight.name, attribution: flight.attribution, ...(options.has_indices ? index_facts : {}),
       });
     }
     if ((match = path.match(/^\/tiles\/([^/]+)\/(\d+)\/(\d+)\/(\d+)(?:\.png)?$/)) && flights.get(match[1])?.ready) {
       const [z, x, y] = match.slice(2).map(Number);
+      if (url.searchParams.has('index') || url.searchParams.has('expression')) return send(200, indexTile(url.searchParams), 'image/png', { 'Cache-Control': 'no-cache' });
       return send(200, countrysideTile(flights.get(match[1]).place, z, x, y), 'image/png', { 'Cache-Control': 'no-cache' });
     }
     if (path.startsWith('/api/') || path.startsWith('/tiles/')) return problem(404, 'Not found', `There is nothing at ${path}.`);

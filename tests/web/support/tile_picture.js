@@ -106,10 +106,11 @@ export function countrysideTile(place, z, x, y) {
 
 /**
  * @param {{half_m: number, season: number}} place
+ * @param {number} [width] of the picture
  * @returns {Buffer} PNG of the whole map, small
  */
-export function countrysidePicture({ half_m, season }) {
-  const [width, height] = [160, 128];
+export function countrysidePicture({ half_m, season }, width = 160) {
+  const height = 0.8 * width;
   const rgba = new Uint8Array(width * height * 4);
   for (let y = 0; y < height; y += 1) {
     for (let x = 0; x < width; x += 1) {

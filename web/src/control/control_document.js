@@ -1,7 +1,7 @@
 // The control points of an open flight: changed here at once, sent to the server a moment later, undone step by step.
 // Events: 'change' (the points), 'saved' (what the state of saving is).
 /** @import { ControlMark, ControlPoint } from './control_lists.js' */
-import { authorization } from '../shared/access.js';
+import { authorization } from '../shared/token.js';
 import { ApiError, problem } from '../shared/api.js';
 import { strings } from '../shared/flight_strings.js';
 

@@ -12,7 +12,7 @@ import { strings } from '../shared/flight_strings.js';
 import { ControlDocument } from './control_document.js';
 import { openImport, openPointForm } from './control_forms.js';
 import { controlPlaces } from './control_places.js';
-import { residualOfMark, residualsOf } from './control_residuals.js';
+import { predictionOf, residualOfMark, residualsOf } from './control_residuals.js';
 import { openMarking } from './marking_dialog.js';
 
 const kMinMarks = 2;
@@ -62,6 +62,7 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
     state,
     may_change && h('div', { class: 'control-apply no-print' }, advice, go),
     residualTable(residuals),
+    predictionTable(residuals),
   );
   let is_closed = false;
   let is_starting = false;
@@ -172,6 +173,25 @@ export function controlPanel({ flight, report, photos, stage, may_change, apply 
 
 /** @param {PointResidual} found */
 const residualText = (found) => (found.is_used ? `${formatLength(found.horizontal_m)} · ${pixels(found.px)}` : strings.control.not_used);
+
+/** @param {PointResidual[]} residuals @returns {HTMLElement|null} */
+function predictionTable(residuals) {
+  const words = strings.control;
+  const found = predictionOf(residuals);
+  if (!found) return null;
+  return h(
+    'details',
+    { class: 'control-residuals', id: 'control-predictions' },
+    h('summary', {}, words.predictions, h('span', { class: 'muted' }, ` ${words.predicted(formatLength(found.median_m), found.worst, formatLength(found.worst_m))}`)),
+    h(
+      'table',
+      { class: 'control-table' },
+      h('thead', {}, h('tr', {}, ...[words.point, words.residual].map((text) => h('th', { scope: 'col' }, text)))),
+      h('tbody', {}, ...residuals.map(({ name, predicted_m }) => predicted_m !== null && h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, formatLength(predicted_m))))),
+    ),
+    h('p', { class: 'muted' }, words.predictions_hint),
+  );
+}
 
 /** @param {PointResidual[]} residuals @returns {HTMLElement|null} */
 function residualTable(residuals) {

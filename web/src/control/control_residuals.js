@@ -4,7 +4,7 @@
 import { photoKey } from './control_lists.js';
 
 /** @typedef {{photo: string, px: number, m: number, is_outlier: boolean}} MarkResidual */
-/** @typedef {{name: string, is_used: boolean, reason: string, horizontal_m: number, up_m: number, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
+/** @typedef {{name: string, is_used: boolean, reason: string, horizontal_m: number, up_m: number, predicted_m: number|null, px: number, is_outlier: boolean, marks: MarkResidual[]}} PointResidual */
 
 const kOutlying = 3;   // times the median
 const kMinPx = 3;      // less is as well as one clicks
@@ -30,6 +30,7 @@ export function residualsOf(report) {
     reason: point.reason,
     horizontal_m: horizontal(point),
     up_m: point.miss_up_m,
+    predicted_m: point.left_out ? Math.hypot(point.left_out.miss_east_m, point.left_out.miss_north_m) : null,
     px: point.residual_px,
     is_outlier: !point.is_used || horizontal(point) > Math.max(kOutlying * usual_m, kMinGsds * (report?.gsd_m ?? 0)),
     marks: (point.marks ?? []).map(({ photo, residual_px, residual_m, is_used }) => ({
@@ -39,6 +40,18 @@ export function residualsOf(report) {
       is_outlier: !is_used && point.is_used || residual_px > Math.max(kOutlying * usual_px, kMinPx),
     })),
   }));
+}
+
+/**
+ * How far points lie from where a map placed by the others alone puts each.
+ * @param {PointResidual[]} residuals
+ * @returns {{median_m: number, worst_m: number, worst: string}|null} null: too few points for it
+ */
+export function predictionOf(residuals) {
+  const told = residuals.filter(({ predicted_m }) => predicted_m !== null).map(({ name, predicted_m }) => ({ name, miss_m: predicted_m ?? 0 }));
+  if (told.length === 0) return null;
+  const worst = told.reduce((a, b) => (b.miss_m > a.miss_m ? b : a));
+  return { median_m: median(told.map(({ miss_m }) => miss_m)), worst_m: worst.miss_m, worst: worst.name };
 }
 
 /** @param {PointResidual[]} residuals @param {string} name @param {string} photo */

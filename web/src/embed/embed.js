@@ -1,27 +1,24 @@
-// The bare map for frames of other pages: /embed/FLIGHT, with #token=... where the server asks for one and #at=... for a
-// place (view_address.js). It changes nothing, keeps nothing in the browser and asks nobody for a token.
+// The bare map for frames of other pages (embed_address.js). It changes nothing, keeps nothing in the browser and asks
+// nobody for a token; first_embed.js has taken its own.
 /** @import { TileJson } from '../shared/types.js' */
-import { holdToken } from '../shared/access.js';
 import { ApiError, getTileJson } from '../shared/api.js';
 import { byId, h, put } from '../shared/dom.js';
 import { icon } from '../shared/icons.js';
+import { embedded } from './embed_address.js';
 import { MapView } from '../map/map_view.js';
+import { dropPoster, uncoverMap } from '../first_view/poster.js';
+import { kEmbedPadding } from '../first_view/poster_place.js';
 import { placeOfHash } from '../map/view_address.js';
 import { loadFlightStrings, strings } from '../shared/flight_strings.js';
 
-const kMargin_px = 24;
-
-const id = decodeURIComponent(location.pathname.split('/').pop() ?? '');
-// Behind '#', so that no server or proxy on the way writes it down; before it for those who cannot.
-const wishes = new URLSearchParams(location.hash.slice(1));
-const token = wishes.get('token') ?? new URLSearchParams(location.search).get('token') ?? '';
-holdToken(token);
+const { id, token, wishes } = embedded();
 
 /** @param {unknown} error */
 function say(error) {
   const words = strings.embed;
   const status = error instanceof ApiError ? error.status : -1;
   const text = status === 401 ? words.no_access : status === 404 || status === 400 ? words.none : error instanceof Error ? error.message : String(error);
+  dropPoster();
   put(byId('note'), h('p', {}, text));
   byId('note').hidden = false;
 }
@@ -41,7 +38,7 @@ async function show() {
   const view = new MapView(byId('map'), tilejson.name);
   // Who scrolls the page around the frame does not mean the map.
   if (window.parent !== window) view.map.cooperativeGestures.enable();
-  const fit = (/** @type {boolean} */ animated) => view.fit({ top: kMargin_px, right: kMargin_px, bottom: kMargin_px, left: kMargin_px }, animated);
+  const fit = (/** @type {boolean} */ animated) => view.fit(kEmbedPadding, animated);
   const tool = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ run) =>
     h('button', { type: 'button', class: 'tool', 'aria-label': label, title: label, on: { click: run } }, icon(name));
   byId('stage').append(
@@ -53,6 +50,7 @@ async function show() {
   const place = placeOfHash(`#?${wishes}`);
   if (place) view.map.jumpTo({ center: [place.lon, place.lat], zoom: place.zoom, bearing: place.bearing });
   else fit(false);
+  uncoverMap(view.map, view.first_source);
 }
 
 loadFlightStrings().then(

@@ -5,7 +5,7 @@ import { announce, showError, showNote } from '../shared/announce.js';
 import { deleteFlight, getTrash, removeFlight, restoreFlight } from '../shared/api.js';
 import { askToRemove } from '../shared/dialogs.js';
 import { strings } from '../shared/strings.js';
-import { uploadOf } from '../upload/running_uploads.js';
+import { uploadOf } from '../upload/drop_zone.js';
 import { resumeUpload } from '../upload/uploads.js';
 
 /**

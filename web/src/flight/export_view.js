@@ -2,7 +2,7 @@
 // and keeps it for a day; this lists what it has, with progress, downloads and refusals.
 /** @import { Flight, MapExport } from '../shared/types.js' */
 /** @import { Outline } from '../map/outlines.js' */
-import { readable } from '../shared/access.js';
+import { readable } from '../shared/token.js';
 import { announce } from '../shared/announce.js';
 import { listExports, removeExport, serverWords, startExport } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';

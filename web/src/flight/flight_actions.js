@@ -1,6 +1,6 @@
 // What one does with a finished map, in a row: share it, download it, open it in QGIS.
 /** @import { Flight } from '../shared/types.js' */
-import { readable, withToken } from '../shared/access.js';
+import { readable, withToken } from '../shared/token.js';
 import { showError } from '../shared/announce.js';
 import { downloadPath, downloadSize } from '../shared/api.js';
 import { at } from '../shared/router.js';

@@ -4,7 +4,7 @@
 import { announce, showError } from '../shared/announce.js';
 import { ApiError, getFlight, getReport, serverWords, startControl, startJob, startPlacing } from '../shared/api.js';
 import { controlSection } from '../control/control_section.js';
-import { h, put } from '../shared/dom.js';
+import { h, loadStyle, put } from '../shared/dom.js';
 import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js';
 import { chosenOptions } from './job_options.js';
 import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
@@ -18,7 +18,7 @@ import { reportView } from './report_view.js';
 import { isGuessed } from './result_verdict.js';
 import { strings } from '../shared/flight_strings.js';
 import { forgetUpload } from '../upload/upload_memory.js';
-import { uploadOf } from '../upload/running_uploads.js';
+import { uploadOf } from '../upload/drop_zone.js';
 import { uploadView } from '../upload/upload_view.js';
 import { waitingView } from './waiting_view.js';
 
@@ -53,6 +53,9 @@ export class FlightView {
   /** @type {{element: HTMLElement, close: () => void}|null} */
   #control = null;
   #is_control_open = false;
+  /** @type {{element: HTMLElement, close: () => void}|null} */
+  #notes = null;
+  #notes_place = h('div', {});
 
   /**
    * @param {string} id
@@ -76,6 +79,7 @@ export class FlightView {
     this.#endWork();
     this.#endFollowing?.();
     this.#control?.close();
+    this.#notes?.close();
   }
 
   // Until there is a map, its preview grows.
@@ -242,7 +246,7 @@ export class FlightView {
   /** What can be done after a failure. @param {Flight} flight */
   #waysOn(flight) {
     if (isImported(flight) && flight.file_count === 0) return [];
-    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id), this.#addButton()];
+    if (!placing_jobs.has(flight.job?.id ?? '')) return [this.#startButton(flight, strings.job.again), optionsButton(flight.id, () => this.stage.outlines()), this.#addButton()];
     const change = h('button', { type: 'button', class: 'button small primary', id: 'place-again' }, strings.place.change);
     change.addEventListener('click', () => {
       if (this.#report) this.#place(flight, this.#report, change);
@@ -280,6 +284,7 @@ export class FlightView {
       hint: strings.options.again_hint,
       submit: strings.options.again_start,
       options: lastOptions(flight),
+      outlines: this.stage.outlines(),
       on_submit: async (options) => {
         await startJob(flight.id, options);
         await this.refresh();
@@ -307,7 +312,7 @@ export class FlightView {
     const view = waitingView(flight, {
       start: (label, kind) => this.#startButton(flight, label, kind),
       add: () => this.#addButton(),
-      options: () => optionsButton(flight.id),
+      options: () => optionsButton(flight.id, () => this.stage.outlines()),
       on_resume: () => void this.refresh(),
       signal: this.#abort.signal,
     });
@@ -359,11 +364,25 @@ export class FlightView {
       this.#result,
       found instanceof Error ? h('p', { class: 'muted' }, strings.report.missing) : reportView(flight, found, shown.photos, may_remake ? { place, again } : null),
       this.#control?.element,
+      this.#notes_place,
       linksView(flight, shown.tilejson),
     );
     await shown.drawn;
+    await this.#drawNotes(flight);
+  }
+
+  /** Once the map is there: nothing of it waits for them. @param {Flight} flight */
+  async #drawNotes(flight) {
+    const [{ notesSection }] = await Promise.all([import('../notes/notes_section.js'), (notes_style ??= loadStyle('styles/notes.css'))]);
+    if (this.#abort.signal.aborted) return;
+    this.#notes?.close();
+    this.#notes = notesSection(flight, this.stage, mayChange(flight));
+    put(this.#notes_place, this.#notes.element);
   }
 }
+
+/** @type {Promise<void>|null} */
+let notes_style = null;
 
 /** @param {Job|null|undefined} job that has failed */
 const failedWords = (job) => (job && placing_jobs.has(job.id) ? strings.job.placing_failed : strings.job.failed);

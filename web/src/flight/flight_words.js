@@ -3,7 +3,7 @@
 import { h } from '../shared/dom.js';
 import { formatBytes, formatCaptureDay, formatDate, formatGsd, formatPercent } from '../shared/format.js';
 import { strings } from '../shared/strings.js';
-import { uploadOf } from '../upload/running_uploads.js';
+import { uploadOf } from '../upload/drop_zone.js';
 
 /** @param {PhotoCounts|null|undefined} photos @returns {boolean} whether all are aligned */
 export const isWhole = (photos) => !photos || (photos.left_out === 0 && photos.pose_only === 0);

@@ -1,7 +1,7 @@
 // Follows what happens to a flight by the server's events. The browser comes back by itself after a broken link and
 // gets what it missed.
 /** @import { Bounds } from '../shared/types.js' */
-import { readable } from '../shared/access.js';
+import { readable } from '../shared/token.js';
 
 /**
  * @typedef {object} Growth the preview of a flight has changed

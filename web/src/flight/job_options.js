@@ -14,12 +14,15 @@ import { parsePlace } from '../map/parse_place.js';
  * @property {string} format
  * @property {string} quality
  * @property {string} origin where a flight without any position took off
+ * @property {string} takeoff_height_m above sea level
+ * @property {Area|null} boundary that the map is cut to; null: the whole of it
  */
+/** @typedef {GeoJSON.Polygon|GeoJSON.MultiPolygon} Area */
 /** @typedef {Record<string, any>} JobOptions */
-/** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'origin'} TypedField */
+/** @typedef {'resolution_cm'|'max_look_deg'|'readout_ms'|'quality'|'origin'|'takeoff_height_m'} TypedField */
 
 export const kMethods = ['auto', 'images', 'imu', 'features', 'direct'];
-export const kFormats = ['auto', 'webp'];
+export const kFormats = ['auto', 'jpeg-png', 'webp'];
 export const kLayers = ['photo', 'error', 'height'];
 /** What the contract allows. @type {Record<Exclude<TypedField, 'origin'>, {least: number, most: number, is_whole?: boolean}>} */
 export const kLimits = {
@@ -27,10 +30,11 @@ export const kLimits = {
   max_look_deg: { least: 10, most: 75 },
   readout_ms: { least: 0, most: 500 },
   quality: { least: 1, most: 100, is_whole: true },
+  takeoff_height_m: { least: -500, most: 9000 },
 };
 
 /** @type {Readonly<OptionsForm>} */
-export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '' };
+export const kStandard = { resolution_cm: '', not_finer: true, method: 'auto', layers: kLayers, max_look_deg: '', readout_ms: '', format: 'auto', quality: '', origin: '', takeoff_height_m: '', boundary: null };
 
 /** Those that come with the page, by their names in strings.options.presets. @type {Record<'standard'|'quick'|'detailed', OptionsForm>} */
 export const kPresets = {
@@ -56,7 +60,7 @@ export function optionsOf(form) {
     if (!(value >= least && value <= most) || (is_whole && !Number.isInteger(value))) faults.push(field);
     return value;
   };
-  const [resolution_cm, max_look_deg, readout_ms, quality] = [typed('resolution_cm'), typed('max_look_deg'), typed('readout_ms'), typed('quality')];
+  const [resolution_cm, max_look_deg, readout_ms, quality, takeoff_height_m] = [typed('resolution_cm'), typed('max_look_deg'), typed('readout_ms'), typed('quality'), typed('takeoff_height_m')];
   const origin = form.origin.trim() === '' ? null : parsePlace(form.origin);
   if (origin && 'fault' in origin) faults.push('origin');
   return {
@@ -69,9 +73,41 @@ export function optionsOf(form) {
       ...(form.format === 'auto' ? {} : { format: form.format }),
       ...(quality === null ? {} : { quality }),
       ...(origin && 'place' in origin ? { origin: [origin.place[1], origin.place[0]] } : {}),
+      ...(takeoff_height_m === null ? {} : { takeoff_height_m }),
+      ...(form.boundary ? { boundary: form.boundary } : {}),
     },
     faults,
   };
+}
+
+/** Of a job's options, which together may have 64 KiB. */
+const kMaxAreaBytes = 60_000;
+const kPlaces = 1e8;  // of a degree: a millimetre
+
+/**
+ * An area as a job takes it: without more digits than mean anything.
+ * @param {Area} area
+ * @returns {Area|null} null: it has too many corners
+ */
+export function jobArea(area) {
+  /** @type {(inner: any) => any} */
+  const rounded = (inner) => (Array.isArray(inner) ? inner.map(rounded) : Math.round(inner * kPlaces) / kPlaces);
+  const made = /** @type {Area} */ ({ type: area.type, coordinates: rounded(area.coordinates) });
+  return JSON.stringify(made).length > kMaxAreaBytes ? null : made;
+}
+
+/** What a program asked for may be a collection: the page keeps what it can show as one. @param {any} boundary @returns {Area|null} */
+function areaOf(boundary) {
+  const polygons = (/** @type {any} */ object) => {
+    if (object?.type === 'Polygon' && Array.isArray(object.coordinates)) return [object.coordinates];
+    if (object?.type === 'MultiPolygon' && Array.isArray(object.coordinates)) return object.coordinates;
+    if (object?.type === 'Feature') return polygons(object.geometry);
+    if (object?.type === 'FeatureCollection' && Array.isArray(object.features)) return object.features.flatMap(polygons);
+    return [];
+  };
+  const found = polygons(boundary);
+  if (found.length === 0) return null;
+  return found.length === 1 ? { type: 'Polygon', coordinates: found[0] } : { type: 'MultiPolygon', coordinates: found };
 }
 
 /** @param {JobOptions} options of a job @returns {OptionsForm} */
@@ -88,6 +124,8 @@ export function formOf(options) {
     format: word(options.format, kFormats),
     quality: text(options.quality),
     origin: Array.isArray(options.origin) ? options.origin.join(', ') : '',
+    takeoff_height_m: text(options.takeoff_height_m),
+    boundary: areaOf(options.boundary),
   };
 }
 
@@ -100,6 +138,9 @@ export const chosenOptions = (flight_id) => chosen.get(flight_id) ?? optionsOf(k
 /** @param {string} flight_id @param {JobOptions} options */
 export const chooseOptions = (flight_id, options) => void chosen.set(flight_id, options);
 
+/** What no other flight shares. @type {Pick<OptionsForm, 'origin'|'takeoff_height_m'|'boundary'>} */
+export const kOfOneFlight = { origin: '', takeoff_height_m: '', boundary: null };
+
 const kKey = 'skyquilt.presets';
 const kMaxPresets = 50;
 
@@ -109,7 +150,7 @@ export function keptPresets() {
   const presets = {};
   try {
     const kept = JSON.parse(keptChoice(kKey) ?? '{}');
-    for (const [name, options] of Object.entries(kept)) if (options && typeof options === 'object') presets[name] = formOf(options);
+    for (const [name, options] of Object.entries(kept)) if (options && typeof options === 'object') presets[name] = { ...formOf(options), ...kOfOneFlight };
   } catch (error) {
     console.debug('presets cannot be read', error);
   }
@@ -119,7 +160,7 @@ export function keptPresets() {
 /** @param {string} name @param {OptionsForm|null} form null: it goes @returns {boolean} whether this browser keeps it */
 export function keepPreset(name, form) {
   const { [name]: _, ...others } = keptPresets();
-  const presets = form ? { ...others, [name]: form } : others;
+  const presets = form ? { ...others, [name]: { ...form, ...kOfOneFlight } } : others;
   if (Object.keys(presets).length > kMaxPresets) return false;
   try {
     localStorage.setItem(kKey, JSON.stringify(Object.fromEntries(Object.entries(presets).map(([key, value]) => [key, optionsOf(value).options]))));

@@ -1,6 +1,6 @@
 // The addresses by which other programs read the map.
 /** @import { Flight, TileJson } from '../shared/types.js' */
-import { pageToken, withToken } from '../shared/access.js';
+import { pageToken, withToken } from '../shared/token.js';
 import { announce, showError } from '../shared/announce.js';
 import { addShare, ownAccess } from '../shared/api.js';
 import { connectFiles, josmAddress, saveText } from './connect_files.js';

@@ -1,19 +1,22 @@
 // Asks how a map is to be made: a preset, or each option with what it does. Says beside a field what the server would
 // refuse, before anything is sent.
 /** @import { Flight } from '../shared/types.js' */
+/** @import { Outline } from '../map/outlines.js' */
 /** @import { JobOptions, OptionsForm, TypedField } from './job_options.js' */
+import { kMaxBytes, OwnDataError, readOwnData } from '../map/own_data.js';
+import { outlineOf } from '../map/outlines.js';
 import { h, put } from '../shared/dom.js';
 import { strings } from '../shared/flight_strings.js';
 import { icon } from '../shared/icons.js';
-import { chooseOptions, chosenOptions, formOf, keepPreset, keptPresets, kFormats, kLayers, kLimits, kMethods, kPresets, optionsOf } from './job_options.js';
+import { chooseOptions, chosenOptions, formOf, jobArea, keepPreset, keptPresets, kFormats, kLayers, kLimits, kMethods, kPresets, optionsOf } from './job_options.js';
 
 const kOwn = 'own:';  // before the names of the user's presets, which may be called as ours are
 
 /**
- * @param {{title: string, hint?: string, submit: string, options: JobOptions, on_submit: (options: JobOptions) => Promise<void>|void}} question
- *   on_submit: what it throws is shown, and the dialog stays
+ * @param {{title: string, hint?: string, submit: string, options: JobOptions, outlines?: Outline[], on_submit: (options: JobOptions) => Promise<void>|void}} question
+ *   outlines: on the map now; on_submit: what it throws is shown, and the dialog stays
  */
-export function askOptions({ title, hint = '', submit, options, on_submit }) {
+export function askOptions({ title, hint = '', submit, options, outlines = [], on_submit }) {
   const words = strings.options;
   const text = (/** @type {TypedField} */ name, /** @type {string} */ placeholder) =>
     h('input', { id: `option-${name}`, class: 'field', type: 'text', inputmode: name === 'origin' ? 'text' : 'decimal', placeholder, autocomplete: 'off', 'aria-describedby': `option-${name}-hint option-${name}-fault` });
@@ -30,6 +33,7 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
     readout_ms: text('readout_ms', words.automatic),
     quality: text('quality', '85'),
     origin: text('origin', words.none),
+    takeoff_height_m: text('takeoff_height_m', words.as_recorded),
   };
   const fields = /** @type {TypedField[]} */ (Object.keys(typed));
   const method = choice('method', kMethods, words.methods);
@@ -47,6 +51,33 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
       h('div', { class: 'option-field' }, field, h('small', { class: 'muted', id: `${field.id}-hint` }, /** @type {Record<string, string>} */ (words.hints)[name]), faults[name] ?? null, more),
     );
 
+  // The areas that can be chosen; an area that the options came with stands first, without a name of its own.
+  /** @type {Outline[]} */
+  const areas = [...outlines];
+  const area = h('select', { id: 'option-boundary', class: 'field', 'aria-describedby': 'option-boundary-hint' });
+  const drawAreas = (/** @type {number} */ chosen) => {
+    put(area, h('option', { value: '' }, words.whole), ...areas.map(({ name }, i) => h('option', { value: String(i) }, name)));
+    area.value = chosen < 0 ? '' : String(chosen);
+  };
+  const areaNow = () => (area.value === '' ? null : areas[Number(area.value)].geometry);
+  const area_file = h('input', { type: 'file', accept: '.geojson,.json,.kml', hidden: true, id: 'option-boundary-file' });
+  area_file.addEventListener('change', async () => {
+    const [chosen_file] = area_file.files ?? [];
+    area_file.value = '';
+    if (!chosen_file) return;
+    refuse('');
+    try {
+      if (chosen_file.size > kMaxBytes) throw new OwnDataError(strings.own_data.faults.large);
+      const outline = outlineOf(chosen_file.name, readOwnData(chosen_file.name, await chosen_file.text()));
+      if (!outline) throw new OwnDataError(strings.exports.no_area);
+      areas.push(outline);
+      drawAreas(areas.length - 1);
+    } catch (error) {
+      refuse(`${chosen_file.name}: ${error instanceof OwnDataError ? error.message : strings.own_data.faults.unread}`);
+    }
+  });
+  const browse = h('button', { type: 'button', class: 'button small', id: 'option-boundary-browse', on: { click: () => area_file.click() } }, strings.exports.browse);
+
   /** @returns {OptionsForm} */
   const read = () => ({
     .../** @type {Record<TypedField, string>} */ (Object.fromEntries(fields.map((name) => [name, typed[name].value]))),
@@ -54,6 +85,7 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
     method: method.value,
     format: format.value,
     layers: layers.filter(({ input }) => input.checked).map(({ name }) => name),
+    boundary: areaNow(),
   });
   /** @param {OptionsForm} form */
   const fill = (form) => {
@@ -62,6 +94,8 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
     format.value = form.format;
     not_finer.input.checked = form.not_finer;
     for (const { name, input } of layers) input.checked = form.layers.includes(name);
+    if (form.boundary) areas.push({ name: words.chosen_area, geometry: form.boundary });
+    drawAreas(form.boundary ? areas.length - 1 : -1);
     check();
   };
   /** Says what is wrong. @returns {JobOptions|null} null: something is */
@@ -92,7 +126,10 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
   preset.addEventListener('change', () => {
     const name = preset.value;
     const form = name.startsWith(kOwn) ? keptPresets()[name.slice(kOwn.length)] : kPresets[/** @type {keyof typeof kPresets} */ (name)];
-    if (form) fill(form);
+    const { origin, takeoff_height_m } = read();
+    const shown_area = area.value;
+    if (form) fill({ ...form, origin, takeoff_height_m, boundary: null });
+    area.value = shown_area;
     forget.hidden = !name.startsWith(kOwn);
   });
   forget.addEventListener('click', () => {
@@ -122,6 +159,7 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
     h('div', { class: 'export-row' }, h('label', { for: preset.id }, words.preset), h('div', { class: 'export-fields' }, preset, forget)),
     row('resolution_cm', typed.resolution_cm, not_finer.row),
     row('method', method),
+    row('boundary', area, h('div', { class: 'row' }, browse, area_file)),
     h('fieldset', { class: 'option-layers' }, h('legend', {}, words.names.layers), ...layers.map(({ row: line }) => line), h('small', { class: 'muted' }, words.hints.layers)),
     h(
       'details',
@@ -132,6 +170,7 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
       row('format', format),
       row('quality', typed.quality),
       row('origin', typed.origin),
+      row('takeoff_height_m', typed.takeoff_height_m),
     ),
     h('div', { class: 'export-row' }, h('label', { for: name_of_preset.id }, words.keep_as), h('div', { class: 'export-fields' }, name_of_preset, keep)),
     refusal,
@@ -151,9 +190,11 @@ export function askOptions({ title, hint = '', submit, options, on_submit }) {
       typed[wrong].focus();
       return;
     }
+    const cut = asked.boundary && jobArea(asked.boundary);
+    if (cut === null) return refuse(words.large_area);
     send.disabled = true;
     try {
-      await on_submit(asked);
+      await on_submit(cut ? { ...asked, boundary: cut } : asked);
       dialog.close();
     } catch (error) {
       refuse(error instanceof Error ? error.message : String(error));
@@ -180,6 +221,8 @@ export function optionWords(options) {
     form.format !== 'auto' && words.formats[/** @type {keyof typeof words.formats} */ (form.format)],
     form.quality && `${words.names.quality} ${form.quality}`,
     form.origin && `${words.names.origin} ${form.origin}`,
+    form.takeoff_height_m && `${words.names.takeoff_height_m} ${form.takeoff_height_m} m`,
+    form.boundary && strings.exports.cut,
   ].filter(Boolean).join(' · ');
 }
 
@@ -189,9 +232,10 @@ export const lastOptions = ({ id, job }) => (job?.options && !('place' in job.op
 /**
  * For a map that is still to be made: what is chosen stands beside the button and counts when the job is begun.
  * @param {string} flight_id
+ * @param {() => Outline[]} outlines on the map
  * @returns {HTMLElement}
  */
-export function optionsButton(flight_id) {
+export function optionsButton(flight_id, outlines = () => []) {
   const words = strings.options;
   const chosen = h('small', { class: 'muted', id: 'options-chosen' });
   const draw = () => {
@@ -203,6 +247,7 @@ export function optionsButton(flight_id) {
       title: words.title,
       submit: words.use,
       options: chosenOptions(flight_id),
+      outlines: outlines(),
       on_submit: (options) => {
         chooseOptions(flight_id, options);
         draw();

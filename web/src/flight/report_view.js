@@ -91,7 +91,7 @@ function sortedWarnings(warnings, photos) {
  * @returns {HTMLElement}
  */
 function mapPicture(flight) {
-  return h('div', { class: 'picture print-only' }, h('img', { class: 'map-picture', src: thumbnailPath(flight, 'print'), alt: '', decoding: 'async', fetchpriority: 'low' }));
+  return h('div', { class: 'picture print-only' }, h('img', { class: 'map-picture', src: thumbnailPath(flight, 'whole'), alt: '', decoding: 'async', fetchpriority: 'low' }));
 }
 
 /**

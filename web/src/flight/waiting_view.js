@@ -7,7 +7,7 @@ import { mayChange } from './flight_words.js';
 import { icon } from '../shared/icons.js';
 import { strings } from '../shared/flight_strings.js';
 import { whatIsMissing } from '../upload/upload_memory.js';
-import { stoppedUploadOf } from '../upload/running_uploads.js';
+import { stoppedUploadOf } from '../upload/drop_zone.js';
 import { resumeUpload } from '../upload/uploads.js';
 import { serverVerdictView } from '../upload/verdict_view.js';
 

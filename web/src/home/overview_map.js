@@ -5,7 +5,7 @@ import { thumbnailPath } from '../shared/api.js';
 import { h, put } from '../shared/dom.js';
 import { formatDistance } from '../shared/format.js';
 import { icon } from '../shared/icons.js';
-import { routeHash } from '../shared/router.js';
+import { parseRoute, routeHash } from '../shared/router.js';
 import { number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
@@ -165,15 +165,23 @@ export function overviewMap(listener) {
   element.addEventListener('pointerenter', () => void follow().catch((error) => console.debug('the map does not follow the pointer', error)), { once: true });
 
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
-  void loadLand().then((path) => {
-    land = path;
-    redraw();
-  });
+  let is_land_asked = false;
+  const askLand = () => {
+    if (is_land_asked) return;
+    is_land_asked = true;
+    void loadLand().then((path) => {
+      land = path;
+      redraw();
+    });
+  };
+  // With the list; who opens a flight is not kept waiting for it.
+  if (parseRoute(location.hash).view === 'home') askLand();
   new ResizeObserver(() => (is_moved ? redraw() : fit())).observe(element);
 
   return {
     element,
     show(flights) {
+      askLand();
       const before = new Set(placed.map(({ flight }) => flight.id));
       placed = flights.flatMap((flight) => {
         const bounds = placeOf(flight);

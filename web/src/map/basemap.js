@@ -2,7 +2,7 @@
 // operator chose. The choice stays in this browser.
 /** @import { TileJson } from '../shared/types.js' */
 /** @import { LayerSpecification, SourceSpecification } from '@maplibre/maplibre-gl-style-spec' */
-import { authorization } from '../shared/access.js';
+import { authorization } from '../shared/token.js';
 import { at } from '../shared/router.js';
 import { keptChoice } from '../shared/language.js';
 
@@ -11,8 +11,10 @@ import { keptChoice } from '../shared/language.js';
 const kKey = 'skyquilt.basemap';
 // Close up the coarse outline would be wrong by kilometres.
 const kLandUpTo = 10;
+// So that the map stands out.
+const kMuted = { 'raster-saturation': -0.5, 'raster-contrast': -0.15 };
 
-/** @type {Promise<TileJson & {pmtiles?: string, attribution?: string}|null>|null} */
+/** @type {Promise<TileJson & {pmtiles?: string, attribution?: string, maxzoom?: number}|null>|null} */
 let offered = null;
 
 /** What the server's operator chose; null for nothing. Asked once. */
@@ -79,6 +81,7 @@ export async function basemapParts(kind) {
     Object.assign(source, { url: `pmtiles://${archive.source.getKey()}`, minzoom: minZoom, maxzoom: maxZoom });
   } else {
     source.tiles = tilejson.tiles;
+    if (tilejson.maxzoom) source.maxzoom = tilejson.maxzoom;  // closer up its last tiles are enlarged
   }
-  return { source, layers: [{ id: 'basemap-tiles', type: 'raster', source: 'basemap' }] };
+  return { source, layers: [{ id: 'basemap-tiles', type: 'raster', source: 'basemap', paint: kMuted }] };
 }

@@ -3,6 +3,7 @@
 /** @import { CoordinateForm } from './coordinates.js' */
 import { showNote } from '../shared/announce.js';
 import { getLegends, getTileJson } from '../shared/api.js';
+import { indexSection } from '../indices/index_section.js';
 import { chosenBasemap, keepBasemap, offeredBasemap } from './basemap.js';
 import { coordinate_forms, formatCoordinates } from './coordinates.js';
 import { h, put } from '../shared/dom.js';
@@ -16,7 +17,7 @@ import { ownHost } from './tile_addresses.js';
 
 /**
  * @param {MapView} view
- * @param {{fit: () => void, measure: (kind: 'distance'|'area') => void, compare: () => void}} actions
+ * @param {{fit: () => void, measure: (kind: 'distance'|'area') => void, compare: () => void, layers: () => void}} actions layers: they are about to show
  */
 export function mapTools(view, actions) {
   const words = strings.map;
@@ -48,7 +49,9 @@ export function mapTools(view, actions) {
   const toggleLayers = (open = card.element.hidden) => {
     card.element.hidden = !open;
     layers_button.setAttribute('aria-expanded', String(open));
-    if (open) card.draw();
+    if (!open) return;
+    actions.layers();
+    card.draw();
   };
   layers_button.setAttribute('aria-expanded', 'false');
   layers_button.setAttribute('aria-controls', card.element.id);
@@ -122,11 +125,13 @@ function layersCard(view) {
     void view.setBasemap(kind);
   });
   const overlay = overlayChooser(view);
+  const index = indexSection(view);
   const element = h(
     'section',
     { class: 'layers-card floating', id: 'layers-card', 'aria-label': words.layers, hidden: true },
     h('label', { for: 'opacity', class: 'small-label' }, words.opacity),
     opacity,
+    index.element,
     overlay.element,
     footprints_row,
     check(words.path, 'show-path', view.shows_path, (on) => view.setPath(on)),
@@ -142,6 +147,7 @@ function layersCard(view) {
     draw: () => {
       draw();
       overlay.draw();
+      void index.draw();
       void drawBasemaps();
     },
   };

@@ -1,23 +1,26 @@
 // MapView: one MapLibre map with a flight's mosaic and photos on a plain ground. Knows nothing of panels.
 // The container's data-map-state says 'empty', 'loading' or 'idle' (everything drawn).
-/** @import { Bounds, LayerLegends, MapLayer, PhotoCollection, PhotoRecord, TileJson } from '../shared/types.js' */
+/** @import { Bounds, LayerLegends, MapIndex, MapLayer, PhotoCollection, PhotoRecord, TileJson } from '../shared/types.js' */
 /** @import { LayerKind } from './map_layers.js' */
 /** @import { ColourBy } from './map_style.js' */
 import * as maplibre from '../../vendor/maplibre-gl.mjs';
-import { authorization } from '../shared/access.js';
+import { authorization } from '../shared/token.js';
 import { asMarkup, basemapParts, chosenBasemap } from './basemap.js';
 import { isInside } from './geodesy.js';
 import { kOverlay, overlayOpacity, overlayParts } from './map_layers.js';
 import { cameraPoints, emptyStyle, flightPath, groundColour, lineOpacity, ownDataLayers, path_layers, photo_layers, photoColour, photoLayers } from './map_style.js';
 import { outlineOf } from './outlines.js';
 import { placeMark } from './place_mark.js';
+import { kMaxZoom } from '../first_view/poster_place.js';
 import { strings } from '../shared/flight_strings.js';
-import { ownHost, tilesIn } from './tile_addresses.js';
+import { ownHost, tilesIn, zoomOfFew } from './tile_addresses.js';
 import { chosenUnits } from '../shared/units.js';
 
 maplibre.setWorkerUrl(new URL('../../vendor/maplibre-gl-worker.mjs', import.meta.url).href);
 
-export const kMaxZoom = 24;
+const kIndex = 'index';
+const kNotes = 'notes';
+const kNoteColour = '#ffd11a';
 
 export class MapView {
   /** @type {PhotoCollection|null} */
@@ -28,6 +31,12 @@ export class MapView {
   layers = [];
   /** @type {LayerKind|''} which of them is shown */
   overlay = '';
+  /** @type {string[]} that expressions can name */
+  bands = [];
+  /** @type {MapIndex[]} that can be made of the map */
+  indices = [];
+  tile_template = '';
+  flight_id = '';
   /** @type {ColourBy} */
   colour_by = 'placement';
   /** @type {Map<string, import('./outlines.js').Outline>} of the user's own data that lies over the map */
@@ -42,6 +51,7 @@ export class MapView {
   /** @type {[number, number]} of the mosaic */
   #zooms = [0, 0];
   #drawn_from_zoom = 0;
+  #tile_size = 256;
   is_moved = false;  // by the user, since the flight was opened
   /** @type {maplibre.ScaleControl} */
   #scale;
@@ -97,16 +107,24 @@ export class MapView {
    * @param {TileJson} tilejson
    * @param {Bounds} bounds
    * @param {boolean} [grows] it will reach further than it does now
+   * @param {string} [flight_id] whose map it is
    */
-  async showMosaic(tilejson, bounds, grows = false) {
+  async showMosaic(tilejson, bounds, grows = false, flight_id = '') {
     this.bounds = bounds;  // before the wait: a preview may grow meanwhile
     await this.ready;
     // The new map is drawn over the old one, which goes when the new one is complete: no flicker.
     const old = this.#mosaic;
     this.#mosaic = `mosaic-${(this.#mosaics += 1)}`;
     this.hideOverlay();
+    this.hideIndex();
     this.layers = tilejson.layers ?? [];
-    this.map.addSource(this.#mosaic, {
+    this.bands = grows ? [] : (tilejson.bands ?? []);
+    this.indices = tilejson.indices ?? [];
+    this.flight_id = flight_id;
+    this.tile_template = ownHost(tilejson.tiles[0]);
+    this.#tile_size = tilejson.tileSize ?? 256;
+    /** @type {any} */
+    const source = {
       type: 'raster',
       tiles: tilejson.tiles.map(ownHost),
       // Half the size on fine screens: one tile pixel then fills one screen pixel there as well.
@@ -115,19 +133,21 @@ export class MapView {
       maxzoom: tilejson.maxzoom ?? 22,
       attribution: asMarkup(tilejson.attribution ?? ''),
       ...(grows ? {} : { bounds }),
-    });
+    };
     this.#drawn_from_zoom = (tilejson.minzoom ?? 0) - Math.log2(512 / (tilejson.tileSize ?? 256));
     this.#zooms = [tilejson.minzoom ?? 0, tilejson.maxzoom ?? 22];
     const above = this.map.getStyle().layers.find(({ id }) => id !== 'ground' && id !== old && !id.startsWith('basemap-'))?.id;
-    this.map.addLayer(
-      {
-        id: this.#mosaic,
-        type: 'raster',
-        source: this.#mosaic,
-        paint: { 'raster-opacity': this.opacity, 'raster-fade-duration': 120 },
-      },
-      above,
-    );
+    const add = (/** @type {string} */ id, /** @type {any} */ parts) => {
+      this.map.addSource(id, parts);
+      this.map.addLayer({ id, type: 'raster', source: id, paint: { 'raster-opacity': this.opacity, 'raster-fade-duration': 120 } }, above);
+    };
+    if (!old && !grows) {
+      // The whole map in at most four small tiles comes first; over a slow line the others take their time.
+      const coarse = `${this.#mosaic}-coarse`;
+      add(coarse, { ...source, maxzoom: Math.max(source.minzoom, Math.min(source.maxzoom, zoomOfFew(bounds))) });
+      this.map.once('idle', () => this.#remove(coarse, [coarse]));
+    }
+    add(this.#mosaic, source);
     this.mark.show(this.bounds, this.#drawn_from_zoom);
     this.#setState('loading');
     if (old) this.map.once('idle', () => this.#remove(old, [old]));
@@ -157,6 +177,35 @@ export class MapView {
     this.map.addSource(kOverlay, source);
     const above = this.map.getStyle().layers.find(({ id }) => photo_layers.includes(id) || path_layers.includes(id))?.id;
     this.map.addLayer(layer, above);
+  }
+
+  /**
+   * Lays an index of the map over it, or changes the colours of the one that is there.
+   * @param {string} template addresses of its tiles
+   */
+  showIndex(template) {
+    const source = /** @type {maplibre.RasterTileSource|undefined} */ (this.map.getSource(kIndex));
+    if (source) {
+      source.setTiles([template]);
+      return;
+    }
+    if (!this.bounds) return;
+    this.map.addSource(kIndex, { type: 'raster', tiles: [template], tileSize: this.#tile_size, minzoom: this.#zooms[0], maxzoom: this.#zooms[1], bounds: this.bounds });
+    const above = this.map.getStyle().layers.find(({ id }) => id === kOverlay || photo_layers.includes(id) || path_layers.includes(id))?.id;
+    this.map.addLayer({ id: kIndex, type: 'raster', source: kIndex, paint: { 'raster-opacity': this.opacity, 'raster-resampling': 'nearest', 'raster-fade-duration': 0 } }, above);
+  }
+
+  hideIndex() {
+    this.#remove(kIndex, [kIndex]);
+  }
+
+  /** The source whose few tiles show all of the map before the others. */
+  get first_source() {
+    return `${this.#mosaic}-coarse`;
+  }
+
+  get has_index() {
+    return this.map.getLayer(kIndex) !== undefined;
   }
 
   hideOverlay() {
@@ -193,17 +242,35 @@ export class MapView {
     this.setPath(this.shows_path);
   }
 
+  /** @param {GeoJSON.FeatureCollection} notes points, lines and areas that somebody wrote on the map */
+  async showNotes(notes) {
+    await this.ready;
+    const source = /** @type {maplibre.GeoJSONSource|undefined} */ (this.map.getSource(kNotes));
+    if (source) {
+      source.setData(notes);
+      return;
+    }
+    if (notes.features.length === 0) return;
+    this.map.addSource(kNotes, { type: 'geojson', data: notes });
+    for (const layer of ownDataLayers(kNotes, kNoteColour)) this.map.addLayer(layer, this.map.getLayer('measure-fill') ? 'measure-fill' : undefined);
+  }
+
   /** Removes everything of the flight. */
   async clear() {
     await this.ready;
     this.#remove(this.#mosaic, [this.#mosaic]);
+    this.#remove(`${this.#mosaic}-coarse`, [`${this.#mosaic}-coarse`]);
     this.mark.hide();
     this.#mosaic = '';
     this.hideOverlay();
+    this.hideIndex();
     this.layers = [];
+    this.bands = [];
+    this.indices = [];
     this.#remove('photos', ['photos-fill', 'photos-line']);
     this.#remove('cameras', ['cameras']);
     this.#remove('flight-path', path_layers);
+    this.#remove(kNotes, ownDataLayers(kNotes, '').map((layer) => layer.id));
     this.photos = null;
     this.bounds = null;
     this.is_moved = false;
@@ -237,6 +304,7 @@ export class MapView {
   setOpacity(opacity) {
     this.opacity = opacity;
     if (this.#mosaic) this.map.setPaintProperty(this.#mosaic, 'raster-opacity', opacity);
+    if (this.has_index) this.map.setPaintProperty(kIndex, 'raster-opacity', opacity);
     if (this.overlay) this.map.setPaintProperty(kOverlay, overlayOpacity(this.overlay), opacity);
   }
 

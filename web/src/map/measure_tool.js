@@ -11,12 +11,13 @@ import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';
 import { measureLayers } from './map_style.js';
 import { measureMarks } from './measure_marks.js';
-import { measurementGeoJson, measurementKml, polygonOf } from './measurement_files.js';
+import { measurementGeoJson, measurementGpx, measurementKml, polygonOf } from './measurement_files.js';
 import { crossesItself } from './ring_crossing.js';
 import { strings } from '../shared/flight_strings.js';
 import { areaIn, chosenUnits, keepUnits, lengthIn } from '../shared/units.js';
 
 /** @typedef {'distance'|'area'} MeasureKind */
+/** @typedef {(places: LonLat[], kind: MeasureKind, name: string) => void} Keeper */
 
 /**
  * @param {LonLat[]} places
@@ -64,7 +65,11 @@ export function measureTool(view, listener) {
     h('span', { class: 'fine' }, words.save),
     button('GeoJSON', () => save('geojson'), 'measure-geojson'),
     button('KML', () => save('kml'), 'measure-kml'),
+    button('GPX', () => save('gpx'), 'measure-gpx'),
   );
+  /** @type {Keeper|null} */
+  let keeper = null;
+  const keep_button = button(strings.notes.keep, () => keep(), 'measure-keep');
   const element = h(
     'section',
     { class: 'measure-card floating', id: 'measure-card', 'aria-label': words.distance, hidden: true },
@@ -79,6 +84,7 @@ export function measureTool(view, listener) {
     more,
     h('div', { class: 'row' }, button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])), undo_button, button(words.clear, () => change([]))),
     saving,
+    keep_button,
   );
   const cross = h('div', { class: 'centre-cross', 'aria-hidden': 'true', hidden: true });
   const marks = measureMarks(view, {
@@ -115,6 +121,7 @@ export function measureTool(view, listener) {
     more.textContent = is_crossing ? words.crossing : !found ? words.hint : found.area_m2 === null ? '' : `${words.perimeter} ${lengthIn(found.length_m, units)}`;
     more.classList.toggle('amber', is_crossing);
     saving.hidden = !found;
+    keep_button.hidden = !found || !keeper;
     undo_button.disabled = before.length === 0;
     if (tells) tell();
   };
@@ -139,13 +146,22 @@ export function measureTool(view, listener) {
     view.setUnits(next);
     draw();
   };
-  /** @param {'geojson'|'kml'} form */
+  /** @param {'geojson'|'kml'|'gpx'} form */
   const save = (form) => {
     const found = measured();
     if (!found || !kind) return;
     const file = `${words.file_name[kind]}.${form}`;
     if (form === 'kml') saveText(file, measurementKml(found), 'application/vnd.google-earth.kml+xml');
+    else if (form === 'gpx') saveText(file, measurementGpx(found), 'application/gpx+xml');
     else saveText(file, measurementGeoJson(found), 'application/geo+json');
+  };
+
+  const keep = () => {
+    const found = measured();
+    if (!found || !kind || !keeper) return;
+    const [now, is, name] = [keeper, kind, `${words[kind]} ${result.textContent}`];
+    end();
+    now(found.places, is, name);
   };
 
   const end = () => {
@@ -183,6 +199,11 @@ export function measureTool(view, listener) {
     },
     get kind() {
       return kind;
+    },
+    /** @param {Keeper|null} next who keeps what is measured; null: it is only saved as a file */
+    keepBy(next) {
+      keeper = next;
+      draw(false);
     },
     /** @param {MeasureKind} next */
     start(next) {

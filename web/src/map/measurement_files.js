@@ -1,11 +1,12 @@
-// A measurement as a file that other programs open. WGS84, longitude first, as both formats have it.
+// Measurements, and points with words, as files that other programs open. WGS84, longitude first, as GeoJSON and KML have it.
 /** @import { LonLat } from './geodesy.js' */
 import { xmlText } from '../flight/connect_files.js';
 
 /**
  * @typedef {object} Measurement
  * @property {string} name
- * @property {LonLat[]} places at least two; of an area at least three, its outline not closed
+ * @property {string} [text] words beside it
+ * @property {LonLat[]} places one of a point, at least two of a path; of an area at least three, its outline not closed
  * @property {number} length_m of the path, or around the area
  * @property {number|null} area_m2 null for a path
  */
@@ -26,27 +27,68 @@ function ring(places) {
 /** @param {LonLat[]} places @returns {GeoJSON.Polygon} */
 export const polygonOf = (places) => ({ type: 'Polygon', coordinates: [ring(places).map(rounded)] });
 
-/** @param {Measurement} measurement @returns {string} GeoJSON */
-export function measurementGeoJson({ name, places, length_m, area_m2 }) {
-  const millimetres = (/** @type {number} */ value) => Number(value.toFixed(3));
-  const feature =
-    area_m2 === null
-      ? { type: 'Feature', properties: { name, length_m: millimetres(length_m) }, geometry: { type: 'LineString', coordinates: places.map(rounded) } }
-      : { type: 'Feature', properties: { name, area_m2: millimetres(area_m2), perimeter_m: millimetres(length_m) }, geometry: polygonOf(places) };
-  return `${JSON.stringify({ type: 'FeatureCollection', features: [feature] }, null, 2)}\n`;
+const millimetres = (/** @type {number} */ value) => Number(value.toFixed(3));
+const isPoint = (/** @type {Measurement} */ { places, area_m2 }) => area_m2 === null && places.length === 1;
+
+/** @param {Measurement} measurement @returns {GeoJSON.Feature} */
+function feature(measurement) {
+  const { name, text, places, length_m, area_m2 } = measurement;
+  const words = text ? { name, text } : { name };
+  if (isPoint(measurement)) return { type: 'Feature', properties: words, geometry: { type: 'Point', coordinates: rounded(places[0]) } };
+  return area_m2 === null
+    ? { type: 'Feature', properties: { ...words, length_m: millimetres(length_m) }, geometry: { type: 'LineString', coordinates: places.map(rounded) } }
+    : { type: 'Feature', properties: { ...words, area_m2: millimetres(area_m2), perimeter_m: millimetres(length_m) }, geometry: polygonOf(places) };
 }
 
-/** @param {Measurement} measurement @returns {string} KML 2.2 */
-export function measurementKml({ name, places, length_m, area_m2 }) {
+/** @param {Measurement[]} measurements @returns {string} GeoJSON */
+export const measurementsGeoJson = (measurements) => `${JSON.stringify({ type: 'FeatureCollection', features: measurements.map(feature) }, null, 2)}\n`;
+
+/** @param {Measurement} measurement */
+function placemark(measurement) {
+  const { name, text, places, length_m, area_m2 } = measurement;
   const line = (/** @type {LonLat[]} */ of) => `<coordinates>${of.map((place) => rounded(place).join(',')).join(' ')}</coordinates>`;
-  const geometry = area_m2 === null ? `<LineString><tessellate>1</tessellate>${line(places)}</LineString>` : `<Polygon><outerBoundaryIs><LinearRing>${line(ring(places))}</LinearRing></outerBoundaryIs></Polygon>`;
+  const geometry = isPoint(measurement)
+    ? `<Point>${line(places)}</Point>`
+    : area_m2 === null
+      ? `<LineString><tessellate>1</tessellate>${line(places)}</LineString>`
+      : `<Polygon><outerBoundaryIs><LinearRing>${line(ring(places))}</LinearRing></outerBoundaryIs></Polygon>`;
   const data = (/** @type {string} */ key, /** @type {number} */ value) => `<Data name="${key}"><value>${value.toFixed(3)}</value></Data>`;
-  const values = area_m2 === null ? data('length_m', length_m) : data('area_m2', area_m2) + data('perimeter_m', length_m);
-  return `<?xml version="1.0" encoding="UTF-8"?>
-<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark>
-  <name>${xmlText(name)}</name>
-  <ExtendedData>${values}</ExtendedData>
+  const values = isPoint(measurement) ? '' : area_m2 === null ? data('length_m', length_m) : data('area_m2', area_m2) + data('perimeter_m', length_m);
+  return `<Placemark>
+  <name>${xmlText(name)}</name>${text ? `\n  <description>${xmlText(text)}</description>` : ''}${values ? `\n  <ExtendedData>${values}</ExtendedData>` : ''}
   ${geometry}
-</Placemark></Document></kml>
+</Placemark>`;
+}
+
+/** @param {Measurement[]} measurements @returns {string} KML 2.2 */
+export const measurementsKml = (measurements) => `<?xml version="1.0" encoding="UTF-8"?>
+<kml xmlns="http://www.opengis.net/kml/2.2"><Document>${measurements.map(placemark).join('\n')}</Document></kml>
+`;
+
+/** @param {Measurement} measurement */
+function gpxPart(measurement) {
+  const { name, text, places, area_m2 } = measurement;
+  const words = `<name>${xmlText(name)}</name>${text ? `\n  <desc>${xmlText(text)}</desc>` : ''}`;
+  const points = (area_m2 === null ? places : ring(places)).map(rounded);
+  if (isPoint(measurement)) return `<wpt lat="${points[0][1]}" lon="${points[0][0]}">\n  ${words}\n</wpt>`;
+  return `<trk>
+  ${words}
+  <trkseg>${points.map(([lon, lat]) => `<trkpt lat="${lat}" lon="${lon}"/>`).join('')}</trkseg>
+</trk>`;
+}
+
+/** Waypoints and tracks for receivers in the field, an area's track closed. @param {Measurement[]} measurements @returns {string} GPX 1.1 */
+export function measurementsGpx(measurements) {
+  // The format wants its waypoints before its tracks.
+  const parts = [...measurements.filter(isPoint), ...measurements.filter((measurement) => !isPoint(measurement))].map(gpxPart);
+  return `<?xml version="1.0" encoding="UTF-8"?>
+<gpx version="1.1" creator="Skyquilt" xmlns="http://www.topografix.com/GPX/1/1">${parts.join('\n')}</gpx>
 `;
 }
+
+/** @param {Measurement} measurement */
+export const measurementGeoJson = (measurement) => measurementsGeoJson([measurement]);
+/** @param {Measurement} measurement */
+export const measurementKml = (measurement) => measurementsKml([measurement]);
+/** @param {Measurement} measurement */
+export const measurementGpx = (measurement) => measurementsGpx([measurement]);

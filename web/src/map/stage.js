@@ -5,20 +5,26 @@
 /** @import { PlaceSubject } from './place_tool.js' */
 import { showNote } from '../shared/announce.js';
 import { ApiError, getPhotos, getSightings, getTileJson, listFlights, photoPath } from '../shared/api.js';
-import { byId, h, loadStyle, put } from '../shared/dom.js';
+import { byId, h, loadStyle, put, styleLoaded } from '../shared/dom.js';
 import { go, parseRoute } from '../shared/router.js';
 import { controlMark } from './control_mark.js';
 import { compareChooser, compareView, overlap } from './compare_view.js';
 import { mapTools } from './map_tools.js';
 import { measureTool } from './measure_tool.js';
+import { noteMark } from '../notes/note_mark.js';
 import { placeTool } from './place_tool.js';
+import { kStagePadding } from '../first_view/poster_place.js';
+import { dropPoster, uncoverMap } from '../first_view/poster.js';
 import { photoCard } from '../flight/photo_card.js';
 import { byQuality } from './sighting_order.js';
 import { strings } from '../shared/flight_strings.js';
+import { labelPlace } from '../notes/note_shape.js';
 import { hashWithPlace, placeOfHash } from './view_address.js';
-import { uploadOf } from '../upload/running_uploads.js';
+import { uploadOf } from '../upload/drop_zone.js';
 
 const kPreview = 'preview';
+/** Names of notes on the map; all are in the list. */
+const kMaxNoteMarks = 200;
 
 /**
  * @typedef {object} Shown
@@ -43,6 +49,13 @@ export class Stage {
   #place_turn = 0;
   /** @type {{remove: () => void}[]} */
   #control = [];
+  /** @type {{remove: () => void}[]} */
+  #notes = [];
+  /** @type {((place: [number, number]) => void)|null} */
+  #taker = null;
+
+  /** A card over the map wants all of the screen: on a phone the panel lies over the map. */
+  makeRoom = () => {};
 
   constructor() {
     this.area = byId('map-area');
@@ -68,6 +81,7 @@ export class Stage {
     } catch (error) {
       console.error(error);
       container.remove();
+      dropPoster();
       this.say(strings.map.failed);
       return null;
     }
@@ -79,12 +93,18 @@ export class Stage {
 
   /** @param {MapView} view */
   #addParts(view) {
-    const fit = (/** @type {boolean} */ animated) => view.fit(this.#padding(), animated);
-    const card = photoCard({ on_show: (record) => view.select(record?.name ?? '') });
+    const fit = (/** @type {boolean} */ animated) => view.fit(kStagePadding, animated);
+    const card = photoCard({
+      on_show: (record) => {
+        view.select(record?.name ?? '');
+        if (record) this.makeRoom();
+      },
+    });
     const measure = measureTool(view, {
       on_change: (kind) => {
         tools.showMeasuring(kind);
         if (kind) {
+          this.makeRoom();
           place.end();
           card.close();
         }
@@ -105,12 +125,14 @@ export class Stage {
         measure.start(kind);
       },
       compare: () => this.#chooseCompare(),
+      layers: () => this.makeRoom(),
     });
     this.#parts = { fit, card, measure, place, tools };
     this.area.append(measure.cross, place.cross, tools.column, tools.layers, card.element, measure.element, place.element, tools.coordinates);
 
     view.map.on('click', (event) => {
-      if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
+      if (this.#taker) this.#taker([event.lngLat.lng, event.lngLat.lat]);
+      else if (measure.kind) measure.add([event.lngLat.lng, event.lngLat.lat]);
       else if (place.is_open) place.click([event.lngLat.lng, event.lngLat.lat]);
       else if (view.mark.isAt(event.point)) fit(true);
       else void this.#showPlace(view, event.lngLat, event.point);
@@ -175,11 +197,6 @@ export class Stage {
     return [...(drawn ? [drawn] : []), ...(this.#view?.own_outlines.values() ?? [])];
   }
 
-  /** Room that the tools take from the map. */
-  #padding() {
-    return { top: 28, left: 28, right: 64, bottom: 48 };
-  }
-
   /**
    * @param {string} text shown in place of a map; '' shows the map
    * @param {boolean} [is_coming] a map is on its way
@@ -199,6 +216,7 @@ export class Stage {
     const turn = (this.#turn += 1);
     this.#flight = flight;
     this.area.hidden = false;
+    dropPoster(flight.tilejson ? flight.id : '');
     this.#notePreview(flight);
     if (!flight.tilejson && flight.preview) {
       this.say('');
@@ -219,16 +237,16 @@ export class Stage {
     }
     this.say('');
     const map = this.#map();
-    const [tilejson, photos] = await Promise.all([
-      getTileJson(flight.tilejson),
-      getPhotos(flight.id).catch((error) => {
-        showNote(error.message, { is_error: true });  // the map is worth showing without its photos
-        return null;
-      }),
-    ]);
+    const photos = getPhotos(flight.id).catch((error) => {
+      showNote(error.message, { is_error: true });  // the map is worth showing without its photos
+      return null;
+    });
+    const tilejson = await getTileJson(flight.tilejson);
     if (turn !== this.#turn) return null;
     const drawn = map.then((view) => (view && turn === this.#turn ? this.#draw(view, flight, tilejson, photos) : undefined));
-    return { tilejson, photos, drawn };
+    drawn.catch(() => undefined);  // whoever waits for it tells of it
+    const found = await photos;
+    return turn === this.#turn ? { tilejson, photos: found, drawn } : null;
   }
 
   /**
@@ -258,7 +276,7 @@ export class Stage {
    * @param {MapView} view
    * @param {Flight} flight
    * @param {TileJson} tilejson
-   * @param {PhotoCollection|null} photos
+   * @param {Promise<PhotoCollection|null>|null} photos
    */
   async #draw(view, flight, tilejson, photos) {
     const revision = flight.tilejson ? String(flight.revision ?? '') : kPreview;
@@ -275,9 +293,7 @@ export class Stage {
     if (is_new) this.#parts?.measure.end();
     const fits = this.#fits_next;
     this.#fits_next = false;
-    await view.showMosaic(tilejson, bounds, is_preview);
-    if (photos) await view.showPhotos(photos);
-    this.#parts?.tools.drawLayers();
+    await view.showMosaic(tilejson, bounds, is_preview, flight.id);
     view.map.resize();
     const place = is_new && !fits ? placeOfHash(location.hash) : null;
     if (fits) {
@@ -290,6 +306,11 @@ export class Stage {
     } else if (is_new) this.#parts?.fit(false);
     // The last photos may have come to the map without having been in the preview.
     else if (was_preview && !view.is_moved) this.#parts?.fit(true);
+    uncoverMap(view.map, view.first_source);
+    const found = await photos;
+    if (this.#shown?.id !== flight.id || this.#shown.revision !== revision) return;
+    if (found) await view.showPhotos(found);
+    this.#parts?.tools.drawLayers();
   }
 
   async clear() {
@@ -299,6 +320,7 @@ export class Stage {
     this.#parts?.place.end();
     this.#fits_next = false;
     this.#shown = null;
+    dropPoster();
     if (this.#view) await this.#view.clear();
   }
 
@@ -329,7 +351,7 @@ export class Stage {
     const { width, height } = view.container.getBoundingClientRect();
     const card = this.#parts.place.element.getBoundingClientRect();
     const room = card.width > width / 2 ? { top: height * 0.45 } : { left: card.width + 28 };
-    view.fit({ ...this.#padding(), ...room }, true);
+    view.fit({ ...kStagePadding, ...room }, true);
   }
 
   /**
@@ -341,6 +363,48 @@ export class Stage {
     for (const mark of this.#control) mark.remove();
     const view = this.#view;
     this.#control = view ? points.map((point) => controlMark(view, point, on_choose)) : [];
+  }
+
+  /**
+   * What is noted on the map.
+   * @param {import('../notes/note_shape.js').Note[]} notes
+   * @param {(id: string) => void} on_choose
+   */
+  showNotes(notes, on_choose) {
+    for (const mark of this.#notes) mark.remove();
+    this.#notes = [];
+    const view = this.#view;
+    if (!view) return;
+    void view.showNotes({ type: 'FeatureCollection', features: notes });
+    this.#notes = notes.slice(0, kMaxNoteMarks).map((note) => {
+      const { name, text } = note.properties;
+      return noteMark(view, { id: note.id, name, label: text ? `${name}: ${text}` : name, place: labelPlace(note) }, on_choose);
+    });
+  }
+
+  /** Who gets the clicks on the map; null: it itself. @param {((place: [number, number]) => void)|null} taker */
+  takeClicks(taker) {
+    if (taker) this.#parts?.measure.end();
+    if (taker) this.#parts?.place.end();
+    this.#taker = taker;
+    if (this.#view) this.#view.map.getCanvas().style.cursor = taker ? 'crosshair' : '';
+  }
+
+  /** Who keeps what was measured; null: nobody. @param {import('./measure_tool.js').Keeper|null} keeper */
+  keepMeasured(keeper) {
+    this.#parts?.measure.keepBy(keeper);
+  }
+
+  /** @param {Bounds} bounds */
+  showBounds(bounds) {
+    this.makeRoom();
+    const reduced = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    this.#view?.map.fitBounds(bounds, { padding: 90, maxZoom: 21, animate: !reduced, duration: 500 });
+  }
+
+  /** Null while no map was shown. */
+  get map_view() {
+    return this.#view;
   }
 
   /** The map that comes next lies elsewhere: it is shown whole. */
@@ -402,12 +466,13 @@ export class Stage {
   }
 }
 
+const kMapStyle = 'vendor/maplibre-gl.css';
 /** @type {Promise<void>|null} */
 let map_style = null;
 
 /** The library that draws maps, and its style, which lies below the page's own. */
 function loadMapView() {
-  map_style ??= loadStyle('vendor/maplibre-gl.css', document.querySelector('link[rel="stylesheet"]'));
+  map_style ??= styleLoaded(kMapStyle) ?? loadStyle(kMapStyle, document.querySelector('link[rel="stylesheet"]'));
   return Promise.all([import('./map_view.js'), map_style]).then(([module]) => module);
 }
 

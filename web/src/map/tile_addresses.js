@@ -44,3 +44,13 @@ export function tilesIn([west, south, east, north], min_zoom, max_zoom) {
   }
   return tiles;
 }
+
+/**
+ * @param {Bounds} bounds
+ * @returns {number} the finest zoom whose tiles are as large as the bounds or larger: four of them cover these at most
+ */
+export function zoomOfFew([west, south, east, north]) {
+  const from = tilePosition(west, north, 0);
+  const to = tilePosition(east, south, 0);
+  return Math.floor(-Math.log2(Math.max(to.x - from.x, to.y - from.y)));
+}

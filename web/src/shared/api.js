@@ -1,9 +1,9 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
 /** @import { Access, Flight, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
-import { askForToken, authorization, readable } from './access.js';
 import { kFallback, language } from './language.js';
 import { at } from './router.js';
 import { strings } from './strings.js';
+import { authorization, readable, takeEarly } from './token.js';
 
 /** What went wrong, in the server's words where it gave some (RFC 9457). */
 export class ApiError extends Error {
@@ -61,24 +61,27 @@ export function problem(status, text) {
  * @param {string} path
  * @param {object} [body]
  * @param {AbortSignal} [signal]
+ * @param {RequestPriority} [priority] of what the first view can wait for
  * @returns {Promise<any>} the JSON, or null for an empty answer
  */
-async function request(method, path, body, signal) {
+async function request(method, path, body, signal, priority = 'auto') {
   /** @type {Response} */
   let response;
   try {
-    response = await fetch(at(path), {
+    const early = method === 'GET' ? takeEarly(path) : null;
+    response = await (early ?? fetch(at(path), {
       method,
       signal,
+      priority,
       headers: { ...authorization(), ...(body ? { 'Content-Type': 'application/json' } : {}) },
       body: body ? JSON.stringify(body) : undefined,
-    });
+    }));
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     throw new ApiError(0, strings.errors.unreachable);
   }
   const text = await response.text();
-  if (response.status === 401) askForToken();
+  if (response.status === 401) import('./access.js').then(({ askForToken }) => askForToken()).catch(() => undefined);  // the answer says it too
   if (!response.ok) throw problem(response.status, text);
   if (text === '') return null;
   try {
@@ -201,10 +204,10 @@ export const getJob = (id, signal) => request('GET', `/api/v1/jobs/${encodeURICo
 export const cancelJob = (id) => request('DELETE', `/api/v1/jobs/${encodeURIComponent(id)}`);
 
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<Report>} */
-export const getReport = (id, signal) => request('GET', `${flight_path(id)}/report`, undefined, signal);
+export const getReport = (id, signal) => request('GET', `${flight_path(id)}/report`, undefined, signal, 'low');
 
 /** @param {string} id @param {AbortSignal} [signal] @returns {Promise<PhotoCollection>} */
-export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, signal);
+export const getPhotos = (id, signal) => request('GET', `${flight_path(id)}/photos.geojson`, undefined, signal, 'low');
 
 /**
  * The photos that see a place, the best view first.
@@ -239,6 +242,38 @@ export const getTileJson = (path, signal) => request('GET', path, undefined, sig
 /** @param {string} path @returns {Promise<import('./types.js').LayerLegends>} */
 export const getLegends = (path) => request('GET', path);
 
+/** @param {string} id @returns {Promise<import('./types.js').MapBands>} */
+export const getBands = (id) => request('GET', `${flight_path(id)}/bands`);
+
+/** Enough for a histogram, and quickly counted. */
+const kCountedPixels = 500_000;
+
+/**
+ * What an index comes to over the whole map.
+ * @param {string} id
+ * @param {string} query which index
+ * @param {import('./types.js').Bounds} bounds
+ * @returns {Promise<import('./types.js').IndexStatistics>}
+ */
+export async function getIndexStatistics(id, query, [west, south, east, north]) {
+  const ring = [[west, south], [east, south], [east, north], [west, north], [west, south]];
+  return (await request('POST', `${flight_path(id)}/statistics?max_pixels=${kCountedPixels}&${query}`, { type: 'Polygon', coordinates: [ring] })).index;
+}
+
+/**
+ * @param {string} id
+ * @param {string} query which index
+ * @param {number} lon
+ * @param {number} lat
+ * @returns {Promise<number|null>} null: it has no value there
+ */
+export async function getIndexValue(id, query, lon, lat) {
+  return (await request('GET', `${flight_path(id)}/point?lon=${lon}&lat=${lat}&ground=false&${query}`)).index.value;
+}
+
+/** @param {string} id @param {string} query which index, how many classes, which format @returns {string} */
+export const zonesPath = (id, query) => readable(`${flight_path(id)}/zones?${query}`);
+
 /** @param {string} id @returns {Promise<{needs_token: boolean, shares: Share[]}>} */
 export const listShares = (id) => request('GET', `${flight_path(id)}/shares`);
 
@@ -251,11 +286,11 @@ export const removeShare = (id, share) => request('DELETE', `${flight_path(id)}/
 /**
  * The whole map as one small picture.
  * @param {Flight} flight with a map
- * @param {'list'|'print'} [use] of 15 kB, or as large as there is
+ * @param {'list'|'whole'} [use] of 15 kB, or the poster that the page opens with
  * @returns {string} another one for each revision
  */
 export const thumbnailPath = ({ id, revision }, use = 'list') =>
-  readable(`${flight_path(id)}/${use === 'list' ? 'thumbnail.webp?size=320&' : 'thumbnail.png?'}rev=${revision}`);
+  readable(`${flight_path(id)}/thumbnail.webp?size=${use === 'list' ? 320 : 1024}&rev=${revision}`);
 
 /** @typedef {'tif'|'mbtiles'|'pmtiles'|'zip'} DownloadKind */
 

@@ -83,3 +83,15 @@ export const loadStyle = (href, before = null) =>
   new Promise((resolve) => {
     document.head.insertBefore(h('link', { rel: 'stylesheet', href, on: { load: () => resolve(), error: () => resolve() } }), before);
   });
+
+/**
+ * A style sheet that the document names already.
+ * @param {string} href
+ * @returns {Promise<void>|null} when it is there, or cannot be had; null: it is not named
+ */
+export function styleLoaded(href) {
+  const link = document.querySelector(`link[rel="stylesheet"][href="${href}"]`);
+  if (!(link instanceof HTMLLinkElement)) return null;
+  if (link.sheet) return Promise.resolve();
+  return new Promise((resolve) => ['load', 'error'].forEach((event) => link.addEventListener(event, () => resolve())));
+}

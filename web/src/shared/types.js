@@ -141,6 +141,7 @@
  * @property {number} miss_north_m
  * @property {number} miss_up_m
  * @property {number} residual_px
+ * @property {{miss_east_m: number, miss_north_m: number, miss_up_m: number}} [left_out] where a map placed by the other points alone puts it
  * @property {{photo: string, residual_px: number, residual_m: number, is_used: boolean}[]} [marks]
  */
 
@@ -155,6 +156,34 @@
  * @property {Bounds} [bounds]
  * @property {number} [tileSize] side of a tile's picture in pixels; 256 when not said
  * @property {MapLayer[]} [layers] beside the map
+ * @property {string[]} [bands] that expressions can name
+ * @property {MapIndex[]} [indices] that the bands are enough for
+ */
+
+/**
+ * @typedef {object} MapIndex
+ * @property {string} [id] absent: an expression of the user's own
+ * @property {string} title
+ * @property {string} expression
+ * @property {[number, number]} rescale
+ * @property {string} colormap
+ */
+
+/**
+ * @typedef {object} MapBands
+ * @property {string[]} bands
+ * @property {MapIndex[]} indices
+ * @property {{id: string, colours: string[]}[]} colormaps
+ */
+
+/**
+ * What an index comes to; null where it has no value anywhere.
+ * @typedef {object} IndexStatistics
+ * @property {number|null} min
+ * @property {number|null} max
+ * @property {number|null} mean
+ * @property {Record<string, number|null>} percentiles
+ * @property {number[]} histogram
  */
 
 /**
@@ -195,7 +224,7 @@
 
 /**
  * A photo that sees a place, and the pixel that shows it (the centre of the first one is (0, 0)).
- * @typedef {{name: string, x: number, y: number, off_nadir_deg?: number, sigma_m?: number, placement?: 'aligned'|'pose_only'}} Sighting
+ * @typedef {{name: string, x: number, y: number, off_nadir_deg?: number, sharpness?: number|null, quality?: number, sigma_m?: number, placement?: 'aligned'|'pose_only'}} Sighting
  */
 
 /**

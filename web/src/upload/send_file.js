@@ -1,7 +1,6 @@
 // One file to the server, by tus 1.0, the protocol of resumable uploads: what has arrived stays, and after a
 // broken connection, a reload of the page or a restart of the server the same file goes on where it stopped.
-import { DetailedError, Upload } from '../../vendor/tus.mjs';
-import { authorization } from '../shared/access.js';
+import { authorization } from '../shared/token.js';
 import { ApiError, problem } from '../shared/api.js';
 import { at } from '../shared/router.js';
 import { strings } from '../shared/strings.js';
@@ -20,7 +19,9 @@ const kSilence_ms = 60_000;
  * @param {AbortSignal} signal stops the sending; the server keeps what it has
  * @returns {Promise<void>}
  */
-export function sendFile(flight_id, name, file, on_progress, signal) {
+export async function sendFile(flight_id, name, file, on_progress, signal) {
+  const tus = await loadTus();
+  if (signal.aborted) throw stopped();
   return new Promise((resolve, reject) => {
     const when = file instanceof File ? file.lastModified : 0;
     let from_bytes = 0;
@@ -36,7 +37,7 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
       clearTimeout(silence);
       settle();
     };
-    const upload = new Upload(file, {
+    const upload = new tus.Upload(file, {
       endpoint: at('/api/v1/uploads'),
       headers: authorization(),
       metadata: { flight: flight_id, filename: name },
@@ -52,7 +53,7 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
         heard();
         on_progress(sent_bytes, from_bytes);
       },
-      onError: (error) => end(() => reject(asApiError(error))),
+      onError: (error) => end(() => reject(asApiError(error, tus))),
       onSuccess: () => end(resolve),
     });
     signal.addEventListener(
@@ -60,7 +61,7 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
       () => {
         clearTimeout(silence);
         upload.abort().catch(() => {});  // nothing was under way yet
-        reject(new DOMException('upload stopped', 'AbortError'));
+        reject(stopped());
       },
       { once: true },
     );
@@ -73,9 +74,21 @@ export function sendFile(flight_id, name, file, on_progress, signal) {
   });
 }
 
-/** @param {Error} error @returns {Error} */
-function asApiError(error) {
-  if (!(error instanceof DetailedError)) return error;
+const stopped = () => new DOMException('upload stopped', 'AbortError');
+
+/** With the first file: who only looks at maps does without. */
+async function loadTus() {
+  try {
+    return await import('../../vendor/tus.mjs');
+  } catch (error) {
+    console.debug('tus', error);
+    throw new ApiError(0, strings.errors.unreachable);
+  }
+}
+
+/** @param {Error} error @param {Awaited<ReturnType<typeof loadTus>>} tus @returns {Error} */
+function asApiError(error, tus) {
+  if (!(error instanceof tus.DetailedError)) return error;
   const answer = error.originalResponse;
   return answer ? problem(answer.getStatus(), answer.getBody()) : new ApiError(0, strings.errors.unreachable);
 }

@@ -5,7 +5,7 @@
 /** @import { Verdict } from './verdict.js' */
 import * as api from '../shared/api.js';
 import { announce, showError } from '../shared/announce.js';
-import { held, sessions } from './running_uploads.js';
+import { held, sessions } from './drop_zone.js';
 import { chosenOptions } from '../flight/job_options.js';
 import { sendFile } from './send_file.js';
 import { strings } from '../shared/flight_strings.js';

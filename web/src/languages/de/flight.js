@@ -2,6 +2,7 @@
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
 import { control_words } from './control.js';
+import { note_words } from './notes.js';
 
 const photos = { one: 'Foto', other: 'Fotos' };
 const files = { one: 'Datei', other: 'Dateien' };
@@ -9,6 +10,7 @@ const files = { one: 'Datei', other: 'Dateien' };
 /** @type {typeof import('../en/flight.js').flight_words} */
 export const flight_words = {
   options: option_words,
+  notes: note_words,
   verdict: {
     good: 'Alle Fotos haben eine Position.',
     span: (length) => `Ausdehnung ${length}`,
@@ -126,6 +128,32 @@ export const flight_words = {
       'CooperativeGesturesHandler.MacHelpText': 'Zum Zoomen ⌘ gedrückt halten und scrollen',
       'CooperativeGesturesHandler.MobileHelpText': 'Karte mit zwei Fingern verschieben',
     },
+  },
+  indices: {
+    title: 'Vegetationsindex',
+    none: 'Keiner',
+    own: (/** @type {string} */ bands) => `Eigene Formel aus ${bands}`,
+    about: /** @type {Record<string, string>} */ ({
+      ndvi: 'Wuchskraft',
+      ndre: 'Chlorophyll, dichte Bestände',
+      gndvi: 'Chlorophyll',
+      savi: 'Wuchskraft, offener Boden',
+      vari: 'Grün einer Farbkarte',
+      gli: 'Blätter einer Farbkarte',
+      exg: 'Pflanzen gegen Boden',
+    }),
+    expression: 'Formel',
+    colours: 'Farben',
+    turned: 'Umgekehrt',
+    least: 'Wert der ersten Farbe',
+    most: 'Wert der letzten Farbe',
+    fit: 'Anpassen',
+    value: 'Wert hier',
+    no_values: 'Keine Werte.',
+    histogram: (/** @type {string} */ least, /** @type {string} */ most, /** @type {string} */ mean) => `Werte von ${least} bis ${most}, im Mittel ${mean}`,
+    zoning: 'Zonen gleicher Fläche',
+    shapefile: 'Shapefile',
+    zones: (/** @type {number} */ n) => count(n, { one: 'Zone', other: 'Zonen' }),
   },
   stage: {
     coming: 'Die Karte erscheint hier, sobald sie fertig ist.',

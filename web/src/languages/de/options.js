@@ -24,6 +24,10 @@ export const option_words = {
   as_photos: 'wie die Fotos',
   automatic: 'automatisch',
   none: 'keiner',
+  as_recorded: 'wie aufgezeichnet',
+  whole: 'Ganze Karte',
+  chosen_area: 'Bisher gewählte Fläche',
+  large_area: 'Diese Fläche hat zu viele Eckpunkte. Vereinfachen Sie sie auf weniger als etwa 2000.',
   names: {
     resolution_cm: 'Auflösung in cm pro Pixel',
     method: 'Platzierung der Fotos',
@@ -33,6 +37,8 @@ export const option_words = {
     format: 'Kachelformat',
     quality: 'Bildqualität',
     origin: 'Startort',
+    takeoff_height_m: 'Höhe des Startorts in Metern',
+    boundary: 'Fläche',
   },
   hints: {
     resolution_cm: 'Eine gröbere Karte entsteht schneller und ist kleiner.',
@@ -40,9 +46,11 @@ export const option_words = {
     layers: 'Entstehen neben der Karte, je etwa ein Zehntel ihrer Größe.',
     max_look_deg: 'Was Fotos schräger sehen, wird nicht gezeichnet. 10 bis 75, gemessen von senkrecht nach unten.',
     readout_ms: 'Zeit vom Auslesen der ersten Zeile des Sensors bis zur letzten. 0 bei einem Global Shutter.',
-    format: 'WebP ist kleiner; manche GIS-Programme können es nicht lesen.',
+    format: 'WebP ist kleiner; manche Programme, die heruntergeladene Kacheln öffnen, können es nicht lesen.',
     quality: '1 bis 100. Höher ist schärfer und größer.',
     origin: 'Breite, Länge. Nur für Flüge ohne aufgezeichnete Position.',
+    takeoff_height_m: 'Über Meer. Für Fotos, die nur Höhen über dem Startort oder falsche Höhen über Meer aufzeichnen.',
+    boundary: 'Die Karte wird darauf zugeschnitten. Zeichnen Sie sie mit dem Flächenwerkzeug, oder wählen Sie eine GeoJSON- oder KML-Datei.',
   },
   not_finer: 'Nie feiner als die Fotos',
   methods: {
@@ -52,7 +60,7 @@ export const option_words = {
     features: 'Metadaten, verfeinert durch Merkmale',
     direct: 'Metadaten, verfeinert durch Helligkeit',
   },
-  formats: { auto: 'JPEG und PNG', webp: 'WebP' },
+  formats: { auto: 'JPEG, am Rand WebP', 'jpeg-png': 'JPEG, am Rand PNG', webp: 'WebP' },
   bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Bitte eine Zahl von ${number(least)} bis ${number(most)} eingeben.`,
   bad_place: 'Bitte Breite und Länge eingeben, zum Beispiel 46.95, 7.44.',
 };

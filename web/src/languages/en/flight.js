@@ -6,9 +6,11 @@
 import { count, fixed, number, plural } from '../../shared/language.js';
 import { option_words } from './options.js';
 import { control_words } from './control.js';
+import { note_words } from './notes.js';
 
 export const flight_words = {
   options: option_words,
+  notes: note_words,
   verdict: {
     good: 'Every photo has a position.',
     span: (/** @type {string} */ length) => `${length} across`,
@@ -127,6 +129,32 @@ export const flight_words = {
       'CooperativeGesturesHandler.MacHelpText': 'Use ⌘ + scroll to zoom the map',
       'CooperativeGesturesHandler.MobileHelpText': 'Use two fingers to move the map',
     },
+  },
+  indices: {
+    title: 'Vegetation index',
+    none: 'None',
+    own: (/** @type {string} */ bands) => `Own formula of ${bands}`,
+    about: /** @type {Record<string, string>} */ ({
+      ndvi: 'vigour',
+      ndre: 'chlorophyll, dense crops',
+      gndvi: 'chlorophyll',
+      savi: 'vigour, open soil',
+      vari: 'green of a colour map',
+      gli: 'leaves of a colour map',
+      exg: 'plants against soil',
+    }),
+    expression: 'Formula',
+    colours: 'Colours',
+    turned: 'Reversed',
+    least: 'Value of the first colour',
+    most: 'Value of the last colour',
+    fit: 'Fit',
+    value: 'Value here',
+    no_values: 'No values.',
+    histogram: (/** @type {string} */ least, /** @type {string} */ most, /** @type {string} */ mean) => `Values from ${least} to ${most}, ${mean} on average`,
+    zoning: 'Zones of equal area',
+    shapefile: 'Shapefile',
+    zones: (/** @type {number} */ n) => count(n, { one: 'zone', other: 'zones' }),
   },
   stage: {
     coming: 'The map will appear here when it is ready.',

@@ -24,6 +24,10 @@ export const option_words = {
   as_photos: 'as the photos',
   automatic: 'automatic',
   none: 'none',
+  as_recorded: 'as recorded',
+  whole: 'Whole map',
+  chosen_area: 'Area chosen before',
+  large_area: 'This area has too many corners. Simplify it to fewer than about 2000.',
   names: {
     resolution_cm: 'Resolution in cm per pixel',
     method: 'Photo placement',
@@ -33,6 +37,8 @@ export const option_words = {
     format: 'Tile format',
     quality: 'Image quality',
     origin: 'Take-off location',
+    takeoff_height_m: 'Take-off height in metres',
+    boundary: 'Area',
   },
   hints: {
     resolution_cm: 'A coarser map is made faster and is smaller.',
@@ -40,9 +46,11 @@ export const option_words = {
     layers: 'Made beside the map, each about a tenth of its size.',
     max_look_deg: 'Parts of photos seen more obliquely than this are not drawn. 10 to 75, measured from straight down.',
     readout_ms: 'Time from reading the first row of the sensor to the last. 0 for a global shutter.',
-    format: 'WebP is smaller; some GIS programs cannot read it.',
+    format: 'WebP is smaller; some programs that open downloaded tiles cannot read it.',
     quality: '1 to 100. Higher is sharper and larger.',
     origin: 'Latitude, longitude. Only for flights that recorded no position.',
+    takeoff_height_m: 'Above sea level. For photos that record only heights above take-off, or wrong heights above sea level.',
+    boundary: 'The map is cut to it. Draw it with the area tool, or choose a GeoJSON or KML file.',
   },
   not_finer: 'Never finer than the photos',
   methods: {
@@ -52,7 +60,7 @@ export const option_words = {
     features: 'Metadata refined by features',
     direct: 'Metadata refined by brightness',
   },
-  formats: { auto: 'JPEG and PNG', webp: 'WebP' },
+  formats: { auto: 'JPEG, WebP at the edge', 'jpeg-png': 'JPEG, PNG at the edge', webp: 'WebP' },
   bad_number: (/** @type {number} */ least, /** @type {number} */ most) => `Enter a number from ${number(least)} to ${number(most)}.`,
   bad_place: 'Enter latitude and longitude, for example 46.95, 7.44.',
 };

@@ -27,6 +27,11 @@ class Downloads(Calls):
         """Everything in one archive, with Range."""
         return self._stream("GET", "/api/v1/flights/{flight}/download.zip", path={"flight": flight}, headers=headers)
 
+    def download_bands(self, flight: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """All bands of a camera that has several, as values (float32, NaN where nothing is known): a cloud-optimised
+        GeoTIFF; docs/bands.md says what of it is calibrated. 404 for maps of photos in colour."""
+        return self._stream("GET", "/api/v1/flights/{flight}/bands.tif", path={"flight": flight}, headers=headers)
+
     def download_export(self, flight: str, export: str, *, headers: Optional[Mapping[str, str]] = None) -> Answer:
         """The file of an export."""
         return self._stream("GET", "/api/v1/flights/{flight}/exports/{export}/file",
@@ -83,10 +88,11 @@ class Downloads(Calls):
         """What was made and how good it is."""
         return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/report", path={"flight": flight}))
 
-    def get_small_thumbnail(self, flight: str, *, size: Optional[Literal[160, 320, 512]] = None,
+    def get_small_thumbnail(self, flight: str, *, size: Optional[Literal[160, 320, 512, 1024]] = None,
                             headers: Optional[Mapping[str, str]] = None) -> Answer:
-        """The whole map in a picture of a few kilobytes, as WebP. Made from thumbnail.png when it is asked for, and
-        kept in memory."""
+        """The whole map as one small picture, as WebP. Made when it is asked for, and kept in memory: the sizes 160,
+        320 and 512 from thumbnail.png; 1024 from the tiles, exactly as far as the map's bounds reach and in Web
+        Mercator, for laying it where the map will be. A map with fewer pixels is not enlarged."""
         return self._stream("GET", "/api/v1/flights/{flight}/thumbnail.webp", path={"flight": flight},
                             query={"size": size}, headers=headers)
 

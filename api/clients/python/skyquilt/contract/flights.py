@@ -1,10 +1,10 @@
 """Flights and their state.
 
 Written by generate.py from api/openapi.json; changes belong there."""
-from typing import Any, Dict, Optional, cast
+from typing import Any, Dict, Literal, Mapping, Optional, cast
 
 from . import models
-from ..transport import Calls
+from ..transport import Calls, Answer
 
 
 class Flights(Calls):
@@ -45,10 +45,23 @@ class Flights(Calls):
         """One flight."""
         return cast("models.Flight", self._send("GET", "/api/v1/flights/{flight}", path={"flight": flight}))
 
+    def get_notes(self, flight: str) -> models.MapNotes:
+        """Notes and measurements on the map of a flight. What somebody wrote on the map for all who open the flight:
+        points with words, measured lines and areas."""
+        return cast("models.MapNotes", self._send("GET", "/api/v1/flights/{flight}/notes", path={"flight": flight}))
+
     def ground_of_pixel(self, flight: str, name: str, x: float, y: float) -> models.GroundOfPixelAnswer:
         """Where a photo's pixel lies."""
         return cast("models.GroundOfPixelAnswer", self._send("GET", "/api/v1/flights/{flight}/photos/{name}/ground",
                 path={"flight": flight, "name": name}, query={"x": x, "y": y}))
+
+    def index_legend(self, flight: str, *, index: Optional[str] = None, expression: Optional[str] = None,
+                     rescale: Optional[str] = None, colormap: Optional[str] = None,
+                     headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """The colours of an index with their values, as a picture."""
+        return self._stream("GET", "/api/v1/flights/{flight}/legend.svg", path={"flight": flight},
+                            query={"index": index, "expression": expression, "rescale": rescale, "colormap": colormap},
+                            headers=headers)
 
     def inspect_flight(self, flight: str) -> Dict[str, Any]:
         """What is in the files, what is missing, what a map of them will be and cost; before any map is made."""
@@ -68,20 +81,38 @@ class Flights(Calls):
         """Deleted flights that can be restored, the latest first."""
         return cast("models.ListTrashAnswer", self._send("GET", "/api/v1/trash"))
 
-    def map_statistics(self, flight: str, body: Dict[str, Any]) -> models.MapStatistics:
+    def map_bands(self, flight: str) -> models.MapBands:
+        """Bands of a map, and the indices and colours for them."""
+        return cast("models.MapBands", self._send("GET", "/api/v1/flights/{flight}/bands", path={"flight": flight}))
+
+    def map_statistics(self, flight: str, body: Dict[str, Any], *, index: Optional[str] = None,
+                       expression: Optional[str] = None, max_pixels: Optional[int] = None) -> models.MapStatistics:
         """Area and colours within a polygon."""
         return cast("models.MapStatistics", self._send("POST", "/api/v1/flights/{flight}/statistics", json_body=body,
-                                                       path={"flight": flight}))
+                                                       path={"flight": flight},
+                                                       query={"index": index, "expression": expression, "max_pixels": max_pixels}))
+
+    def map_zones(self, flight: str, *, index: Optional[str] = None, expression: Optional[str] = None,
+                  classes: Optional[int] = None, resolution_m: Optional[float] = None,
+                  format: Optional[Literal['geojson', 'shp']] = None,
+                  headers: Optional[Mapping[str, str]] = None) -> Answer:
+        """Zones of a map by an index, for spreaders and sprayers. Classes of as much land each, small patches joined,
+        with mean value and area of each."""
+        return self._stream("GET", "/api/v1/flights/{flight}/zones", path={"flight": flight},
+                            query={"index": index, "expression": expression, "classes": classes, "resolution_m": resolution_m, "format": format},
+                            headers=headers)
 
     def photos_at(self, flight: str, lon: float, lat: float) -> models.PhotosAtAnswer:
         """The photos that see a place, the most vertical view first."""
         return cast("models.PhotosAtAnswer", self._send("GET", "/api/v1/flights/{flight}/at", path={"flight": flight},
                                                         query={"lon": lon, "lat": lat}))
 
-    def point_of_map(self, flight: str, lon: float, lat: float) -> models.PointOfMap:
+    def point_of_map(self, flight: str, lon: float, lat: float, *, index: Optional[str] = None,
+                     expression: Optional[str] = None,
+                     ground: Optional[Literal['true', 'false']] = None) -> models.PointOfMap:
         """Colour, height and photo of a place."""
         return cast("models.PointOfMap", self._send("GET", "/api/v1/flights/{flight}/point", path={"flight": flight},
-                                                    query={"lon": lon, "lat": lat}))
+                                                    query={"lon": lon, "lat": lat, "index": index, "expression": expression, "ground": ground}))
 
     def put_control(self, flight: str, body: models.ControlPoints, *,
                     if_match: Optional[str] = None) -> models.ControlPoints:
@@ -90,6 +121,13 @@ class Flights(Calls):
         them."""
         return cast("models.ControlPoints", self._send("PUT", "/api/v1/flights/{flight}/control", json_body=body,
                                                        path={"flight": flight}, headers={"If-Match": if_match}))
+
+    def put_notes(self, flight: str, body: models.MapNotes, *, if_match: Optional[str] = None) -> models.MapNotes:
+        """Keep these notes in place of those there were. They lie among the flight's files as map_notes.geojson, of
+        which no map is made. Where there are notes already, If-Match has to say which are replaced: 412 without it,
+        so that nobody's are lost. While a job reads the flight's files they cannot be replaced (409)."""
+        return cast("models.MapNotes", self._send("PUT", "/api/v1/flights/{flight}/notes", json_body=body,
+                                                  path={"flight": flight}, headers={"If-Match": if_match}))
 
     def remove_flight(self, flight: str) -> None:
         """Remove a deleted flight for good, with its files and map. For the token that made it, and those of scope

@@ -3,347 +3,63 @@
 Written by generate.py from api/openapi.json; changes belong there."""
 from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 
-
-class ProblemForSure(TypedDict):
-    """What Problem always has."""
-    type: str
-    title: str
-    status: int
-    detail: str
+from .documents_1 import *  # noqa: F401,F403
 
 
-class Problem(ProblemForSure, total=False):
-    """RFC 9457."""
-    code: str
-    instance: str
-    request_id: str
+class MapNoteGeometry(TypedDict):
+    type: Literal['Point']
+    coordinates: NotePosition
 
 
-JobOptionsPlaceItem = TypedDict("JobOptionsPlaceItem", {"shown": List[float], "is": List[float]})
+class MapNoteGeometry1(TypedDict):
+    type: Literal['LineString']
+    coordinates: List[NotePosition]
 
 
-class JobOptions(TypedDict, total=False):
-    # Ground size of a pixel in metres
-    gsd_m: Optional[float]
-    # gsd_m counts only where it is coarser than the photos' own pixels
-    not_finer_than_photos: bool
-    # Nothing is drawn that a photo sees further off the vertical than this, in degrees
-    max_look_deg: float
-    # Rolling shutter: milliseconds from reading a photo's first row to its last, 0 for none; null as known of the
-    # camera. Undone where photos or logs say how fast the aircraft flew
-    readout_ms: Optional[float]
-    format: Literal['auto', 'webp']
-    quality: int
-    method: Literal['auto', 'images', 'imu', 'features', 'direct']
-    # Latitude and longitude of the take-off in degrees, for a flight that recorded no position at all
-    origin: Optional[List[float]]
-    # Of a job for a finished map: it is brought to where things that it shows really are, and no photo is compared
-    # again. One pair shifts it, two or more turn and scale it too. "control": it is brought to the surveyed points
-    # among the flight's files, and aligned anew where it fits them only when it is bent
-    place: Union[List[JobOptionsPlaceItem], Literal['control']]
-    # A flight without any position landed where it took off
-    landed_at_start: bool
-    # Tilesets of their own beside the map: which photo a pixel came from, how far off it may lie, how high the ground
-    # is
-    layers: List[Literal['photo', 'error', 'height']]
+class MapNoteGeometry2(TypedDict):
+    type: Literal['Polygon']
+    coordinates: List[List[NotePosition]]
 
 
-class FlightFields(TypedDict, total=False):
-    name: str
-    options: JobOptions
-
-
-class JobError(TypedDict):
-    code: str
-    message: str
-
-
-class Job(TypedDict):
-    id: str
-    flight_id: str
-    state: Literal['accepted', 'running', 'successful', 'failed', 'dismissed']
-    stage: str
-    progress: float
-    message: str
-    eta_s: Optional[float]
-    attempts: int
-    created_at: str
-    started_at: Optional[str]
-    finished_at: Optional[str]
-    error: Optional[JobError]
-    # Four of five jobs end within these
-    eta_low_s: Optional[float]
-    # Four of five jobs end within these
-    eta_high_s: Optional[float]
-    priority: int
-    options: JobOptions
-
-
-class FlightPhotos(TypedDict):
-    total: int
-    aligned: int
-    pose_only: int
-    left_out: int
-
-
-class FlightCaptured(TypedDict):
-    """When the photos in the map were taken, by the clock on the wall there: with the offset of its zone, with Z where
-    that is not known, and without either where the camera's clock was local and nothing tells its zone. Null where
-    no photo knows it, and for maps made before version 15 of the catalogue."""
-    first: str
-    last: str
-
-
-class Preview(TypedDict):
-    """The coarse map of a flight that has no map yet, from the photos that have arrived."""
-    # Grows with every change
-    edition: int
-    photos: int
-    # west, south, east, north
-    bounds: List[float]
-    tilejson: str
-
-
-class FlightForSure(TypedDict):
-    """What Flight always has."""
-    id: str
-    name: str
-    state: Literal['empty', 'uploaded', 'queued', 'processing', 'ready', 'failed']
-    created_at: str
-    file_count: int
-    bytes: int
-    revision: Optional[int]
-    job: Optional[Job]
-    # west, south, east, north
-    bounds: Optional[List[float]]
-    # false: nothing says where on Earth the map lies, and it is drawn around latitude 0, longitude 0 until it is
-    # placed. null: there is no map yet
-    georeferenced: Optional[bool]
-    min_zoom: Optional[int]
-    max_zoom: Optional[int]
-    photos: Optional[FlightPhotos]
-    # When the photos in the map were taken, by the clock on the wall there: with the offset of its zone, with Z where
-    # that is not known, and without either where the camera's clock was local and nothing tells its zone. Null where
-    # no photo knows it, and for maps made before version 15 of the catalogue
-    captured: Optional[FlightCaptured]
-    gsd_m: Optional[float]
-    tilejson: Optional[str]
-    error: Optional[JobError]
-    preview: Optional[Preview]
-    # Whether who asks may change it: the token that made it, one of scope admin, and everybody where no token is
-    # asked for
-    may_change: bool
-
-
-class Flight(FlightForSure, total=False):
-    options: JobOptions
-
-
-class File(TypedDict):
-    name: str
-    bytes: int
-
-
-class FileOutcomeForSure(TypedDict):
-    """What FileOutcome always has."""
+class MapNotePropertiesForSure(TypedDict):
+    """What MapNoteProperties always has."""
+    # One line, at most 200 bytes
     name: str
 
 
-class FileOutcome(FileOutcomeForSure, total=False):
-    bytes: int
-    note: str
-    error: str
-    code: str
+class MapNoteProperties(MapNotePropertiesForSure, total=False):
+    # At most 4,000 bytes
+    text: str
 
 
-class WebhookForSure(TypedDict):
-    """What Webhook always has."""
+class MapNote(TypedDict):
+    type: Literal['Feature']
+    # Chosen by who writes the note
     id: str
-    url: str
-    created_at: str
+    # A note, a distance, an area
+    geometry: Union[MapNoteGeometry, MapNoteGeometry1, MapNoteGeometry2]
+    properties: MapNoteProperties
 
 
-class Webhook(WebhookForSure, total=False):
-    # Said once, in the answer to POST
-    secret: str
+class MapNotes(TypedDict):
+    """GeoJSON (RFC 7946), at most 1 MiB."""
+    type: Literal['FeatureCollection']
+    features: List[MapNote]
 
 
-class TrashedFlight(TypedDict):
+class MapBandsColormapsItem(TypedDict):
     id: str
-    name: str
-    created_at: str
-    file_count: int
-    bytes: int
-    deleted_at: str
-    # Removed for good then, or later: the days count while the server's machine runs
-    removed_at: str
-    days_left: int
+    # #rrggbb, at equal steps from the least to the greatest value
+    colours: List[str]
 
 
-class ExportError(TypedDict):
-    code: str
-    message: str
-
-
-class Export(TypedDict):
-    id: str
-    flight_id: str
-    # The map that it is of
+class MapBands(TypedDict):
+    """What can be computed from a map."""
     revision: int
-    # false: the flight shows another map since
-    is_current: bool
-    format: Literal['geotiff', 'pmtiles', 'mbtiles', 'kmz']
-    crs: Optional[str]
-    resolution_m: Optional[float]
-    # GeoJSON Polygon or MultiPolygon (or a Feature or FeatureCollection of them) with longitudes and latitudes of WGS
-    # 84
-    boundary: Optional[Dict[str, Any]]
-    state: Literal['accepted', 'running', 'successful', 'failed']
-    progress: float
-    # Of the file, once it is there
-    bytes: Optional[int]
-    error: Optional[ExportError]
-    created_at: str
-    finished_at: Optional[str]
-    # When it is removed, with its file; null while it waits or runs
-    expires_at: Optional[str]
-    # Where its state is
-    href: str
-    # Where its file is, once it is there
-    download: Optional[str]
-
-
-class SeenPhoto(TypedDict):
-    """A photo that sees a place."""
-    name: str
-    # Where in the photo the place shows, in pixels from its left edge
-    x: float
-    # In pixels from its top edge
-    y: float
-    # How far off the vertical the photo sees the place
-    off_nadir_deg: float
-    # How the photo was placed: aligned with others, or pose_only, by its record alone
-    placement: str
-    # Metres, 1-sigma, of where the camera was, as it shows on the ground
-    sigma_m: Optional[float]
-
-
-class TileJsonLayersItem(TypedDict):
-    id: str
-    tilejson: str
-    legends: str
-
-
-class TileJsonForSure(TypedDict):
-    """What TileJson always has."""
-    tilejson: str
-    # Templates with {z}, {x} and {y}
-    tiles: List[str]
-
-
-class TileJson(TileJsonForSure, total=False):
-    """TileJSON 3.0.0."""
-    name: str
-    version: str
-    scheme: Literal['xyz']
-    # west, south, east, north
-    bounds: List[float]
-    # Longitude, latitude, zoom
-    center: List[float]
-    minzoom: int
-    maxzoom: int
-    # Pixels on a side of a tile
-    tileSize: int
-    attribution: str
-    description: str
-    layers: List[TileJsonLayersItem]
-    # Of the layer of heights
-    encoding: Literal['terrarium']
-
-
-class PointOfMapColour(TypedDict):
-    red: int
-    green: int
-    blue: int
-    alpha: int
-
-
-class PointOfMap(TypedDict):
-    """What a map shows at a place."""
-    lon: float
-    lat: float
-    revision: int
-    # Of the finest pixel there; null: the map has nothing
-    colour: Optional[PointOfMapColour]
-    # Of the ground, counted from the zero that the flight's heights have
-    height_m: Optional[float]
-    # The photo that shows the place; null: none is known
-    photo: Optional[Any]
-
-
-class MapStatisticsBandsItem(TypedDict):
-    name: str
-    min: Optional[float]
-    max: Optional[float]
-    mean: Optional[float]
-    std: Optional[float]
-    # Pixels of each value from 0 to 255
-    histogram: List[int]
-
-
-class MapStatistics(TypedDict):
-    """What a map shows within a polygon."""
-    revision: int
-    # Of the pixels that were counted: the finest at which they are at most 8 million
-    zoom: int
-    # Of such a pixel, on the ground
-    pixel_m: float
-    # Of the polygon, on the ellipsoid
-    area_m2: float
-    # Of the ground within it that the map shows
-    covered_m2: float
-    pixels: int
-    bands: List[MapStatisticsBandsItem]
-
-
-class ControlMark(TypedDict):
-    # Name of the photo
-    photo: str
-    # Column in pixels; the centre of the first is 0
-    x: float
-    # Row in pixels; the centre of the first is 0
-    y: float
-
-
-class ControlPointForSure(TypedDict):
-    """What ControlPoint always has."""
-    name: str
-    # East or longitude, in the reference system
-    x: float
-    # North or latitude, in the reference system
-    y: float
-
-
-class ControlPoint(ControlPointForSure, total=False):
-    # In the unit of the reference system; null where it was not surveyed
-    height: Optional[float]
-    # Degrees east; said by the server, and not read
-    lon: float
-    # Degrees north; said by the server, and not read
-    lat: float
-    marks: List[ControlMark]
-
-
-class ControlPointsForSure(TypedDict):
-    """What ControlPoints always has."""
-    points: List[ControlPoint]
-
-
-class ControlPoints(ControlPointsForSure, total=False):
-    # Of x, y and height, as a gcp_list.txt names it in its first line: EPSG:32611, WGS84 UTM 11N, +proj=...
-    reference_system: str
-    # Said by the server: rows of the list that were left out, and why
-    warnings: List[str]
+    # Names for expressions
+    bands: List[str]
+    indices: List[MapIndex]
+    colormaps: List[MapBandsColormapsItem]
 
 
 class AddExportBodyForSure(TypedDict):
@@ -481,6 +197,8 @@ class BasemapAnswer(BasemapAnswerForSure, total=False):
     pmtiles: str
     # Plain text, not markup
     attribution: str
+    # The last zoom that the tiles have
+    maxzoom: int
 
 
 class VersionAnswer(TypedDict):

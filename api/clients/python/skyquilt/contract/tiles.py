@@ -26,27 +26,36 @@ class Tiles(Calls):
                                                   path={"flight": flight, "layer": layer}, query={"rev": rev}))
 
     def get_tile(self, flight: str, z: int, x: int, y: str, *, empty: Optional[Literal['blank', '204', '404']] = None,
-                 rev: Optional[Union[int, str]] = None, headers: Optional[Mapping[str, str]] = None) -> Answer:
+                 rev: Optional[Union[int, str]] = None, index: Optional[str] = None, expression: Optional[str] = None,
+                 rescale: Optional[str] = None, colormap: Optional[str] = None,
+                 headers: Optional[Mapping[str, str]] = None) -> Answer:
         """One tile (XYZ, Web Mercator)."""
         return self._stream("GET", "/tiles/{flight}/{z}/{x}/{y}", path={"flight": flight, "z": z, "x": x, "y": y},
-                            query={"empty": empty, "rev": rev}, headers=headers)
+                            query={"empty": empty, "rev": rev, "index": index, "expression": expression, "rescale": rescale, "colormap": colormap},
+                            headers=headers)
 
-    def get_tile_json(self, flight: str, *, rev: Optional[Union[int, str]] = None) -> models.TileJson:
+    def get_tile_json(self, flight: str, *, rev: Optional[Union[int, str]] = None, index: Optional[str] = None,
+                      expression: Optional[str] = None, rescale: Optional[str] = None,
+                      colormap: Optional[str] = None) -> models.TileJson:
         """TileJSON 3.0.0 of a flight's map."""
         return cast("models.TileJson", self._send("GET", "/tiles/{flight}.json", path={"flight": flight},
-                                                  query={"rev": rev}))
+                                                  query={"rev": rev, "index": index, "expression": expression, "rescale": rescale, "colormap": colormap}))
 
     def get_usual_tile(self, flight: str, z: int, x: int, y: str, *,
                        empty: Optional[Literal['blank', '204', '404']] = None, rev: Optional[Union[int, str]] = None,
-                       headers: Optional[Mapping[str, str]] = None) -> Answer:
+                       index: Optional[str] = None, expression: Optional[str] = None, rescale: Optional[str] = None,
+                       colormap: Optional[str] = None, headers: Optional[Mapping[str, str]] = None) -> Answer:
         """One tile of 256 pixels, whatever the size of the stored ones: of one of 512, a quarter a zoom deeper."""
         return self._stream("GET", "/tiles/{flight}/256/{z}/{x}/{y}", path={"flight": flight, "z": z, "x": x, "y": y},
-                            query={"empty": empty, "rev": rev}, headers=headers)
+                            query={"empty": empty, "rev": rev, "index": index, "expression": expression, "rescale": rescale, "colormap": colormap},
+                            headers=headers)
 
-    def get_usual_tile_json(self, flight: str, *, rev: Optional[Union[int, str]] = None) -> models.TileJson:
+    def get_usual_tile_json(self, flight: str, *, rev: Optional[Union[int, str]] = None, index: Optional[str] = None,
+                            expression: Optional[str] = None, rescale: Optional[str] = None,
+                            colormap: Optional[str] = None) -> models.TileJson:
         """TileJSON 3.0.0 of a flight's map in tiles of 256 pixels, whatever the size of the stored ones."""
         return cast("models.TileJson", self._send("GET", "/tiles/{flight}/256.json", path={"flight": flight},
-                                                  query={"rev": rev}))
+                                                  query={"rev": rev, "index": index, "expression": expression, "rescale": rescale, "colormap": colormap}))
 
     def tile_json_index(self, *, limit: Optional[int] = None, cursor: Optional[str] = None) -> List[Any]:
         """TileJSON of all maps, the newest flights first."""

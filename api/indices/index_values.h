@@ -1,0 +1,53 @@
+// IndexValues: what an expression comes to over a tile or any window of a map. The bands are those of
+// bands.tif where the map has that, else red, green and blue of its tiles as 0..1. Any thread; decodes and
+// computes, so where processor time is fine. Memory: up to 8 bytes per pixel and band. Errors:
+// kInvalidArgument (a band that the map does not have; the message says which there are), kCorrupt, kIo, and
+// those of fetching bands.tif.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/indices/index_look.h"
+#include "api/service.h"
+#include "api/tiles/map_window.h"
+#include "core/geo/tile_id.h"
+#include "core/image/rgba_image.h"
+
+namespace skyquilt::api {
+
+struct IndexValues {
+  int width_px = 0, height_px = 0;
+  std::vector<float> values;         // rows from the north; NaN: no value
+  std::vector<std::uint8_t> alphas;  // of the map; 0 where there is no value
+};
+
+// What is more transparent is the fringe of a map, and counts for no statistics.
+inline constexpr std::uint8_t kSolidMapAlpha = 128;
+// Square metres of ground under one of Web Mercator.
+double GroundPerMercArea(double lat_deg);
+
+// The bands of a map, in the order of its file.
+Result<std::vector<std::string>> BandsOf(Service& service, const storage::Tileset& tileset);
+// Those that can be told without opening or fetching anything large: what lists of many maps say.
+std::vector<std::string> BandsAtHand(Service& service, const storage::Tileset& tileset);
+Result<void> CheckBands(Service& service, const storage::Tileset& tileset,
+                        const indices::BandExpression& expression);
+
+// Of a tile with so many pixels on a side. Where the map stores no such tile there are no values.
+Result<IndexValues> ValuesOfTile(Service& service, const storage::Tileset& tileset,
+                                 const indices::BandExpression& expression, const geo::TileId& tile,
+                                 int side_px);
+Result<IndexValues> ValuesOfWindow(Service& service, const storage::Tileset& tileset,
+                                   const indices::BandExpression& expression, const MapWindow& window);
+// At the finest pixel there. Absent: no value.
+Result<std::optional<double>> ValueAt(Service& service, const storage::Tileset& tileset,
+                                      const indices::BandExpression& expression, const Eigen::Vector2d& merc);
+
+// Straight alpha; transparent where there is no value.
+image::RgbaImage Coloured(const IndexValues& values, const IndexLook& look);
+
+}  // namespace skyquilt::api

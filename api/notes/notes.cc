@@ -1,0 +1,121 @@
+#include "api/notes/notes.h"
+
+#include <optional>
+#include <utility>
+
+#include "api/flights/flights.h"
+#include "api/http/problem.h"
+#include "api/http/responses.h"
+#include "api/notes/note_list.h"
+#include "api/uploads/flight_document.h"
+#include "core/base/try.h"
+#include "core/flight/lists/input_file.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr const char* kNotesType = "application/geo+json";
+
+struct KeptNotes {
+  NotesText text;
+  std::string etag;
+};
+
+Result<NotesText> ReadStoredNotes(Service& service, const std::string& flight_id,
+                                  const storage::StoredFile& file) {
+  const auto unreadable = [&](const std::string& why) {
+    return Error{ErrorCode::kUnprocessable,
+                 "The file " + file.name + " of this flight holds no notes that can be read: " + why +
+                     " Remove it from the flight's files, or put one in its place that holds some.",
+                 ""};
+  };
+  if (file.bytes > static_cast<std::int64_t>(kMaxNotesBytes)) return unreadable("It is too large.");
+  SKYQUILT_TRY_ASSIGN(const storage::LocalBlob blob, service.store.Fetch(flight_id, file.stored_name));
+  SKYQUILT_TRY_ASSIGN(const std::string bytes, storage::ReadWholeFile(blob.path));
+  Result<NotesText> read = ReadNotes(bytes);
+  if (!read) return unreadable(read.error().message);
+  return read;
+}
+
+Result<KeptNotes> ReadNotesOf(Service& service, const std::string& flight_id) {
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(const auto file, FindDocument(service, flight_id, flight::kMapNotesName));
+  if (!file) return KeptNotes{NoNotes(), EtagOfDocument(file)};
+  SKYQUILT_TRY_ASSIGN(NotesText text, ReadStoredNotes(service, flight_id, *file));
+  return KeptNotes{std::move(text), EtagOfDocument(file)};
+}
+
+// Who does not say what he replaces may replace nothing that somebody wrote.
+Result<WantedDocument> WantedNotes(Service& service, const Request& request,
+                                   const std::optional<storage::StoredFile>& known) {
+  SKYQUILT_TRY_ASSIGN(WantedDocument wanted,
+                      CheckIfMatch(request, known,
+                                   "The notes were changed elsewhere meanwhile. Read them again, then repeat "
+                                   "the change."));
+  if (!wanted.stored_name && known) {
+    const Result<NotesText> kept = ReadStoredNotes(service, request.Parameter("flight"), *known);
+    if (!kept || kept->count > 0) {
+      return Error{ErrorCode::kPreconditionFailed,
+                   "This flight has notes already. Read them, add yours, and send them with the header "
+                   "If-Match: their ETag, so that none is lost.",
+                   ""};
+    }
+  }
+  wanted.stored_name = known ? known->stored_name : std::string();
+  return wanted;
+}
+
+Result<KeptNotes> WriteNotes(Service& service, const Request& request, const std::string& body) {
+  const std::string& flight_id = request.Parameter("flight");
+  SKYQUILT_TRY(CheckId(flight_id, "flight"));
+  SKYQUILT_TRY(RequireFlight(service, flight_id));
+  SKYQUILT_TRY_ASSIGN(NotesText text, ReadNotes(body));
+  SKYQUILT_TRY_ASSIGN(const auto known, FindDocument(service, flight_id, flight::kMapNotesName));
+  SKYQUILT_TRY_ASSIGN(const WantedDocument wanted, WantedNotes(service, request, known));
+  if (text.count == 0 && !known) return KeptNotes{std::move(text), EtagOfDocument(known)};
+  SKYQUILT_TRY_ASSIGN(const std::string stored,
+                      ReplaceDocument(service, flight_id, known, flight::kMapNotesName, wanted, text.json,
+                                      [](const std::string& /*stored_name*/) { return Result<void>(); }));
+  return KeptNotes{std::move(text), EtagOfDocument(stored)};
+}
+
+Response AnswerNotes(Result<KeptNotes> kept, const Request& request) {
+  if (!kept) return Problem(kept.error(), request);
+  Response response;
+  response.headers.Add("Content-Type", kNotesType);
+  response.headers.Add("Cache-Control", "no-cache");
+  response.headers.Add("ETag", kept->etag);
+  response.body = std::move(kept->text.json);
+  return response;
+}
+
+bool IsGeoJson(const Request& request) {
+  return IsJson(request) || request.headers.Find("Content-Type").starts_with(kNotesType);
+}
+
+}  // namespace
+
+void AddNotesRoutes(Router& router, Service& service) {
+  router.AddCompute(Method::kGet, "/api/v1/flights/{flight}/notes", [&](const Request& request) {
+    return AnswerNotes(ReadNotesOf(service, request.Parameter("flight")), request);
+  });
+  router.AddUpload(
+      Method::kPut, "/api/v1/flights/{flight}/notes",
+      [&](const Request& request) -> std::variant<std::unique_ptr<BodySink>, Response> {
+        if (!IsGeoJson(request)) {
+          return Problem(
+              {ErrorCode::kUnsupportedFormat,
+               "Send the notes as GeoJSON with its header, Content-Type: application/geo+json.", ""},
+              request);
+        }
+        return CollectBody(
+            [&service, request](const std::string& body) {
+              return AnswerNotes(WriteNotes(service, request, body), request);
+            },
+            kMaxNotesBytes);
+      });
+}
+
+}  // namespace skyquilt::api

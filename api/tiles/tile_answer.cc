@@ -1,0 +1,101 @@
+#include "api/tiles/tile_answer.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "api/http/etag.h"
+#include "api/tiles/transcode_tile.h"
+#include "core/base/try.h"
+#include "core/image/picture_codec.h"
+
+namespace skyquilt::api {
+namespace {
+
+constexpr const char* kRevalidated = "public, max-age=60, must-revalidate";
+constexpr const char* kImmutable = "public, max-age=31536000, immutable";
+
+Result<EmptyTile> ParseEmptyTile(const Request& request, EmptyTile otherwise) {
+  const auto wanted = request.Query("empty");
+  if (!wanted) return otherwise;
+  if (*wanted == "blank") return EmptyTile::kBlank;
+  if (*wanted == "204") return EmptyTile::kNoContent;
+  if (*wanted == "404") return EmptyTile::kNotFound;
+  return Error{ErrorCode::kInvalidArgument, "The parameter \"empty\" must be blank, 204 or 404.", ""};
+}
+
+// Made once for each size that occurs (256 and 512 as a rule). Null: it is still to be made, but not here.
+const std::string* BlankTile(int side_px, Work work) {
+  static std::mutex mutex;
+  static std::map<int, std::string> made;
+  {
+    const std::lock_guard lock(mutex);
+    const auto found = made.find(side_px);
+    if (found != made.end()) return &found->second;
+  }
+  if (work < Work::kCompute) return nullptr;
+  std::string png = TransparentPng(side_px);
+  const std::lock_guard lock(mutex);
+  return &made.try_emplace(side_px, std::move(png)).first->second;
+}
+
+}  // namespace
+
+Response DeferTo(Work work) {
+  Response response;
+  response.wants = work;
+  return response;
+}
+
+const char* CacheControl(const Request& request, const storage::Tileset& tileset) {
+  const auto revision = request.Query("rev");
+  return revision && *revision == std::to_string(tileset.revision.revision) ? kImmutable : kRevalidated;
+}
+
+Result<Response> BlankAnswer(const Request& request, EmptyTile otherwise, int side_px,
+                             const char* cache_control) {
+  SKYQUILT_TRY_ASSIGN(const EmptyTile empty, ParseEmptyTile(request, otherwise));
+  if (empty == EmptyTile::kNotFound) return Error{ErrorCode::kNotFound, "The map has nothing here.", ""};
+  Response response;
+  response.headers.Add("Cache-Control", cache_control);
+  if (empty == EmptyTile::kNoContent) {
+    response.status = 204;
+    return response;
+  }
+  const std::string etag = "\"blank-" + std::to_string(side_px) + "\"";
+  response.headers.Add("ETag", etag);
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    return response;
+  }
+  const std::string* png = BlankTile(std::min(side_px, image::kMaxPictureSidePx), request.work);
+  if (png == nullptr) return DeferTo(Work::kCompute);
+  response.headers.Add("Content-Type", "image/png");
+  response.body = *png;
+  return response;
+}
+
+Result<std::shared_ptr<const storage::MadeTile>> Made(Service& service, const Request& request,
+                                                      const storage::MadeTileKey& key,
+                                                      const std::function<Result<std::string>()>& make) {
+  if (request.work < Work::kCompute) return service.made_tiles.Find(key);
+  return service.made_tiles.Get(key, make);
+}
+
+Response AnswerMade(const Request& request, const storage::Tileset& tileset, const storage::MadeTile& made,
+                    image::PictureFormat format, std::string_view variant) {
+  Response response;
+  const std::string etag = StrongEtag(made.digest, variant);
+  response.headers.Add("Cache-Control", CacheControl(request, tileset));
+  response.headers.Add("ETag", etag);
+  if (EtagListMatches(request.headers.Find("If-None-Match"), etag)) {
+    response.status = 304;
+    return response;
+  }
+  response.headers.Add("Content-Type", image::ContentTypeOf(format));
+  response.body = made.bytes;
+  return response;
+}
+
+}  // namespace skyquilt::api

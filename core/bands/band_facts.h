@@ -1,0 +1,21 @@
+// BandFacts: what one photo of a camera of several bands says of its band and of the capture it belongs to. A
+// value; any thread.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/bands/radiometry.h"
+
+namespace skyquilt::bands {
+
+struct BandFacts {
+  std::string name;  // as BandNameOf has it
+  std::optional<double> wavelength_nm;
+  std::optional<double> width_nm;  // full width at half maximum
+  std::string capture_id;          // all bands of one capture share it; empty where none is written
+  bool is_panel = false;           // a picture of the calibration panel, not of the ground
+  Radiometry radiometry;
+};
+
+}  // namespace skyquilt::bands

@@ -1,0 +1,203 @@
+#include "core/bands/captures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "core/bands/band_name.h"
+#include "core/bands/read_band_facts.h"
+#include "core/base/parallel_for.h"
+#include "core/base/try.h"
+
+namespace skyquilt::bands {
+namespace {
+
+using flight::Flight;
+using flight::Photo;
+
+constexpr const char* kThermal = "lwir";
+// The shutters of one capture, where no id ties them together.
+constexpr std::chrono::milliseconds kOneCapture{500};
+
+// Of a photo that names its band; nothing for others.
+std::vector<std::optional<Result<BandFacts>>> ReadAllFacts(const std::vector<Photo>& photos, int threads) {
+  std::vector<std::optional<Result<BandFacts>>> facts(photos.size());
+  ParallelFor(photos.size(), threads, [&](std::size_t i) {
+    if (photos[i].band_name.empty()) return;
+    facts[i] = [&]() -> Result<BandFacts> {
+      SKYQUILT_TRY_ASSIGN(auto source, flight::OpenFileBytes(photos[i].path));
+      return ReadBandFacts(*source);
+    }();
+  });
+  return facts;
+}
+
+// Where a photo came from: captures never mix cameras.
+std::string RigOf(const Photo& photo) { return photo.make + "|" + photo.model; }
+
+// Photos in the order of the flight to captures, by id, else by time.
+std::vector<Capture> Grouped(std::vector<BandPhoto> photos) {
+  struct Open {
+    std::size_t capture = 0;
+    std::optional<flight::UtcTime> since;
+    std::set<std::string> bands;
+  };
+  std::vector<Capture> captures;
+  std::map<std::string, Open> open;  // by rig and id
+  for (BandPhoto& photo : photos) {
+    const std::string key = RigOf(photo.photo) + "|" + photo.facts.capture_id;
+    const bool has_id = !photo.facts.capture_id.empty();
+    const auto found = open.find(key);
+    bool joins = found != open.end() && !found->second.bands.contains(photo.facts.name);
+    if (joins && !has_id) {
+      const auto& since = found->second.since;
+      joins = since && photo.photo.captured_at && *photo.photo.captured_at - *since <= kOneCapture;
+    }
+    if (!joins) {
+      captures.emplace_back();
+      open[key] = {captures.size() - 1, photo.photo.captured_at, {}};
+    }
+    Open& capture = open[key];
+    capture.bands.insert(photo.facts.name);
+    captures[capture.capture].photos.push_back(std::move(photo));
+  }
+  return captures;
+}
+
+std::string ReferenceBand(const std::vector<Capture>& captures) {
+  std::map<std::string, int> counts;
+  for (const Capture& capture : captures) {
+    for (const BandPhoto& photo : capture.photos) ++counts[photo.facts.name];
+  }
+  std::string best;
+  std::pair<int, int> best_rank{std::numeric_limits<int>::max(), 0};
+  for (const auto& [name, count] : counts) {
+    const std::pair rank{-count, AlignRank(name)};
+    if (rank < best_rank) best = name, best_rank = rank;
+  }
+  return best;
+}
+
+std::vector<Band> BandsOf(const std::vector<Capture>& captures) {
+  struct Seen {
+    Band band;
+    std::map<Calibration, std::pair<int, std::string>> calibrations;  // photos, and by what method
+  };
+  std::map<std::string, Seen> by_name;
+  for (const Capture& capture : captures) {
+    for (const BandPhoto& photo : capture.photos) {
+      const BandFacts& facts = photo.facts;
+      Seen& seen = by_name[facts.name];
+      seen.band.name = facts.name;
+      if (!seen.band.wavelength_nm) seen.band.wavelength_nm = facts.wavelength_nm;
+      if (!seen.band.width_nm) seen.band.width_nm = facts.width_nm;
+      auto& [count, method] = seen.calibrations[facts.radiometry.calibration];
+      if (count++ == 0) method = facts.radiometry.method;
+    }
+  }
+  std::vector<Band> bands;
+  for (auto& [name, seen] : by_name) {
+    int most = 0;
+    for (const auto& [calibration, counted] : seen.calibrations) {
+      if (counted.first < most) continue;
+      most = counted.first;
+      seen.band.calibration = calibration;
+      seen.band.method = counted.second;
+    }
+    bands.push_back(std::move(seen.band));
+  }
+  const auto wavelength_nm = [](const Band& band) { return band.wavelength_nm.value_or(1e9); };
+  std::stable_sort(bands.begin(), bands.end(),
+                   [&](const Band& a, const Band& b) { return wavelength_nm(a) < wavelength_nm(b); });
+  return bands;
+}
+
+// Values of one band must mean the same in all of its photos. A reference is placed all the same.
+void DropOddCalibrations(const std::vector<Band>& bands, std::vector<Capture>& captures, Flight& flight) {
+  std::map<std::string, Calibration> usual;
+  for (const Band& band : bands) usual[band.name] = band.calibration;
+  std::size_t dropped = 0;
+  for (Capture& capture : captures) {
+    dropped += std::erase_if(capture.photos, [&](const BandPhoto& photo) {
+      return photo.facts.radiometry.calibration != usual.at(photo.facts.name);
+    });
+  }
+  if (dropped == 0) return;
+  flight.warnings.push_back(fmt::format(
+      "{} photos of bands give no values to bands.tif: their tags lack what makes levels values, or "
+      "have it where those of most others lack it.",
+      dropped));
+}
+
+}  // namespace
+
+Captures SetBandsApart(Flight& flight, int threads) {
+  Captures apart;
+  std::vector<std::optional<Result<BandFacts>>> facts = ReadAllFacts(flight.photos, threads);
+  std::set<std::string> names;
+  for (const auto& one : facts) {
+    if (one && one->ok() && (**one).name != kThermal) names.insert((**one).name);
+  }
+  if (names.size() < 2) return apart;  // a band alone is a grey picture
+
+  std::vector<BandPhoto> band_photos;
+  std::vector<Photo> others;
+  const auto leave_out = [&](const Photo& photo, ErrorCode code, std::string reason) {
+    flight.left_out.push_back({photo.name, code, std::move(reason)});
+  };
+  for (std::size_t i = 0; i < flight.photos.size(); ++i) {
+    Photo& photo = flight.photos[i];
+    if (!facts[i]) {
+      others.push_back(std::move(photo));
+    } else if (!facts[i]->ok()) {
+      leave_out(photo, facts[i]->error().code, facts[i]->error().message);
+    } else if ((**facts[i]).name == kThermal) {
+      leave_out(photo, ErrorCode::kUnsupportedFormat,
+                "A picture of warmth, not of light: thermal bands do not go into bands.tif.");
+    } else if ((**facts[i]).is_panel) {
+      leave_out(photo, ErrorCode::kUnprocessable, "A picture of the calibration panel, not of the ground.");
+    } else {
+      band_photos.push_back({std::move(photo), **std::move(facts[i])});
+    }
+  }
+  apart.captures = Grouped(std::move(band_photos));
+  apart.reference_band = ReferenceBand(apart.captures);
+  for (Capture& capture : apart.captures) {
+    for (const BandPhoto& photo : capture.photos) {
+      if (photo.facts.name == apart.reference_band) capture.reference = photo.photo.name;
+    }
+    if (!capture.reference.empty()) continue;
+    for (const BandPhoto& photo : capture.photos) {
+      leave_out(photo.photo, ErrorCode::kUnprocessable,
+                "Its capture has no picture of the band " + apart.reference_band +
+                    ", by which the bands are placed. Add the missing file.");
+    }
+  }
+  std::erase_if(apart.captures, [](const Capture& capture) { return capture.reference.empty(); });
+  apart.bands = BandsOf(apart.captures);
+  std::map<std::string, std::size_t> place;
+  for (std::size_t i = 0; i < apart.bands.size(); ++i) place[apart.bands[i].name] = i;
+  flight.photos = std::move(others);
+  for (Capture& capture : apart.captures) {
+    std::stable_sort(capture.photos.begin(), capture.photos.end(),
+                     [&](const BandPhoto& a, const BandPhoto& b) {
+                       return place.at(a.facts.name) < place.at(b.facts.name);
+                     });
+    for (const BandPhoto& photo : capture.photos) {
+      if (photo.photo.name == capture.reference) flight.photos.push_back(photo.photo);
+    }
+  }
+  DropOddCalibrations(apart.bands, apart.captures, flight);
+  std::sort(flight.photos.begin(), flight.photos.end(), flight::ComesBefore);
+  std::sort(flight.left_out.begin(), flight.left_out.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return apart;
+}
+
+}  // namespace skyquilt::bands

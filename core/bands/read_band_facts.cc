@@ -1,0 +1,67 @@
+#include "core/bands/read_band_facts.h"
+
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "core/bands/band_name.h"
+#include "core/bands/read_radiometry.h"
+#include "core/base/try.h"
+#include "core/flight/photos/image_header.h"
+
+namespace skyquilt::bands {
+namespace {
+
+using flight::XmpTags;
+
+constexpr std::size_t kMaxIdBytes = 80;
+
+std::string FirstOf(const XmpTags& xmp, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    if (std::string text = xmp.Text(name); !text.empty()) return text;
+  }
+  return "";
+}
+
+// From far ultraviolet to thermal infrared.
+std::optional<double> Wavelength(std::optional<double> nm) {
+  return nm && *nm >= 100.0 && *nm <= 20'000.0 ? nm : std::nullopt;
+}
+
+// "840(+/-26)nm"
+void ReadBandFrequency(const std::string& text, BandFacts& facts) {
+  const std::size_t open = text.find('('), close = text.find(')');
+  if (open == std::string::npos || close == std::string::npos || close < open) return;
+  if (!facts.wavelength_nm) facts.wavelength_nm = Wavelength(flight::ParseXmpNumber(text.substr(0, open)));
+  const std::size_t digit = text.find_first_of("0123456789", open);
+  if (facts.width_nm || digit == std::string::npos || digit > close) return;
+  if (const auto half = flight::ParseXmpNumber(text.substr(digit, close - digit)); half && *half > 0.0)
+    facts.width_nm = 2.0 * *half;
+}
+
+}  // namespace
+
+Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
+  SKYQUILT_TRY_ASSIGN(const flight::ImageHeader header, flight::ReadImageHeader(source));
+  std::vector<std::string> notes;  // the photo has them already
+  const XmpTags xmp = flight::ReadXmp(header, source, notes);
+  BandFacts facts;
+  facts.name = BandNameOf(FirstOf(xmp, {"Camera:BandName", "drone-dji:BandName"}));
+  if (facts.name.empty()) {
+    return Error{
+        ErrorCode::kUnsupportedFormat,
+        "The photo does not name its band (BandName in its XMP). Give the files as the camera wrote them.",
+        ""};
+  }
+  facts.wavelength_nm = Wavelength(xmp.Number("Camera:CentralWavelength"));
+  facts.width_nm = xmp.Number("Camera:WavelengthFWHM");
+  if (facts.width_nm && !(*facts.width_nm > 0.0)) facts.width_nm.reset();
+  ReadBandFrequency(xmp.Text("drone-dji:BandFreq"), facts);
+  facts.capture_id = FirstOf(xmp, {"MicaSense:CaptureId", "Camera:CaptureUUID", "drone-dji:CaptureUUID"})
+                         .substr(0, kMaxIdBytes);
+  facts.is_panel = xmp.Number("Camera:CalibrationPicture").value_or(0.0) > 0.0;
+  facts.radiometry = ReadRadiometry(header.exif, xmp);
+  return facts;
+}
+
+}  // namespace skyquilt::bands

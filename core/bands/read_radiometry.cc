@@ -1,0 +1,207 @@
+#include "core/bands/read_radiometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "core/bands/sunshine.h"
+
+namespace skyquilt::bands {
+namespace {
+
+using flight::AllXmpNumbers;
+using flight::ExifIfd;
+using flight::ExifTable;
+using flight::XmpTags;
+
+constexpr std::uint16_t kBlackLevelTag = 0xC61A, kExposureTimeTag = 0x829A, kIsoTag = 0x8827;
+constexpr double kLevels16 = 65536.0;
+constexpr double kLevelsOfTenBits = 64.0;  // 16-bit levels in one of 10 bits
+
+std::optional<double> Positive(std::optional<double> value) {
+  return value && *value > 0.0 && std::isfinite(*value) ? value : std::nullopt;
+}
+
+// Seconds and gain; nothing where either is not known.
+struct Exposure {
+  double time_s = 1.0;
+  double gain = 1.0;
+};
+std::optional<Exposure> ExposureOf(const ExifTable& exif) {
+  const auto time_s = Positive(exif.Number(ExifIfd::kExif, kExposureTimeTag));
+  const auto iso = Positive(exif.Number(ExifIfd::kExif, kIsoTag));
+  if (!time_s) return std::nullopt;
+  constexpr double kIsoOfGainOne = 100.0;
+  return Exposure{*time_s, iso ? *iso / kIsoOfGainOne : 1.0};
+}
+
+// Of the four pixels of the sensor's pattern; one number holds for all.
+void ReadBlackLevel(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiometry) {
+  std::array<std::optional<double>, 4> levels;
+  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = exif.Number(ExifIfd::kImage, kBlackLevelTag, i);
+  if (!levels[0]) levels[0] = xmp.Number("drone-dji:BlackLevel");
+  if (!levels[0]) levels[0] = xmp.Number("Camera:BlackCurrent");
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double level = levels[i].value_or(levels[0].value_or(0.0));
+    radiometry.black[i] = level >= 0.0 && level < kLevels16 ? level : 0.0;
+  }
+}
+
+BandVignetting PlaneVignetting(const XmpTags& xmp) {
+  BandVignetting vignetting;
+  const auto powers = AllXmpNumbers(xmp.Text("Camera:VignettingPolynomial2DName"));
+  const auto factors = AllXmpNumbers(xmp.Text("Camera:VignettingPolynomial2D"));
+  constexpr double kMaxPower = 16.0;
+  if (!powers || !factors || powers->size() != 2 * factors->size()) return vignetting;
+  if (std::any_of(powers->begin(), powers->end(), [](double power) {
+        return !(power >= 0.0) || power > kMaxPower || power != std::floor(power);
+      }))
+    return vignetting;
+  for (std::size_t i = 0; i < factors->size(); ++i) {
+    vignetting.terms.push_back(
+        {static_cast<int>((*powers)[2 * i]), static_cast<int>((*powers)[2 * i + 1]), (*factors)[i]});
+  }
+  vignetting.kind = BandVignetting::Kind::kPlaneDivides;
+  return vignetting;
+}
+
+BandVignetting RadialVignetting(const std::string& polynomial, std::optional<double> center_x_px,
+                                std::optional<double> center_y_px, BandVignetting::Kind kind) {
+  BandVignetting vignetting;
+  constexpr std::size_t kMaxTerms = 10;
+  auto factors = AllXmpNumbers(polynomial);
+  if (!factors || factors->size() > kMaxTerms || !center_x_px || !center_y_px) return vignetting;
+  vignetting.radial = *std::move(factors);
+  vignetting.center_x_px = *center_x_px;
+  vignetting.center_y_px = *center_y_px;
+  vignetting.kind = kind;
+  return vignetting;
+}
+
+BandVignetting CameraRadialVignetting(const XmpTags& xmp, BandVignetting::Kind kind) {
+  const auto center = AllXmpNumbers(xmp.Text("Camera:VignettingCenter"), 2);
+  if (!center) return {};
+  return RadialVignetting(xmp.Text("Camera:VignettingPolynomial"), (*center)[0], (*center)[1], kind);
+}
+
+bool ReadSequoia(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiometry) {
+  const auto sensor = AllXmpNumbers(xmp.Text("Camera:SensorModel"), 3);
+  const auto measured = AllXmpNumbers(xmp.Text("Camera:CalibrationMeasurement"), 3);
+  const auto exposure = ExposureOf(exif);
+  if ((!sensor && !measured) || !exposure) return false;
+  radiometry.vignetting = PlaneVignetting(xmp);
+  const auto sunlight = ReadIrradianceList(xmp.Text("Camera:IrradianceList"));
+  const auto calibration_counts = CalibrationCounts(xmp.Text("Camera:IrradianceCalibrationMeasurement"));
+  const double dark = xmp.Number("Camera:BlackCurrent").value_or(0.0);
+  const bool is_measured = measured && (*measured)[0] > 0.0 && (*measured)[1] > 0.0 && (*measured)[2] > dark;
+  if (is_measured && sunlight && calibration_counts) {
+    const double calibration_rate =
+        ((*measured)[2] - dark) * kLevelsOfTenBits / ((*measured)[0] * (*measured)[1]);
+    const double sun = LastCounts(*sunlight) / *calibration_counts;
+    radiometry.per_level = 1.0 / (exposure->time_s * exposure->gain * calibration_rate * sun);
+    radiometry.calibration = Calibration::kRelative;
+    radiometry.method =
+        "the factory's measurement of camera and sunshine sensor under one light (Parrot SEQ-AN-01, SEQ-AN-02)";
+    return true;
+  }
+  if (sensor && (*sensor)[0] * exposure->time_s * exposure->gain + (*sensor)[2] > 0.0) {
+    constexpr std::uint16_t kFNumberTag = 0x829D;
+    const double f_number = Positive(exif.Number(ExifIfd::kExif, kFNumberTag)).value_or(1.0);
+    radiometry.black.fill(std::clamp((*sensor)[1], 0.0, kLevels16));
+    radiometry.per_level =
+        f_number * f_number / ((*sensor)[0] * exposure->time_s * exposure->gain + (*sensor)[2]);
+    radiometry.method = "the sensor model (Parrot SEQ-AN-01)";
+  } else {
+    radiometry.per_level = 1.0 / (kLevels16 * exposure->time_s * exposure->gain);
+    radiometry.method = "exposure and gain";
+  }
+  radiometry.calibration = Calibration::kRadiance;
+  if (sunlight) {
+    radiometry.per_level /= LastCounts(*sunlight);
+    radiometry.calibration = Calibration::kRelative;
+    radiometry.method += " over the sunshine sensor (Parrot SEQ-AN-02)";
+  }
+  return true;
+}
+
+// W/m^2/nm at the light sensor.
+std::optional<double> MicaSenseIrradiance(const XmpTags& xmp) {
+  constexpr double kSiOfMicrowatts = 0.01;  // uW/cm^2/nm
+  for (const char* prefix : {"Camera:", "DLS:"}) {
+    const auto horizontal = Positive(xmp.Number(std::string(prefix) + "HorizontalIrradiance"));
+    if (!horizontal) continue;
+    const auto scale = Positive(xmp.Number(std::string(prefix) + "IrradianceScaleToSIUnits"));
+    return *horizontal * scale.value_or(kSiOfMicrowatts);
+  }
+  for (const char* name : {"DLS:SpectralIrradiance", "Camera:SpectralIrradiance", "Camera:Irradiance"}) {
+    if (const auto irradiance = Positive(xmp.Number(name))) return irradiance;
+  }
+  return std::nullopt;
+}
+
+bool ReadMicaSense(const ExifTable& exif, const XmpTags& xmp, Radiometry& radiometry) {
+  const auto a = AllXmpNumbers(xmp.Text("MicaSense:RadiometricCalibration"), 3);
+  const auto exposure = ExposureOf(exif);
+  if (!a || !exposure || !((*a)[0] > 0.0)) return false;
+  radiometry.vignetting = CameraRadialVignetting(xmp, BandVignetting::Kind::kRadialDivides);
+  radiometry.rows = {exposure->time_s, (*a)[1], (*a)[2]};
+  radiometry.per_level = (*a)[0] / exposure->gain / kLevels16;
+  double mean = 0.0;  // the model takes the mean of the four
+  for (const double black : radiometry.black) mean += 0.25 * black;
+  radiometry.black.fill(mean);
+  radiometry.calibration = Calibration::kRadiance;
+  radiometry.method = "the radiometric calibration model for MicaSense sensors";
+  if (const auto irradiance = MicaSenseIrradiance(xmp)) {
+    radiometry.per_level *= std::numbers::pi / *irradiance;
+    radiometry.calibration = Calibration::kReflectance;
+    radiometry.method += ", over the light sensor";
+  }
+  return true;
+}
+
+bool ReadDji(const XmpTags& xmp, Radiometry& radiometry) {
+  const auto gain = Positive(xmp.Number("drone-dji:SensorGain"));
+  const auto exposure_us = Positive(xmp.Number("drone-dji:ExposureTime"));
+  if (!gain || !exposure_us) return false;
+  radiometry.vignetting = RadialVignetting(
+      xmp.Text("drone-dji:VignettingData"), xmp.Number("drone-dji:CalibratedOpticalCenterX"),
+      xmp.Number("drone-dji:CalibratedOpticalCenterY"), BandVignetting::Kind::kRadialMultiplies);
+  if (radiometry.vignetting.kind == BandVignetting::Kind::kNone)
+    radiometry.vignetting = CameraRadialVignetting(xmp, BandVignetting::Kind::kRadialMultiplies);
+  constexpr double kMicro = 1e-6;
+  radiometry.per_level = 1.0 / ((kLevels16 - 1.0) * *gain * *exposure_us * kMicro);
+  radiometry.calibration = Calibration::kRadiance;
+  radiometry.method = "DJI's image processing guide";
+  const auto adjustment = Positive(xmp.Number("drone-dji:SensorGainAdjustment"));
+  auto sunlight = Positive(xmp.Number("drone-dji:Irradiance"));
+  if (!sunlight) sunlight = Positive(xmp.Number("Camera:Irradiance"));
+  if (adjustment && sunlight) {
+    radiometry.per_level *= *adjustment / *sunlight;
+    radiometry.calibration = Calibration::kRelative;
+    radiometry.method += ", over the sunlight sensor";
+  }
+  return true;
+}
+
+}  // namespace
+
+Radiometry ReadRadiometry(const ExifTable& exif, const XmpTags& xmp) {
+  Radiometry radiometry;
+  ReadBlackLevel(exif, xmp, radiometry);
+  if (ReadMicaSense(exif, xmp, radiometry)) return radiometry;
+  if (ReadSequoia(exif, xmp, radiometry)) return radiometry;
+  if (ReadDji(xmp, radiometry)) return radiometry;
+  radiometry.per_level = 1.0 / kLevels16;
+  radiometry.method = "stored levels";
+  if (const auto exposure = ExposureOf(exif)) {
+    radiometry.per_level /= exposure->time_s * exposure->gain;
+    radiometry.calibration = Calibration::kRadiance;
+    radiometry.method = "exposure and gain of EXIF";
+  }
+  return radiometry;
+}
+
+}  // namespace skyquilt::bands

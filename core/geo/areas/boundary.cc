@@ -1,0 +1,97 @@
+#include "core/geo/areas/boundary.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geo/web_mercator.h"
+
+namespace skyquilt::geo {
+
+LatLonBounds Boundary::Bounds() const {
+  const LatLon first = polygons.front().front().front();
+  LatLonBounds bounds{first.lon_deg, first.lat_deg, first.lon_deg, first.lat_deg};
+  for (const Polygon& polygon : polygons) {
+    for (const LatLon& corner : polygon.front())
+      bounds.Include({corner.lon_deg, corner.lat_deg, corner.lon_deg, corner.lat_deg});
+  }
+  return bounds;
+}
+
+BoundaryOnZoom::BoundaryOnZoom(const Boundary& boundary, int zoom, int tile_size_px)
+    : tile_size_px_(tile_size_px) {
+  const double pixel_merc_m = PixelSizeInMercM(zoom, tile_size_px);
+  for (const Boundary::Polygon& polygon : boundary.polygons) {
+    std::vector<Edge> edges;
+    for (const Boundary::Ring& ring : polygon) {
+      Eigen::Vector2d from = Eigen::Vector2d::Zero();
+      for (std::size_t i = 0; i <= ring.size(); ++i) {
+        // Beyond the square of the tiles there are none: clamped, a pole is not infinitely far.
+        LatLon corner = ring[i % ring.size()];
+        corner.lat_deg = std::clamp(corner.lat_deg, -85.06, 85.06);
+        const Eigen::Vector2d merc = MercFromLatLon(corner);
+        const Eigen::Vector2d to((merc.x() + kMercHalfWidthM) / pixel_merc_m,
+                                 (kMercHalfWidthM - merc.y()) / pixel_merc_m);
+        if (i > 0) edges.push_back({from.x(), from.y(), to.x(), to.y()});
+        from = to;
+      }
+    }
+    polygons_.push_back(std::move(edges));
+  }
+}
+
+Cover BoundaryOnZoom::Mask(const TileId& tile, std::vector<std::uint8_t>& inside) const {
+  const auto side = static_cast<std::size_t>(tile_size_px_);
+  const double left = static_cast<double>(tile.x()) * tile_size_px_,
+               top = static_cast<double>(tile.y()) * tile_size_px_;
+  inside.assign(side * side, 0);
+  // The first row or column whose middle lies at or beyond a place, counted from the tile's corner.
+  const auto first_from = [&](double place) {
+    return static_cast<std::size_t>(std::clamp(std::ceil(place - 0.5), 0.0, static_cast<double>(side)));
+  };
+  std::vector<std::vector<double>> crossings(side);  // by row
+  for (const std::vector<Edge>& edges : polygons_) {
+    for (const Edge& edge : edges) {
+      const std::size_t end = first_from(std::max(edge.y0, edge.y1) - top);
+      for (std::size_t row = first_from(std::min(edge.y0, edge.y1) - top); row < end; ++row) {
+        const double y = top + static_cast<double>(row) + 0.5;
+        crossings[row].push_back(edge.x0 + (y - edge.y0) / (edge.y1 - edge.y0) * (edge.x1 - edge.x0));
+      }
+    }
+    for (std::size_t row = 0; row < side; ++row) {
+      std::vector<double>& of_row = crossings[row];
+      std::sort(of_row.begin(), of_row.end());
+      const auto begin = inside.begin() + static_cast<std::ptrdiff_t>(row * side);
+      for (std::size_t i = 0; i + 1 < of_row.size(); i += 2) {
+        std::fill(begin + static_cast<std::ptrdiff_t>(first_from(of_row[i] - left)),
+                  begin + static_cast<std::ptrdiff_t>(first_from(of_row[i + 1] - left)), std::uint8_t{1});
+      }
+      of_row.clear();
+    }
+  }
+  const auto count = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), std::uint8_t{1}));
+  return count == 0 ? Cover::kNone : count == inside.size() ? Cover::kAll : Cover::kPart;
+}
+
+Cover BoundaryOnZoom::CoverOf(const TileId& tile) const {
+  const double left = static_cast<double>(tile.x()) * tile_size_px_,
+               top = static_cast<double>(tile.y()) * tile_size_px_;
+  const double right = left + tile_size_px_, bottom = top + tile_size_px_;
+  bool is_covered = false;
+  for (const std::vector<Edge>& edges : polygons_) {
+    bool is_inside = false;  // the tile's first row, by how many edges lie west of it
+    for (const Edge& edge : edges) {
+      const double north = std::min(edge.y0, edge.y1), south = std::max(edge.y0, edge.y1);
+      if (north > bottom || south < top || std::min(edge.x0, edge.x1) > right) continue;
+      if (std::max(edge.x0, edge.x1) >= left) {
+        std::vector<std::uint8_t> inside;
+        return Mask(tile, inside);
+      }
+      if ((edge.y0 <= top + 0.5) != (edge.y1 <= top + 0.5)) is_inside = !is_inside;
+    }
+    is_covered |= is_inside;
+  }
+  return is_covered ? Cover::kAll : Cover::kNone;
+}
+
+}  // namespace skyquilt::geo

@@ -1,0 +1,43 @@
+// Boundary: an area that a map is cut to: polygons with holes on WGS 84, degrees. Edges are straight in Web
+// Mercator, the grid of the tiles. Pure; any thread. Memory: 32 bytes a corner. Nothing fails.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geo/lat_lon_bounds.h"
+#include "core/geo/tile_id.h"
+
+namespace skyquilt::geo {
+
+inline constexpr std::size_t kMaxBoundaryCorners = 100'000;
+
+struct Boundary {
+  using Ring = std::vector<LatLon>;
+  using Polygon = std::vector<Ring>;  // the outline, then holes
+  std::vector<Polygon> polygons;      // at least one
+
+  LatLonBounds Bounds() const;
+};
+
+enum class Cover { kNone, kPart, kAll };
+
+// A boundary on the pixels of one zoom.
+class BoundaryOnZoom {
+ public:
+  BoundaryOnZoom(const Boundary& boundary, int zoom, int tile_size_px);
+  // `inside`: 1 for each pixel of the tile whose middle lies within, row by row from the north; else 0.
+  Cover Mask(const TileId& tile, std::vector<std::uint8_t>& inside) const;
+  // The same without the pixels, and quick away from the edges.
+  Cover CoverOf(const TileId& tile) const;
+
+ private:
+  struct Edge {
+    double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0;  // pixels from the world's north-west corner
+  };
+  int tile_size_px_;
+  std::vector<std::vector<Edge>> polygons_;
+};
+
+}  // namespace skyquilt::geo

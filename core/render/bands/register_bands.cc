@@ -1,0 +1,259 @@
+#include "core/render/bands/register_bands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "core/base/median.h"
+#include "core/base/parallel_for.h"
+#include "core/render/bands/band_patches.h"
+#include "core/render/bands/fit_band_cameras.h"
+
+namespace skyquilt::render {
+namespace {
+
+using alignment::AlignedPhoto;
+
+constexpr std::int64_t kBytesAPixel = 4 * 20;  // of four pictures, with their edges
+// Where lenses and rigs are as recorded, a hundredth of the picture; bands without any record of their rig
+// are found too.
+struct Search {
+  int denominator;
+  int reach_px;
+  double scale_px;  // of the full size: how far sightings of one capture may differ
+};
+constexpr std::array<Search, 3> kSearches = {{{4, 16, 6.0}, {2, 8, 3.0}, {1, 6, 1.5}}};
+constexpr Search kLastSearch = {1, 4, 1.0};
+
+struct Picture {
+  std::optional<BandEdges> edges;
+  std::string failure;
+};
+
+Picture EdgesOf(const flight::PhotoSource& source, const flight::Photo& photo) {
+  Result<image::SampleImage> samples = source.DecodeSamples(photo);
+  if (!samples) return {std::nullopt, samples.error().message};
+  return {BandEdges(*samples), ""};
+}
+
+// One band of one capture while it is registered.
+struct Member {
+  const bands::BandPhoto* photo = nullptr;  // nothing: the capture lacks the band
+  std::size_t lens = 0;                     // of Work::lenses
+  bool is_reference = false;
+  bool is_measured = false;
+  BandStand stand;
+  int looked_at = 0;
+  std::string failure;
+};
+
+struct Work {
+  std::vector<std::vector<Member>> captures;  // by reference, then by band
+  std::vector<camera::Intrinsics> lenses;     // by physical camera
+};
+
+AlignedPhoto CameraOf(const AlignedPhoto& reference, const bands::BandPhoto& photo,
+                      const camera::Intrinsics& lens, const BandStand& stand) {
+  AlignedPhoto camera = reference;
+  camera.photo = photo.photo;
+  camera.intrinsics = lens;
+  camera.cam_from_enu.rotation = (stand.band_from_reference * reference.cam_from_enu.rotation).normalized();
+  camera.cam_from_enu.translation =
+      stand.band_from_reference * reference.cam_from_enu.translation + stand.shift_in_band_m;
+  return camera;
+}
+
+// Recorded, with what the alignment found of the reference's focal length: it goes with the height.
+camera::Intrinsics FirstLens(const AlignedPhoto& reference, const flight::Photo& photo) {
+  camera::Intrinsics lens = photo.intrinsics;
+  const double scale = reference.intrinsics.MeanFocalPx() / reference.photo.intrinsics.MeanFocalPx();
+  if (scale > 0.5 && scale < 2.0) {
+    lens.focal_x_px *= scale;
+    lens.focal_y_px *= scale;
+  }
+  return lens;
+}
+
+// Searches of one capture, each from where the one before left the camera.
+void RegisterCapture(const AlignedPhoto& reference, const ground::GroundSurface& ground,
+                     const flight::PhotoSource& source, const std::vector<camera::Intrinsics>& lenses,
+                     std::span<const Search> searches, std::vector<Member>& members) {
+  const Picture reference_picture = EdgesOf(source, reference.photo);
+  for (Member& member : members) {
+    if (member.photo == nullptr || member.is_reference) continue;
+    const Picture picture = EdgesOf(source, member.photo->photo);
+    member.failure = picture.failure;
+    if (!picture.edges || !reference_picture.edges) continue;
+    for (const Search& search : searches) {
+      const AlignedPhoto camera = CameraOf(reference, *member.photo, lenses[member.lens], member.stand);
+      BandMeasurement measured = MeasureBand(reference, *reference_picture.edges, camera, *picture.edges,
+                                             ground, search.denominator, search.reach_px);
+      member.stand.sightings = std::move(measured.sightings);
+      member.looked_at = measured.looked_at;
+      // A coarse search that finds too little may still be followed by a finer one that does.
+      member.is_measured = FitStand(lenses[member.lens], search.scale_px, member.stand);
+    }
+  }
+}
+
+bool RegisterAll(const alignment::AlignedFlight& references, const ground::GroundSurface& ground,
+                 const flight::PhotoSource& source, const RegisterOptions& options,
+                 std::span<const Search> searches, double progress_from, Work& work, Progress& progress) {
+  std::int64_t largest_pixels = 1;
+  for (const AlignedPhoto& photo : references.photos) {
+    largest_pixels =
+        std::max(largest_pixels, std::int64_t{photo.intrinsics.width_px} * photo.intrinsics.height_px);
+  }
+  const std::int64_t fit = std::max<std::int64_t>(1, options.max_bytes / (kBytesAPixel * largest_pixels));
+  const int threads = static_cast<int>(std::min<std::int64_t>(fit, ThreadCount(options.threads)));
+  std::atomic<std::size_t> done{0};
+  const std::size_t count = references.photos.size();
+  ParallelFor(count, threads, [&](std::size_t i) {
+    if (progress.IsCancelled()) return;
+    RegisterCapture(references.photos[i], ground, source, work.lenses, searches, work.captures[i]);
+    const std::size_t finished = ++done;
+    progress.Report(progress_from + 0.5 * static_cast<double>(finished) / static_cast<double>(count),
+                    fmt::format("bands of capture {} of {}", finished, count));
+  });
+  return !progress.IsCancelled();
+}
+
+// All pictures of one physical camera.
+template <typename Visit>
+void VisitMembers(Work& work, std::size_t lens, const Visit& visit) {
+  for (auto& members : work.captures) {
+    for (Member& member : members) {
+      if (member.photo != nullptr && !member.is_reference && member.lens == lens) visit(member);
+    }
+  }
+}
+
+// Stands and lens in turn, from the sightings that are there; pictures without take the camera's usual
+// rotation.
+void Refine(std::size_t lens, Work& work) {
+  constexpr int kTurns = 10;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    std::vector<BandStand> stands;
+    VisitMembers(work, lens, [&](const Member& member) {
+      if (member.is_measured) stands.push_back(member.stand);
+    });
+    if (stands.empty()) return;
+    work.lenses[lens] = FitBandLens(work.lenses[lens], stands);
+    VisitMembers(work, lens, [&](Member& member) {
+      if (member.is_measured) FitStand(work.lenses[lens], kLastSearch.scale_px, member.stand);
+    });
+  }
+  std::array<std::vector<double>, 3> axes;
+  VisitMembers(work, lens, [&](const Member& member) {
+    if (!member.is_measured) return;
+    const Eigen::Vector3d turn = geo::VectorFromRotation(member.stand.band_from_reference);
+    for (std::size_t axis = 0; axis < axes.size(); ++axis)
+      axes[axis].push_back(turn[static_cast<Eigen::Index>(axis)]);
+  });
+  const Eigen::Vector3d usual(Median(axes[0]), Median(axes[1]), Median(axes[2]));
+  VisitMembers(work, lens, [&](Member& member) {
+    if (!member.is_measured) member.stand = {{}, geo::RotationFromVector(usual), Eigen::Vector3d::Zero()};
+  });
+}
+
+BandRegistration Describe(std::size_t band, const Work& work) {
+  BandRegistration registration;
+  double squares = 0.0;
+  for (const auto& members : work.captures) {
+    const Member& member = members[band];
+    if (member.photo == nullptr || !member.failure.empty()) continue;
+    ++registration.pictures;
+    if (member.is_reference) ++registration.measured;
+    if (!member.is_measured) continue;
+    ++registration.measured;
+    for (const BandSighting& sighting : member.stand.sightings) {
+      const double miss_px = MissOf(work.lenses[member.lens], member.stand, sighting);
+      if (miss_px > kWrongSightingPx) continue;
+      squares += miss_px * miss_px;
+      ++registration.patches;
+    }
+  }
+  if (registration.patches > 0) registration.residual_px = std::sqrt(squares / registration.patches);
+  return registration;
+}
+
+Work Prepare(const alignment::AlignedFlight& references, const bands::Captures& captures) {
+  Work work;
+  std::map<std::string, const bands::Capture*> by_reference;
+  for (const bands::Capture& capture : captures.captures) by_reference[capture.reference] = &capture;
+  std::map<std::string, std::size_t> band_index;
+  for (std::size_t i = 0; i < captures.bands.size(); ++i) band_index[captures.bands[i].name] = i;
+  std::map<std::string, std::size_t> lens_of;  // by camera
+  for (const AlignedPhoto& reference : references.photos) {
+    std::vector<Member>& members = work.captures.emplace_back(captures.bands.size());
+    const auto found = by_reference.find(reference.photo.name);
+    if (found == by_reference.end()) continue;
+    for (const bands::BandPhoto& photo : found->second->photos) {
+      const std::size_t band = band_index.at(photo.facts.name);
+      members[band].photo = &photo;
+      members[band].is_reference = photo.photo.name == reference.photo.name;
+      const auto [lens, is_new] =
+          lens_of.try_emplace(photo.photo.camera_key + "|" + photo.facts.name, work.lenses.size());
+      if (is_new) work.lenses.push_back(FirstLens(reference, photo.photo));
+      members[band].lens = lens->second;
+    }
+  }
+  return work;
+}
+
+}  // namespace
+
+Result<BandCameras> RegisterBands(const alignment::AlignedFlight& references,
+                                  const ground::GroundSurface& ground, const bands::Captures& captures,
+                                  const flight::PhotoSource& source, const RegisterOptions& options,
+                                  Progress& progress) {
+  Work work = Prepare(references, captures);
+  const Error cancelled{ErrorCode::kCancelled, "The job was cancelled.", ""};
+  const std::size_t bands = captures.bands.size();
+  if (!RegisterAll(references, ground, source, options, kSearches, 0.0, work, progress)) return cancelled;
+  for (std::size_t lens = 0; lens < work.lenses.size(); ++lens) Refine(lens, work);
+  if (!RegisterAll(references, ground, source, options, {&kLastSearch, 1}, 0.5, work, progress))
+    return cancelled;
+  for (std::size_t lens = 0; lens < work.lenses.size(); ++lens) Refine(lens, work);
+  BandCameras cameras;
+  for (std::size_t band = 0; band < bands; ++band) {
+    cameras.registrations.push_back(Describe(band, work));
+    const BandRegistration& registration = cameras.registrations.back();
+    if (registration.measured < registration.pictures) {
+      cameras.warnings.push_back(fmt::format(
+          "In {} of {} captures the band {} could not be laid on the reference by what it shows; there it stands as "
+          "{}.",
+          registration.pictures - registration.measured, registration.pictures, captures.bands[band].name,
+          registration.patches > 0 ? "in the others" : "the reference does"));
+    }
+  }
+  for (std::size_t i = 0; i < references.photos.size(); ++i) {
+    BandedCapture& capture = cameras.captures.emplace_back();
+    for (std::size_t band = 0; band < bands; ++band) {
+      const Member& member = work.captures[i][band];
+      std::optional<BandCamera>& camera = capture.cameras.emplace_back();
+      if (member.photo == nullptr) continue;
+      if (!member.failure.empty()) {
+        cameras.warnings.push_back(
+            fmt::format("{} gives no values to bands.tif. {}", member.photo->photo.name, member.failure));
+        continue;
+      }
+      const AlignedPhoto& reference = references.photos[i];
+      camera = BandCamera{member.is_reference
+                              ? reference
+                              : CameraOf(reference, *member.photo, work.lenses[member.lens], member.stand),
+                          member.photo->facts.radiometry};
+    }
+  }
+  return cameras;
+}
+
+}  // namespace skyquilt::render

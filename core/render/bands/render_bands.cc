@@ -1,0 +1,174 @@
+#include "core/render/bands/render_bands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/base/parallel_for.h"
+#include "core/base/try.h"
+#include "core/geo/web_mercator.h"
+#include "core/render/bands/band_cache.h"
+#include "core/render/blocks/block_boundary.h"
+#include "core/render/blocks/block_geometry.h"
+#include "core/render/blocks/render_block.h"
+#include "core/render/blocks/weigh_block.h"
+
+namespace skyquilt::render {
+namespace {
+
+// Where the blocks lie in the raster; the other side of the date line is next door.
+struct BlockPlace {
+  std::int64_t column = 0;
+  std::int64_t row = 0;
+};
+std::vector<BlockPlace> PlacesOf(const MosaicPlan& plan) {
+  std::vector<BlockPlace> places;
+  for (const RenderBlock& block : plan.blocks) {
+    const std::int64_t side = std::int64_t{1} << block.tile.z();
+    std::int64_t column = block.tile.x();
+    if (!places.empty()) {
+      const std::int64_t away = column - places.front().column;
+      column -= side * std::llround(static_cast<double>(away) / static_cast<double>(side));
+    }
+    places.push_back({column, block.tile.y()});
+  }
+  return places;
+}
+
+// The pixels of one photo on one square of a block, bilinear between the nodes around it.
+class SquarePixels {
+ public:
+  SquarePixels(const PhotoView& view, int nodes_per_side, int x, int y, int denominator)
+      : scale_(1.0F / static_cast<float>(denominator)),
+        left_(x / kNodeStepPx * kNodeStepPx),
+        top_(y / kNodeStepPx * kNodeStepPx) {
+    const std::size_t nw = static_cast<std::size_t>(y / kNodeStepPx) * nodes_per_side +
+                           static_cast<std::size_t>(x / kNodeStepPx);
+    const auto row = static_cast<std::size_t>(nodes_per_side);
+    nw_ = view.pixel_in_image[nw], ne_ = view.pixel_in_image[nw + 1];
+    sw_ = view.pixel_in_image[nw + row], se_ = view.pixel_in_image[nw + row + 1];
+  }
+  // In the decoded picture; not a number where the photo does not see.
+  Eigen::Vector2f At(int x, int y) const {
+    const float u = static_cast<float>(x - left_) / kNodeStepPx,
+                v = static_cast<float>(y - top_) / kNodeStepPx;
+    const Eigen::Vector2f north = nw_ + u * (ne_ - nw_), south = sw_ + u * (se_ - sw_);
+    const Eigen::Vector2f full = north + v * (south - north);
+    return (full.array() + 0.5F) * scale_ - 0.5F;  // centres carry the half pixel
+  }
+
+ private:
+  const float scale_;
+  const int left_, top_;
+  Eigen::Vector2f nw_, ne_, sw_, se_;
+};
+
+// One band of a block.
+std::vector<float> BandOfBlock(const BandsContext& context, std::size_t band, const WeighedBlock& weighed,
+                               const BlockBoundary& boundary, double pixel_m, BandCache& cache) {
+  const int size_px = weighed.geometry.size_px, side = weighed.shares.square_px;
+  const std::size_t pixels = static_cast<std::size_t>(size_px) * size_px;
+  std::vector<float> sums(pixels, 0.0F), weights(pixels, 0.0F);
+  for (const PhotoShare& share : weighed.shares.photos) {
+    const std::optional<BandCamera>& camera = context.cameras.captures[share.photo].cameras[band];
+    if (!camera || share.squares.empty()) continue;
+    const PhotoView view = ViewBlock(camera->photo, weighed.geometry);
+    const int denominator = DenominatorFor(camera->photo, pixel_m);
+    const auto picture = cache.Get(share.photo, *camera, denominator);
+    if (!picture) continue;  // read while the bands were registered: gone from the disk since
+    for (const SquareShare& square : share.squares) {
+      const SquarePixels in_photo(view, weighed.geometry.nodes_per_side, square.x, square.y, denominator);
+      const bool is_alone = square.first_weight == SquareShare::kAlone;
+      const float* weight = is_alone ? nullptr : share.weights.data() + square.first_weight;
+      for (int y = square.y; y < square.y + side; ++y) {
+        for (int x = square.x; x < square.x + side; ++x) {
+          const float share_of_pixel = is_alone ? 1.0F : *weight++;
+          if (!(share_of_pixel > 0.0F) || !boundary.Holds(x, y)) continue;
+          const Eigen::Vector2f at = in_photo.At(x, y);
+          const float value = ValueAt(**picture, at.x(), at.y());
+          if (std::isnan(value)) continue;
+          const std::size_t pixel = static_cast<std::size_t>(y) * size_px + static_cast<std::size_t>(x);
+          sums[pixel] += share_of_pixel * value;
+          weights[pixel] += share_of_pixel;
+        }
+      }
+    }
+  }
+  constexpr float kMinWeight = 1e-3F;
+  for (std::size_t i = 0; i < pixels; ++i)
+    sums[i] = weights[i] > kMinWeight ? sums[i] / weights[i] : std::numeric_limits<float>::quiet_NaN();
+  return sums;
+}
+
+bands::BandRaster RasterOf(const BandsContext& context, const std::vector<BlockPlace>& places) {
+  bands::BandRaster raster;
+  std::int64_t west = places.front().column, east = west, north = places.front().row, south = north;
+  for (const BlockPlace& place : places) {
+    west = std::min(west, place.column), east = std::max(east, place.column);
+    north = std::min(north, place.row), south = std::max(south, place.row);
+  }
+  const MosaicPlan& plan = context.plan;
+  const double block_m = geo::TileSizeInMercM(plan.base_zoom - plan.block_levels);
+  raster.west_in_merc_m = static_cast<double>(west) * block_m - geo::kMercHalfWidthM;
+  raster.north_in_merc_m = geo::kMercHalfWidthM - static_cast<double>(north) * block_m;
+  raster.block_px = plan.BlockSizePx();
+  raster.pixel_in_merc_m = block_m / raster.block_px;
+  raster.width_px = static_cast<int>((east - west + 1) * raster.block_px);
+  raster.height_px = static_cast<int>((south - north + 1) * raster.block_px);
+  for (const bands::Band& band : context.captures.bands) {
+    raster.bands.push_back({band.name, band.wavelength_nm.value_or(0.0), band.width_nm.value_or(0.0),
+                            bands::CalibrationName(band.calibration), band.method});
+  }
+  return raster;
+}
+
+}  // namespace
+
+std::int64_t BandBlockBytes(const MosaicPlan& plan, std::size_t bands) {
+  const std::int64_t pixels = std::int64_t{plan.BlockSizePx()} * plan.BlockSizePx();
+  constexpr std::int64_t kSumAndWeight = 8, kWeighed = 12;
+  return pixels * (kSumAndWeight * static_cast<std::int64_t>(bands) + kWeighed);
+}
+
+Result<void> RenderBands(const BandsContext& context, const flight::PhotoSource& source,
+                         const RenderBandsOptions& options, bands::BandSink& sink, Progress& progress) {
+  const MosaicPlan& plan = context.plan;
+  const std::vector<BlockPlace> places = PlacesOf(plan);
+  const bands::BandRaster raster = RasterOf(context, places);
+  SKYQUILT_TRY(sink.Begin(raster));
+  std::int64_t first_column = places.front().column, first_row = places.front().row;
+  for (const BlockPlace& place : places) {
+    first_column = std::min(first_column, place.column);
+    first_row = std::min(first_row, place.row);
+  }
+  const std::size_t bands = context.captures.bands.size();
+  std::vector<BandCache> caches(
+      bands,
+      BandCache(source, options.cache_bytes / static_cast<std::int64_t>(std::max<std::size_t>(1, bands))));
+  const double pixel_m = OutputPixelM(plan, context.references);
+  for (std::size_t i = 0; i < plan.blocks.size(); ++i) {
+    if (progress.IsCancelled()) return Error{ErrorCode::kCancelled, "The job was cancelled.", ""};
+    const RenderBlock& block = plan.blocks[i];
+    const WeighedBlock weighed = WeighBlock(
+        context.references, context.seams, plan, block,
+        MakeBlockGeometry(block.tile, plan.BlockSizePx(), context.references.frame, context.ground));
+    progress.Report(static_cast<double>(i) / static_cast<double>(plan.blocks.size()),
+                    fmt::format("bands of block {} of {}", i + 1, plan.blocks.size()));
+    if (weighed.shares.photos.empty()) continue;
+    const BlockBoundary boundary(plan, block.tile);
+    std::vector<std::vector<float>> values(bands);
+    // A band has its own cache: no two threads ask for one picture.
+    ParallelFor(bands, options.threads, [&](std::size_t band) {
+      values[band] = BandOfBlock(context, band, weighed, boundary, pixel_m, caches[band]);
+    });
+    SKYQUILT_TRY(sink.Put(static_cast<int>((places[i].column - first_column) * raster.block_px),
+                          static_cast<int>((places[i].row - first_row) * raster.block_px), values));
+  }
+  return {};
+}
+
+}  // namespace skyquilt::render

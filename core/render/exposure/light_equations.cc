@@ -1,0 +1,230 @@
+#include "core/render/exposure/light_equations.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/median.h"
+
+namespace skyquilt::render {
+namespace {
+
+constexpr int kRounds = 5;
+// A misfit beyond this (in log value: 12 %) is another thing moving, glint or relief, not exposure.
+constexpr double kRobustScale = 0.12;
+// How much a photo's gain may stray without evidence, and a term. A sample counts little: the misfits of one
+// pair of photos go together, and many such pairs in a row would add up to a drift.
+constexpr double kGainSigma = 0.15;
+constexpr double kTermSigma = 0.25;
+constexpr double kSampleSigma = 0.35;
+// What lens and light do somewhere in a photo, without evidence: keeps corners that few samples show from
+// following a high power. Asked at so many places a side.
+constexpr double kShadeSigma = 0.2;
+constexpr int kPriorSteps = 7;
+
+double WeightOf(double sigma) { return (kSampleSigma / sigma) * (kSampleSigma / sigma); }
+
+constexpr std::size_t kOwnTerms = kDirectionTerms + kCameraTerms;
+
+// What the terms are multiplied with for one sample: of direction, then of its photo's camera.
+std::array<double, kOwnTerms> OwnBasis(const ExposureSample& sample, const LightTerms& terms) {
+  std::array<double, kOwnTerms> own{};
+  const auto direction =
+      terms.directions.Basis(Eigen::Vector2f(sample.look[0], sample.look[1]).cast<double>());
+  std::copy(direction.begin(), direction.end(), own.begin());
+  if (terms.camera_of_photo[sample.photo] == LightTerms::kNone) return own;
+  const auto camera = CameraBasis(Eigen::Vector2f(sample.place[0], sample.place[1]).cast<double>());
+  std::copy(camera.begin(), camera.end(), own.begin() + kDirectionTerms);
+  return own;
+}
+
+// Which of the flight's terms a sample has.
+class OwnTerms {
+ public:
+  OwnTerms(const LightTerms& terms, std::uint32_t photo)
+      : count_(terms.camera_of_photo[photo] == LightTerms::kNone ? kDirectionTerms : kOwnTerms),
+        camera_(count_ == kOwnTerms ? LightTerms::OfCamera(terms.camera_of_photo[photo]) : 0) {}
+  std::size_t count() const { return count_; }
+  Eigen::Index operator[](std::size_t i) const {
+    return static_cast<Eigen::Index>(i < kDirectionTerms ? i : camera_ + i - kDirectionTerms);
+  }
+
+ private:
+  std::size_t count_, camera_;
+};
+
+struct Normal {
+  std::vector<Eigen::Triplet<double>> gains;
+  Eigen::MatrixXd mixed, terms;  // gains by terms, terms by terms
+  Eigen::VectorXd gains_right, terms_right;
+
+  Normal(std::size_t photos, std::size_t term_count)
+      : mixed(
+            Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(photos), static_cast<Eigen::Index>(term_count))),
+        terms(Eigen::MatrixXd::Zero(mixed.cols(), mixed.cols())),
+        gains_right(Eigen::VectorXd::Zero(mixed.rows())),
+        terms_right(Eigen::VectorXd::Zero(mixed.cols())) {}
+};
+
+void AddPriors(const LightTerms& terms, Normal& normal) {
+  for (Eigen::Index photo = 0; photo < normal.mixed.rows(); ++photo)
+    normal.gains.emplace_back(photo, photo, WeightOf(kGainSigma));
+  normal.terms.diagonal().array() += WeightOf(kTermSigma);
+  for (int point = 0; point < kPriorSteps * kPriorSteps; ++point) {
+    const int row = point / kPriorSteps, column = point % kPriorSteps;
+    const Eigen::Vector2d at{2.0 * column / (kPriorSteps - 1) - 1.0,
+                             2.0 * row / (kPriorSteps - 1) - 1.0};  // -1 to 1
+    const auto direction = terms.directions.Basis(at * terms.directions.widest_look);
+    const Eigen::Map<const Eigen::VectorXd> of_direction(direction.data(), kDirectionTerms);
+    normal.terms.topLeftCorner<kDirectionTerms, kDirectionTerms>() +=
+        WeightOf(kShadeSigma) * of_direction * of_direction.transpose();
+    const auto camera = CameraBasis(at * std::numbers::sqrt2 / 2.0);
+    const Eigen::Map<const Eigen::VectorXd> of_camera(camera.data(), kCameraTerms);
+    for (std::size_t k = 0; k < terms.cameras.size(); ++k) {
+      const auto first = static_cast<Eigen::Index>(LightTerms::OfCamera(k));
+      normal.terms.block<kCameraTerms, kCameraTerms>(first, first) +=
+          WeightOf(kShadeSigma) * of_camera * of_camera.transpose();
+    }
+  }
+}
+
+// The samples of one spot: w a a^T of each, less the part along the spot's mean. log v = spot - gain + terms.
+class SpotAdder {
+ public:
+  SpotAdder(const LightTerms& terms, std::size_t channel, Normal& normal)
+      : terms_(terms),
+        channel_(channel),
+        normal_(normal),
+        mean_(Eigen::VectorXd::Zero(normal.terms.cols())) {}
+
+  void Add(const ExposureSample* begin, const ExposureSample* end, const double* weights) {
+    double weight_sum = 0.0, value_mean = 0.0;
+    for (const ExposureSample* sample = begin; sample != end; ++sample) {
+      weight_sum += weights[sample - begin];
+      value_mean += weights[sample - begin] * static_cast<double>(sample->log_value[channel_]);
+    }
+    if (weight_sum <= 1e-9) return;
+    value_mean /= weight_sum;
+    touched_.clear();
+    for (const ExposureSample* sample = begin; sample != end; ++sample) {
+      const double weight = weights[sample - begin];
+      const double value = static_cast<double>(sample->log_value[channel_]) - value_mean;
+      const auto own = OwnBasis(*sample, terms_);
+      const OwnTerms at(terms_, sample->photo);
+      const auto photo = static_cast<Eigen::Index>(sample->photo);
+      normal_.gains.emplace_back(photo, photo, weight);
+      normal_.gains_right[photo] -= weight * value;
+      for (std::size_t i = 0; i < at.count(); ++i) {
+        const Eigen::Index row = at[i];
+        normal_.mixed(photo, row) -= weight * own[i];
+        normal_.terms_right[row] += weight * value * own[i];
+        for (std::size_t j = 0; j <= i; ++j) normal_.terms(row, at[j]) += weight * own[i] * own[j];
+        if (mean_[row] == 0.0) touched_.push_back(row);
+        mean_[row] += weight * own[i];
+      }
+    }
+    std::sort(touched_.begin(), touched_.end());
+    touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+    for (const ExposureSample* one = begin; one != end; ++one) {
+      const double share = weights[one - begin] / weight_sum;
+      const auto photo = static_cast<Eigen::Index>(one->photo);
+      for (const ExposureSample* other = begin; other != end; ++other)
+        normal_.gains.emplace_back(photo, static_cast<Eigen::Index>(other->photo),
+                                   -share * weights[other - begin]);
+      for (const Eigen::Index term : touched_) normal_.mixed(photo, term) += share * mean_[term];
+    }
+    for (const Eigen::Index row : touched_) {
+      for (const Eigen::Index column : touched_) {
+        if (column > row) break;
+        normal_.terms(row, column) -= mean_[row] * mean_[column] / weight_sum;
+      }
+    }
+    for (const Eigen::Index term : touched_) mean_[term] = 0.0;
+  }
+
+ private:
+  const LightTerms& terms_;
+  const std::size_t channel_;
+  Normal& normal_;
+  Eigen::VectorXd mean_;
+  std::vector<Eigen::Index> touched_;
+};
+
+// False where there is no solution.
+bool Solve(const Normal& normal, SolvedLight& light) {
+  Eigen::SparseMatrix<double> gains(normal.mixed.rows(), normal.mixed.rows());
+  gains.setFromTriplets(normal.gains.begin(), normal.gains.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> of_gains(gains);
+  if (of_gains.info() != Eigen::Success) return false;
+  const Eigen::MatrixXd eliminated = of_gains.solve(normal.mixed);
+  Eigen::MatrixXd left = normal.terms.selfadjointView<Eigen::Lower>();
+  left -= normal.mixed.transpose() * eliminated;
+  const Eigen::VectorXd terms =
+      left.ldlt().solve(normal.terms_right - eliminated.transpose() * normal.gains_right);
+  const Eigen::VectorXd log_gains = of_gains.solve(normal.gains_right - normal.mixed * terms);
+  if (!terms.allFinite() || !log_gains.allFinite()) return false;
+  light = {log_gains, terms};
+  return true;
+}
+
+double Explained(const ExposureSample& sample, const LightTerms& terms, const SolvedLight& light) {
+  const auto own = OwnBasis(sample, terms);
+  const OwnTerms at(terms, sample.photo);
+  double value = -light.log_gains[static_cast<Eigen::Index>(sample.photo)];
+  for (std::size_t i = 0; i < at.count(); ++i) value += own[i] * light.terms[at[i]];
+  return value;
+}
+
+// One past the samples of the spot that begins there.
+std::size_t EndOfSpot(const std::vector<ExposureSample>& samples, std::size_t begin) {
+  std::size_t end = begin;
+  while (end < samples.size() && samples[end].spot == samples[begin].spot) ++end;
+  return end;
+}
+
+}  // namespace
+
+double SampleWeight(double misfit) {
+  return 1.0 / (1.0 + (misfit / kRobustScale) * (misfit / kRobustScale));  // Cauchy
+}
+
+std::vector<double> MisfitsOf(const std::vector<ExposureSample>& samples, std::size_t channel,
+                              const LightTerms& terms, const SolvedLight& light) {
+  std::vector<double> misfits(samples.size());
+  std::vector<double> left;
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    end = EndOfSpot(samples, begin);
+    left.clear();
+    for (std::size_t s = begin; s < end; ++s)
+      left.push_back(static_cast<double>(samples[s].log_value[channel]) -
+                     Explained(samples[s], terms, light));
+    const double centre = left.size() == 2 ? 0.5 * (left[0] + left[1]) : Median(left);
+    for (std::size_t s = begin; s < end; ++s) misfits[s] = left[s - begin] - centre;
+  }
+  return misfits;
+}
+
+SolvedLight SolveLight(const std::vector<ExposureSample>& samples, std::size_t channel,
+                       const LightTerms& terms) {
+  SolvedLight light{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(terms.photos())),
+                    Eigen::VectorXd::Zero(static_cast<Eigen::Index>(terms.count()))};
+  std::vector<double> weights(samples.size(), 1.0);
+  for (int round = 0; round < kRounds; ++round) {
+    Normal normal(terms.photos(), terms.count());
+    AddPriors(terms, normal);
+    SpotAdder adder(terms, channel, normal);
+    for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+      end = EndOfSpot(samples, begin);
+      adder.Add(samples.data() + begin, samples.data() + end, weights.data() + begin);
+    }
+    if (!Solve(normal, light)) return light;
+    const std::vector<double> misfits = MisfitsOf(samples, channel, terms, light);
+    for (std::size_t s = 0; s < samples.size(); ++s) weights[s] = SampleWeight(misfits[s]);
+  }
+  return light;
+}
+
+}  // namespace skyquilt::render

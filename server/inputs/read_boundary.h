@@ -1,0 +1,13 @@
+// ReadBoundary: the area that a map or an export is cut to, from a file that the user names. Exits with a
+// message that names the file where it cannot be used.
+#pragma once
+
+#include <filesystem>
+
+#include "core/geo/areas/boundary.h"
+
+namespace skyquilt::server {
+
+geo::Boundary ReadBoundary(const char* command, const std::filesystem::path& file);
+
+}  // namespace skyquilt::server

@@ -1,0 +1,188 @@
+#include "storage/rasters/band_raster.h"
+
+#include <fmt/format.h>
+#include <gdal_priv.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/base/try.h"
+#include "storage/rasters/quiet_gdal.h"
+#include "storage/rasters/register_gdal.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+std::string LowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// The pixels of one direction whose middles lie on the raster, and what of the raster they cover.
+struct Overlap {
+  int first = 0, count = 0;
+  double from = 0.0, to = 0.0;  // pixels of the raster
+};
+std::optional<Overlap> OverlapOf(double start, double step, int length, int raster_length) {
+  const auto first = static_cast<int>(std::clamp(std::ceil(-start / step - 0.5), 0.0, double(length)));
+  const auto end = static_cast<int>(
+      std::clamp(std::ceil((raster_length - start) / step - 0.5), double(first), double(length)));
+  if (end <= first) return std::nullopt;
+  // What is as good as on the edge of a pixel is on it.
+  const auto on_edge = [](double at) {
+    constexpr double kOnEdge = 1e-3;
+    return std::abs(at - std::round(at)) < kOnEdge ? std::round(at) : at;
+  };
+  const double from = std::max(0.0, on_edge(start + first * step));
+  const double to = std::min<double>(raster_length, on_edge(start + end * step));
+  return from < to ? std::optional(Overlap{first, end - first, from, to}) : std::nullopt;
+}
+
+// As our writer lays them out, with room to spare: of a block all is in memory before a pixel of it is.
+bool HasUsualBlocks(GDALRasterBand& band) {
+  constexpr int kMaxBlockPx = 2048;
+  int width_px = 0, height_px = 0;
+  band.GetBlockSize(&width_px, &height_px);
+  const GDALDataType type = band.GetRasterDataType();
+  if (width_px > kMaxBlockPx || height_px > kMaxBlockPx || (type != GDT_Float32 && type != GDT_UInt16))
+    return false;
+  for (int level = 0; level < band.GetOverviewCount(); ++level) {
+    GDALRasterBand* const overview = band.GetOverview(level);
+    if (overview == nullptr || overview->GetRasterDataType() != type) return false;
+    overview->GetBlockSize(&width_px, &height_px);
+    if (width_px > kMaxBlockPx || height_px > kMaxBlockPx) return false;
+  }
+  return true;
+}
+
+// Stored numbers to values, NaN where the file says that nothing is known.
+void ToValues(GDALRasterBand& band, std::span<float> values) {
+  int has_no_data = 0, has_scale = 0, has_offset = 0;
+  const auto no_data = static_cast<float>(band.GetNoDataValue(&has_no_data));
+  const double scale = band.GetScale(&has_scale), offset = band.GetOffset(&has_offset);
+  const bool is_scaled = (has_scale != 0 && scale != 1.0) || (has_offset != 0 && offset != 0.0);
+  for (float& value : values) {
+    if (!std::isfinite(value) || (has_no_data != 0 && value == no_data)) {
+      value = kUnknown;
+    } else if (is_scaled) {
+      value = static_cast<float>(value * scale + offset);
+    }
+  }
+}
+
+}  // namespace
+
+struct BandRaster::Handle {
+  std::unique_ptr<GDALDataset> file;
+};
+
+BandRaster::BandRaster(std::filesystem::path path) : path_(std::move(path)) {}
+BandRaster::~BandRaster() = default;
+
+Error BandRaster::Damaged(const std::string& what) const {
+  return {ErrorCode::kCorrupt, fmt::format("The map's bands cannot be read: {}. Start its job again.", what),
+          path_.string() + ": " + CPLGetLastErrorMsg()};
+}
+
+Result<std::unique_ptr<BandRaster::Handle>> BandRaster::TakeHandle() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      std::unique_ptr<Handle> handle = std::move(idle_.back());
+      idle_.pop_back();
+      return handle;
+    }
+  }
+  RegisterGdalOnce();
+  constexpr std::array<const char*, 2> kDrivers = {"GTiff", nullptr};
+  auto handle = std::make_unique<Handle>();
+  // Alone: nothing beside it says more of it.
+  const std::string name = path_.filename();
+  const std::array<const char*, 2> beside = {name.c_str(), nullptr};
+  handle->file.reset(GDALDataset::Open(path_.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kDrivers.data(),
+                                       nullptr, beside.data()));
+  if (!handle->file) return Damaged("bands.tif is damaged");
+  return handle;
+}
+
+Result<std::shared_ptr<BandRaster>> BandRaster::Open(const std::filesystem::path& path) {
+  const QuietGdal quiet;
+  std::shared_ptr<BandRaster> raster(new BandRaster(path));
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Handle> handle, raster->TakeHandle());
+  GDALDataset& file = *handle->file;
+  std::array<double, 6> transform{};
+  const bool is_placed = file.GetGeoTransform(transform.data()) == CE_None && transform[1] > 0.0 &&
+                         std::abs(transform[1] + transform[5]) < 1e-9 * transform[1] && transform[2] == 0.0 &&
+                         transform[4] == 0.0;
+  if (!is_placed) return raster->Damaged("bands.tif does not lie on the grid of the web map");
+  raster->west_m_ = transform[0];
+  raster->north_m_ = transform[3];
+  raster->pixel_m_ = transform[1];
+  raster->width_px_ = file.GetRasterXSize();
+  raster->height_px_ = file.GetRasterYSize();
+  for (int place = 1; place <= std::min(file.GetRasterCount(), kMaxBands); ++place) {
+    GDALRasterBand& band = *file.GetRasterBand(place);
+    if (!HasUsualBlocks(band)) return raster->Damaged("bands.tif is not laid out as a map's is");
+    if (band.GetColorInterpretation() == GCI_AlphaBand) continue;
+    const std::string name = LowerCase(band.GetDescription());
+    raster->bands_.push_back(name.empty() ? fmt::format("b{}", place) : name);
+    raster->places_.push_back(place);
+  }
+  if (raster->bands_.empty()) return raster->Damaged("bands.tif has no bands");
+  raster->idle_.push_back(std::move(handle));
+  return raster;
+}
+
+Result<std::vector<std::vector<float>>> BandRaster::Read(const MercGrid& grid,
+                                                         std::span<const std::size_t> bands) {
+  if (grid.width_px < 1 || grid.height_px < 1 || grid.width_px > kMaxSidePx || grid.height_px > kMaxSidePx)
+    return Error{ErrorCode::kInvalidArgument, "More pixels are asked for than are read at once.", ""};
+  const auto pixels = static_cast<std::size_t>(grid.width_px) * static_cast<std::size_t>(grid.height_px);
+  std::vector<std::vector<float>> planes(bands.size(), std::vector<float>(pixels, kUnknown));
+  const std::optional<Overlap> x =
+      OverlapOf((grid.west_m - west_m_) / pixel_m_, grid.pixel_width_m / pixel_m_, grid.width_px, width_px_);
+  const std::optional<Overlap> y = OverlapOf((north_m_ - grid.north_m) / pixel_m_,
+                                             grid.pixel_height_m / pixel_m_, grid.height_px, height_px_);
+  if (!x || !y) return planes;
+  const QuietGdal quiet;
+  SKYQUILT_TRY_ASSIGN(std::unique_ptr<Handle> handle, TakeHandle());
+  GDALRasterIOExtraArg how;
+  INIT_RASTERIO_EXTRA_ARG(how);
+  const bool is_coarser = x->to - x->from > x->count || y->to - y->from > y->count;
+  how.eResampleAlg = is_coarser ? GRIORA_Average : GRIORA_NearestNeighbour;
+  how.bFloatingPointWindowValidity = TRUE;
+  how.dfXOff = x->from;
+  how.dfYOff = y->from;
+  how.dfXSize = x->to - x->from;
+  how.dfYSize = y->to - y->from;
+  const auto left = static_cast<int>(std::floor(x->from)), top = static_cast<int>(std::floor(y->from));
+  const auto width = static_cast<int>(std::ceil(x->to)) - left,
+             height = static_cast<int>(std::ceil(y->to)) - top;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    GDALRasterBand& band = *handle->file->GetRasterBand(places_.at(bands[i]));
+    float* const first = planes[i].data() +
+                         static_cast<std::size_t>(y->first) * static_cast<std::size_t>(grid.width_px) +
+                         static_cast<std::size_t>(x->first);
+    const CPLErr read =
+        band.RasterIO(GF_Read, left, top, width, height, first, x->count, y->count, GDT_Float32,
+                      sizeof(float), GSpacing{sizeof(float)} * grid.width_px, &how);
+    if (read != CE_None) return Damaged("some of the pixels of bands.tif cannot be read");
+    for (int row = 0; row < y->count; ++row) {
+      ToValues(band, {first + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.width_px),
+                      static_cast<std::size_t>(x->count)});
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  if (idle_.size() < kMaxIdle) idle_.push_back(std::move(handle));
+  return planes;
+}
+
+}  // namespace skyquilt::storage

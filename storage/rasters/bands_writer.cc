@@ -1,0 +1,142 @@
+#include "storage/rasters/bands_writer.h"
+
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <fmt/core.h>
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/try.h"
+#include "core/image/decoded_image.h"
+#include "storage/rasters/gdal_steps.h"
+#include "storage/rasters/register_gdal.h"
+#include "storage/tilesets/publish_file.h"
+
+namespace skyquilt::storage {
+namespace {
+
+constexpr const char* kMessage = "writing bands.tif";
+
+void DescribeBand(const bands::RasterBand& from, GDALRasterBand& band) {
+  band.SetDescription(from.name.c_str());
+  band.SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  if (from.wavelength_nm > 0.0) {
+    band.SetMetadataItem("WAVELENGTH", fmt::format("{:g}", from.wavelength_nm).c_str());
+    band.SetMetadataItem("WAVELENGTH_UNITS", "nm");
+  }
+  if (from.width_nm > 0.0) band.SetMetadataItem("FWHM", fmt::format("{:g}", from.width_nm).c_str());
+  band.SetMetadataItem("CALIBRATION", from.calibration.c_str());
+  band.SetMetadataItem("METHOD", from.method.c_str());
+}
+
+// The smallest box around all pixels with a value, in pixels of the block.
+image::PixelBox Covered(const std::vector<std::vector<float>>& values, int side) {
+  image::PixelBox box{side, side, 0, 0};
+  for (const std::vector<float>& band : values) {
+    for (int y = 0; y < side; ++y) {
+      const float* row = band.data() + static_cast<std::ptrdiff_t>(y) * side;
+      for (int x = 0; x < side; ++x) {
+        if (std::isnan(row[x])) continue;
+        box.left = std::min(box.left, x), box.right = std::max(box.right, x + 1);
+        box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y + 1);
+      }
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+struct BandsWriter::Work {
+  std::filesystem::path path;
+  int threads;
+  Progress& progress;
+  TemporaryTiff raw, made;
+  std::unique_ptr<GDALDataset> dataset;
+  int block_px = 0;
+  image::PixelBox covered;
+};
+
+BandsWriter::BandsWriter(std::filesystem::path path, int threads, Progress& progress)
+    : work_(new Work{path, threads, progress, {path, ".raw.tmp"}, {path, ".tmp"}, nullptr, 0, {}}) {}
+BandsWriter::~BandsWriter() = default;
+
+Result<void> BandsWriter::Begin(const bands::BandRaster& raster) {
+  RegisterGdalOnce();
+  CPLErrorReset();
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  SKYQUILT_CHECK(driver != nullptr, "GDAL writes GeoTIFF");
+  CPLStringList options;
+  for (const char* option :
+       {"TILED=YES", "BLOCKXSIZE=512", "BLOCKYSIZE=512", "INTERLEAVE=BAND", "COMPRESS=DEFLATE", "ZLEVEL=1",
+        "PREDICTOR=3", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"})
+    options.AddString(option);
+  work_->dataset.reset(driver->Create(work_->raw.c_str(), raster.width_px, raster.height_px,
+                                      static_cast<int>(raster.bands.size()), GDT_Float32, options.List()));
+  if (!work_->dataset) return LastGdalError(work_->progress);
+  OGRSpatialReference mercator;
+  constexpr int kWebMercator = 3857;
+  mercator.importFromEPSG(kWebMercator);
+  double transform[6] = {raster.west_in_merc_m,  raster.pixel_in_merc_m, 0.0, raster.north_in_merc_m, 0.0,
+                         -raster.pixel_in_merc_m};
+  if (work_->dataset->SetSpatialRef(&mercator) != CE_None ||
+      work_->dataset->SetGeoTransform(transform) != CE_None)
+    return LastGdalError(work_->progress);
+  for (std::size_t i = 0; i < raster.bands.size(); ++i)
+    DescribeBand(raster.bands[i], *work_->dataset->GetRasterBand(static_cast<int>(i) + 1));
+  work_->block_px = raster.block_px;
+  return {};
+}
+
+Result<void> BandsWriter::Put(int left_px, int top_px, const std::vector<std::vector<float>>& values) {
+  const int side = work_->block_px;
+  const image::PixelBox box = Covered(values, side);
+  if (box.IsEmpty()) return {};
+  work_->covered =
+      work_->covered.With({left_px + box.left, top_px + box.top, left_px + box.right, top_px + box.bottom});
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    // GDAL takes no const buffers, and leaves this one alone.
+    if (work_->dataset->GetRasterBand(static_cast<int>(i) + 1)
+            ->RasterIO(GF_Write, left_px, top_px, side, side, const_cast<float*>(values[i].data()), side,
+                       side, GDT_Float32, 0, 0, nullptr) != CE_None)
+      return LastGdalError(work_->progress);
+  }
+  return {};
+}
+
+Result<void> BandsWriter::Publish() {
+  if (!work_->dataset || !IsClosedWell(std::move(work_->dataset))) return LastGdalError(work_->progress);
+  if (work_->covered.IsEmpty()) return {};
+  const std::unique_ptr<GDALDataset> source(
+      GDALDataset::Open(work_->raw.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  if (!source) return LastGdalError(work_->progress);
+  const image::PixelBox& box = work_->covered;
+  const std::string threads = work_->threads > 0 ? std::to_string(work_->threads) : "ALL_CPUS";
+  CPLStringList words;
+  for (const std::string& word :
+       {std::string("-of"), std::string("COG"), std::string("-srcwin"), std::to_string(box.left),
+        std::to_string(box.top), std::to_string(box.right - box.left), std::to_string(box.bottom - box.top),
+        std::string("-co"), std::string("COMPRESS=DEFLATE"), std::string("-co"), std::string("PREDICTOR=YES"),
+        std::string("-co"), std::string("OVERVIEW_RESAMPLING=AVERAGE"), std::string("-co"),
+        std::string("BIGTIFF=IF_SAFER"), std::string("-co"), "NUM_THREADS=" + threads})
+    words.AddString(word.c_str());
+  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> translate(
+      GDALTranslateOptionsNew(words.List(), nullptr), GDALTranslateOptionsFree);
+  if (!translate) return LastGdalError(work_->progress);
+  GdalStep step{work_->progress, kMessage};
+  GDALTranslateOptionsSetProgress(translate.get(), ForwardGdalProgress, &step);
+  std::unique_ptr<GDALDataset> written(GDALDataset::FromHandle(
+      GDALTranslate(work_->made.c_str(), GDALDataset::ToHandle(source.get()), translate.get(), nullptr)));
+  if (!written || !IsClosedWell(std::move(written))) return LastGdalError(work_->progress);
+  return PublishFile(work_->made.path(), work_->path);
+}
+
+}  // namespace skyquilt::storage

@@ -1,0 +1,45 @@
+// What every long piece of work by GDAL needs: its progress as a share of ours, files that are gone at the
+// end, and its last error as ours. One thread.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+
+class GDALDataset;
+
+namespace skyquilt::storage {
+
+// The share of the whole that a step of it is.
+struct GdalStep {
+  Progress& progress;
+  const char* message;
+  double from = 0.0, to = 1.0;
+};
+
+// A GDALProgressFunc; `step` points to a GdalStep. 0 (stop) once the job is cancelled.
+int ForwardGdalProgress(double fraction, const char* message, void* step);
+
+// Gone at the end of the scope, where it is still there.
+class TemporaryTiff {
+ public:
+  TemporaryTiff(std::filesystem::path path, const char* ending) : path_(std::move(path)) { path_ += ending; }
+  ~TemporaryTiff();
+  TemporaryTiff(const TemporaryTiff&) = delete;
+  TemporaryTiff& operator=(const TemporaryTiff&) = delete;
+  const char* c_str() const { return path_.c_str(); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// Of the last call, as a file that could not be written: kCancelled, kOutOfSpace, kIo.
+Error LastGdalError(const Progress& progress);
+
+// Closing writes what is left; an error there is an error of the file.
+bool IsClosedWell(std::unique_ptr<GDALDataset> written);
+
+}  // namespace skyquilt::storage

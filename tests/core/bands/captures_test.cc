@@ -1,0 +1,160 @@
+// Photos of single bands to captures, and what stays of a flight without any.
+#include "core/bands/captures.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/flight/read_flight.h"
+#include "tests/core/bands/band_photos.h"
+
+namespace skyquilt::bands {
+namespace {
+
+class CapturesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        std::filesystem::temp_directory_path() /
+        ("skyquilt_captures_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void Add(const std::string& name, const std::string& band, const std::string& more = "",
+           const flight::ExifWriter& exif = UsualExif()) {
+    // Levels differ, so that no two files are the same.
+    const flight::Bytes bytes = BandPhotoBytes("Camera:BandName=\"" + band + "\" " + more, exif, level_++);
+    std::ofstream(folder_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  flight::Flight Read() {
+    SilentProgress progress;
+    auto files = flight::ListInputFiles({folder_});
+    auto flight = flight::ReadFlight(*files, {2}, progress);
+    EXPECT_TRUE(flight.ok());
+    return *std::move(flight);
+  }
+  std::filesystem::path folder_;
+  std::uint16_t level_ = 20'000;
+};
+
+std::vector<std::string> NamesOf(const flight::Flight& flight) {
+  std::vector<std::string> names;
+  for (const flight::Photo& photo : flight.photos) names.push_back(photo.name);
+  return names;
+}
+
+TEST_F(CapturesTest, GroupsById) {
+  for (const char* id : {"a", "b"}) {
+    for (const char* band : {"NIR", "Green", "Red"}) {
+      Add(std::string(id) + "_" + band + ".TIF", band,
+          fmt::format("Camera:CaptureUUID=\"{}\" Camera:CentralWavelength=\"{}\"", id,
+                      band[0] == 'N'   ? 790
+                      : band[0] == 'R' ? 660
+                                       : 550));
+    }
+  }
+  flight::Flight flight = Read();
+  ASSERT_EQ(flight.photos.size(), 6U);
+  const Captures apart = SetBandsApart(flight, 2);
+  EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a_Green.TIF", "b_Green.TIF"}));
+  EXPECT_EQ(apart.reference_band, "green");
+  ASSERT_EQ(apart.bands.size(), 3U);
+  EXPECT_EQ(apart.bands[0].name, "green");
+  EXPECT_EQ(apart.bands[1].name, "red");
+  EXPECT_EQ(apart.bands[2].name, "nir");
+  ASSERT_EQ(apart.captures.size(), 2U);
+  for (const Capture& capture : apart.captures) {
+    ASSERT_EQ(capture.photos.size(), 3U);
+    EXPECT_EQ(capture.photos[0].photo.name, capture.reference);
+    EXPECT_EQ(capture.photos[2].facts.name, "nir");
+  }
+}
+
+TEST_F(CapturesTest, GroupsByTimeWithoutIds) {
+  for (const int second : {0, 5}) {
+    for (const char* band : {"Red", "NIR"}) {
+      Add(fmt::format("{}_{}.TIF", second, band), band, "",
+          UsualExif(fmt::format("2024:06:01 10:00:{:02}", second)));
+    }
+  }
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  ASSERT_EQ(apart.captures.size(), 2U);
+  EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"0_Red.TIF", "5_Red.TIF"}));
+}
+
+TEST_F(CapturesTest, TheReferenceIsTheBandOfMostCaptures) {
+  for (const char* id : {"a", "b", "c"}) {
+    Add(std::string(id) + "_nir.TIF", "NIR", fmt::format("Camera:CaptureUUID=\"{}\"", id));
+    if (id[0] != 'c')
+      Add(std::string(id) + "_green.TIF", "Green", fmt::format("Camera:CaptureUUID=\"{}\"", id));
+  }
+  Add("d_green.TIF", "Red", "Camera:CaptureUUID=\"d\"");
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  EXPECT_EQ(apart.reference_band, "nir");
+  EXPECT_EQ(apart.captures.size(), 3U);
+  ASSERT_EQ(flight.left_out.size(), 1U);  // a capture without the reference band
+  EXPECT_EQ(flight.left_out[0].name, "d_green.TIF");
+  EXPECT_NE(flight.left_out[0].reason.find("nir"), std::string::npos);
+}
+
+TEST_F(CapturesTest, PanelsAndWarmthAreLeftOut) {
+  for (const char* band : {"Green", "NIR"}) Add(std::string(band) + ".TIF", band, "Camera:CaptureUUID=\"a\"");
+  Add("warm.TIF", "LWIR", "Camera:CaptureUUID=\"a\"");
+  Add("panel.TIF", "Green", "Camera:CaptureUUID=\"p\" Camera:CalibrationPicture=\"1\"");
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  EXPECT_EQ(apart.captures.size(), 1U);
+  ASSERT_EQ(flight.left_out.size(), 2U);
+  EXPECT_EQ(flight.left_out[0].name, "panel.TIF");
+  EXPECT_EQ(flight.left_out[1].name, "warm.TIF");
+}
+
+TEST_F(CapturesTest, ABandAloneIsAGreyPicture) {
+  for (const char* id : {"a", "b"})
+    Add(std::string(id) + ".TIF", "Green", fmt::format("Camera:CaptureUUID=\"{}\"", id));
+  flight::Flight flight = Read();
+  EXPECT_TRUE(SetBandsApart(flight, 1).empty());
+  EXPECT_EQ(flight.photos.size(), 2U);
+}
+
+TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {
+  for (const char* id : {"a", "b", "c"}) {
+    Add(std::string(id) + "_green.TIF", "Green", fmt::format("Camera:CaptureUUID=\"{}\"", id));
+    Add(std::string(id) + "_nir.TIF", "NIR", fmt::format("Camera:CaptureUUID=\"{}\"", id),
+        id[0] == 'b' ? flight::ExifWriter()
+                           .Ascii(flight::ExifIfd::kImage, 0x010F, "Maker")
+                           .Ascii(flight::ExifIfd::kImage, 0x0110, "Rig")
+                     : UsualExif());
+  }
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  ASSERT_EQ(apart.captures.size(), 3U);
+  int nirs = 0;
+  for (const Capture& capture : apart.captures) nirs += static_cast<int>(capture.photos.size()) - 1;
+  EXPECT_EQ(nirs, 2);
+  EXPECT_EQ(flight.photos.size(), 3U);
+  ASSERT_FALSE(flight.warnings.empty());
+  EXPECT_NE(flight.warnings.back().find("bands.tif"), std::string::npos);
+}
+
+TEST_F(CapturesTest, AFileThatIsGoneIsLeftOut) {
+  for (const char* id : {"a", "b"}) {
+    for (const char* band : {"Green", "NIR"})
+      Add(std::string(id) + "_" + band + ".TIF", band, fmt::format("Camera:CaptureUUID=\"{}\"", id));
+  }
+  flight::Flight flight = Read();
+  std::filesystem::remove(folder_ / "b_NIR.TIF");
+  const Captures apart = SetBandsApart(flight, 2);
+  ASSERT_EQ(apart.captures.size(), 2U);
+  ASSERT_EQ(flight.left_out.size(), 1U);
+  EXPECT_EQ(flight.left_out[0].name, "b_NIR.TIF");
+}
+
+}  // namespace
+}  // namespace skyquilt::bands

@@ -1,0 +1,111 @@
+// Levels to values of light, each maker's formula against numbers worked out by hand.
+#include "core/bands/radiometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/bands/read_band_facts.h"
+#include "tests/core/bands/band_photos.h"
+
+namespace skyquilt::bands {
+namespace {
+
+constexpr int kWidth = 40, kHeight = 30;
+
+Radiometry RadiometryOf(const std::string& attributes, const flight::ExifWriter& exif = UsualExif()) {
+  const flight::Bytes bytes = BandPhotoBytes("Camera:BandName=\"Red\" " + attributes, exif);
+  flight::MemoryBytes source(bytes);
+  auto facts = ReadBandFacts(source);
+  EXPECT_TRUE(facts.ok());
+  return facts->radiometry;
+}
+
+float ValueAt(const Radiometry& radiometry, int x, int y, std::uint16_t level = 20'000) {
+  const image::SampleImage picture{kWidth, kHeight,
+                                   std::vector<std::uint16_t>(std::size_t{kWidth} * kHeight, level)};
+  return ValuesOf(picture, radiometry)
+      .values[static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x)];
+}
+
+TEST(RadiometryOfMicaSense, FollowsTheirModel) {
+  const Radiometry radiometry = RadiometryOf(
+      "MicaSense:RadiometricCalibration=\"0.00016,1e-7,2e-5\" Camera:VignettingCenter=\"20,15\" "
+      "Camera:VignettingPolynomial=\"0.001,0,0,0,0,0\" DLS:HorizontalIrradiance=\"100\"");
+  EXPECT_EQ(radiometry.calibration, Calibration::kReflectance);
+  const double te = 1.0 / 500.0, y = 3.0, r = std::hypot(4.0 - 20.0, y - 15.0);
+  const double radiance = 1.0 / (1.0 + 0.001 * r) * (0.00016 / 2.0) * ((20'000 - 4800) / 65536.0) /
+                          (te + 1e-7 * y - 2e-5 * te * y);
+  // Vignetting is read off nodes every 16 pixels, which a cusp at its middle shows.
+  EXPECT_NEAR(ValueAt(radiometry, 4, 3), std::numbers::pi * radiance / 1.0, 5e-3 * radiance);
+}
+
+TEST(RadiometryOfMicaSense, WithoutLightSensorIsRadiance) {
+  const Radiometry radiometry = RadiometryOf("MicaSense:RadiometricCalibration=\"0.00016,0,0\"");
+  EXPECT_EQ(radiometry.calibration, Calibration::kRadiance);
+  EXPECT_NEAR(ValueAt(radiometry, 0, 0), 0.00008 * (15'200 / 65536.0) * 500.0, 1e-9);
+}
+
+TEST(RadiometryOfDji, FollowsTheirGuide) {
+  const Radiometry radiometry = RadiometryOf(
+      "drone-dji:SensorGain=\"2\" drone-dji:ExposureTime=\"1000\" drone-dji:SensorGainAdjustment=\"0.5\" "
+      "drone-dji:Irradiance=\"4000\" drone-dji:VignettingData=\"0,0.0001,0,0,0,0\" "
+      "drone-dji:CalibratedOpticalCenterX=\"16\" drone-dji:CalibratedOpticalCenterY=\"16\"");
+  EXPECT_EQ(radiometry.calibration, Calibration::kRelative);
+  const double camera = (20'000 - 4800) / 65535.0 / (2.0 * 1000e-6);
+  EXPECT_NEAR(ValueAt(radiometry, 16, 16), camera * 0.5 / 4000.0, 1e-6 * camera);
+  EXPECT_NEAR(ValueAt(radiometry, 32, 16) / ValueAt(radiometry, 16, 16), 1.0 + 0.0001 * 256.0, 1e-5);
+}
+
+TEST(RadiometryOfSequoia, ByTheFactorysMeasurement) {
+  // 15 200 levels above black at ISO 200 and 1/500 s; the factory saw 345 levels of 10 bits at 1/200 s, and
+  // ten times less light at the sunshine sensor.
+  const Radiometry radiometry = RadiometryOf(
+      "Camera:CalibrationMeasurement=\"1,0.005,420\" Camera:BlackCurrent=\"75\" "
+      "Camera:IrradianceCalibrationMeasurement=\"1,100,66.6,1\" "
+      "Camera:IrradianceList=\"gwv0DwAAAACaAkAAAQBkAGUzvkFyNqq/RrDoPw==\" "
+      "Camera:VignettingPolynomial2DName=\"0,0,1,0\" Camera:VignettingPolynomial2D=\"0.5,0.5\"");
+  EXPECT_EQ(radiometry.calibration, Calibration::kRelative);
+  const double rate = 15'200.0 / (2.0 / 500.0), factory = 345.0 * 64.0 / 0.005;
+  EXPECT_NEAR(ValueAt(radiometry, 0, 0), rate / factory / 10.0 / 0.5, 1e-5);
+  EXPECT_NEAR(ValueAt(radiometry, 32, 0), rate / factory / 10.0 / (0.5 + 0.5 * 32.0 / 40.0), 1e-5);
+}
+
+TEST(RadiometryOfSequoia, BySensorModelIsUpToAFactor) {
+  const Radiometry radiometry = RadiometryOf("Camera:SensorModel=\"5000,4000,16\"");
+  EXPECT_EQ(radiometry.calibration, Calibration::kRadiance);
+  EXPECT_NEAR(ValueAt(radiometry, 0, 0), 16'000.0 / (5000.0 * 2.0 / 500.0 + 16.0), 1e-2);
+}
+
+TEST(RadiometryOfOthers, TakesExposureWhereThereIsOne) {
+  EXPECT_EQ(RadiometryOf("").calibration, Calibration::kRadiance);
+  const Radiometry bare = RadiometryOf("", flight::ExifWriter());
+  EXPECT_EQ(bare.calibration, Calibration::kLevels);
+  EXPECT_NEAR(ValueAt(bare, 5, 5), 20'000 / 65536.0, 1e-6);
+}
+
+TEST(RadiometryOfOthers, APolynomialThatIsNoneNeitherDarkensNorBlinds) {
+  Radiometry radiometry;
+  radiometry.vignetting.kind = BandVignetting::Kind::kRadialDivides;
+  for (const double k : {-1e9, 1e9, std::nan("")}) {
+    radiometry.vignetting.radial = {k, k};
+    for (const int x : {0, 20, 39}) {
+      const float value = ValueAt(radiometry, x, 29);
+      EXPECT_GE(value, 2000.0F * 0.99F);
+      EXPECT_LE(value, 200'000.0F * 1.01F);
+    }
+  }
+}
+
+TEST(RadiometryOfOthers, BlackIsOfTheSensorsPattern) {
+  Radiometry radiometry;
+  radiometry.black = {1.0, 2.0, 3.0, 4.0};
+  EXPECT_FLOAT_EQ(ValueAt(radiometry, 0, 0, 100), 99.0F);
+  EXPECT_FLOAT_EQ(ValueAt(radiometry, 1, 0, 100), 98.0F);
+  EXPECT_FLOAT_EQ(ValueAt(radiometry, 0, 1, 100), 97.0F);
+  EXPECT_FLOAT_EQ(ValueAt(radiometry, 3, 5, 100), 96.0F);
+}
+
+}  // namespace
+}  // namespace skyquilt::bands

@@ -1,0 +1,195 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/render/exposure/estimate_exposure.h"
+#include "core/render/exposure/extend_exposure.h"
+#include "core/render/exposure/light_equations.h"
+#include "core/simulate/world/sun_direction.h"
+#include "tests/support/simulated_map.h"
+
+namespace skyquilt::render {
+namespace {
+
+simulate::SimulateOptions SmallPhotos() {
+  simulate::SimulateOptions options;
+  options.intrinsics = camera::Intrinsics::Centered(480, 360, 360.0);
+  options.trajectory.photos = 24;
+  return options;
+}
+
+// By how much the same ground differs between two photos that see it, as a logarithm: the root mean square
+// over all spots and channels, by what the photos themselves hold and as the tones even them.
+struct Disagreement {
+  double before = 0.0, after = 0.0;
+};
+
+Disagreement DisagreementOf(const test::SimulatedMap& map, const ExposureModel& exposure) {
+  const auto samples = SampleExposure(map.flight, map.ground, map.thumbnails);
+  double before = 0.0, after = 0.0;
+  int count = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const ExposureSample &a = samples[i - 1], &b = samples[i];
+    if (a.spot != b.spot) continue;
+    const auto shown = [&](const ExposureSample& sample, std::size_t channel) {
+      const PhotoTone& tone = exposure.tones[sample.photo];
+      return static_cast<double>(sample.log_value[channel]) +
+             std::log(tone.gain[channel] * tone.shade.At(static_cast<double>(sample.place[0]),
+                                                         static_cast<double>(sample.place[1]))[channel]);
+    };
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      before += std::pow(static_cast<double>(a.log_value[channel] - b.log_value[channel]), 2);
+      after += std::pow(shown(a, channel) - shown(b, channel), 2);
+      ++count;
+    }
+  }
+  return {std::sqrt(before / count), std::sqrt(after / count)};
+}
+
+TEST(Exposure, EvensLensGainsAndSun) {
+  simulate::SimulateOptions options = SmallPhotos();
+  options.vignetting = 0.25;
+  options.exposure_jitter = 0.05;
+  options.hot_spot = 0.3;
+  const test::SimulatedMap map = test::MakeSimulatedMap(options);
+  const Disagreement off = DisagreementOf(map, map.exposure);
+  EXPECT_GT(off.before, 0.08);
+  EXPECT_LT(off.after, 0.25 * off.before);
+}
+
+TEST(Exposure, FindsTheHotSpotOppositeTheSun) {
+  simulate::SimulateOptions options = SmallPhotos();
+  options.hot_spot = 0.4;
+  const test::SimulatedMap map = test::MakeSimulatedMap(options);
+  const Eigen::Vector3d sun = simulate::SunDirection(options.origin, options.start);
+  const Eigen::Vector2d opposite = -sun.head<2>() / sun.z();
+  const HotSpot& spot = map.exposure.light.directions.hot_spot;
+  EXPECT_GT(spot.width, 0.0);
+  EXPECT_LT((spot.look - opposite).norm(), 0.06)
+      << spot.look.transpose() << " is not " << opposite.transpose();
+}
+
+TEST(Exposure, FindsNoHotSpotWhereThereIsNone) {
+  simulate::SimulateOptions options = SmallPhotos();
+  options.vignetting = 0.2;
+  options.exposure_jitter = 0.05;
+  EXPECT_EQ(test::MakeSimulatedMap(options).exposure.light.directions.hot_spot.width, 0.0);
+}
+
+TEST(Exposure, LeavesPhotosThatAgreeAsTheyAre) {
+  simulate::SimulateOptions options = SmallPhotos();
+  options.world.gradient_per_km = 1.0;  // of the field itself
+  const test::SimulatedMap map = test::MakeSimulatedMap(options);
+  for (const PhotoTone& tone : map.exposure.tones) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      EXPECT_NEAR(tone.gain[channel], 1.0, 0.02);
+      for (const double y : {-0.6, 0.0, 0.6}) {
+        for (const double x : {-0.8, 0.0, 0.8}) EXPECT_NEAR(tone.shade.At(x, y)[channel], 1.0, 0.04);
+      }
+    }
+  }
+}
+
+TEST(Exposure, AddedPhotosGetTheLightOfTheOthers) {
+  simulate::SimulateOptions options = SmallPhotos();
+  options.vignetting = 0.25;
+  options.hot_spot = 0.3;
+  const test::SimulatedMap map = test::MakeSimulatedMap(options);
+  KnownExposure known{map.exposure.light, map.exposure.photos};
+  known.photos.resize(known.photos.size() - 4);
+  const ExposureModel grown = ExtendExposure(map.flight, map.ground, map.thumbnails, known);
+  ASSERT_EQ(grown.photos.size(), map.exposure.photos.size());
+  for (std::size_t i = 0; i < grown.photos.size(); ++i) {
+    EXPECT_EQ(grown.tones[i].shade.terms, map.exposure.tones[i].shade.terms);
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      EXPECT_NEAR(grown.photos[i].gain[channel], map.exposure.photos[i].gain[channel], 0.02);
+  }
+}
+
+TEST(Exposure, KnowsNothingOfPhotosThatShareNoGround) {
+  test::SimulatedMap map = test::MakeSimulatedMap(SmallPhotos());
+  for (std::size_t i = 0; i < map.flight.photos.size(); ++i)
+    map.flight.photos[i].cam_from_enu.translation.x() += 1000.0 * static_cast<double>(i);
+  const ExposureModel exposure = EstimateExposure(map.flight, map.ground, map.thumbnails);
+  for (const PhotoTone& tone : exposure.tones) {
+    EXPECT_EQ(tone.gain, (std::array{1.0, 1.0, 1.0}));
+    EXPECT_TRUE(tone.shade.IsEven());
+  }
+}
+
+TEST(LightModel, ShadeUndoesWhatLensAndSunDid) {
+  LightModel light;
+  light.directions.widest_look = 0.8;
+  light.cameras["a camera"][0] = {-0.2, -0.05, 0.0, 0.02, -0.03};
+  light.cameras["a camera"][1] = {-0.25};
+  light.directions.hot_spot = {{0.2, 0.3}, 0.1};
+  for (DirectionTerms& channel : light.of_directions) channel[kSmoothDirectionTerms] = 0.2;
+  light.of_directions[0] = {0.1, -0.05, 0.03, 0.0, -0.02, 0.01};
+  light.of_directions[2] = {0.0, 0.15, 0.0, 0.04};
+  light.of_directions[0][kSmoothDirectionTerms] = 0.1;
+  alignment::AlignedPhoto photo;
+  photo.photo.camera_key = "a camera";
+  photo.intrinsics = camera::Intrinsics::Centered(800, 600, 640.0);
+  // Top of the picture to the north-east, leaning by 5 degrees.
+  photo.cam_from_enu.rotation = Eigen::AngleAxisd(0.09, Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ());
+  const Shade shade = ShadeOf(light, photo, {0.1, 0.2, 0.2});
+  const ShadeGrid grid(shade, photo.intrinsics);
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(0, 0), {799, 0}, {130, 420}, {400, 300}, {470, 160}, {545, 100}, {799, 599}}) {
+    const Eigen::Vector2d place = (pixel - Eigen::Vector2d(399.5, 299.5)) / 500.0;
+    const Eigen::Vector2d look =
+        LookOf(photo.cam_from_enu.rotation.conjugate() * photo.intrinsics.Unproject(pixel));
+    const auto shown = shade.At(place.x(), place.y());
+    const auto drawn = grid.At(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const auto direction = light.directions.Basis(look);
+      const auto camera = CameraBasis(place);
+      double brighter = 0.0;
+      for (std::size_t k = 0; k < direction.size(); ++k)
+        brighter += direction[k] * light.of_directions[channel][k];
+      for (std::size_t k = 0; k < camera.size(); ++k)
+        brighter += camera[k] * light.cameras["a camera"][channel][k];
+      EXPECT_NEAR(shown[channel] * std::exp(brighter), 1.0, 0.005) << pixel.transpose();
+      EXPECT_NEAR(static_cast<double>(drawn[channel]), shown[channel], 0.003) << pixel.transpose();
+    }
+  }
+}
+
+TEST(LightModel, LooksThatDoNotPointDownAreBounded) {
+  EXPECT_EQ(LookOf({0.0, 0.0, -1.0}), Eigen::Vector2d::Zero());
+  EXPECT_EQ(LookOf({0.0, 0.0, 1.0}), Eigen::Vector2d::Zero());
+  EXPECT_NEAR((LookOf({0.3, -0.4, -1.0}) - Eigen::Vector2d(0.3, -0.4)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(LookOf({3.0, 4.0, 2.0}).norm(), 10.0, 1e-12);
+  LightModel light;
+  light.directions.widest_look = 0.5;
+  for (std::size_t i = 0; i < kDirectionTerms; ++i)
+    EXPECT_NEAR(light.directions.Basis({3.0, 4.0})[i], light.directions.Basis({0.3, 0.4})[i], 1e-12);
+}
+
+TEST(LightModel, APhotoOfOnePixelHasAShade) {
+  LightModel light;
+  light.directions.widest_look = 1.0;
+  light.of_directions[0][0] = 0.3;
+  alignment::AlignedPhoto photo;
+  photo.intrinsics = camera::Intrinsics::Centered(1, 1, 1.0);
+  const Shade shade = ShadeOf(light, photo, {});
+  for (const float term : shade.terms[0]) EXPECT_TRUE(std::isfinite(term));
+  const auto drawn = ShadeGrid(shade, photo.intrinsics).At(0.0f, 0.0f);
+  EXPECT_GT(drawn[0], 0.1f);
+}
+
+TEST(ShadePowers, AreAllProductsUpToTheDegree) {
+  const auto powers = ShadePowers(2.0, 3.0);
+  std::size_t at = 0;
+  for (int degree = 0; degree <= kShadeDegree; ++degree) {
+    for (int of_y = 0; of_y <= degree; ++of_y, ++at)
+      EXPECT_EQ(powers[at], std::pow(2.0, degree - of_y) * std::pow(3.0, of_y));
+  }
+  EXPECT_EQ(at, powers.size());
+}
+
+}  // namespace
+}  // namespace skyquilt::render

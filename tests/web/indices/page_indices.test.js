@@ -1,0 +1,108 @@
+// Vegetation indices on the page, in Chromium against the mock server; what their addresses are.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { indexTiles, parseRange, roundTo } from '../../../web/src/indices/index_query.js';
+import { mapIdle } from '../support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+import { screenshotPixels } from '../support/pixels.js';
+
+const { setUp } = usePages();
+
+test('tiles of an index have the address of the map with what is asked for', () => {
+  const look = { index: { id: 'vari', title: 'VARI', expression: 'x', rescale: [0, 1], colormap: 'rdylgn' }, colormap: 'viridis_r', rescale: [-0.5, 0.5] };
+  assert.equal(indexTiles('/tiles/f/{z}/{x}/{y}?rev=3', look), '/tiles/f/{z}/{x}/{y}.png?rev=3&index=vari&rescale=-0.5,0.5&colormap=viridis_r');
+  const own = { ...look, index: { ...look.index, id: undefined, expression: '(green-red)/(green+red)' } };
+  assert.ok(indexTiles('/tiles/f/{z}/{x}/{y}?rev=3&token=sq', own).endsWith('?rev=3&token=sq&expression=(green-red)%2F(green%2Bred)&rescale=-0.5,0.5&colormap=viridis_r'));
+});
+
+test('a range is two numbers, the lesser first, with the comma of German too', () => {
+  assert.deepEqual(parseRange('-0,2', ' 0.9 '), [-0.2, 0.9]);
+  for (const [least, most] of [['', '1'], ['1', '1'], ['2', '1'], ['a', '1'], ['0', 'Infinity']]) assert.equal(parseRange(least, most), null);
+  assert.equal(roundTo(0.12345, 0.6), 0.12);
+  assert.equal(roundTo(-1234.5, 900), -1230);
+});
+
+/** @param {object} [context] */
+async function openIndices(context = { locale: 'en-GB' }) {
+  const opened = await setUp({ has_indices: true }, context);
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  /** @type {string[]} */
+  const asked = [];
+  page.on('request', (request) => asked.push(request.url()));
+  await page.goto(`${mock.url}#/flights/${flight.id}`);
+  await mapIdle(page);
+  await page.click('#tool-layers');
+  await page.waitForSelector('#index option[value="vari"]', { state: 'attached' });
+  return { ...opened, asked };
+}
+
+test('an index lies over the map in its colours, which follow what is chosen and typed', options, async () => {
+  const opened = await openIndices();
+  const { page, asked } = opened;
+  const shows = async (/** @type {[number, number, number]} */ [r, g, b]) => {
+    await mapIdle(page);
+    const box = await page.locator('#map').boundingBox();
+    return (await screenshotPixels(page, { x: box.x + 60, y: box.y + 200, width: 300, height: 200 })).share(r, g, b, 30);
+  };
+  await page.selectOption('#index', 'vari');
+  await page.waitForSelector('#index-histogram rect');
+  assert.ok((await shows([0, 160, 60])) > 0.5);
+  assert.ok(asked.some((url) => /\.png\?rev=\d+&index=vari&rescale=-0\.4,0\.4&colormap=rdylgn$/.test(url)));
+  assert.match((await page.getAttribute('#index-histogram', 'aria-label')) ?? '', /from [-−]0\.50 to 0\.50/);
+  await page.selectOption('#index-colours', 'viridis');
+  assert.ok((await shows([200, 40, 200])) > 0.5);
+  await page.check('#index-turned');
+  await page.fill('#index-most', '0.25');
+  await page.waitForRequest((request) => request.url().includes('rescale=-0.4,0.25&colormap=viridis_r'));
+  await page.click('#index-fit');
+  assert.equal(await page.inputValue('#index-least'), '-0.29');
+  await page.fill('#index-least', '7');
+  await page.waitForSelector('#index-least[aria-invalid="true"]');
+  const map = await page.locator('#map').boundingBox();
+  await page.mouse.move(map.x + 100, map.y + 300);
+  await page.mouse.move(map.x + 120, map.y + 320);
+  await page.waitForFunction(() => document.querySelector('#index-value')?.textContent?.includes('0.250'));
+  assert.match((await page.getAttribute('#zones-shp', 'href')) ?? '', /zones\?index=vari&classes=5&format=shp/);
+  await page.selectOption('#index-zones', '3');
+  await assertAccessible(page, 'layers with an index');
+  await page.selectOption('#index', '');
+  assert.equal(await shows([200, 40, 200]), 0);
+  await assertQuiet(opened);
+});
+
+test('a formula of one\'s own is shown, and where it cannot be read the page says where', options, async () => {
+  const opened = await openIndices();
+  const { page } = opened;
+  await page.selectOption('#index', 'own');
+  await page.fill('#index-expression', 'green-red');
+  await page.waitForRequest((request) => request.url().includes('.png?rev=1&expression=green-red&rescale=-0.29,0.29'));
+  await page.fill('#index-expression', 'green+');
+  await page.waitForSelector('#index-fault:not([hidden])');
+  assert.match((await page.textContent('#index-fault')) ?? '', /character 7/);
+  await page.fill('#index-expression', 'green+blue');
+  await page.waitForSelector('#index-fault', { state: 'hidden' });
+  await assertQuiet(opened, [/400/]);
+});
+
+test('the card fits a phone in German', options, async () => {
+  const opened = await openIndices({ locale: 'de-DE', viewport: { width: 360, height: 740 } });
+  const { page } = opened;
+  await page.selectOption('#index', 'gli');
+  await page.waitForSelector('#index-histogram rect');
+  const card = await page.locator('#layers-card').boundingBox();
+  assert.ok(card.x >= 0 && card.x + card.width <= 360, JSON.stringify(card));
+  assert.ok(await page.locator('#layers-card').evaluate((element) => element.scrollWidth <= element.clientWidth));
+  assert.match((await page.textContent('#layers-card')) ?? '', /Vegetationsindex/);
+  await assertQuiet(opened);
+});
+
+test('a map without bands offers no index', options, async () => {
+  const opened = await setUp({}, { locale: 'en-GB' });
+  const { page, mock } = opened;
+  await page.goto(`${mock.url}#/flights/${mock.seedReady('Meadow').id}`);
+  await mapIdle(page);
+  await page.click('#tool-layers');
+  assert.ok(await page.locator('#index').isHidden());
+  await assertQuiet(opened);
+});

@@ -1,0 +1,243 @@
+// Notes and measurements that are kept with a flight, in Chromium against the mock server: written, seen by others, deleted
+// and brought back, saved as files, and never lost, whoever else writes and however often the server is away.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../../../web/src/map/measurement_files.js';
+import { rebased, withChanges } from '../../../web/src/notes/note_merge.js';
+import { boundsOfNote, labelPlace, measurementOf, noteOf } from '../../../web/src/notes/note_shape.js';
+import { mapIdle } from '../support/browser.js';
+import { assertAccessible, assertQuiet, options, usePages } from '../support/pages.js';
+
+const { setUp } = usePages();
+
+const pointAt = (/** @type {string} */ id, /** @type {string} */ name, text = '') => noteOf(name, text, { type: 'Point', coordinates: [7.4391, 46.9512] }, id);
+const copy = (/** @type {string} */ name) => `${name} (mine)`;
+const change = (next, base) => ({ next, base: base ? JSON.stringify(base) : '' });
+
+test('changes go on top of what the server has, and where two changed one note there are two', () => {
+  const [a, b, c] = [pointAt('a', 'A'), pointAt('b', 'B'), pointAt('c', 'C')];
+  const renamed = pointAt('a', 'A2');
+  assert.deepEqual(withChanges([a, b], new Map([['a', change(renamed, a)], ['b', change(null, b)], ['c', change(c, null)]])), [renamed, c]);
+  // Nobody else touched it: it goes on.
+  assert.deepEqual(rebased([a, c], new Map([['a', change(renamed, a)]]), copy), { changes: new Map([['a', change(renamed, a)]]), conflicts: 0 });
+  // The server has it already, an answer was lost.
+  assert.equal(rebased([renamed], new Map([['a', change(renamed, a)]]), copy).changes.size, 0);
+  // Both changed it.
+  const both = rebased([pointAt('a', 'Theirs')], new Map([['a', change(renamed, a)]]), copy);
+  assert.equal(both.conflicts, 1);
+  assert.deepEqual(withChanges([pointAt('a', 'Theirs')], both.changes).map(({ properties }) => properties.name), ['Theirs', 'A2 (mine)']);
+  // Deleted here, changed by another: it stays. Changed here, deleted by another: it comes back.
+  assert.deepEqual(withChanges([renamed], rebased([renamed], new Map([['a', change(null, a)]]), copy).changes), [renamed]);
+  assert.deepEqual(withChanges([], rebased([], new Map([['a', change(renamed, a)]]), copy).changes), [renamed]);
+  // Both deleted it.
+  assert.deepEqual(rebased([], new Map([['a', change(null, a)]]), copy), { changes: new Map(), conflicts: 0 });
+});
+
+test('notes are files that other programs open, with their words', () => {
+  const line = noteOf('Fence <1>', '', { type: 'LineString', coordinates: [[7.4391, 46.9512], [7.4401, 46.9512]] });
+  const ring = [[7.4, 46.9], [7.41, 46.9], [7.41, 46.91], [7.4, 46.9]];
+  const area = noteOf('Pond', '', { type: 'Polygon', coordinates: [ring] });
+  const all = [line, area, pointAt('w', 'Well', 'Cover & lid\nloose')].map(measurementOf);
+  assert.ok(Math.abs(all[0].length_m - 76.125) < 0.01, 'GeographicLib says 76.125 m');
+  assert.equal(all[1].places.length, 3);
+  const { features } = JSON.parse(measurementsGeoJson(all));
+  assert.deepEqual(features.map(({ geometry }) => geometry.type), ['LineString', 'Polygon', 'Point']);
+  assert.deepEqual(features[2].properties, { name: 'Well', text: 'Cover & lid\nloose' });
+  const kml = measurementsKml(all);
+  assert.equal(kml.match(/<Placemark>/g)?.length, 3);
+  assert.match(kml, /<name>Well<\/name>\s*<description>Cover &amp; lid\nloose<\/description>\s*<Point><coordinates>7\.4391,46\.9512<\/coordinates><\/Point>/);
+  const gpx = measurementsGpx(all);
+  assert.match(gpx, /<wpt lat="46\.9512" lon="7\.4391">[^]*<desc>Cover &amp; lid[^]*<\/wpt>\s*<trk>[^]*Fence &lt;1&gt;/, 'waypoints before tracks');
+  assert.deepEqual(boundsOfNote(area), [7.4, 46.9, 7.41, 46.91]);
+  assert.deepEqual(labelPlace(line), [7.4391, 46.9512]);
+});
+
+async function open(opened, flight) {
+  await opened.page.goto('about:blank');
+  await opened.page.goto(`${opened.mock.url}#/flights/${flight.id}`);
+  await mapIdle(opened.page);
+  await opened.page.waitForSelector('#notes', { state: 'attached' });
+}
+const isSaved = (page) => page.waitForSelector('#notes-state[data-state="saved"]');
+const names = (page) => page.locator('#note-list .note-show').allTextContents();
+const kept = (flight) => flight.notes.features.map(({ properties }) => properties.name);
+
+async function write(page, name, text = '') {
+  await page.click('#note-add');
+  await page.fill('#note-name', name);
+  await page.fill('#note-text', text);
+  await page.click('#note-save');
+}
+
+test('a note is written where one clicks, changed, deleted, brought back, and others see it', options, async () => {
+  const opened = await setUp({}, { locale: 'en-GB' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await open(opened, flight);
+  await page.click('#note-add');
+  await page.fill('#note-name', '  Well ');
+  await page.fill('#note-text', 'Cover is loose.\nTold to the farmer.');
+  const box = await page.locator('#map').boundingBox();
+  await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2 - 40);
+  const clicked = await page.evaluate(([x, y]) => /** @type {any} */ (window).skyquilt.map.unproject([x, y]).toArray(), [box.width / 2 + 60, box.height / 2 - 40]);
+  assert.equal(await page.locator('.photo-card:visible').count(), 0, 'the click is for the note');
+  await assertAccessible(page, 'form of a note');
+  await page.click('#note-save');
+  await isSaved(page);
+  const [note] = flight.notes.features;
+  assert.deepEqual(note.properties, { name: 'Well', text: 'Cover is loose.\nTold to the farmer.' });
+  note.geometry.coordinates.forEach((degrees, i) => assert.ok(Math.abs(degrees - clicked[i]) < 1e-6, `${note.geometry.coordinates} ${clicked}`));
+  assert.equal(await page.locator('.note-mark').textContent(), 'Well');
+  await assertAccessible(page, 'list of notes');
+
+  await page.click('.note-edit');
+  await page.fill('#note-name', 'Old well');
+  await page.click('#note-save');
+  await page.waitForFunction(() => document.querySelector('.note-mark')?.textContent === 'Old well');
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Old well']);
+  await page.click('.note-remove');
+  await page.waitForFunction(() => !document.querySelector('.note-mark'));
+  await isSaved(page);
+  assert.deepEqual(kept(flight), []);
+  await page.click('.note-action');
+  await isSaved(page);
+  await page.waitForSelector('.note-mark');
+  assert.deepEqual(flight.notes.features[0].properties.text, note.properties.text);
+
+  // Who opens it anew sees it; who may not write is offered nothing that writes.
+  flight.may_change = false;
+  await open(opened, flight);
+  await page.waitForSelector('.note-mark');
+  assert.deepEqual(await names(page), ['Old well']);
+  assert.equal(await page.locator('#note-add, .note-edit, .note-remove').count(), 0);
+  await page.click('.note-mark');
+  assert.equal(await page.evaluate(() => document.activeElement?.className.includes('note-show')), true);
+  flight.notes = { features: [], number: 0 };
+  await open(opened, flight);
+  await page.waitForTimeout(300);
+  assert.equal(await page.locator('#notes').isVisible(), false, 'nothing to see, nothing to do');
+  await assertQuiet(opened);
+});
+
+test('a measurement is kept with the flight, with its figure in the list, and saved with the others', options, async () => {
+  const opened = await setUp({}, { locale: 'en-GB', acceptDownloads: true });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await open(opened, flight);
+  const add = async (/** @type {[number, number][]} */ places) => {
+    for (const place of places) {
+      await page.evaluate((c) => /** @type {any} */ (window).skyquilt.map.jumpTo({ center: c }), place);
+      await page.click('text=Add centre');
+    }
+  };
+  await page.click('#tool-distance');
+  assert.equal(await page.locator('#measure-keep').isVisible(), false);
+  await add([[7.4391, 46.9512], [7.4401, 46.9512]]);
+  await page.click('#measure-keep');
+  await isSaved(page);
+  assert.equal(await page.locator('#measure-card').isVisible(), false);
+  assert.match((await page.textContent('.note-figure')) ?? '', /^76\.1\d?\s*m/);
+  await page.click('#tool-area');
+  await add([[7.4388, 46.951], [7.4396, 46.951], [7.4396, 46.9515], [7.4388, 46.9515]]);
+  await page.click('#measure-keep');
+  await page.waitForFunction(() => document.querySelectorAll('#note-list li').length === 2);
+  await isSaved(page);
+  assert.deepEqual(flight.notes.features.map(({ geometry }) => geometry.type), ['LineString', 'Polygon']);
+  const ring = flight.notes.features[1].geometry.coordinates[0];
+  assert.deepEqual(ring[0], ring.at(-1));
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#notes-kml')]);
+  assert.equal(download.suggestedFilename(), 'notes.kml');
+  assert.equal(readFileSync(await download.path(), 'utf8').match(/<Placemark>/g)?.length, 2);
+  // Editing a line leaves it where it is.
+  await page.click('.note-edit >> nth=0');
+  await page.fill('#note-name', 'Fence');
+  await page.click('#note-save');
+  await page.waitForFunction(() => document.querySelector('.note-show')?.textContent === 'Fence');
+  await isSaved(page);
+  assert.equal(flight.notes.features[0].geometry.coordinates.length, 2);
+  await assertQuiet(opened);
+});
+
+test('of two who write at the same time nobody loses anything, and is told', options, async () => {
+  const opened = await setUp({}, { locale: 'en-GB' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  flight.notes = { features: [pointAt('a', 'Well'), pointAt('b', 'Gate')], number: 1 };
+  await open(opened, flight);
+  await page.waitForSelector('#note-list li');
+  // Another adds one and renames one.
+  flight.notes = { features: [pointAt('a', 'Dry well'), pointAt('b', 'Gate'), pointAt('c', 'Tree')], number: 2 };
+  await write(page, 'Stone');
+  await page.waitForFunction(() => document.querySelectorAll('#note-list li').length === 4);
+  await isSaved(page);
+  assert.deepEqual(kept(flight).sort(), ['Dry well', 'Gate', 'Stone', 'Tree']);
+  // And both rename the same.
+  flight.notes = { features: flight.notes.features.map((note) => (note.id === 'b' ? pointAt('b', 'North gate') : note)), number: 4 };
+  await page.click('[data-note="b"] .note-edit');
+  await page.fill('#note-name', 'Iron gate');
+  await page.click('#note-save');
+  await page.waitForSelector('.note-text:has-text("Both versions")');
+  await isSaved(page);
+  assert.deepEqual(kept(flight).sort(), ['Dry well', 'Iron gate (my version)', 'North gate', 'Stone', 'Tree']);
+  assert.deepEqual((await names(page)).sort(), kept(flight).sort());
+  await assertQuiet(opened, [/status of 412/]);
+});
+
+test('without the server notes wait in this browser, through a reload, and are said to', options, async () => {
+  const opened = await setUp({}, { locale: 'en-GB' });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Meadow');
+  await open(opened, flight);
+  await page.route('**/notes', (route) => (route.request().method() === 'PUT' ? route.abort() : route.continue()));
+  await write(page, 'Well', 'Deep.');
+  await page.waitForSelector('#notes-state[data-state="waiting"]');
+  assert.match((await page.textContent('#notes-state')) ?? '', /kept in this browser/);
+  assert.equal(flight.notes.features.length, 0);
+  await open(opened, flight);
+  await page.waitForSelector('#note-list li');
+  assert.deepEqual(await names(page), ['Well']);
+  await page.unroute('**/notes');
+  await page.evaluate(() => dispatchEvent(new Event('online')));
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Well']);
+  assert.equal(await page.evaluate(() => Object.keys(localStorage).filter((key) => key.startsWith('skyquilt.notes')).length), 0);
+  // What the server will not take stays too, and can be sent again.
+  flight.refuses_notes = { status: 422, detail: 'There are more than 2000 notes.' };
+  await write(page, 'Gate');
+  await page.waitForSelector('#notes-retry');
+  assert.match((await page.textContent('#notes-state')) ?? '', /more than 2000 notes/);
+  await assertAccessible(page, 'notes that were refused');
+  flight.refuses_notes = null;
+  await page.click('#notes-retry');
+  await isSaved(page);
+  assert.deepEqual(kept(flight), ['Well', 'Gate']);
+  await assertQuiet(opened, [/ERR_FAILED/, /status of 422/]);
+});
+
+test('a name that is no markup stays text, one that is too long is refused, and German has its words', options, async () => {
+  const opened = await setUp({}, { locale: 'de-DE', viewport: { width: 390, height: 844 } });
+  const { page, mock } = opened;
+  const flight = mock.seedReady('Wiese');
+  await open(opened, flight);
+  assert.match((await page.textContent('#notes summary')) ?? '', /Notizen und Messungen/);
+  await page.locator('#sheet-handle').click();
+  await page.locator('#sheet-handle').click();
+  await write(page, '<img src=x onerror=alert(1)>', '<b>fett</b>');
+  await isSaved(page);
+  assert.equal(await page.locator('#notes img, #map img, #notes b').count(), 0);
+  assert.equal(await page.locator('.note-mark').textContent(), '<img src=x onerror=alert(1)>');
+  await page.locator('#note-add').click();
+  await page.fill('#note-name', 'ü'.repeat(150));
+  await page.click('#note-save');
+  assert.equal(await page.$eval('#note-name', (input) => /** @type {HTMLInputElement} */ (input).validationMessage), 'Das ist zu lang.');
+  await page.fill('#note-name', '   ');
+  await page.click('#note-save');
+  assert.equal(flight.notes.features.length, 1);
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#note-form').count(), 0);
+  await page.$eval('#notes', (notes) => notes.scrollIntoView({ block: 'start' }));
+  await assertAccessible(page, 'German notes on a phone');
+  await assertQuiet(opened);
+});

@@ -1,0 +1,231 @@
+// The part of the layers card that shows an index of the map: which one, its colours and the values of their ends,
+// how often each value occurs, the value under the cursor, and zones for machines. Not there where the map has none.
+/** @import { IndexStatistics, MapIndex } from '../shared/types.js' */
+/** @import { MapView } from '../map/map_view.js' */
+import { showNote } from '../shared/announce.js';
+import { getBands, getIndexStatistics, getIndexValue, zonesPath } from '../shared/api.js';
+import { h, put, svg } from '../shared/dom.js';
+import { strings } from '../shared/flight_strings.js';
+import { fixed } from '../shared/language.js';
+import { indexQuery, indexTiles, parseRange, roundTo } from './index_query.js';
+
+const kNone = '';
+const kOwn = 'own';
+const kTypingPause_ms = 350;
+const kCursorPause_ms = 120;
+const kHistogramHeight = 36;
+const kUsualZones = 5;
+
+/** @param {() => void} act @param {number} pause_ms */
+function afterPause(act, pause_ms) {
+  let timer = 0;
+  return () => {
+    clearTimeout(timer);
+    timer = window.setTimeout(act, pause_ms);
+  };
+}
+
+/** @param {MapView} view */
+export function indexSection(view) {
+  const words = strings.indices;
+  const which = h('select', { id: 'index', class: 'field' });
+  const own = h('input', { type: 'text', id: 'index-expression', class: 'field mono', maxlength: 512, spellcheck: 'false', autocapitalize: 'off', autocomplete: 'off', 'aria-label': words.expression, hidden: true });
+  const colours = h('select', { id: 'index-colours', class: 'field', 'aria-label': words.colours });
+  const least = h('input', { type: 'text', inputmode: 'decimal', id: 'index-least', class: 'field mono', 'aria-label': words.least });
+  const most = h('input', { type: 'text', inputmode: 'decimal', id: 'index-most', class: 'field mono', 'aria-label': words.most });
+  const fit = h('button', { type: 'button', class: 'text-button', id: 'index-fit' }, words.fit);
+  const turned = h('input', { type: 'checkbox', id: 'index-turned' });
+  const fault = h('p', { class: 'muted', id: 'index-fault', role: 'alert', hidden: true });
+  const histogram = svg('svg', { class: 'index-histogram', id: 'index-histogram', viewBox: `0 0 64 ${kHistogramHeight}`, preserveAspectRatio: 'none', role: 'img' });
+  const ramp = h('div', { class: 'layer-ramp', id: 'index-ramp', 'aria-hidden': 'true' });
+  const value = h('p', { class: 'row between', id: 'index-value' });
+  const zones = h('select', { id: 'index-zones', class: 'field' }, ...[3, 4, 5, 6, 7].map((n) => h('option', { value: n }, words.zones(n))));
+  zones.value = String(kUsualZones);
+  const geojson = h('a', { id: 'zones-geojson', download: '' }, 'GeoJSON');
+  const shapefile = h('a', { id: 'zones-shp', download: '' }, words.shapefile);
+  const details = h(
+    'div',
+    { class: 'index-details', hidden: true },
+    own,
+    fault,
+    h('div', { class: 'index-colours' }, colours, h('label', { class: 'check', for: 'index-turned' }, turned, h('span', {}, words.turned))),
+    histogram,
+    ramp,
+    h('div', { class: 'index-range' }, least, fit, most),
+    value,
+    h('label', { for: 'index-zones', class: 'small-label' }, words.zoning),
+    h('div', { class: 'index-zones' }, zones, geojson, shapefile),
+  );
+  const element = h('div', { class: 'overlay-choice', hidden: true }, h('label', { for: 'index', class: 'small-label' }, words.title), which, details);
+
+  /** @type {Map<string, string[]>} */
+  const ramps = new Map();
+  /** @type {MapIndex|null} */
+  let shown = null;
+  /** @type {IndexStatistics|null} */
+  let statistics = null;
+  let turn = 0;  // of the index that is shown
+  let place_turn = 0;
+
+  const ramp_name = () => colours.value + (turned.checked ? '_r' : '');
+  const rampColours = () => {
+    const stops = ramps.get(colours.value) ?? [];
+    return turned.checked ? [...stops].reverse() : stops;
+  };
+  const refuse = (/** @type {string} */ text) => {
+    fault.textContent = text;
+    fault.hidden = text === '';
+  };
+
+  const drawHistogram = () => {
+    histogram.replaceChildren();
+    const range = parseRange(least.value, most.value);
+    const bins = statistics?.histogram ?? [];
+    const [from, to] = [statistics?.min ?? 0, statistics?.max ?? 0];
+    const top = Math.max(1, ...bins);
+    const stops = rampColours();
+    bins.forEach((count, i) => {
+      const middle = from + ((i + 0.5) * (to - from)) / bins.length;
+      const share = range ? Math.min(1, Math.max(0, (middle - range[0]) / (range[1] - range[0]))) : 0;
+      const height = (count / top) * kHistogramHeight;
+      histogram.append(svg('rect', { x: i, y: kHistogramHeight - height, width: 1, height, fill: stops[Math.round(share * (stops.length - 1))] ?? '#888888' }));
+    });
+    histogram.setAttribute('aria-label', statistics?.mean == null ? words.no_values : words.histogram(fixed(from, 2), fixed(to, 2), fixed(statistics.mean, 2)));
+    ramp.style.backgroundImage = `linear-gradient(90deg, ${stops.join(', ')})`;
+  };
+
+  // The tiles, their legend and what is made of them follow every change of the colours.
+  const recolour = () => {
+    const range = parseRange(least.value, most.value);
+    least.setAttribute('aria-invalid', String(!range));
+    most.setAttribute('aria-invalid', String(!range));
+    drawHistogram();
+    if (!shown || !range) return;
+    view.showIndex(indexTiles(view.tile_template, { index: shown, colormap: ramp_name(), rescale: range }));
+    const query = `${indexQuery(shown)}&classes=${zones.value}`;
+    geojson.href = zonesPath(view.flight_id, `${query}&format=geojson`);
+    shapefile.href = zonesPath(view.flight_id, `${query}&format=shp`);
+  };
+  const recolourSoon = afterPause(recolour, kTypingPause_ms);
+
+  const fitToValues = () => {
+    if (statistics?.percentiles.p2 == null || statistics.percentiles.p98 == null) return;
+    const { p2, p98 } = statistics.percentiles;
+    const width = Math.max(p98 - p2, 1e-6);
+    least.value = String(roundTo(p2, width));
+    most.value = String(roundTo(p98, width));
+    recolour();
+  };
+
+  const stop = () => {
+    turn += 1;
+    shown = null;
+    statistics = null;
+    view.hideIndex();
+    refuse('');
+    put(value);
+  };
+
+  /** @param {MapIndex} index @param {boolean} fits the ends of the colours come from the values */
+  const show = async (index, fits) => {
+    stop();
+    const own_turn = turn;
+    const bounds = view.bounds;
+    if (!bounds) return;
+    if (!fits) {
+      [least.value, most.value] = index.rescale.map(String);
+      colours.value = index.colormap;
+      turned.checked = false;
+      shown = index;
+      recolour();
+    }
+    try {
+      const found = await getIndexStatistics(view.flight_id, indexQuery(index), bounds);
+      if (own_turn !== turn) return;
+      statistics = found;
+      shown = index;
+      if (fits) fitToValues();
+      recolour();
+    } catch (error) {
+      if (own_turn !== turn) return;
+      if (index.id) showNote(/** @type {Error} */ (error).message, { is_error: true });
+      else refuse(/** @type {Error} */ (error).message);
+    }
+  };
+
+  const showOwn = () => {
+    const expression = own.value.trim();
+    if (which.value !== kOwn) return;
+    if (expression === '') stop();
+    else void show({ title: expression, expression, rescale: [-1, 1], colormap: colours.value }, true);
+  };
+
+  const showValue = async (/** @type {{lng: number, lat: number}} */ place) => {
+    const index = shown;
+    const own_turn = (place_turn += 1);
+    if (!index) return;
+    const found = await getIndexValue(view.flight_id, indexQuery(index), place.lng, place.lat).catch(() => null);  // the next place asks again
+    if (own_turn !== place_turn || index !== shown) return;
+    put(value, h('span', { class: 'muted' }, words.value), h('span', { class: 'mono' }, found === null ? '\u2013' : fixed(found, 3)));
+  };
+  let place = view.map.getCenter();
+  const showValueSoon = afterPause(() => void showValue(place), kCursorPause_ms);
+  view.map.on('mousemove', (event) => {
+    place = event.lngLat;
+    if (shown) showValueSoon();
+  });
+  // Where there is no cursor the middle of the map counts.
+  view.map.on('moveend', () => {
+    place = view.map.getCenter();
+    if (shown) showValueSoon();
+  });
+
+  which.addEventListener('change', () => {
+    own.hidden = which.value !== kOwn;
+    details.hidden = which.value === kNone;
+    const index = view.indices.find(({ id }) => id === which.value);
+    if (index) void show(index, false);
+    else stop();
+    if (which.value === kOwn) {
+      if (own.value === '') own.value = view.indices[0]?.expression ?? view.bands[0];
+      own.focus();
+      showOwn();
+    }
+  });
+  own.addEventListener('input', afterPause(showOwn, 2 * kTypingPause_ms));
+  for (const input of [least, most]) input.addEventListener('input', recolourSoon);
+  for (const input of [colours, turned, zones]) input.addEventListener('change', recolour);
+  fit.addEventListener('click', fitToValues);
+
+  const loadRamps = async () => {
+    if (ramps.size > 0) return;
+    const { colormaps } = await getBands(view.flight_id);
+    for (const { id, colours: stops } of colormaps) ramps.set(id, stops);
+    put(colours, ...[...ramps.keys()].map((id) => h('option', { value: id }, id)));
+  };
+
+  return {
+    element,
+    async draw() {
+      element.hidden = view.bands.length === 0 || view.flight_id === '';
+      if (element.hidden) return;
+      try {
+        await loadRamps();
+      } catch {
+        element.hidden = true;  // the map is there without its indices
+        return;
+      }
+      if (shown && view.has_index) return;
+      stop();
+      put(
+        which,
+        h('option', { value: kNone }, words.none),
+        ...view.indices.map(({ id, title }) => h('option', { value: id ?? '' }, `${title}: ${words.about[id ?? ''] ?? ''}`)),
+        h('option', { value: kOwn }, words.own(view.bands.join(', '))),
+      );
+      which.value = kNone;
+      details.hidden = true;
+      own.hidden = true;
+    },
+  };
+}

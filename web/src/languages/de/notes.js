@@ -1,0 +1,35 @@
+// German: notes and measurements that are kept with a flight.
+import { number } from '../../shared/language.js';
+
+/** @type {typeof import('../en/notes.js').note_words} */
+export const note_words = {
+  heading: 'Notizen und Messungen',
+  count: (n) => `(${number(n)})`,
+  none: 'Noch nichts notiert. Fügen Sie eine Notiz hinzu, oder messen Sie auf der Karte und speichern Sie es hier.',
+  add: 'Notiz hinzufügen',
+  edit: (name) => `${name} bearbeiten`,
+  remove: (name) => `${name} löschen`,
+  show: (name) => `${name} auf der Karte zeigen`,
+  removed: (name) => `${name} wurde gelöscht.`,
+  undo: 'Rückgängig',
+  name: 'Name',
+  text: 'Text',
+  place: 'Klicken Sie auf die Karte, wo die Notiz hingehört, oder ziehen Sie ihre Marke.',
+  at_centre: 'Kartenmitte nehmen',
+  mark: 'Ort der Notiz',
+  save: 'Speichern',
+  cancel: 'Abbrechen',
+  too_long: 'Das ist zu lang.',
+  keep: 'Mit dem Flug speichern',
+  kept: (name) => `${name} ist mit dem Flug gespeichert, unter Notizen und Messungen.`,
+  saved: 'Alle, die diesen Flug öffnen, sehen sie.',
+  saving: 'Wird gespeichert \u2026',
+  waiting: (why) => `Noch nicht auf dem Server, in diesem Browser aufgehoben und wieder gesendet: ${why}`,
+  failed: (why) => `Nicht auf dem Server, in diesem Browser aufgehoben: ${why}`,
+  retry: 'Noch einmal versuchen',
+  merged: 'Jemand anders hat dieselben Notizen inzwischen geändert. Beide Fassungen bleiben.',
+  own_copy: (name) => `${name} (meine Fassung)`,
+  export: 'Speichern als',
+  file_name: 'Notizen',
+  unread: (why) => `Die Notizen lassen sich nicht lesen: ${why}`,
+};

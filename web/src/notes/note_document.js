@@ -1,0 +1,199 @@
+// The notes of an open flight: changed here at once, kept in this browser until the server has them, sent a moment later.
+// Events: 'change' (the notes), 'saved' (what the state of saving is), 'merged' (others had changed the same notes).
+/** @import { Changes } from './note_merge.js' */
+/** @import { Note } from './note_shape.js' */
+import { ApiError, problem } from '../shared/api.js';
+import { strings } from '../shared/flight_strings.js';
+import { at } from '../shared/router.js';
+import { authorization } from '../shared/token.js';
+import { rebased, withChanges } from './note_merge.js';
+
+const kPause_ms = 500;
+const kPatience_ms = 5000;  // until a server that was away, or a flight that was being stitched, is asked again
+const kMaxTurns = 5;        // of others who save at the same moment
+
+const memoryKey = (/** @type {string} */ id) => `skyquilt.notes.${id}`;
+
+/**
+ * @param {string} id of the flight
+ * @param {RequestInit} [init]
+ * @returns {Promise<{notes: Note[], etag: string}>}
+ */
+async function ask(id, init = {}) {
+  let response;
+  try {
+    response = await fetch(at(`/api/v1/flights/${encodeURIComponent(id)}/notes`), { priority: 'low', ...init, headers: { ...authorization(), ...init.headers } });
+  } catch {
+    throw new ApiError(0, strings.errors.unreachable);
+  }
+  const text = await response.text();
+  if (!response.ok) throw problem(response.status, text);
+  try {
+    return { notes: JSON.parse(text).features, etag: response.headers.get('ETag') ?? '' };
+  } catch {
+    throw new ApiError(response.status, strings.errors.not_json);
+  }
+}
+
+/** @param {string} id of the flight @returns {Changes} that a page left behind */
+function remembered(id) {
+  try {
+    return new Map(JSON.parse(localStorage.getItem(memoryKey(id)) ?? '[]'));
+  } catch (error) {
+    console.debug('no notes remembered', error);
+    return new Map();
+  }
+}
+
+export class NoteDocument extends EventTarget {
+  /** @type {Note[]} */
+  #kept = [];
+  #etag = '';
+  /** @type {Changes} */
+  #changes = new Map();
+  /** @type {ReturnType<typeof setTimeout>|undefined} */
+  #timer = undefined;
+  /** @type {Promise<void>|null} */
+  #saving = null;
+  #is_closed = false;
+  #online = () => this.#later(0);
+  /** @type {'saved'|'saving'|'waiting'|'failed'} */
+  state = 'saved';
+  failure = '';
+
+  /** @param {string} id of the flight @param {boolean} may_change */
+  constructor(id, may_change) {
+    super();
+    this.id = id;
+    this.may_change = may_change;
+    addEventListener('online', this.#online);
+  }
+
+  /** @returns {Note[]} */
+  get notes() {
+    return withChanges(this.#kept, this.#changes);
+  }
+
+  /** What the server has, and what was not sent to it the last time. */
+  async load() {
+    if (this.may_change) this.#changes = remembered(this.id);
+    await this.#read();
+    if (this.#changes.size > 0) this.#later(0);
+  }
+
+  /** What others did meanwhile, where nothing is under way here. */
+  async refresh() {
+    if (this.#changes.size === 0 && !this.#saving) await this.#read();
+  }
+
+  async #read() {
+    const { notes, etag } = await ask(this.id);
+    this.#kept = notes;
+    this.#etag = etag;
+    const { changes, conflicts } = rebased(notes, this.#changes, strings.notes.own_copy);
+    this.#changes = changes;
+    this.#remember();
+    this.dispatchEvent(new Event('change'));
+    if (conflicts > 0) this.dispatchEvent(new Event('merged'));
+  }
+
+  /** Adds a note, or puts it in place of the one with its id. @param {Note} note */
+  set(note) {
+    this.#put(note.id, note);
+  }
+
+  /** @param {string} id */
+  remove(id) {
+    this.#put(id, null);
+  }
+
+  /** @param {string} id @param {Note|null} next */
+  #put(id, next) {
+    const known = this.#kept.find((note) => note.id === id);
+    const base = this.#changes.get(id)?.base ?? (known ? JSON.stringify(known) : '');
+    // One that is being sent this moment may be there when it is removed.
+    if (next || base || this.#saving) this.#changes.set(id, { next, base });
+    else this.#changes.delete(id);
+    this.#remember();
+    this.dispatchEvent(new Event('change'));
+    this.#tell('saving');
+    this.#later(kPause_ms);
+  }
+
+  #remember() {
+    try {
+      if (this.#changes.size > 0) localStorage.setItem(memoryKey(this.id), JSON.stringify([...this.#changes]));
+      else localStorage.removeItem(memoryKey(this.id));
+    } catch (error) {
+      console.debug('the browser keeps no more', error);  // the page still has them
+    }
+  }
+
+  /** @param {number} pause_ms */
+  #later(pause_ms) {
+    clearTimeout(this.#timer);
+    if (!this.#is_closed) this.#timer = setTimeout(() => void this.flush(), pause_ms);
+  }
+
+  /** Sends what was not sent yet. What became of it is the state. */
+  async flush() {
+    clearTimeout(this.#timer);
+    while (this.#saving) await this.#saving;
+    this.#saving = this.#save().catch((error) => this.#onRefused(error));
+    await this.#saving;
+    this.#saving = null;
+  }
+
+  async #save() {
+    for (let turn = 1; this.#changes.size > 0; turn += 1) {
+      this.#tell('saving');
+      const sent = this.#changes;
+      this.#changes = new Map(sent);
+      try {
+        const { notes, etag } = await ask(this.id, {
+          method: 'PUT',
+          headers: { 'Content-Type': 'application/geo+json', 'If-Match': this.#etag },
+          body: JSON.stringify({ type: 'FeatureCollection', features: withChanges(this.#kept, sent) }),
+        });
+        this.#kept = notes;
+        this.#etag = etag;
+        for (const [id, { next }] of sent) {
+          if (this.#changes.get(id)?.next !== next) {
+            const known = notes.find((note) => note.id === id);
+            const later = this.#changes.get(id);
+            if (later) later.base = known ? JSON.stringify(known) : '';
+          } else this.#changes.delete(id);
+        }
+        this.#remember();
+      } catch (error) {
+        if (!(error instanceof ApiError && error.status === 412) || turn === kMaxTurns) throw error;
+        await this.#read();
+      }
+    }
+    this.#tell('saved');
+    this.dispatchEvent(new Event('change'));
+  }
+
+  /** @param {unknown} error */
+  #onRefused(error) {
+    const words = error instanceof Error ? error.message : String(error);
+    const is_passing = error instanceof ApiError && (error.is_passing || error.status === 409 || error.status === 412);
+    this.#tell(is_passing ? 'waiting' : 'failed', words);
+    if (is_passing) this.#later(kPatience_ms);
+  }
+
+  /** @param {'saved'|'saving'|'waiting'|'failed'} state */
+  #tell(state, failure = '') {
+    this.state = state;
+    this.failure = failure;
+    this.dispatchEvent(new Event('saved'));
+  }
+
+  /** Sends what is left, once; what the server does not take now stays in this browser. */
+  close() {
+    clearTimeout(this.#timer);
+    removeEventListener('online', this.#online);
+    if (this.#changes.size > 0) void this.flush();
+    this.#is_closed = true;
+  }
+}

@@ -1,0 +1,77 @@
+// Writing a note: its name, its words and, of a point, its place, by click, by dragging or by the map's centre.
+/** @import { LonLat } from '../map/geodesy.js' */
+/** @import { Stage } from '../map/stage.js' */
+/** @import { Note } from './note_shape.js' */
+import { h } from '../shared/dom.js';
+import { strings } from '../shared/flight_strings.js';
+import { bytesOf, kMaxNameBytes, kMaxTextBytes, noteOf } from './note_shape.js';
+
+/**
+ * @param {Stage} stage
+ * @param {Note|null} note null: a new one
+ * @param {{on_save: (note: Note) => void, on_end: () => void}} listener
+ * @returns {{element: HTMLFormElement, close: () => void}}
+ */
+export function noteForm(stage, note, listener) {
+  const words = strings.notes;
+  const name = h('input', { class: 'field', id: 'note-name', type: 'text', required: true, maxlength: kMaxNameBytes, autocomplete: 'off', value: note?.properties.name ?? '' });
+  const text = h('textarea', { class: 'field', id: 'note-text', rows: 3, maxlength: kMaxTextBytes, value: note?.properties.text ?? '' });
+  const view = stage.map_view;
+  const is_point = !note || note.geometry.type === 'Point';
+  const centre = () => /** @type {LonLat} */ (view?.map.getCenter().toArray() ?? [0, 0]);
+  let place = /** @type {LonLat} */ (note?.geometry.type === 'Point' ? note.geometry.coordinates : centre());
+  const pin = h('div', { class: 'note-pin', role: 'img' });
+  const mark = is_point && view ? view.addMark(pin, place, 0, (next) => (place = next)) : null;
+  pin.setAttribute('aria-label', words.mark);  // the library names its marks by itself
+  const moveTo = (/** @type {LonLat} */ next) => {
+    place = next;
+    mark?.setLngLat(next);
+  };
+  if (mark) stage.takeClicks(moveTo);
+  const close = () => {
+    mark?.remove();
+    stage.takeClicks(null);
+  };
+  const end = () => {
+    close();
+    listener.on_end();
+  };
+  for (const [input, most] of /** @type {[HTMLInputElement|HTMLTextAreaElement, number][]} */ ([[name, kMaxNameBytes], [text, kMaxTextBytes]])) {
+    input.addEventListener('input', () => input.setCustomValidity(bytesOf(input.value) > most ? words.too_long : ''));
+  }
+  const element = h(
+    'form',
+    { class: 'note-form', id: 'note-form' },
+    h('label', { for: 'note-name' }, words.name),
+    name,
+    h('label', { for: 'note-text' }, words.text),
+    text,
+    mark && h('p', { class: 'muted fine' }, words.place),
+    h(
+      'div',
+      { class: 'row' },
+      h('button', { type: 'submit', class: 'button small primary', id: 'note-save' }, words.save),
+      mark && h('button', { type: 'button', class: 'button small', id: 'note-centre', on: { click: () => moveTo(centre()) } }, words.at_centre),
+      h('button', { type: 'button', class: 'button small', on: { click: end } }, words.cancel),
+    ),
+  );
+  element.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    event.stopPropagation();
+    end();
+  });
+  element.addEventListener('submit', (event) => {
+    event.preventDefault();
+    const rounded = place.map((degrees) => Number(degrees.toFixed(9)));
+    const geometry = is_point ? { type: /** @type {const} */ ('Point'), coordinates: rounded } : /** @type {Note} */ (note).geometry;
+    const made = noteOf(name.value.trim(), text.value.replaceAll('\r\n', '\n').trim(), geometry, note?.id);
+    if (made.properties.name === '') {
+      name.value = '';
+      name.reportValidity();
+      return;
+    }
+    close();
+    listener.on_save(made);
+  });
+  return { element, close };
+}

@@ -1,0 +1,66 @@
+// What a note is: a GeoJSON feature with a name and, perhaps, words; a point, a measured line or a measured area.
+/** @import { LonLat } from '../map/geodesy.js' */
+/** @import { Measurement } from '../map/measurement_files.js' */
+/** @import { Bounds } from '../shared/types.js' */
+import { pathLength, polygonArea } from '../map/geodesy.js';
+import { polygonOf } from '../map/measurement_files.js';
+
+/** @typedef {GeoJSON.Feature<GeoJSON.Point|GeoJSON.LineString|GeoJSON.Polygon, {name: string, text?: string}> & {id: string}} Note */
+
+export const kMaxNameBytes = 200;
+export const kMaxTextBytes = 4000;
+
+/** @param {string} text @returns {number} as the server counts */
+export const bytesOf = (text) => new TextEncoder().encode(text).length;
+
+/** @param {Note} note @returns {LonLat[]} of an area without the last one, which is its first */
+export function placesOf({ geometry }) {
+  const places = geometry.type === 'Point' ? [geometry.coordinates] : geometry.type === 'LineString' ? geometry.coordinates : geometry.coordinates[0].slice(0, -1);
+  return /** @type {LonLat[]} */ (places);
+}
+
+/** @param {Note} note @returns {Measurement} */
+export function measurementOf(note) {
+  const places = placesOf(note);
+  const is_area = note.geometry.type === 'Polygon';
+  return {
+    name: note.properties.name,
+    text: note.properties.text ?? '',
+    places,
+    length_m: pathLength(is_area ? [...places, places[0]] : places),
+    area_m2: is_area ? polygonArea(places) : null,
+  };
+}
+
+/** @param {Note} note @returns {Bounds} */
+export function boundsOfNote(note) {
+  const places = placesOf(note);
+  const lons = places.map(([lon]) => lon);
+  const lats = places.map(([, lat]) => lat);
+  return [Math.min(...lons), Math.min(...lats), Math.max(...lons), Math.max(...lats)];
+}
+
+/** Where its name stands on the map. @param {Note} note @returns {LonLat} */
+export function labelPlace(note) {
+  const places = placesOf(note);
+  if (note.geometry.type !== 'Polygon') return places[Math.floor((places.length - 1) / 2)];
+  return [places.reduce((sum, [lon]) => sum + lon, 0) / places.length, places.reduce((sum, [, lat]) => sum + lat, 0) / places.length];
+}
+
+/** @returns {string} that no other note has */
+function newId() {
+  // crypto.randomUUID is there on secure origins only; in a field network the page often comes over plain HTTP.
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
+}
+
+/**
+ * @param {string} name
+ * @param {string} text '' for none
+ * @param {Note['geometry']} geometry
+ * @param {string} [id] of a note that this is in place of
+ * @returns {Note}
+ */
+export const noteOf = (name, text, geometry, id = newId()) => ({ type: 'Feature', id, geometry, properties: text ? { name, text } : { name } });
+
+/** @param {LonLat[]} places @param {'distance'|'area'} kind @returns {Note['geometry']} */
+export const geometryOf = (places, kind) => (kind === 'area' ? polygonOf(places) : { type: 'LineString', coordinates: places.map((place) => place.map((degrees) => Number(degrees.toFixed(9)))) });

@@ -1,0 +1,193 @@
+// The notes and measurements of an open flight: on the map for whoever opens it, listed in the panel, written and deleted
+// by who may. Loaded once the map is there.
+/** @import { Flight } from '../shared/types.js' */
+/** @import { Stage } from '../map/stage.js' */
+/** @import { Note } from './note_shape.js' */
+import { announce, showNote } from '../shared/announce.js';
+import { saveText } from '../flight/connect_files.js';
+import { h, put } from '../shared/dom.js';
+import { icon } from '../shared/icons.js';
+import { measurementsGeoJson, measurementsGpx, measurementsKml } from '../map/measurement_files.js';
+import { strings } from '../shared/flight_strings.js';
+import { areaIn, chosenUnits, lengthIn, units_chosen } from '../shared/units.js';
+import { NoteDocument } from './note_document.js';
+import { noteForm } from './note_form.js';
+import { boundsOfNote, geometryOf, measurementOf, noteOf } from './note_shape.js';
+
+const kStale_ms = 20_000;
+const kIcons = /** @type {const} */ ({ Point: 'pencil', LineString: 'ruler', Polygon: 'area' });
+
+/** What was measured, in words; '' of a point. @param {Note} note */
+function figure(note) {
+  if (note.geometry.type === 'Point') return '';
+  const { length_m, area_m2 } = measurementOf(note);
+  return area_m2 === null ? lengthIn(length_m, chosenUnits()) : areaIn(area_m2, chosenUnits());
+}
+
+/**
+ * @param {Flight} flight
+ * @param {Stage} stage
+ * @param {boolean} may_change
+ * @returns {{element: HTMLElement, close: () => void}}
+ */
+export function notesSection(flight, stage, may_change) {
+  const words = strings.notes;
+  const notes = new NoteDocument(flight.id, may_change);
+  const counted = h('span', { class: 'muted' });
+  const state = h('p', { class: 'muted fine', id: 'notes-state', role: 'status' });
+  const form_place = h('div', {});
+  const list = h('ul', { class: 'note-list', id: 'note-list' });
+  const button = (/** @type {string} */ label, /** @type {() => void} */ run, /** @type {string} */ id) => h('button', { type: 'button', class: 'button small', id, on: { click: run } }, label);
+  const add_button = h('button', { type: 'button', class: 'button small', id: 'note-add', on: { click: () => openForm(null) } }, icon('plus'), words.add);
+  const saving = h(
+    'div',
+    { class: 'row note-files' },
+    h('span', { class: 'fine' }, words.export),
+    button('GeoJSON', () => save('geojson'), 'notes-geojson'),
+    button('KML', () => save('kml'), 'notes-kml'),
+    button('GPX', () => save('gpx'), 'notes-gpx'),
+  );
+  const element = h(
+    'details',
+    { class: 'block notes no-print', id: 'notes', open: true, hidden: true },
+    h('summary', {}, words.heading, ' ', counted),
+    h('div', { class: 'notes-body' }, may_change && add_button, form_place, list, state, saving),
+  );
+  /** @type {ReturnType<typeof noteForm>|null} */
+  let form = null;
+  let is_closed = false;
+  let read_ms = 0;
+
+  /** @param {'geojson'|'kml'|'gpx'} kind */
+  const save = (kind) => {
+    const measured = notes.notes.map(measurementOf);
+    const file = `${words.file_name}.${kind}`;
+    if (kind === 'kml') saveText(file, measurementsKml(measured), 'application/vnd.google-earth.kml+xml');
+    else if (kind === 'gpx') saveText(file, measurementsGpx(measured), 'application/gpx+xml');
+    else saveText(file, measurementsGeoJson(measured), 'application/geo+json');
+  };
+  const closeForm = () => {
+    form?.close();
+    form = null;
+    put(form_place);
+  };
+  /** @param {Note|null} note null: a new one */
+  const openForm = (note) => {
+    closeForm();
+    const opener = note ? `[data-note="${note.id}"] .note-edit` : '#note-add';
+    const end = () => {
+      closeForm();
+      /** @type {HTMLElement|null} */ (element.querySelector(opener))?.focus();
+    };
+    form = noteForm(stage, note, {
+      on_end: end,
+      on_save: (made) => {
+        notes.set(made);
+        end();
+      },
+    });
+    put(form_place, form.element);
+    form.element.querySelector('input')?.focus();
+  };
+  /** @param {Note} note */
+  const remove = (note) => {
+    closeForm();
+    notes.remove(note.id);
+    showNote(words.removed(note.properties.name), { action: { label: words.undo, run: () => notes.set(note) } });
+    (/** @type {HTMLElement|null} */ (list.querySelector('button')) ?? add_button).focus();
+  };
+  /** @param {Note} note */
+  const row = (note) => {
+    const { name, text } = note.properties;
+    const tool = (/** @type {'pencil'|'trash'} */ picture, /** @type {string} */ label, /** @type {string} */ kind, /** @type {() => void} */ run) =>
+      h('button', { type: 'button', class: `icon-button ${kind}`, 'aria-label': label, title: label, on: { click: run } }, icon(picture));
+    return h(
+      'li',
+      { 'data-note': note.id },
+      icon(kIcons[note.geometry.type]),
+      h('button', { type: 'button', class: 'text-button note-show', title: words.show(name), on: { click: () => stage.showBounds(boundsOfNote(note)) } }, name),
+      h('span', { class: 'muted note-figure' }, figure(note)),
+      may_change && tool('pencil', words.edit(name), 'note-edit', () => openForm(note)),
+      may_change && tool('trash', words.remove(name), 'note-remove', () => remove(note)),
+      text && h('p', { class: 'note-words' }, text),
+    );
+  };
+  /** @param {string} id chosen on the map */
+  const choose = (id) => {
+    element.open = true;
+    const chosen = list.querySelector(`[data-note="${id}"]`);
+    chosen?.scrollIntoView({ block: 'nearest' });
+    /** @type {HTMLElement|null} */ (chosen?.querySelector('.note-show'))?.focus({ preventScroll: true });
+  };
+  const draw = () => {
+    const now = notes.notes;
+    const focused = list.contains(document.activeElement) ? document.activeElement : null;
+    const focused_id = focused?.closest('li')?.getAttribute('data-note');
+    const focused_class = focused?.className.split(' ').pop();
+    counted.textContent = now.length > 0 ? words.count(now.length) : '';
+    put(list, ...now.map(row));
+    if (focused_id) /** @type {HTMLElement|null} */ (list.querySelector(`[data-note="${focused_id}"] .${focused_class}`))?.focus({ preventScroll: true });
+    saving.hidden = now.length === 0;
+    element.hidden = now.length === 0 && !may_change;
+    stage.showNotes(now, choose);
+    tell();
+  };
+  const tell = () => {
+    const text = notes.state === 'waiting' ? words.waiting(notes.failure) : notes.state === 'failed' ? words.failed(notes.failure) : notes.state === 'saving' ? words.saving : notes.notes.length === 0 ? words.none : words.saved;
+    state.dataset.state = notes.state;
+    state.classList.toggle('amber', notes.state === 'waiting' || notes.state === 'failed');
+    if (state.firstChild?.textContent === text) return;
+    put(state, text, notes.state === 'failed' && h('button', { type: 'button', class: 'text-button', id: 'notes-retry', on: { click: () => void notes.flush() } }, words.retry));
+  };
+  notes.addEventListener('change', draw);
+  notes.addEventListener('saved', tell);
+  notes.addEventListener('merged', () => showNote(words.merged, { duration_ms: 15_000 }));
+  units_chosen.addEventListener('change', draw);
+  const look = () => {
+    if (document.hidden || is_closed || performance.now() - read_ms < kStale_ms) return;
+    read_ms = performance.now();
+    notes.refresh().catch((error) => console.debug('notes', error));  // what is shown stays
+  };
+  document.addEventListener('visibilitychange', look);
+
+  const read = async () => {
+    try {
+      read_ms = performance.now();
+      await notes.load();
+      if (is_closed || !may_change) return;
+      stage.keepMeasured((places, kind, name) => {
+        const note = noteOf(name, '', geometryOf(places, kind));
+        notes.set(note);
+        announce(words.kept(name));
+        choose(note.id);
+      });
+    } catch (error) {
+      if (is_closed) return;
+      element.hidden = false;
+      const again = () => {
+        put(state);
+        void read();
+      };
+      put(state, words.unread(error instanceof Error ? error.message : String(error)), ' ', h('button', { type: 'button', class: 'text-button', on: { click: again } }, words.retry));
+      add_button.hidden = true;
+      saving.hidden = true;
+      return;
+    }
+    add_button.hidden = false;
+  };
+  void read();
+
+  return {
+    element,
+    close() {
+      is_closed = true;
+      closeForm();
+      stage.keepMeasured(null);
+      stage.showNotes([], () => undefined);
+      notes.removeEventListener('change', draw);
+      notes.close();
+      units_chosen.removeEventListener('change', draw);
+      document.removeEventListener('visibilitychange', look);
+    },
+  };
+}

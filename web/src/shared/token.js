@@ -1,0 +1,91 @@
+// The access token that a shared server requires. It comes from a share link (#/flights/ID?token=..., which is sent to
+// nobody, or ?token=...), and stays for this tab, or from the user, and stays in this browser. Requests carry it in their
+// header; pictures and downloads, which cannot, in their address, where the server takes it for reading only.
+// And the answers that the first script asks for while the page's own code is on its way.
+import { at } from './router.js';
+
+const kKey = 'skyquilt-token';
+
+/**
+ * Keeps the token of a share link, before the first request.
+ * @returns {boolean} whether there was one
+ */
+export function takeSharedToken() {
+  const address = new URL(location.href);
+  const [route, query = ''] = address.hash.split('?');
+  const shared = new URLSearchParams(query).get('token') ?? address.searchParams.get('token');
+  if (!shared) return false;
+  sessionStorage.setItem(kKey, shared);
+  address.searchParams.delete('token');
+  const rest = new URLSearchParams(query);
+  rest.delete('token');
+  address.hash = rest.size > 0 ? `${route}?${decodeURIComponent(rest.toString())}` : route;
+  history.replaceState(null, '', address);  // a copied address or a history must not give it away
+  return true;
+}
+
+/** @type {string|null} */
+let held = null;
+
+/**
+ * For a page in the frame of another, where the browser may keep nothing: requests carry this token and no other, and
+ * nobody is asked for one.
+ * @param {string} text '' for none
+ */
+export function holdToken(text) {
+  held = text;
+}
+
+export const isTokenHeld = () => held !== null;
+
+const token = () => held ?? sessionStorage.getItem(kKey) ?? localStorage.getItem(kKey) ?? '';
+
+/** @returns {Record<string, string>} headers */
+export const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});
+
+/** @param {string} path @returns {string} the same for an <img> or a link */
+export function readable(path) {
+  return withToken(at(path), token());
+}
+
+/** The page's own token, for addresses that are handed out; '' where there is none. */
+export const pageToken = () => token();
+
+/** @param {string} address @param {string} bearer @returns {string} */
+export const withToken = (address, bearer) => (bearer ? `${address}${address.includes('?') ? '&' : '?'}token=${encodeURIComponent(bearer)}` : address);
+
+/**
+ * For this browser, in place of any other.
+ * @param {string} text
+ */
+export function keepToken(text) {
+  sessionStorage.removeItem(kKey);
+  localStorage.setItem(kKey, text);
+}
+
+const kYoung_ms = 10_000;
+
+/** @type {Map<string, {answer: Promise<Response>, asked_ms: number}>} */
+const asked = new Map();
+
+/**
+ * @param {string} path
+ * @returns {Promise<any>} the JSON; null where there is none
+ */
+export async function askEarly(path) {
+  const answer = fetch(at(path), { headers: authorization() });
+  asked.set(path, { answer, asked_ms: performance.now() });
+  try {
+    const response = await answer;
+    return response.ok ? await response.clone().json() : null;
+  } catch {
+    return null;  // who takes the answer says so
+  }
+}
+
+/** @param {string} path @returns {Promise<Response>|null} */
+export function takeEarly(path) {
+  const found = asked.get(path);
+  asked.delete(path);
+  return found && performance.now() - found.asked_ms < kYoung_ms ? found.answer : null;
+}
