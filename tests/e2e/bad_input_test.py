@@ -349,12 +349,16 @@ class BadInput(ServerTestCase):
         tile = f"/tiles/{self.map_id}/{self.tilejson['maxzoom']}/{x}/{y}"
         if POSTGRES is None:
             self.check_a_held_catalogue(tile)
-        # Many who listen for events hinder nobody.
+        # Many who listen for events hinder nobody. Each is answered before the next one asks: that many who only
+        # wait for a thread are refused, the tile among them, is another bound.
         listening = []
+        answers = []
         for _ in range(200):
-            client = socket.create_connection(("127.0.0.1", self.shared.port))
-            client.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            client = socket.create_connection(("127.0.0.1", self.shared.port), timeout=120)
             listening.append(client)
+            client.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            answers.append(client.recv(12))
+        self.assertEqual(answers, [b"HTTP/1.1 200"] * 64 + [b"HTTP/1.1 429"] * 136)
         self.assertEqual(self.shared.request("GET", tile)[0], 200)
         for client in listening:
             client.close()
