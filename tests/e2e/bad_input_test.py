@@ -358,7 +358,7 @@ class BadInput(ServerTestCase):
             listening.append(client)
             client.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n")
             answers.append(client.recv(12))
-        self.assertEqual(answers, [b"HTTP/1.1 200"] * 64 + [b"HTTP/1.1 429"] * 136)
+        self.assertEqual(set(answers), {b"HTTP/1.1 200"})
         self.assertEqual(self.shared.request("GET", tile)[0], 200)
         for client in listening:
             client.close()
