@@ -15,61 +15,7 @@ namespace {
 constexpr float kLevels = 128.0F;      // of BlurredImage to a grey level
 constexpr float kCameraBlurPx = 0.5F;  // what the image came with
 constexpr int kMinSidePx = 24;
-constexpr int kMaxBlurRadius = 16;
 constexpr double kEdgeRatio = 12.0;
-
-// Half of a symmetric kernel, in 65536ths.
-struct Kernel {
-  int radius = 0;
-  std::array<std::uint16_t, kMaxBlurRadius + 1> weights{};  // by distance
-
-  explicit Kernel(double sigma_px)
-      : radius(std::min(kMaxBlurRadius, static_cast<int>(std::ceil(3.0 * sigma_px)))) {
-    std::array<double, kMaxBlurRadius + 1> exact{};
-    double sum = 0.0;
-    for (int k = 0; k <= radius; ++k) {
-      exact[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
-      sum += (k == 0 ? 1.0 : 2.0) * exact[static_cast<std::size_t>(k)];
-    }
-    for (std::size_t k = 0; k <= static_cast<std::size_t>(radius); ++k)
-      weights[k] = static_cast<std::uint16_t>(std::lround(65536.0 * exact[k] / sum));
-  }
-};
-
-inline std::uint16_t Weighed(std::uint16_t value, std::uint16_t weight) {
-  return static_cast<std::uint16_t>((static_cast<std::uint32_t>(value) * weight) >> 16);
-}
-
-// One row of what lies `k` rows (or columns) away on both sides; both values are below 2^15.
-inline void AddPair(const std::uint16_t* a, const std::uint16_t* b, std::uint16_t weight, int count,
-                    std::uint16_t* __restrict sum) {
-  for (int x = 0; x < count; ++x)
-    sum[x] = static_cast<std::uint16_t>(sum[x] + Weighed(static_cast<std::uint16_t>(a[x] + b[x]), weight));
-}
-
-// Down each column, then along each row; beyond the edge the last pixels go on.
-SKYQUILT_VECTOR_CLONES BlurredImage Blur(const BlurredImage& image, double sigma_px) {
-  const Kernel kernel(sigma_px);
-  const int width = image.width_px, height = image.height_px, radius = kernel.radius;
-  BlurredImage blurred{width, height, {}};
-  blurred.values.resize(image.values.size());
-  std::vector<std::uint16_t> down(static_cast<std::size_t>(width + 2 * radius));
-  std::uint16_t* const middle = down.data() + radius;
-  for (int y = 0; y < height; ++y) {
-    const std::uint16_t* here = image.Row(y);
-    for (int x = 0; x < width; ++x) middle[x] = Weighed(here[x], kernel.weights[0]);
-    for (int k = 1; k <= radius; ++k)
-      AddPair(image.Row(std::max(0, y - k)), image.Row(std::min(height - 1, y + k)),
-              kernel.weights[static_cast<std::size_t>(k)], width, middle);
-    std::fill_n(down.data(), radius, middle[0]);
-    std::fill_n(middle + width, radius, middle[width - 1]);
-    std::uint16_t* out = blurred.Row(y);
-    for (int x = 0; x < width; ++x) out[x] = Weighed(middle[x], kernel.weights[0]);
-    for (int k = 1; k <= radius; ++k)
-      AddPair(middle - k, middle + k, kernel.weights[static_cast<std::size_t>(k)], width, out);
-  }
-  return blurred;
-}
 
 BlurredImage EverySecond(const BlurredImage& image) {
   BlurredImage half{image.width_px / 2, image.height_px / 2, {}};
