@@ -13,7 +13,7 @@
 #include "api/tiles/transcode_tile.h"
 #include "core/base/try.h"
 #include "core/image/picture_codec.h"
-#include "core/image/shrink_picture.h"
+#include "core/image/shrink/shrink_picture.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::api {

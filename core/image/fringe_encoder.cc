@@ -15,6 +15,7 @@
 
 #include "core/base/check.h"
 #include "core/image/huffman_code.h"
+#include "core/image/yuv_planes.h"
 
 namespace skyquilt::image {
 namespace {
@@ -163,8 +164,12 @@ std::vector<std::uint8_t> EncodeColours(const RgbaImage& image, float quality) {
   std::vector<std::uint8_t> bytes;
   picture.writer = Append;
   picture.custom_ptr = &bytes;
-  bool is_good = WebPPictureImportRGBA(&picture, image.rgba.data(), 4 * image.width_px) != 0;
+  picture.use_argb = 0;
+  picture.colorspace = WEBP_YUV420A;
+  bool is_good = WebPPictureAlloc(&picture) != 0;
   if (is_good) {
+    FillYuvPlanes(image, {picture.y, picture.u, picture.v, picture.a, picture.y_stride, picture.uv_stride,
+                          picture.a_stride});
     WebPCleanupTransparentArea(&picture);
     picture.a = nullptr;
     picture.colorspace = WEBP_YUV420;

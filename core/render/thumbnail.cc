@@ -1,14 +1,18 @@
 #include "core/render/thumbnail.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/check.h"
 #include "core/base/try.h"
 #include "core/image/jpeg_decoder.h"
 #include "core/image/picture_codec.h"
+#include "core/image/shrink/shrink_area.h"
 
 namespace skyquilt::render {
 namespace {
@@ -28,14 +32,18 @@ Result<Thumbnail> MakeThumbnail(const flight::PhotoSource& source, const flight:
 }
 
 Thumbnail MakeThumbnail(const flight::Photo& photo, const image::DecodedImage& decoded) {
-  const cv::Mat full(decoded.height_px, decoded.width_px, CV_8UC3,
-                     const_cast<std::uint8_t*>(decoded.rgb.data()));
-  const double scale = std::min(1.0, static_cast<double>(kThumbnailSidePx) / std::max(full.cols, full.rows));
-  cv::Mat small;
-  cv::resize(full, small, {std::max(1, cvRound(full.cols * scale)), std::max(1, cvRound(full.rows * scale))},
-             0, 0, cv::INTER_AREA);
-  const image::PixelRows rows{small.data, small.cols, small.rows, 3, static_cast<int>(small.step)};
-  return {photo.name, small.cols, small.rows, image::EncodeJpeg(rows, kJpegQuality)};
+  constexpr int kChannels = 3;
+  const double scale =
+      std::min(1.0, static_cast<double>(kThumbnailSidePx) / std::max(decoded.width_px, decoded.height_px));
+  const auto side = [&](int side_px) { return std::max(1, static_cast<int>(std::lrint(side_px * scale))); };
+  const int width_px = side(decoded.width_px), height_px = side(decoded.height_px);
+  const int row_bytes = kChannels * width_px;
+  std::vector<std::uint8_t> small(static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(height_px));
+  image::ShrinkByArea({decoded.rgb.data(), decoded.width_px, decoded.height_px, kChannels,
+                       kChannels * static_cast<std::size_t>(decoded.width_px)},
+                      width_px, height_px, small.data());
+  const image::PixelRows rows{small.data(), width_px, height_px, kChannels, row_bytes};
+  return {photo.name, width_px, height_px, image::EncodeJpeg(rows, kJpegQuality)};
 }
 
 image::DecodedImage Decode(const Thumbnail& thumbnail) {

@@ -65,12 +65,19 @@ FringeTile SplitAlpha(image::RgbaImage canvas, int jpeg_quality) {
   FringeTile fringe;
   const std::size_t row_bytes = (static_cast<std::size_t>(canvas.width_px) + 7) / 8;
   fringe.mask_bits.assign(row_bytes * static_cast<std::size_t>(canvas.width_px), 0);
+  static_assert(kCoveredAlpha == 0x80, "the highest bit of alpha is the mask");
   for (int y = 0; y < canvas.width_px; ++y) {
-    std::uint8_t* bits = fringe.mask_bits.data() + static_cast<std::size_t>(y) * row_bytes;
-    for (int x = 0; x < canvas.width_px; ++x)
-      bits[x / 8] |=
-          static_cast<std::uint8_t>((canvas.Pixel(x, y)[3] >= kCoveredAlpha ? 0x80 : 0) >> (x % 8));
-    fringe.is_empty &= std::all_of(bits, bits + row_bytes, [](std::uint8_t eight) { return eight == 0; });
+    std::uint8_t* const bits = fringe.mask_bits.data() + static_cast<std::size_t>(y) * row_bytes;
+    const std::uint8_t* const alpha = canvas.Pixel(0, y) + 3;
+    std::uint8_t any = 0;
+    for (std::size_t at = 0; at < row_bytes; ++at) {
+      const std::size_t first = 8 * at, count = std::min<std::size_t>(8, canvas.width_px - first);
+      unsigned eight = 0;
+      for (std::size_t k = 0; k < count; ++k) eight |= (alpha[4 * (first + k)] & kCoveredAlpha) >> k;
+      bits[at] = static_cast<std::uint8_t>(eight);
+      any |= bits[at];
+    }
+    fringe.is_empty &= any == 0;
   }
   FillOutside(canvas);
   const std::vector<std::uint8_t> jpeg = image::EncodeJpeg(image::RowsOf(canvas), jpeg_quality);

@@ -42,21 +42,28 @@ constexpr float kDirectionBlurs = 1.5F;  // the window's sigma
 constexpr float kNearlyAsStrong = 0.8F;
 constexpr int kMaxRadius = 32;  // of the window: three sigmas of the coarsest blur in an octave, and more
 
-// Magnitudes and directions of a row of gradients, directions as bins.
-struct GradientRow {
-  std::array<float, 2 * kMaxRadius + 1> magnitude;
-  std::array<int, 2 * kMaxRadius + 1> bin;
+constexpr std::size_t kMaxGradients = std::size_t{2 * kMaxRadius + 1} * (2 * kMaxRadius + 1);
+
+// Of a window row by row, without a gap: what is made of them is made of all at once.
+struct Gradients {
+  std::array<float, kMaxGradients> x, y, magnitude;
+  std::array<int, kMaxGradients> bin;
 };
 
 SKYQUILT_VECTOR_CLONES void FillGradients(const std::uint16_t* here, int width_px, int count,
-                                          GradientRow& row) {
+                                          float* __restrict along, float* __restrict down) {
   for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const auto x = static_cast<float>(static_cast<int>(here[i + 1]) - static_cast<int>(here[i - 1]));
-    const auto y =
-        static_cast<float>(static_cast<int>(here[i + width_px]) - static_cast<int>(here[i - width_px]));
-    row.magnitude[k] = std::sqrt(x * x + y * y);
-    row.bin[k] = static_cast<int>(kDirectionBins * Turns(y, x) + 0.5F);
+    along[i] = static_cast<float>(static_cast<int>(here[i + 1]) - static_cast<int>(here[i - 1]));
+    down[i] = static_cast<float>(static_cast<int>(here[i + width_px]) - static_cast<int>(here[i - width_px]));
+  }
+}
+
+// Bare pointers: a bound that is checked keeps a loop from being vector instructions.
+SKYQUILT_VECTOR_CLONES void FillBins(const float* x, const float* y, std::size_t count,
+                                     float* __restrict magnitude, int* __restrict bin) {
+  for (std::size_t i = 0; i < count; ++i) {
+    magnitude[i] = std::sqrt(x[i] * x[i] + y[i] * y[i]);
+    bin[i] = static_cast<int>(kDirectionBins * Turns(y[i], x[i]) + 0.5F);
   }
 }
 
@@ -162,18 +169,22 @@ std::vector<float> DirectionsOf(const BlurredImage& layer, const ScalePoint& poi
   for (int d = -radius; d <= radius; ++d)
     along_x[static_cast<std::size_t>(d + radius)] = std::exp(falloff * static_cast<float>(d * d));
   const int west = std::max(-radius, 1 - middle_x), east = std::min(radius, layer.width_px - 2 - middle_x);
-  GradientRow row;
-  for (int dy = -radius; dy <= radius; ++dy) {
-    const int y = middle_y + dy;
-    if (y < 1 || y + 1 >= layer.height_px) continue;
-    const int count = east - west + 1;
-    FillGradients(layer.Row(y) + middle_x + west, layer.width_px, count, row);
-    const float along_y = along_x[static_cast<std::size_t>(dy + radius)];
+  const int north = std::max(-radius, 1 - middle_y), south = std::min(radius, layer.height_px - 2 - middle_y);
+  const int across = std::max(0, east - west + 1), rows = std::max(0, south - north + 1);
+  Gradients gradients;
+  for (int row = 0; row < rows; ++row) {
+    FillGradients(layer.Row(middle_y + north + row) + middle_x + west, layer.width_px, across,
+                  gradients.x.data() + row * across, gradients.y.data() + row * across);
+  }
+  FillBins(gradients.x.data(), gradients.y.data(),
+           static_cast<std::size_t>(rows) * static_cast<std::size_t>(across), gradients.magnitude.data(),
+           gradients.bin.data());
+  std::size_t k = 0;
+  for (int row = 0; row < rows; ++row) {
+    const float along_y = along_x[static_cast<std::size_t>(north + row + radius)];
     const float* along = along_x.data() + west + radius;
-    for (int i = 0; i < count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      raw[static_cast<std::size_t>(row.bin[k])] += along[i] * along_y * row.magnitude[k];
-    }
+    for (int i = 0; i < across; ++i, ++k)
+      raw[static_cast<std::size_t>(gradients.bin[k])] += along[i] * along_y * gradients.magnitude[k];
   }
   raw[0] += raw[kDirectionBins];
   std::array<float, kDirectionBins> smooth{};

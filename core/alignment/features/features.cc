@@ -10,6 +10,7 @@
 #include "core/alignment/features/scale_space.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/try.h"
+#include "core/image/shrink/shrink_area.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -68,24 +69,22 @@ cv::Mat EvenContrast(const cv::Mat& grey) {
   return even;
 }
 
+image::ChannelRows RowsOf(const cv::Mat& grey) { return {grey.data, grey.cols, grey.rows, 1, grey.step}; }
+
 Thumbnail MakeThumbnail(const cv::Mat& grey, int longer_px) {
   const double scale = std::min(1.0, static_cast<double>(longer_px) / std::max(grey.cols, grey.rows));
-  cv::Mat small;
-  cv::resize(grey, small,
-             cv::Size(std::max(1, cvRound(grey.cols * scale)), std::max(1, cvRound(grey.rows * scale))), 0, 0,
-             cv::INTER_AREA);
-  Thumbnail thumbnail{small.cols, small.rows, {}};
-  thumbnail.grey.assign(small.data, small.data + small.total());
+  Thumbnail thumbnail{std::max(1, cvRound(grey.cols * scale)), std::max(1, cvRound(grey.rows * scale)), {}};
+  thumbnail.grey.resize(static_cast<std::size_t>(thumbnail.width_px) *
+                        static_cast<std::size_t>(thumbnail.height_px));
+  image::ShrinkByArea(RowsOf(grey), thumbnail.width_px, thumbnail.height_px, thumbnail.grey.data());
   return thumbnail;
 }
 
 cv::Mat AtMost(const cv::Mat& grey, int pixels) {
   const double shrink = std::sqrt(static_cast<double>(pixels) / static_cast<double>(grey.total()));
   if (shrink >= 0.98) return grey;
-  cv::Mat smaller;
-  cv::resize(grey, smaller,
-             cv::Size(std::max(1, cvRound(grey.cols * shrink)), std::max(1, cvRound(grey.rows * shrink))), 0,
-             0, cv::INTER_AREA);
+  cv::Mat smaller(std::max(1, cvRound(grey.rows * shrink)), std::max(1, cvRound(grey.cols * shrink)), CV_8U);
+  image::ShrinkByArea(RowsOf(grey), smaller.cols, smaller.rows, smaller.data);
   return smaller;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <span>
 
 #include "core/base/vector_clones.h"
 
@@ -14,61 +15,7 @@ namespace {
 constexpr float kLevels = 128.0F;      // of BlurredImage to a grey level
 constexpr float kCameraBlurPx = 0.5F;  // what the image came with
 constexpr int kMinSidePx = 24;
-constexpr int kMaxBlurRadius = 16;
 constexpr double kEdgeRatio = 12.0;
-
-// Half of a symmetric kernel, in 65536ths.
-struct Kernel {
-  int radius = 0;
-  std::array<std::uint16_t, kMaxBlurRadius + 1> weights{};  // by distance
-
-  explicit Kernel(double sigma_px)
-      : radius(std::min(kMaxBlurRadius, static_cast<int>(std::ceil(3.0 * sigma_px)))) {
-    std::array<double, kMaxBlurRadius + 1> exact{};
-    double sum = 0.0;
-    for (int k = 0; k <= radius; ++k) {
-      exact[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
-      sum += (k == 0 ? 1.0 : 2.0) * exact[static_cast<std::size_t>(k)];
-    }
-    for (std::size_t k = 0; k <= static_cast<std::size_t>(radius); ++k)
-      weights[k] = static_cast<std::uint16_t>(std::lround(65536.0 * exact[k] / sum));
-  }
-};
-
-inline std::uint16_t Weighed(std::uint16_t value, std::uint16_t weight) {
-  return static_cast<std::uint16_t>((static_cast<std::uint32_t>(value) * weight) >> 16);
-}
-
-// One row of what lies `k` rows (or columns) away on both sides; both values are below 2^15.
-inline void AddPair(const std::uint16_t* a, const std::uint16_t* b, std::uint16_t weight, int count,
-                    std::uint16_t* __restrict sum) {
-  for (int x = 0; x < count; ++x)
-    sum[x] = static_cast<std::uint16_t>(sum[x] + Weighed(static_cast<std::uint16_t>(a[x] + b[x]), weight));
-}
-
-// Down each column, then along each row; beyond the edge the last pixels go on.
-SKYQUILT_VECTOR_CLONES BlurredImage Blur(const BlurredImage& image, double sigma_px) {
-  const Kernel kernel(sigma_px);
-  const int width = image.width_px, height = image.height_px, radius = kernel.radius;
-  BlurredImage blurred{width, height, {}};
-  blurred.values.resize(image.values.size());
-  std::vector<std::uint16_t> down(static_cast<std::size_t>(width + 2 * radius));
-  std::uint16_t* const middle = down.data() + radius;
-  for (int y = 0; y < height; ++y) {
-    const std::uint16_t* here = image.Row(y);
-    for (int x = 0; x < width; ++x) middle[x] = Weighed(here[x], kernel.weights[0]);
-    for (int k = 1; k <= radius; ++k)
-      AddPair(image.Row(std::max(0, y - k)), image.Row(std::min(height - 1, y + k)),
-              kernel.weights[static_cast<std::size_t>(k)], width, middle);
-    std::fill_n(down.data(), radius, middle[0]);
-    std::fill_n(middle + width, radius, middle[width - 1]);
-    std::uint16_t* out = blurred.Row(y);
-    for (int x = 0; x < width; ++x) out[x] = Weighed(middle[x], kernel.weights[0]);
-    for (int k = 1; k <= radius; ++k)
-      AddPair(middle - k, middle + k, kernel.weights[static_cast<std::size_t>(k)], width, out);
-  }
-  return blurred;
-}
 
 BlurredImage EverySecond(const BlurredImage& image) {
   BlurredImage half{image.width_px / 2, image.height_px / 2, {}};
@@ -90,18 +37,6 @@ class Differences {
     const auto k = static_cast<std::size_t>(layer);
     return static_cast<int>(layers_[k + 1].values[i]) - static_cast<int>(layers_[k].values[i]);
   }
-  // Among the pixels of the layers next to its own.
-  bool StandsOut(int layer, int x, int y, int value) const {
-    const int sign = value > 0 ? 1 : -1;
-    for (const int other : {layer - 1, layer + 1}) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          if (sign * At(other, x + dx, y + dy) > sign * value) return false;
-        }
-      }
-    }
-    return true;
-  }
 
  private:
   const std::vector<BlurredImage>& layers_;
@@ -113,64 +48,120 @@ SKYQUILT_VECTOR_CLONES void Subtract(const std::uint16_t* coarser, const std::ui
   for (std::size_t x = 0; x < count; ++x) difference[x] = static_cast<std::int16_t>(coarser[x] - finer[x]);
 }
 
-// Not 0 where the middle row's pixel is beyond the threshold and none of the eight around it is beyond it;
-// least and most are room for a row.
-SKYQUILT_VECTOR_CLONES void MarkPeaks(const std::array<const std::int16_t*, 3>& rows, std::size_t count,
-                                      std::int16_t threshold, std::int16_t* __restrict least,
-                                      std::int16_t* __restrict most, std::uint8_t* __restrict is_peak) {
-  const std::int16_t* above = rows[0];
-  const std::int16_t* here = rows[1];
-  const std::int16_t* below = rows[2];
+// Of three numbers taken by value: std::min would have their addresses, which keeps a loop from being vector
+// instructions.
+inline std::int16_t Least(std::int16_t a, std::int16_t b, std::int16_t c) {
+  const std::int16_t lower = a < b ? a : b;
+  return lower < c ? lower : c;
+}
+inline std::int16_t Most(std::int16_t a, std::int16_t b, std::int16_t c) {
+  const std::int16_t higher = a > b ? a : b;
+  return higher > c ? higher : c;
+}
+
+// The least and the most of each number and its neighbours, above and below and then on both sides; the first
+// and the last number have none.
+SKYQUILT_VECTOR_CLONES void FindExtremes(const std::int16_t* above, const std::int16_t* here,
+                                         const std::int16_t* below, std::size_t count,
+                                         std::int16_t* __restrict down_least,
+                                         std::int16_t* __restrict down_most, std::int16_t* __restrict least,
+                                         std::int16_t* __restrict most) {
   for (std::size_t x = 0; x < count; ++x) {
-    least[x] = std::min(std::min(above[x], here[x]), below[x]);
-    most[x] = std::max(std::max(above[x], here[x]), below[x]);
+    down_least[x] = Least(above[x], here[x], below[x]);
+    down_most[x] = Most(above[x], here[x], below[x]);
   }
   for (std::size_t x = 1; x + 1 < count; ++x) {
-    const std::int16_t lowest = std::min(std::min(least[x - 1], least[x]), least[x + 1]);
-    const std::int16_t highest = std::max(std::max(most[x - 1], most[x]), most[x + 1]);
-    const std::int16_t value = here[x];
-    is_peak[x] = ((value > threshold) & (value == highest)) | ((value < -threshold) & (value == lowest));
+    least[x] = Least(down_least[x - 1], down_least[x], down_least[x + 1]);
+    most[x] = Most(down_most[x - 1], down_most[x], down_most[x + 1]);
   }
 }
 
-// The pixels of one layer of differences that stand out from those beside them, row by row: all of a row at
+// A row of one layer of differences with what lies around each of its numbers.
+struct ExtremeRow {
+  std::vector<std::int16_t> least, most;
+};
+
+// Not 0 where a number is beyond the threshold and none of those around it, in its own layer and the two next
+// to it, is beyond it.
+SKYQUILT_VECTOR_CLONES void MarkPeaks(const std::int16_t* values, std::span<const ExtremeRow, 3> around,
+                                      std::size_t count, std::int16_t threshold,
+                                      std::int16_t* __restrict is_peak) {
+  const std::int16_t* const least_0 = around[0].least.data();
+  const std::int16_t* const least_1 = around[1].least.data();
+  const std::int16_t* const least_2 = around[2].least.data();
+  const std::int16_t* const most_0 = around[0].most.data();
+  const std::int16_t* const most_1 = around[1].most.data();
+  const std::int16_t* const most_2 = around[2].most.data();
+  const auto lowest_told = static_cast<std::int16_t>(-threshold);
+  for (std::size_t x = 1; x + 1 < count; ++x) {
+    const std::int16_t lowest = Least(least_0[x], least_1[x], least_2[x]);
+    const std::int16_t highest = Most(most_0[x], most_1[x], most_2[x]);
+    const std::int16_t value = values[x];
+    const std::int16_t is_top = value > threshold ? std::int16_t{1} : std::int16_t{0};
+    const std::int16_t is_bottom = value < lowest_told ? std::int16_t{1} : std::int16_t{0};
+    const std::int16_t is_highest = value == highest ? std::int16_t{1} : std::int16_t{0};
+    const std::int16_t is_lowest = value == lowest ? std::int16_t{1} : std::int16_t{0};
+    is_peak[x] = static_cast<std::int16_t>((is_top & is_highest) | (is_bottom & is_lowest));
+  }
+}
+
+// The pixels of an octave's differences that stand out from all around them, row by row: all of a row at
 // once, which leaves few to look at one by one.
 class RowPeaks {
  public:
-  explicit RowPeaks(std::size_t width)
-      : width_(width), least_(width), most_(width), is_peak_((width + 7) / 8 * 8, 0) {
-    for (auto& row : rows_) row.resize(width);
+  explicit RowPeaks(const Octave& octave)
+      : octave_(octave),
+        width_(static_cast<std::size_t>(octave.layers[0].width_px)),
+        down_least_(width_),
+        down_most_(width_),
+        is_peak_((width_ + 3) / 4 * 4, 0) {
+    for (std::size_t layer = 0; layer < kDifferences; ++layer) {
+      for (auto& row : differences_[layer]) row.resize(width_);
+      extremes_[layer].least.resize(width_), extremes_[layer].most.resize(width_);
+      for (int y = 0; y < 2; ++y) SubtractRow(layer, y);
+    }
   }
-  void Start(const BlurredImage& finer, const BlurredImage& coarser) {
-    for (int y = 0; y < 2; ++y) Subtract(coarser.Row(y), finer.Row(y), width_, RowOf(y).data());
+  // Rows are gone to in turn, from the second to the last but one.
+  void MoveTo(int y) {
+    y_ = y;
+    for (std::size_t layer = 0; layer < kDifferences; ++layer) {
+      SubtractRow(layer, y + 1);
+      FindExtremes(RowOf(layer, y - 1).data(), RowOf(layer, y).data(), RowOf(layer, y + 1).data(), width_,
+                   down_least_.data(), down_most_.data(), extremes_[layer].least.data(),
+                   extremes_[layer].most.data());
+    }
   }
-  // The differences of row y; rows are asked for in turn, from the second to the last but one.
-  const std::int16_t* Next(const BlurredImage& finer, const BlurredImage& coarser, int y,
-                           std::int16_t threshold) {
-    Subtract(coarser.Row(y + 1), finer.Row(y + 1), width_, RowOf(y + 1).data());
-    MarkPeaks({RowOf(y - 1).data(), RowOf(y).data(), RowOf(y + 1).data()}, width_, threshold, least_.data(),
-              most_.data(), is_peak_.data());
-    return RowOf(y).data();
-  }
+  // Of this row, in a layer that has others on both sides.
   template <typename Visit>
-  void ForEach(const Visit& visit) const {
-    for (std::size_t x = 0; x < is_peak_.size(); x += 8) {
-      std::uint64_t eight = 0;
-      std::memcpy(&eight, is_peak_.data() + x, 8);
-      if (eight == 0) continue;
-      for (std::size_t k = x; k < x + 8; ++k) {
+  void ForEach(std::size_t layer, std::int16_t threshold, const Visit& visit) {
+    MarkPeaks(RowOf(layer, y_).data(), std::span<const ExtremeRow, 3>(extremes_.data() + layer - 1, 3),
+              width_, threshold, is_peak_.data());
+    for (std::size_t x = 0; x < is_peak_.size(); x += 4) {
+      std::uint64_t four = 0;
+      std::memcpy(&four, is_peak_.data() + x, 8);
+      if (four == 0) continue;
+      for (std::size_t k = x; k < x + 4; ++k) {
         if (is_peak_[k] != 0) visit(static_cast<int>(k));
       }
     }
   }
 
  private:
-  std::vector<std::int16_t>& RowOf(int y) { return rows_[static_cast<std::size_t>(y % 3)]; }
+  static constexpr std::size_t kDifferences = kLayersAnOctave + 2;
 
+  std::vector<std::int16_t>& RowOf(std::size_t layer, int y) {
+    return differences_[layer][static_cast<std::size_t>(y % 3)];
+  }
+  void SubtractRow(std::size_t layer, int y) {
+    Subtract(octave_.layers[layer + 1].Row(y), octave_.layers[layer].Row(y), width_, RowOf(layer, y).data());
+  }
+
+  const Octave& octave_;
   const std::size_t width_;
-  std::array<std::vector<std::int16_t>, 3> rows_;
-  std::vector<std::int16_t> least_, most_;
-  std::vector<std::uint8_t> is_peak_;
+  int y_ = 0;
+  std::array<std::array<std::vector<std::int16_t>, 3>, kDifferences> differences_;  // of three rows
+  std::array<ExtremeRow, kDifferences> extremes_;
+  std::vector<std::int16_t> down_least_, down_most_, is_peak_;
 };
 
 struct Place {
@@ -258,23 +249,21 @@ std::vector<ScalePoint> FindScalePoints(const std::vector<Octave>& octaves, floa
     const Octave& octave = octaves[o];
     const Differences differences(octave);
     const BlurredImage& size = octave.layers[0];
-    const auto width = static_cast<std::size_t>(size.width_px);
-    RowPeaks peaks(width);
-    for (int layer = 1; layer <= kLayersAnOctave; ++layer) {
-      const BlurredImage& finer = octave.layers[static_cast<std::size_t>(layer)];
-      const BlurredImage& coarser = octave.layers[static_cast<std::size_t>(layer) + 1];
-      peaks.Start(finer, coarser);
-      for (int y = 1; y + 1 < size.height_px; ++y) {
-        const std::int16_t* difference = peaks.Next(finer, coarser, y, threshold);
-        peaks.ForEach([&](int x) {
-          if (!differences.StandsOut(layer, x, y, difference[x])) return;
+    RowPeaks peaks(octave);
+    std::array<std::vector<ScalePoint>, kLayersAnOctave> of_layer;
+    for (int y = 1; y + 1 < size.height_px; ++y) {
+      peaks.MoveTo(y);
+      for (std::size_t k = 0; k < kLayersAnOctave; ++k) {
+        const int layer = static_cast<int>(k) + 1;
+        peaks.ForEach(k + 1, threshold, [&](int x) {
           std::optional<ScalePoint> point = Refine(differences, size, {layer, x, y}, min_contrast);
           if (!point) return;
           point->octave = static_cast<int>(o);
-          points.push_back(*point);
+          of_layer[k].push_back(*point);
         });
       }
     }
+    for (const auto& found : of_layer) points.insert(points.end(), found.begin(), found.end());
   }
   return points;
 }

@@ -3,23 +3,12 @@
 // not doubled: who wants finer spots hands in more pixels. Values; any thread; the same on every machine.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/base/pixel_bytes.h"
+#include "core/alignment/features/blurred_image.h"
 
 namespace skyquilt::alignment {
-
-// Rows without padding, in 128ths of a grey level.
-struct BlurredImage {
-  int width_px = 0;
-  int height_px = 0;
-  std::vector<std::uint16_t, PixelAllocator<std::uint16_t>> values;
-
-  const std::uint16_t* Row(int y) const { return values.data() + static_cast<std::size_t>(y) * width_px; }
-  std::uint16_t* Row(int y) { return values.data() + static_cast<std::size_t>(y) * width_px; }
-};
 
 inline constexpr int kLayersAnOctave = 3;
 inline constexpr float kFirstBlurPx = 1.6F;  // of an octave's first layer, in the octave's pixels

@@ -10,7 +10,7 @@ namespace skyquilt::render {
 namespace {
 
 // Raised whenever the same input gives other pixels than before.
-constexpr int kRendererVersion = 4;
+constexpr int kRendererVersion = 5;
 // Ground nearer together than this is the same: a grid that grew tells it a rounding error differently.
 constexpr double kGroundStepM = 1e-4;
 constexpr std::int32_t kOtherPhoto = -2;  // one that shows nothing of the block itself

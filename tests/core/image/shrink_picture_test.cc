@@ -1,4 +1,4 @@
-#include "core/image/shrink_picture.h"
+#include "core/image/shrink/shrink_picture.h"
 
 #include <gtest/gtest.h>
 
