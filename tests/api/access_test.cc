@@ -127,17 +127,17 @@ TEST(Access, TellsWhoAsksWhatItMayDo) {
   const auto told = [&](Headers headers, const std::string& query = "") {
     return sample.Get("/api/v1/access" + query, std::move(headers)).body;
   };
-  EXPECT_EQ(told({}), R"({"needs_token":false,"scope":"admin","flight":null})");
+  EXPECT_EQ(told({}), R"({"needs_token":false,"scope":"admin","flight":null,"keep_days":0})");
   const std::string flight = sample.NewFlight();
   for (const Scope scope : {Scope::kRead, Scope::kUpload, Scope::kAdmin}) {
     const std::string name = storage::ScopeName(scope);
     EXPECT_EQ(told(sample.MakeToken(name, scope)),
-              R"({"needs_token":true,"scope":")" + name + R"(","flight":null})");
+              R"({"needs_token":true,"scope":")" + name + R"(","flight":null,"keep_days":0})");
   }
   EXPECT_EQ(told(sample.MakeToken("share", Scope::kRead, {}, flight)),
-            R"({"needs_token":true,"scope":"read","flight":")" + flight + R"("})");
+            R"({"needs_token":true,"scope":"read","flight":")" + flight + R"(","keep_days":0})");
   const std::string text = MakeToken(sample, "in the address", Scope::kUpload);
-  EXPECT_EQ(told({}, "?token=" + text), R"({"needs_token":true,"scope":"read","flight":null})");
+  EXPECT_EQ(told({}, "?token=" + text), R"({"needs_token":true,"scope":"read","flight":null,"keep_days":0})");
   EXPECT_EQ(sample.Get("/api/v1/access").status, 401);
 }
 

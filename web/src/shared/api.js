@@ -153,7 +153,10 @@ export async function mayUpload() {
 }
 
 /** @param {string} id @param {string} name @returns {Promise<Flight>} */
-export const renameFlight = (id, name) => request('PATCH', flight_path(id), { name });
+export const renameFlight = (id, name) => changeFlight(id, { name });
+
+/** @param {string} id @param {{name?: string, tags?: string[], keep?: boolean}} change @returns {Promise<Flight>} */
+export const changeFlight = (id, change) => request('PATCH', flight_path(id), change);
 
 /** Into the trash, where the server keeps one. @param {string} id @returns {Promise<null>} */
 export const deleteFlight = (id) => request('DELETE', flight_path(id));

@@ -45,6 +45,8 @@
  * @property {PhotoCounts|null} [photos]
  * @property {Captured|null} [captured] when the photos in the map were taken; null where that is not known
  * @property {number|null} [gsd_m]
+ * @property {string[]} [tags]
+ * @property {boolean} [keep] the server never puts it into the trash by itself
  * @property {string|null} [tilejson]
  * @property {Preview|null} [preview] until there is a map
  * @property {ServerError|string|null} [error]
@@ -59,7 +61,8 @@
 
 /**
  * What who asks may do here.
- * @typedef {{needs_token: boolean, scope: 'read'|'upload'|'admin', flight: string|null}} Access
+ * @typedef {{needs_token: boolean, scope: 'read'|'upload'|'admin', flight: string|null, keep_days?: number}} Access keep_days: after
+ *   which the server puts a flight that nobody changes into the trash; 0: never
  */
 
 /**

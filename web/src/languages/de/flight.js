@@ -356,6 +356,16 @@ export const flight_words = {
     failed: (what) => `Der Export ist fehlgeschlagen. ${what}`,
     remove: (what) => `Export löschen: ${what}`,
   },
+  tags: {
+    heading: 'Schlagwörter',
+    add: 'Schlagwort',
+    add_label: (name) => `Schlagwort zu „${name}“ hinzufügen`,
+    placeholder: 'Neues Schlagwort',
+    remove: (tag) => `Schlagwort entfernen: ${tag}`,
+    keep: 'Diesen Flug behalten',
+    keep_hint: (days) => `Dieser Server legt Flüge nach ${count(days, { one: 'Tag', other: 'Tagen' })} ohne Änderung in den Papierkorb. Behaltene Flüge bleiben.`,
+    keep_no_need: 'Dieser Server löscht zurzeit keine alten Flüge.',
+  },
   share: {
     action: 'Teilen',
     title: (name) => `„${name}“ teilen`,

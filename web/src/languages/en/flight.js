@@ -351,6 +351,16 @@ export const flight_words = {
     failed: (/** @type {string} */ what) => `The export failed. ${what}`,
     remove: (/** @type {string} */ what) => `Delete export: ${what}`,
   },
+  tags: {
+    heading: 'Tags',
+    add: 'Tag',
+    add_label: (/** @type {string} */ name) => `Add a tag to “${name}”`,
+    placeholder: 'New tag',
+    remove: (/** @type {string} */ tag) => `Remove tag: ${tag}`,
+    keep: 'Keep this flight',
+    keep_hint: (/** @type {number} */ days) => `This server moves flights to the trash after ${count(days, { one: 'day', other: 'days' })} without changes. Kept flights stay.`,
+    keep_no_need: 'This server does not delete old flights at the moment.',
+  },
   share: {
     action: 'Share',
     title: (/** @type {string} */ name) => `Share “${name}”`,

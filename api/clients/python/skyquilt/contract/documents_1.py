@@ -59,6 +59,10 @@ class JobOptions(TypedDict, total=False):
 class FlightFields(TypedDict, total=False):
     name: str
     options: JobOptions
+    # All of its tags; an empty list takes them off. Upper and lower case differ; no commas, no spaces at the ends
+    tags: List[str]
+    # true: never put it into the trash by itself (serve --keep-days)
+    keep: bool
 
 
 class JobError(TypedDict):
@@ -120,6 +124,10 @@ class FlightForSure(TypedDict):
     created_at: str
     file_count: int
     bytes: int
+    # Words by which it is found again, in the order of their bytes
+    tags: List[str]
+    # Whether it is to be kept: the server never puts it into the trash by itself (serve --keep-days)
+    keep: bool
     revision: Optional[int]
     job: Optional[Job]
     # west, south, east, north
@@ -421,14 +429,3 @@ class ControlPoint(ControlPointForSure, total=False):
 class ControlPointsForSure(TypedDict):
     """What ControlPoints always has."""
     points: List[ControlPoint]
-
-
-class ControlPoints(ControlPointsForSure, total=False):
-    # Of x, y and height, as a gcp_list.txt names it in its first line: EPSG:32611, WGS84 UTM 11N, +proj=...
-    reference_system: str
-    # Said by the server: rows of the list that were left out, and why
-    warnings: List[str]
-
-
-class NotePosition(TypedDict, total=False):
-    """Longitude and latitude in degrees of WGS84."""

@@ -17,7 +17,7 @@ class Flights(Calls):
                                                         path={"flight": flight}))
 
     def change_flight(self, flight: str, body: models.FlightFields) -> models.Flight:
-        """Rename a flight or set its options."""
+        """Rename a flight, set its options or tags, mark it to be kept."""
         return cast("models.Flight", self._send("PATCH", "/api/v1/flights/{flight}", json_body=body,
                                                 path={"flight": flight}))
 
@@ -67,10 +67,11 @@ class Flights(Calls):
         """What is in the files, what is missing, what a map of them will be and cost; before any map is made."""
         return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/verdict", path={"flight": flight}))
 
-    def list_flights(self, *, limit: Optional[int] = None, cursor: Optional[str] = None) -> models.ListFlightsAnswer:
+    def list_flights(self, *, limit: Optional[int] = None, cursor: Optional[str] = None,
+                     tag: Optional[str] = None) -> models.ListFlightsAnswer:
         """Flights, newest first."""
         return cast("models.ListFlightsAnswer", self._send("GET", "/api/v1/flights",
-                                                           query={"limit": limit, "cursor": cursor}))
+                                                           query={"limit": limit, "cursor": cursor, "tag": tag}))
 
     def list_shares(self, flight: str) -> models.ListSharesAnswer:
         """The shares of a flight that have not ended. For the token that made the flight, and those of scope admin."""
