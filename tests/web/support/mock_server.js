@@ -12,6 +12,7 @@ import { gzipSync } from 'node:zlib';
 import { tilePosition } from '../../../web/src/map/tile_addresses.js';
 import { boundsOf, moveByPairs, photosGeoJson, reportOf } from './mock_flight.js';
 import { answerExports } from './mock_exports.js';
+import { heightsOf } from './mock_heights.js';
 import { answerIndices, index_facts, indexTile } from './mock_indices.js';
 import { mockTus } from './mock_tus.js';
 import { countrysidePicture, countrysideTile, encodePng } from './tile_picture.js';
@@ -227,6 +228,11 @@ export async function startMockServer(options = {}) {
         return send(204, null);
       }
       if (rest === '') return send(200, flightJson(flight));
+      if (rest === '/heights') {
+        flight.asked_heights = (flight.asked_heights ?? 0) + 1;
+        const found = heightsOf(flight, JSON.parse((await readBody()).toString()));
+        return found ? send(200, found) : problem(404, 'Not found', 'This map knows no heights.');
+      }
       if (rest === '/verdict') {
         const photos = [...flight.files.keys()].filter((name) => /\.jpg$/i.test(name)).length;
         return send(200, { photos_readable: photos, photos_placeable: photos, ...flight.verdict });

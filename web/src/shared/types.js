@@ -78,6 +78,22 @@
  * @property {string[]} warnings
  */
 
+/**
+ * @typedef {{distance_m: number, lon: number, lat: number, height_m: number|null}} ProfileSample height_m: null beside the map
+ */
+
+/**
+ * The ground along a line.
+ * @typedef {object} GroundProfile
+ * @property {'plane'|'grid'} ground plane: the map was made on level ground
+ * @property {number} length_m
+ * @property {number|null} lowest_m null where no sample has a height
+ * @property {number|null} highest_m
+ * @property {number} climb_m
+ * @property {number} descent_m
+ * @property {ProfileSample[]} samples
+ */
+
 /** @typedef {{id: string, created_at: string, expires_at: string|null}} Share */
 
 /**

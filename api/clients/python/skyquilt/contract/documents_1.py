@@ -340,6 +340,34 @@ class PointOfMap(PointOfMapForSure, total=False):
     index: PointOfMapIndex
 
 
+class GroundProfileSamplesItem(TypedDict):
+    # From the line's beginning
+    distance_m: float
+    lon: float
+    lat: float
+    # null beside the map
+    height_m: Optional[float]
+
+
+class GroundProfile(TypedDict):
+    revision: int
+    # plane: the map was rendered on level ground, so that all heights are the same
+    ground: Literal['plane', 'grid']
+    # Of the grid; null of a plane
+    cell_m: Optional[float]
+    # Of the line, along the ellipsoid
+    length_m: float
+    # The longest between two samples
+    step_m: float
+    # null: the line meets no ground that the map knows
+    lowest_m: Optional[float]
+    highest_m: Optional[float]
+    # The sum of what goes up from sample to sample
+    climb_m: float
+    descent_m: float
+    samples: List[GroundProfileSamplesItem]
+
+
 class MapStatisticsBandsItem(TypedDict):
     name: str
     min: Optional[float]
@@ -405,27 +433,3 @@ class ControlMark(TypedDict):
     x: float
     # Row in pixels; the centre of the first is 0
     y: float
-
-
-class ControlPointForSure(TypedDict):
-    """What ControlPoint always has."""
-    name: str
-    # East or longitude, in the reference system
-    x: float
-    # North or latitude, in the reference system
-    y: float
-
-
-class ControlPoint(ControlPointForSure, total=False):
-    # In the unit of the reference system; null where it was not surveyed
-    height: Optional[float]
-    # Degrees east; said by the server, and not read
-    lon: float
-    # Degrees north; said by the server, and not read
-    lat: float
-    marks: List[ControlMark]
-
-
-class ControlPointsForSure(TypedDict):
-    """What ControlPoints always has."""
-    points: List[ControlPoint]

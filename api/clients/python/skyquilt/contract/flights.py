@@ -50,6 +50,14 @@ class Flights(Calls):
         points with words, measured lines and areas."""
         return cast("models.MapNotes", self._send("GET", "/api/v1/flights/{flight}/notes", path={"flight": flight}))
 
+    def ground_heights(self, flight: str, body: Dict[str, Any]) -> models.GroundProfile:
+        """The ground's height along a line. Heights of the ground that the map was rendered on, as its alignment or an
+        elevation model says, at even steps along the line and at its corners. Metres above the ellipsoid WGS 84 as
+        the flight's records have it, as /point has them: what lies between two places of one map is much more
+        accurate than where zero lies. A map that was imported, or made before cameras were kept, knows none (404)."""
+        return cast("models.GroundProfile", self._send("POST", "/api/v1/flights/{flight}/heights", json_body=body,
+                                                       path={"flight": flight}))
+
     def ground_of_pixel(self, flight: str, name: str, x: float, y: float) -> models.GroundOfPixelAnswer:
         """Where a photo's pixel lies."""
         return cast("models.GroundOfPixelAnswer", self._send("GET", "/api/v1/flights/{flight}/photos/{name}/ground",

@@ -6,6 +6,30 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class ControlPointForSure(TypedDict):
+    """What ControlPoint always has."""
+    name: str
+    # East or longitude, in the reference system
+    x: float
+    # North or latitude, in the reference system
+    y: float
+
+
+class ControlPoint(ControlPointForSure, total=False):
+    # In the unit of the reference system; null where it was not surveyed
+    height: Optional[float]
+    # Degrees east; said by the server, and not read
+    lon: float
+    # Degrees north; said by the server, and not read
+    lat: float
+    marks: List[ControlMark]
+
+
+class ControlPointsForSure(TypedDict):
+    """What ControlPoints always has."""
+    points: List[ControlPoint]
+
+
 class ControlPoints(ControlPointsForSure, total=False):
     # Of x, y and height, as a gcp_list.txt names it in its first line: EPSG:32611, WGS84 UTM 11N, +proj=...
     reference_system: str
