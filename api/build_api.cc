@@ -11,6 +11,7 @@
 #include "api/events/events.h"
 #include "api/exports/exports.h"
 #include "api/flights/flights.h"
+#include "api/flights/heights.h"
 #include "api/flights/locate.h"
 #include "api/flights/point.h"
 #include "api/flights/statistics.h"
@@ -49,6 +50,7 @@ Router BuildApi(Service& service) {
   AddVerdictRoute(router, service);
   AddLocateRoutes(router, service);
   AddPointRoute(router, service);
+  AddHeightsRoute(router, service);
   AddStatisticsRoute(router, service);
   AddIndexRoutes(router, service);
   AddControlRoutes(router, service);

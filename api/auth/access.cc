@@ -42,6 +42,7 @@ constexpr Rule kRules[] = {
     {Method::kDelete, "/api/v1/webhooks/{webhook}", Scope::kAdmin},
     {Method::kGet, "/api/v1/flights/{flight}/shares", Scope::kUpload},
     {Method::kPost, "/api/v1/flights/{flight}/exports", Scope::kRead},
+    {Method::kPost, "/api/v1/flights/{flight}/heights", Scope::kRead},
     {Method::kPost, "/api/v1/flights/{flight}/statistics", Scope::kRead},
     {Method::kDelete, "/api/v1/flights/{flight}/exports/{export}", Scope::kRead},
     {Method::kGet, "/api/v1/*", Scope::kRead},

@@ -120,13 +120,16 @@ std::optional<Response> CheckFlightAccess(Service& service, const Request& reque
 }
 
 Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& request, int limit,
-                                               const std::optional<std::string>& cursor) {
-  if (request.only_flight.empty()) return service.catalogue.ListFlights(limit, cursor);
+                                               const std::optional<std::string>& cursor,
+                                               const std::optional<std::string>& tag) {
+  if (request.only_flight.empty()) return service.catalogue.ListFlights(limit, cursor, tag);
   storage::FlightPage page;
   if (cursor) return page;
   Result<storage::Flight> flight = service.catalogue.GetFlight(request.only_flight);
   if (flight) {
-    page.flights.push_back(*std::move(flight));
+    const std::vector<std::string>& tags = flight->tags;
+    const bool is_asked_for = !tag || std::find(tags.begin(), tags.end(), *tag) != tags.end();
+    if (is_asked_for) page.flights.push_back(*std::move(flight));
   } else if (flight.error().code != ErrorCode::kNotFound) {
     return flight.error();
   }
@@ -141,7 +144,7 @@ Result<storage::MapPage> ListVisibleMaps(Service& service, const Request& reques
   for (const storage::Flight& flight : flights.flights) {
     SKYQUILT_TRY_ASSIGN(const std::optional<storage::Revision> revision,
                         service.catalogue.ActiveRevision(flight.id));
-    if (revision) page.maps.push_back({flight.id, flight.name, *revision});
+    if (revision) page.maps.push_back({flight.id, flight.name, *revision, flight.tags});
   }
   return page;
 }

@@ -25,7 +25,8 @@ std::optional<Response> CheckFlightAccess(Service& service, const Request& reque
 
 // The flights that the requester may know of, as Catalogue::ListFlights.
 Result<storage::FlightPage> ListVisibleFlights(Service& service, const Request& request, int limit,
-                                               const std::optional<std::string>& cursor);
+                                               const std::optional<std::string>& cursor,
+                                               const std::optional<std::string>& tag = std::nullopt);
 // Of these, those that show a map, as Catalogue::ListMaps.
 Result<storage::MapPage> ListVisibleMaps(Service& service, const Request& request, int limit,
                                          const std::optional<std::string>& cursor);

@@ -20,7 +20,8 @@ Response OwnAccess(Service& service, const Request& request) {
   return Json(200, JsonObject({{"needs_token", (*tokens)->requires_token ? "true" : "false"},
                                {"scope", JsonString(storage::ScopeName(scope))},
                                {"flight", request.only_flight.empty() ? std::string("null")
-                                                                      : JsonString(request.only_flight)}}));
+                                                                      : JsonString(request.only_flight)},
+                               {"keep_days", std::to_string(service.keep_days)}}));
 }
 
 }  // namespace

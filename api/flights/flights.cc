@@ -4,10 +4,12 @@
 
 #include "api/auth/flight_access.h"
 #include "api/flights/trash.h"
+#include "api/http/links.h"
 #include "api/http/problem.h"
 #include "api/http/responses.h"
 #include "core/base/try.h"
 #include "storage/db/ids.h"
+#include "storage/tags/flight_tags.h"
 
 namespace skyquilt::api {
 namespace {
@@ -53,7 +55,16 @@ Response ListFlights(Service& service, const Request& request) {
     }
     cursor = *given;
   }
-  Result<storage::FlightPage> page = ListVisibleFlights(service, request, *limit, cursor);
+  std::optional<std::string> tag;
+  if (const auto given = request.Query("tag")) {
+    const auto checked = storage::CheckedTags({std::string(*given)});
+    if (!checked) {
+      return Problem({ErrorCode::kInvalidArgument, "The parameter \"tag\": " + checked.error().message, ""},
+                     request);
+    }
+    tag = checked->front();
+  }
+  Result<storage::FlightPage> page = ListVisibleFlights(service, request, *limit, cursor, tag);
   if (!page) return Problem(page.error(), request);
   std::vector<std::string> items;
   const storage::Time now = storage::Now();
@@ -69,6 +80,7 @@ Response ListFlights(Service& service, const Request& request) {
                                                                               : std::string("null")}}));
   if (page->next_cursor) {
     response.headers.Add("Link", "</api/v1/flights?limit=" + std::to_string(*limit) +
+                                     (tag ? "&tag=" + EncodedForQuery(*tag) : std::string()) +
                                      "&cursor=" + *page->next_cursor + ">; rel=\"next\"");
   }
   return response;
@@ -84,15 +96,11 @@ Response GetFlight(Service& service, const Request& request) {
 
 Response Patch(Service& service, const Request& request, const std::string& body) {
   const std::string& id = request.Parameter("flight");
-  const Result<FlightFields> fields = ParseFlightFields(body);
+  const Result<storage::FlightChange> fields = ParseFlightFields(body);
   if (!fields) return Problem(fields.error(), request);
-  if (fields->name) {
-    const Result<void> renamed = service.catalogue.RenameFlight(id, *fields->name);
-    if (!renamed) return Problem(renamed.error(), request);
-  }
-  if (fields->options) {
-    const Result<void> set = service.catalogue.SetFlightOptions(id, *fields->options);
-    if (!set) return Problem(set.error(), request);
+  if (fields->IsAny()) {
+    const Result<void> changed = service.catalogue.ChangeFlight(id, *fields);
+    if (!changed) return Problem(changed.error(), request);
   }
   return GetFlight(service, request);
 }

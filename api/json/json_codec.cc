@@ -11,6 +11,7 @@
 #include "api/json/job_options.h"
 #include "api/json/json_text.h"
 #include "core/base/try.h"
+#include "storage/tags/flight_tags.h"
 
 namespace skyquilt::api {
 namespace {
@@ -122,6 +123,24 @@ Result<std::string> CheckedOptions(const ordered_json& value) {
   return text;
 }
 
+Result<std::string> CheckedFlightOptions(const ordered_json& value) {
+  if (value.is_object() && value.contains("place")) {
+    return Error{ErrorCode::kUnprocessable,
+                 "The option \"place\" moves the map that there is, once: give it to a job "
+                 "(POST /api/v1/flights/{flight}/jobs), not to the flight.",
+                 ""};
+  }
+  return CheckedOptions(value);
+}
+
+Result<std::vector<std::string>> CheckedTagList(const ordered_json& value) {
+  if (!value.is_array() ||
+      !std::all_of(value.begin(), value.end(), [](const ordered_json& tag) { return tag.is_string(); })) {
+    return Error{ErrorCode::kUnprocessable, "The field \"tags\" must be a list of texts.", ""};
+  }
+  return storage::CheckedTags(value.get<std::vector<std::string>>());
+}
+
 Result<int> CheckedPriority(const ordered_json& value) {
   constexpr int kMaxPriority = storage::kMaxPriority;
   if (!value.is_number_integer() || value < -kMaxPriority || value > kMaxPriority) {
@@ -159,6 +178,8 @@ std::string FlightJson(const FlightView& view, storage::Time now) {
   value["file_count"] = view.flight.file_count;
   value["bytes"] = view.flight.bytes;
   value["options"] = ordered_json::parse(view.flight.options, nullptr, false);
+  value["tags"] = view.flight.tags;
+  value["keep"] = view.flight.is_kept;
   const auto& revision = view.revision;
   value["revision"] = revision ? ordered_json(revision->revision) : ordered_json(nullptr);
   value["job"] = view.job ? JobValue(*view.job, now) : ordered_json(nullptr);
@@ -231,20 +252,23 @@ std::string JsonArray(const std::vector<std::string>& items) {
   return text + "]";
 }
 
-Result<FlightFields> ParseFlightFields(std::string_view body) {
+Result<storage::FlightChange> ParseFlightFields(std::string_view body) {
   SKYQUILT_TRY_ASSIGN(const ordered_json parsed, ParseObject(body));
-  FlightFields fields;
+  storage::FlightChange fields;
   for (const auto& [field, value] : parsed.items()) {
-    if (field != "name" && field != "options") return UnknownField(field);
-    if (field == "options" && value.is_object() && value.contains("place")) {
-      return Error{ErrorCode::kUnprocessable,
-                   "The option \"place\" moves the map that there is, once: give it to a job "
-                   "(POST /api/v1/flights/{flight}/jobs), not to the flight.",
-                   ""};
+    if (field == "name") {
+      SKYQUILT_TRY_ASSIGN(fields.name, CheckedName(value));
+    } else if (field == "options") {
+      SKYQUILT_TRY_ASSIGN(fields.options, CheckedFlightOptions(value));
+    } else if (field == "tags") {
+      SKYQUILT_TRY_ASSIGN(fields.tags, CheckedTagList(value));
+    } else if (field == "keep") {
+      if (!value.is_boolean())
+        return Error{ErrorCode::kUnprocessable, "The field \"keep\" must be true or false.", ""};
+      fields.is_kept = value.get<bool>();
+    } else {
+      return UnknownField(field);
     }
-    SKYQUILT_TRY_ASSIGN(const std::string checked,
-                        field == "name" ? CheckedName(value) : CheckedOptions(value));
-    (field == "name" ? fields.name : fields.options) = checked;
   }
   return fields;
 }

@@ -53,12 +53,8 @@ std::string JsonString(std::string_view text);
 // "2026-11-21T04:55:03.123Z"
 std::string FormatTime(storage::Time time);
 
-struct FlightFields {
-  std::optional<std::string> name;
-  std::optional<std::string> options;  // checked, as compact JSON text
-};
-// The bodies of POST and PATCH /flights. An empty body counts as {}.
-Result<FlightFields> ParseFlightFields(std::string_view body);
+// The bodies of POST and PATCH /flights, checked; options as compact JSON text. An empty body counts as {}.
+Result<storage::FlightChange> ParseFlightFields(std::string_view body);
 // The body of POST /flights/{id}/jobs: {"options":{...},"priority":0}.
 struct JobRequest {
   std::optional<std::string> options;  // checked, as compact JSON text; absent: the flight's

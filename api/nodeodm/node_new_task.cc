@@ -81,7 +81,8 @@ Result<NewTask> NewTaskFrom(Service& service, const Request& request, const Node
   SKYQUILT_TRY(SetOutputs(NodeField(fields, "outputs"), task));
   task.name = NodeField(fields, "name");
   if (task.name.empty()) task.name = DefaultFlightName(storage::Now());
-  const Result<FlightFields> checked = ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
+  const Result<storage::FlightChange> checked =
+      ParseFlightFields(JsonObject({{"name", JsonString(task.name)}}));
   if (!checked) return checked.error();
   const std::string date = NodeField(fields, "dateCreated");
   task.created_ms = NodeNowMs();

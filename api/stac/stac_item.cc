@@ -45,6 +45,7 @@ ItemJson PropertiesOf(const storage::ShownFlight& map) {
                          {"created", created},
                          {"gsd", map.revision.gsd_m},
                          {"proj:epsg", 3857}};
+  if (!map.tags.empty()) properties["keywords"] = map.tags;
   if (const auto times = CaptureTimesOf(map.revision)) {
     properties["datetime"] = times->first;
     properties["start_datetime"] = times->first;

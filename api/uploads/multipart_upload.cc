@@ -103,13 +103,8 @@ class NewFlight final : public BodySink {
     if (name && !name->empty())
       members.emplace_back("name", JsonString(*name));  // an empty box means no name
     if (chosen) members.emplace_back("options", *chosen);
-    SKYQUILT_TRY_ASSIGN(const FlightFields fields, ParseFlightFields(JsonObject(members)));
-    if (fields.name) {
-      SKYQUILT_TRY(service_.catalogue.RenameFlight(flight_id_, *fields.name));
-    }
-    if (fields.options) {
-      SKYQUILT_TRY(service_.catalogue.SetFlightOptions(flight_id_, *fields.options));
-    }
+    SKYQUILT_TRY_ASSIGN(const storage::FlightChange fields, ParseFlightFields(JsonObject(members)));
+    if (fields.IsAny()) SKYQUILT_TRY(service_.catalogue.ChangeFlight(flight_id_, fields));
     return service_.queue.Add(flight_id_, fields.options.value_or("{}"), storage::Now(), {0, request_.owner});
   }
 
@@ -148,11 +143,12 @@ class FormAgain final : public BodySink {
 };
 
 Response MakeEmptyFlight(Service& service, const Request& request, const std::string& body) {
-  const Result<FlightFields> fields = ParseFlightFields(body);
+  const Result<storage::FlightChange> fields = ParseFlightFields(body);
   if (!fields) return Problem(fields.error(), request);
   const storage::Time now = storage::Now();
-  Result<storage::Flight> flight = service.catalogue.AddFlight(
-      fields->name.value_or(DefaultFlightName(now)), fields->options.value_or("{}"), now, request.owner);
+  Result<storage::Flight> flight =
+      service.catalogue.AddFlight(fields->name.value_or(DefaultFlightName(now)),
+                                  fields->options.value_or("{}"), now, request.owner, *fields);
   if (!flight) return Problem(flight.error(), request);
   FlightView view;
   view.flight = *std::move(flight);

@@ -215,8 +215,12 @@ Result<UploadedFlight> UploadFlight(const std::vector<flight::InputFile>& files,
   uploaded.flight_id = options.flight_id;
   progress.BeginStage("upload");
   if (uploaded.flight_id.empty()) {
-    SKYQUILT_TRY_ASSIGN(const json made, PostJson(client, "/api/v1/flights", {{"name", options.name}},
-                                                  options.flight_once_key));
+    json fields = {{"name", options.name}};
+    // Servers of before know neither: they are asked for nothing that nobody wants.
+    if (!options.tags.empty()) fields["tags"] = options.tags;
+    if (options.is_kept) fields["keep"] = true;
+    SKYQUILT_TRY_ASSIGN(const json made,
+                        PostJson(client, "/api/v1/flights", fields, options.flight_once_key));
     SKYQUILT_TRY_ASSIGN(uploaded.flight_id, TextAt(made, "id"));
   }
   on_flight(uploaded.flight_id);

@@ -16,8 +16,10 @@ namespace skyquilt::server {
 
 struct UploadOptions {
   ClientSettings server;
-  std::string name;       // of a new flight
-  std::string flight_id;  // of one that is there; empty: a new one
+  std::string name;               // of a new flight
+  std::vector<std::string> tags;  // of a new flight
+  bool is_kept = false;           // a new flight never goes to the trash by itself
+  std::string flight_id;          // of one that is there; empty: a new one
   bool makes_map = true;
   bool waits = true;
   // By which a flight or a job that is asked for again is known to be the same; empty: it is another.

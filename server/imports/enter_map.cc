@@ -37,9 +37,12 @@ Result<void> PutInPlace(const storage::OpenedDataFolder& opened, const fs::path&
 }  // namespace
 
 Result<std::string> EnterMap(const storage::OpenedDataFolder& opened, const fs::path& products,
-                             const std::string& name) {
+                             const std::string& name, const std::vector<std::string>& tags) {
   storage::Catalogue catalogue(*opened.db, storage::FlightRecords(opened.dir));
-  SKYQUILT_TRY_ASSIGN(const storage::Flight flight, catalogue.AddFlight(name, "{}", storage::Now()));
+  storage::FlightChange marks;
+  marks.tags = tags;
+  SKYQUILT_TRY_ASSIGN(const storage::Flight flight,
+                      catalogue.AddFlight(name, "{}", storage::Now(), "", marks));
   const Result<void> placed = PutInPlace(opened, products, flight.id);
   if (placed) return flight.id;
   // The flight is this call's own and was shown to nobody.

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "storage/folder/open_data_folder.h"
@@ -13,6 +14,6 @@ namespace skyquilt::server {
 
 // `products`: a folder on the same disk, which becomes the map's. The id of the flight.
 Result<std::string> EnterMap(const storage::OpenedDataFolder& opened, const std::filesystem::path& products,
-                             const std::string& name);
+                             const std::string& name, const std::vector<std::string>& tags);
 
 }  // namespace skyquilt::server

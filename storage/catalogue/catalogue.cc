@@ -5,6 +5,7 @@
 
 #include "core/base/try.h"
 #include "storage/db/ids.h"
+#include "storage/tags/flight_tags.h"
 
 namespace skyquilt::storage {
 namespace {
@@ -13,7 +14,8 @@ constexpr const char* kIsThere = "SELECT 1 FROM flight WHERE id=? AND deleted_us
 constexpr const char* kFlightColumns =
     "SELECT f.id, f.name, f.options, f.created_us, f.active_revision,"
     " (SELECT count(*) FROM file WHERE flight_id=f.id),"
-    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), f.owner FROM flight f ";
+    " (SELECT coalesce(sum(bytes),0) FROM file WHERE flight_id=f.id), f.owner, f.tags, f.is_kept"
+    " FROM flight f ";
 
 Error NoSuchFlight(const std::string& id) {
   return {ErrorCode::kNotFound, fmt::format("There is no flight {}.", id), ""};
@@ -29,6 +31,8 @@ Flight FlightFrom(const Statement& row) {
   flight.file_count = row.ColumnInt64(5);
   flight.bytes = row.ColumnInt64(6);
   flight.owner = row.ColumnText(7);
+  flight.tags = TagsFrom(row.ColumnText(8));
+  flight.is_kept = row.ColumnInt64(9) != 0;
   return flight;
 }
 
@@ -148,26 +152,32 @@ Result<void> Catalogue::Record(const std::string& flight_id, const StoredFile& f
 }
 
 Result<Flight> Catalogue::AddFlight(const std::string& name, const std::string& options, Time now,
-                                    const std::string& owner) {
+                                    const std::string& owner, const FlightChange& marks) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Statement insert,
-                      db->Prepare("INSERT INTO flight(id,name,created_us,options,owner) VALUES(?,?,?,?,?)"));
+                      db->Prepare("INSERT INTO flight(id,name,created_us,options,owner,tags,is_kept)"
+                                  " VALUES(?,?,?,?,?,?,?)"));
   Flight flight;
   flight.id = NewId();
   flight.name = name;
   flight.options = options;
   flight.created = now;
   flight.owner = owner;
+  flight.tags = marks.tags.value_or(std::vector<std::string>());
+  flight.is_kept = marks.is_kept.value_or(false);
   if (records_) {
     FlightRecord record;
+    record.tags = marks.tags;
+    record.is_kept = marks.is_kept;
     record.name = name;
     record.options = options;
     record.owner = owner;
     record.created = now;
     SKYQUILT_TRY(records_->Begin(flight.id, record));
   }
+  insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner);
   const Result<void> done =
-      insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(now)).Bind(4, options).Bind(5, owner).Run();
+      insert.Bind(6, TagsText(flight.tags)).Bind(7, static_cast<std::int64_t>(flight.is_kept)).Run();
   if (!done && records_) records_->Undo(flight.id);
   if (!done) return done.error();
   return flight;
@@ -199,41 +209,65 @@ Result<Flight> Catalogue::GetFlight(const std::string& id) const {
   return ReadFlight(*db, id);
 }
 
-Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::string>& cursor) const {
+Result<FlightPage> Catalogue::ListFlights(int limit, const std::optional<std::string>& cursor,
+                                          const std::optional<std::string>& tag) const {
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
       db->Prepare(
           std::string(kFlightColumns) +
-          "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL ORDER BY f.id DESC LIMIT ?2"));
+          "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL"
+          " AND (CAST(?3 AS TEXT) IS NULL OR replace(f.tags,?3,'')<>f.tags) ORDER BY f.id DESC LIMIT ?2"));
+  if (tag) {
+    query.Bind(3, TagsText({*tag}));
+  } else {
+    query.BindNull(3);
+  }
   FlightPage page;
   SKYQUILT_TRY_ASSIGN(page.next_cursor, ReadPage(query, limit, cursor, page.flights, FlightFrom,
                                                  [](const Flight& flight) { return flight.id; }));
   return page;
 }
 
-Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& name) {
+Result<void> Catalogue::ChangeFlight(const std::string& id, const FlightChange& change) {
   const auto db = db_.Lock();
   SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE flight SET name=? WHERE id=? AND deleted_us IS NULL"));
-  SKYQUILT_TRY(update.Bind(1, name).Bind(2, id).Run());
+                      db->Prepare("UPDATE flight SET name=coalesce(?2,name), options=coalesce(?3,options),"
+                                  " tags=coalesce(?4,tags), is_kept=coalesce(?5,is_kept)"
+                                  " WHERE id=?1 AND deleted_us IS NULL"));
+  const auto bind = [&](int parameter, const std::optional<std::string>& text) {
+    if (text) {
+      update.Bind(parameter, *text);
+    } else {
+      update.BindNull(parameter);
+    }
+  };
+  update.Bind(1, id);
+  bind(2, change.name);
+  bind(3, change.options);
+  bind(4, change.tags ? std::optional(TagsText(*change.tags)) : std::nullopt);
+  if (change.is_kept) {
+    update.Bind(5, static_cast<std::int64_t>(*change.is_kept));
+  } else {
+    update.BindNull(5);
+  }
+  SKYQUILT_TRY(update.Run());
   if (db->Changes() == 0) return NoSuchFlight(id);
   if (!records_) return {};
-  FlightRecord change;
-  change.name = name;
-  return records_->Change(id, change);
+  FlightRecord line;
+  line.name = change.name;
+  line.options = change.options;
+  line.tags = change.tags;
+  line.is_kept = change.is_kept;
+  return records_->Change(id, line);
+}
+
+Result<void> Catalogue::RenameFlight(const std::string& id, const std::string& name) {
+  return ChangeFlight(id, {name, std::nullopt, std::nullopt, std::nullopt});
 }
 
 Result<void> Catalogue::SetFlightOptions(const std::string& id, const std::string& options) {
-  const auto db = db_.Lock();
-  SKYQUILT_TRY_ASSIGN(Statement update,
-                      db->Prepare("UPDATE flight SET options=? WHERE id=? AND deleted_us IS NULL"));
-  SKYQUILT_TRY(update.Bind(1, options).Bind(2, id).Run());
-  if (db->Changes() == 0) return NoSuchFlight(id);
-  if (!records_) return {};
-  FlightRecord change;
-  change.options = options;
-  return records_->Change(id, change);
+  return ChangeFlight(id, {std::nullopt, options, std::nullopt, std::nullopt});
 }
 
 Result<void> Catalogue::DeleteFlight(const std::string& id) {
@@ -387,7 +421,8 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
   {
     SKYQUILT_TRY_ASSIGN(
         Statement query,
-        db->Prepare("SELECT name, options, owner, created_us, deleted_us FROM flight WHERE id=?"));
+        db->Prepare(
+            "SELECT name, options, owner, created_us, deleted_us, tags, is_kept FROM flight WHERE id=?"));
     SKYQUILT_TRY_ASSIGN(const bool row, query.Bind(1, flight_id).Step());
     if (!row) return NoSuchFlight(flight_id);
     record.name = std::string(query.ColumnText(0));
@@ -395,6 +430,8 @@ Result<FlightRecord> Catalogue::RecordOf(const std::string& flight_id) const {
     record.owner = std::string(query.ColumnText(2));
     record.created = FromUs(query.ColumnInt64(3));
     if (!query.IsNull(4)) record.trashed = FromUs(query.ColumnInt64(4));
+    record.tags = TagsFrom(query.ColumnText(5));
+    record.is_kept = query.ColumnInt64(6) != 0;
   }
   SKYQUILT_TRY_ASSIGN(Statement query,
                       db->Prepare("SELECT stored_name, name, bytes, created_us FROM file WHERE flight_id=?"));
@@ -421,11 +458,12 @@ Result<MapPage> Catalogue::ListMaps(int limit, const std::optional<std::string>&
   const auto db = db_.Read();
   SKYQUILT_TRY_ASSIGN(
       Statement query,
-      db->Prepare(std::string("SELECT ") + kRevisionColumns + ", f.id, f.name" + kShownRevisions +
+      db->Prepare(std::string("SELECT ") + kRevisionColumns + ", f.id, f.name, f.tags" + kShownRevisions +
                   "WHERE (CAST(?1 AS TEXT) IS NULL OR f.id < ?1) AND f.deleted_us IS NULL "
                   "ORDER BY f.id DESC LIMIT ?2"));
   const auto map_from = [](const Statement& row) {
-    return ShownFlight{std::string(row.ColumnText(15)), std::string(row.ColumnText(16)), RevisionFrom(row)};
+    return ShownFlight{std::string(row.ColumnText(15)), std::string(row.ColumnText(16)), RevisionFrom(row),
+                       TagsFrom(row.ColumnText(17))};
   };
   MapPage page;
   SKYQUILT_TRY_ASSIGN(page.next_cursor, ReadPage(query, limit, cursor, page.maps, map_from,

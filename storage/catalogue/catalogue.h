@@ -25,7 +25,9 @@ struct Flight {
   std::int64_t file_count = 0;
   std::int64_t bytes = 0;
   std::optional<std::int64_t> active_revision;
-  std::string owner = {};  // id of the token that made it; empty without one
+  std::string owner = {};              // id of the token that made it; empty without one
+  std::vector<std::string> tags = {};  // storage/tags/flight_tags.h
+  bool is_kept = false;                // it never goes to the trash by itself
 };
 
 struct StoredFile {
@@ -63,6 +65,16 @@ struct ShownFlight {
   std::string flight_id;
   std::string name;
   Revision revision;
+  std::vector<std::string> tags = {};
+};
+
+// What is to become of a flight; the rest stays as it is.
+struct FlightChange {
+  std::optional<std::string> name, options;
+  std::optional<std::vector<std::string>> tags;  // checked (storage/tags/flight_tags.h)
+  std::optional<bool> is_kept;
+
+  bool IsAny() const { return name || options || tags || is_kept; }
 };
 
 struct MapPage {
@@ -83,16 +95,21 @@ class Catalogue {
       : db_(db), records_(std::move(records)) {}
 
   // `owner`: id of a token; empty where nobody showed one.
+  // `marks`: its tags and whether it is kept.
   Result<Flight> AddFlight(const std::string& name, const std::string& options, Time now,
-                           const std::string& owner = "");
+                           const std::string& owner = "", const FlightChange& marks = {});
   // What the flights of an owner hold, with the uploads that are still coming.
   Result<std::int64_t> BytesOf(const std::string& owner) const;
   Result<std::string> OwnerOf(const std::string& flight_id) const;
   Result<Flight> GetFlight(const std::string& id) const;
-  // Flights older than `cursor` (an id that an earlier page ended with), or the newest.
-  Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor) const;
+  // Flights older than `cursor` (an id that an earlier page ended with), or the newest; of these, with `tag`,
+  // those that have it.
+  Result<FlightPage> ListFlights(int limit, const std::optional<std::string>& cursor,
+                                 const std::optional<std::string>& tag = std::nullopt) const;
   // The same of the flights that show a map, each with it.
   Result<MapPage> ListMaps(int limit, const std::optional<std::string>& cursor) const;
+  // All of it or nothing.
+  Result<void> ChangeFlight(const std::string& id, const FlightChange& change);
   Result<void> RenameFlight(const std::string& id, const std::string& name);
   Result<void> SetFlightOptions(const std::string& id, const std::string& options);
   // For good, also from the trash. Files, revisions and jobs go with it; a worker that runs one of its jobs

@@ -10,6 +10,7 @@
 
 #include "core/base/try.h"
 #include "storage/db/statement.h"
+#include "storage/tags/flight_tags.h"
 #include "storage/uploads/photo_store.h"
 
 namespace skyquilt::storage {
@@ -48,8 +49,8 @@ Result<bool> HasRow(SqlConnection& db, std::string_view sql, std::string_view fi
 Result<void> InsertFlight(SqlConnection& db, const DiskFlight& flight, const FlightRecord& record, Time age) {
   SKYQUILT_TRY_ASSIGN(
       Statement insert,
-      db.Prepare(
-          "INSERT INTO flight(id,name,created_us,options,owner,deleted_us,deleted_age_us) VALUES(?,?,?,?,?,?,?)"));
+      db.Prepare("INSERT INTO flight(id,name,created_us,options,owner,deleted_us,deleted_age_us,tags,is_kept)"
+                 " VALUES(?,?,?,?,?,?,?,?,?)"));
   Time created = record.created.value_or(Time{});
   if (!record.created) {
     for (const DiskFile& file : flight.files) {
@@ -60,6 +61,8 @@ Result<void> InsertFlight(SqlConnection& db, const DiskFlight& flight, const Fli
   const std::string options = record.options.value_or("{}");
   const std::string owner = record.owner.value_or("");
   insert.Bind(1, flight.id).Bind(2, name).Bind(3, ToUs(created)).Bind(4, options).Bind(5, owner);
+  insert.Bind(8, TagsText(record.tags.value_or(std::vector<std::string>())));
+  insert.Bind(9, static_cast<std::int64_t>(record.is_kept.value_or(false)));
   if (record.trashed) {
     insert.Bind(6, ToUs(*record.trashed)).Bind(7, ToUs(age));
   } else {

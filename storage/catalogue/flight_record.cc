@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "storage/tags/flight_tags.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
@@ -36,6 +37,8 @@ Json FlightLine(const FlightRecord& record) {
   if (record.options) fields["options"] = *record.options;
   if (record.owner) fields["owner"] = *record.owner;
   if (record.created) fields["created_us"] = ToUs(*record.created);
+  if (record.tags) fields["tags"] = *record.tags;
+  if (record.is_kept) fields["keep"] = *record.is_kept;
   if (record.trashed) fields["trashed_us"] = ToUs(*record.trashed);
   return {{"flight", fields}};
 }
@@ -58,11 +61,23 @@ std::optional<std::int64_t> NumberOf(const Json& json, const char* key) {
   return json[key].get<std::int64_t>();
 }
 
+// What this version would not take as tags is none.
+std::vector<std::string> TagsOf(const Json& json) {
+  std::vector<std::string> tags;
+  for (const Json& tag : json) {
+    if (tag.is_string()) tags.push_back(tag.get<std::string>());
+  }
+  Result<std::vector<std::string>> checked = CheckedTags(std::move(tags));
+  return checked ? *std::move(checked) : std::vector<std::string>();
+}
+
 void TakeFlight(const Json& fields, FlightRecord& record) {
   if (auto name = TextOf(fields, "name")) record.name = std::move(name);
   if (auto options = TextOf(fields, "options")) record.options = std::move(options);
   if (auto owner = TextOf(fields, "owner")) record.owner = std::move(owner);
   if (const auto created = NumberOf(fields, "created_us")) record.created = FromUs(*created);
+  if (fields.contains("tags") && fields["tags"].is_array()) record.tags = TagsOf(fields["tags"]);
+  if (fields.contains("keep") && fields["keep"].is_boolean()) record.is_kept = fields["keep"].get<bool>();
   if (fields.contains("trashed_us")) {
     const auto trashed = NumberOf(fields, "trashed_us");
     record.trashed = trashed ? std::optional(FromUs(*trashed)) : std::nullopt;

@@ -1,9 +1,9 @@
 // FlightRecords: beside each flight's files a record of its own, flight.jsonl, from which the catalogue can
-// be made anew: the flight's name, options, owner and time, and under which name the user sent each stored
-// file. One line of JSON per change, only ever appended and fsynced before the change is said to be done, so
-// that a record is whole up to its last line whatever happens. Lines:
-//   {"flight": {"name": ..., "options": ..., "owner": ..., "created_us": ..., "trashed_us": ... or null}}
-//   (any of them)
+// be made anew: the flight's name, options, owner, time and tags, and under which name the user sent each
+// stored file. One line of JSON per change, only ever appended and fsynced before the change is said to be
+// done, so that a record is whole up to its last line whatever happens. Lines:
+//   {"flight": {"name": ..., "options": ..., "owner": ..., "created_us": ..., "tags": [...], "keep": ...,
+//   "trashed_us": ... or null}} (any of them)
 //   {"file": {"stored": ..., "name": ..., "bytes": ..., "created_us": ...}}
 //   {"removed": "<stored name>"}
 //   {"deleting": <time>}, then {"deleted": <time>}; any "flight" line later takes "deleting" back
@@ -17,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 #include "storage/db/clock.h"
@@ -39,10 +40,12 @@ struct RecordedFile {
 struct FlightRecord {
   std::optional<std::string> name, options, owner;
   std::optional<Time> created;
-  std::optional<Time> trashed;  // the user put the flight into the trash, where it still is
-  bool is_deleting = false;     // the catalogue was about to forget it
-  bool is_deleted = false;      // and did
-  bool is_whole = false;        // names every file that was ever accepted: no line is missing or damaged
+  std::optional<std::vector<std::string>> tags;  // storage/tags/flight_tags.h
+  std::optional<bool> is_kept;                   // it never goes to the trash by itself
+  std::optional<Time> trashed;                   // the user put the flight into the trash, where it still is
+  bool is_deleting = false;                      // the catalogue was about to forget it
+  bool is_deleted = false;                       // and did
+  bool is_whole = false;  // names every file that was ever accepted: no line is missing or damaged
   std::map<std::string, RecordedFile> files;  // by stored name
 };
 
@@ -61,7 +64,7 @@ class FlightRecords {
   bool Has(const std::string& flight_id) const;
   // Makes the flight's folder with its record in it, or writes the whole record anew.
   Result<void> Begin(const std::string& flight_id, const FlightRecord& record) const;
-  // What is set in `change` of name, options, owner and created.
+  // What is set in `change` of name, options, owner, created, tags and is_kept.
   Result<void> Change(const std::string& flight_id, const FlightRecord& change) const;
   Result<void> SetTrashed(const std::string& flight_id, std::optional<Time> trashed) const;
   Result<void> AddFile(const std::string& flight_id, const std::string& stored_name,

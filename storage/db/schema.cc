@@ -15,6 +15,7 @@ extern const std::string_view kCatalogue14To15;  // storage/db/steps/schema_15.s
 extern const std::string_view kCatalogue15To16;  // storage/db/steps/schema_16.sql
 extern const std::string_view kCatalogue16To17;  // storage/db/steps/schema_17.sql
 extern const std::string_view kCatalogue17To18;  // storage/db/steps/schema_18.sql
+extern const std::string_view kCatalogue18To19;  // storage/db/steps/schema_19.sql
 
 namespace {
 
@@ -62,6 +63,9 @@ Result<void> PrepareSchema(SqliteDb& db) {
   }
   if (version >= 13 && version <= 17) {
     SKYQUILT_TRY(db.Exec(std::string(kCatalogue17To18)));
+  }
+  if (version >= 13 && version <= 18) {
+    SKYQUILT_TRY(db.Exec(std::string(kCatalogue18To19)));
   }
   SKYQUILT_TRY(db.Exec(fmt::format("PRAGMA user_version={}", kSchemaVersion)));
   return transaction.Commit();

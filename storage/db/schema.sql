@@ -11,7 +11,9 @@ CREATE TABLE flight(
   next_revision INTEGER NOT NULL DEFAULT 1,
   owner TEXT NOT NULL DEFAULT '',              -- id of the token that made it; '' without one
   deleted_us INTEGER,                          -- by the machine's clock, for display; NULL: not in the trash
-  deleted_age_us INTEGER                       -- by the AgeClock: the days in the trash count from here
+  deleted_age_us INTEGER,                      -- by the AgeClock: the days in the trash count from here
+  tags TEXT NOT NULL DEFAULT '',               -- each between line breaks; see storage/tags/flight_tags.h
+  is_kept INTEGER NOT NULL DEFAULT 0           -- 1: it never goes to the trash by itself
 ) STRICT;
 CREATE INDEX flight_of_owner ON flight(owner);
 CREATE INDEX flight_in_trash ON flight(deleted_age_us) WHERE deleted_us IS NOT NULL;

@@ -17,12 +17,12 @@ constexpr int kFlightsAtATime = 200;
 // ?2: now, by which shares end. What stands for a flight's files and jobs in one text each says whether any
 // came, went or was replaced.
 constexpr const char* kLook =
-    "SELECT f.id, f.name, f.options, coalesce(f.active_revision,0) || ' ' || f.next_revision,"
+    "SELECT f.id, f.name, f.options || f.tags, coalesce(f.active_revision,0) || ' ' || f.next_revision,"
     " (SELECT count(*) || ' ' || coalesce(sum(bytes),0) || ' ' || coalesce(sum(created_us % 1000000000),0)"
     "  FROM file WHERE flight_id=f.id),"
     " (SELECT count(*) || ' ' || coalesce(max(id),'') || ' ' || coalesce(max(finished_us),0)"
     "  FROM job WHERE flight_id=f.id),"
-    " EXISTS(SELECT 1 FROM job WHERE flight_id=f.id AND state IN ('accepted','running'))"
+    " f.is_kept<>0 OR EXISTS(SELECT 1 FROM job WHERE flight_id=f.id AND state IN ('accepted','running'))"
     " OR EXISTS(SELECT 1 FROM upload WHERE flight_id=f.id AND is_done=0)"
     " OR EXISTS(SELECT 1 FROM map_export WHERE flight_id=f.id)"
     " OR EXISTS(SELECT 1 FROM token WHERE flight_id=f.id AND (expires_us IS NULL OR expires_us>?2)),"

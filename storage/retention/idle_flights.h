@@ -1,11 +1,11 @@
 // IdleFlights: since when nothing has changed in a flight. Look compares each flight with what was seen of
-// it before, and keeps in the table idle_flight since when it is so. A change is another name, other options,
-// a file added, replaced or removed (notes and control points are files), a job, another map. A flight is in
-// use while a job of it waits or runs, a resumable upload of it is open, an export of it exists, or a share
-// of it has not ended; it is then never idle, and its days begin when the use was last seen. Looking at a map
-// is neither. Days count by the AgeClock, and from the first Look on: no clock that is wrong makes a flight
-// idle. A flight that goes to the trash begins anew when it is restored. Any thread, any number of processes.
-// Errors: kOutOfSpace, kUnavailable, kIo.
+// it before, and keeps in the table idle_flight since when it is so. A change is another name, other options
+// or tags, a file added, replaced or removed (notes and control points are files), a job, another map. A
+// flight is in use while it is marked to be kept, a job of it waits or runs, a resumable upload of it is
+// open, an export of it exists, or a share of it has not ended; it is then never idle, and its days begin
+// when the use was last seen. Looking at a map is neither. Days count by the AgeClock, and from the first
+// Look on: no clock that is wrong makes a flight idle. A flight that goes to the trash begins anew when it is
+// restored. Any thread, any number of processes. Errors: kOutOfSpace, kUnavailable, kIo.
 #pragma once
 
 #include <chrono>

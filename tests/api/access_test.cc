@@ -43,7 +43,8 @@ TEST(Access, EveryRouteIsListedAndAsksForWhatItDoes) {
     // Another form of what the token may download anyway; it changes no flight.
     const bool is_export = pattern.starts_with("/api/v1/flights/{flight}/exports");
     // Questions too long for an address.
-    const bool is_question = pattern == "/stac/search" || pattern == "/api/v1/flights/{flight}/statistics";
+    const bool is_question = pattern == "/stac/search" || pattern == "/api/v1/flights/{flight}/heights" ||
+                             pattern == "/api/v1/flights/{flight}/statistics";
     if (method != Method::kGet && method != Method::kOptions && !only_refuses && !is_export && !is_question) {
       EXPECT_GE(scope, Scope::kUpload) << pattern;
     }
@@ -127,17 +128,17 @@ TEST(Access, TellsWhoAsksWhatItMayDo) {
   const auto told = [&](Headers headers, const std::string& query = "") {
     return sample.Get("/api/v1/access" + query, std::move(headers)).body;
   };
-  EXPECT_EQ(told({}), R"({"needs_token":false,"scope":"admin","flight":null})");
+  EXPECT_EQ(told({}), R"({"needs_token":false,"scope":"admin","flight":null,"keep_days":0})");
   const std::string flight = sample.NewFlight();
   for (const Scope scope : {Scope::kRead, Scope::kUpload, Scope::kAdmin}) {
     const std::string name = storage::ScopeName(scope);
     EXPECT_EQ(told(sample.MakeToken(name, scope)),
-              R"({"needs_token":true,"scope":")" + name + R"(","flight":null})");
+              R"({"needs_token":true,"scope":")" + name + R"(","flight":null,"keep_days":0})");
   }
   EXPECT_EQ(told(sample.MakeToken("share", Scope::kRead, {}, flight)),
-            R"({"needs_token":true,"scope":"read","flight":")" + flight + R"("})");
+            R"({"needs_token":true,"scope":"read","flight":")" + flight + R"(","keep_days":0})");
   const std::string text = MakeToken(sample, "in the address", Scope::kUpload);
-  EXPECT_EQ(told({}, "?token=" + text), R"({"needs_token":true,"scope":"read","flight":null})");
+  EXPECT_EQ(told({}, "?token=" + text), R"({"needs_token":true,"scope":"read","flight":null,"keep_days":0})");
   EXPECT_EQ(sample.Get("/api/v1/access").status, 401);
 }
 

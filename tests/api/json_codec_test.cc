@@ -94,6 +94,8 @@ TEST(ParseFlightFields, TakesWhatItKnows) {
   const auto fields = ParseFlightFields(
       R"({"name":"Field 3","options":{"gsd_m":0.1,"format":"webp","quality":90,"readout_ms":33}})");
   ASSERT_TRUE(fields);
+  EXPECT_FALSE(fields->tags);
+  EXPECT_FALSE(fields->is_kept);
   EXPECT_EQ(*fields->name, "Field 3");
   const auto options = ParseJobOptions(*fields->options);
   ASSERT_TRUE(options);
@@ -118,6 +120,14 @@ TEST(ParseJobOptions, TakesPlacesOfAMapForOneJob) {
   }
 }
 
+TEST(ParseFlightFields, TakesTagsAndTheMarkToBeKept) {
+  const auto fields = ParseFlightFields(R"({"tags":["north","maize","north"],"keep":true})");
+  ASSERT_TRUE(fields);
+  EXPECT_EQ(*fields->tags, (std::vector<std::string>{"maize", "north"}));
+  EXPECT_EQ(fields->is_kept, true);
+  EXPECT_TRUE(ParseFlightFields(R"({"tags":[],"keep":false})")->tags->empty());
+}
+
 class BadBodies : public testing::TestWithParam<std::string> {};
 
 TEST_P(BadBodies, AreRefused) {
@@ -131,7 +141,9 @@ TEST_P(BadBodies, AreRefused) {
 INSTANTIATE_TEST_SUITE_P(
     ParseFlightFields, BadBodies,
     testing::Values("{", "[]", "1", "\"x\"", R"({"nme":"x"})", R"({"name":1})", R"({"name":""})",
-                    "{\"name\":\"" + std::string(300, 'a') + "\"}", R"({"options":1})",
+                    R"({"tags":"maize"})", R"({"tags":[1]})", R"({"tags":[""]})", R"({"tags":["a,b"]})",
+                    R"({"tags":["a\nb"]})", R"({"tags":{"a":"b"}})", R"({"tags":null})", R"({"keep":1})",
+                    R"({"keep":null})", "{\"name\":\"" + std::string(300, 'a') + "\"}", R"({"options":1})",
                     R"({"options":{"gsd":1}})", R"({"options":{"gsd_m":0}})", R"({"options":{"gsd_m":-1}})",
                     R"({"options":{"gsd_m":1e400}})", R"({"options":{"gsd_m":"1"}})",
                     R"({"options":{"max_look_deg":80}})", R"({"options":{"max_look_deg":null}})",

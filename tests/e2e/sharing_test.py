@@ -58,7 +58,7 @@ class Sharing(ServerTestCase):
         self.assertIn("Retry-After", headers)
         self.assertEqual(server.request("GET", "/api/v1/flights", headers=small)[0], 200)
         _, _, told = server.request("GET", "/api/v1/access", headers=small)
-        self.assertEqual(json.loads(told), {"needs_token": True, "scope": "upload", "flight": None})
+        self.assertEqual(json.loads(told), {"needs_token": True, "scope": "upload", "flight": None, "keep_days": 0})
         as_json = {"Content-Type": "application/json"}
         _, _, body = server.request("POST", "/api/v1/flights", "{}", {**small, **as_json})
         files = f"/api/v1/flights/{json.loads(body)['id']}/files"

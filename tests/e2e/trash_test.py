@@ -149,11 +149,13 @@ class Trash(TrashCase):
         words = ("--workers", "0", "--keep-days", "30")
         server = self.serve("--workers", "0")
         idle, changed, busy = empty('A "quiet" field'), empty("changed"), self.new_flight(server, 1)[0]
+        kept = server.json("POST", "/api/v1/flights", {"name": "kept", "keep": True})[1]["id"]
+        self.assertEqual(server.json("GET", "/api/v1/access")[1]["keep_days"], 0)
         self.assertEqual(server.stop(), 0)
         self.assertEqual(seen(), [])
         # The first start with the option only begins to count.
         server = self.serve(*words)
-        wait_until(lambda: seen() == sorted([idle, changed, busy]), "the flights were not looked at")
+        wait_until(lambda: seen() == sorted([idle, changed, busy, kept]), "the flights were not looked at")
         self.assertEqual(self.trash_of(server)["flights"], [])
         self.assertEqual(server.json("PATCH", f"/api/v1/flights/{changed}", {"name": "renamed"})[0], 200)
         self.assertEqual(server.stop(), 0)
@@ -161,15 +163,15 @@ class Trash(TrashCase):
         server = self.serve(*words)
         wait_until(lambda: f"/api/v1/flights/{idle}/restore" in server.errors(), "it stayed, or the log is silent")
         self.assertIn("quiet", server.errors())
-        self.assertEqual([(kept["id"], kept["days_left"]) for kept in self.trash_of(server)["flights"]], [(idle, 30)])
-        self.assertEqual(sorted(self.flights_of(server)), sorted([changed, busy]))
+        self.assertEqual([(put["id"], put["days_left"]) for put in self.trash_of(server)["flights"]], [(idle, 30)])
+        self.assertEqual(sorted(self.flights_of(server)), sorted([changed, busy, kept]))
         self.assertEqual(server.json("POST", f"/api/v1/flights/{idle}/restore")[0], 200)
         self.assertEqual(server.stop(), 0)
         # Restored: its days begin anew. Those of the one that was renamed are over now.
         age(31)
         server = self.serve(*words)
         wait_until(lambda: [kept["id"] for kept in self.trash_of(server)["flights"]] == [changed], "it stayed")
-        wait_until(lambda: seen() == sorted([idle, busy]), "the restored one was not looked at")
+        wait_until(lambda: seen() == sorted([idle, busy, kept]), "the restored one was not looked at")
         self.assertEqual(server.stop(), 0)
         # Without the option nothing goes, and nothing is counted.
         age(31)

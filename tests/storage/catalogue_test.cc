@@ -49,6 +49,57 @@ TEST_F(CatalogueTest, PagesThroughAllFlightsOnceNewestFirst) {
   EXPECT_EQ(seen, made);
 }
 
+TEST_F(CatalogueTest, ChangesWhatIsSaidAndNothingElse) {
+  FlightChange marks;
+  marks.tags = {"maize", "north"};
+  const std::string id = catalogue_.AddFlight("field", "{}", Now(), "", marks)->id;
+  EXPECT_EQ(catalogue_.GetFlight(id)->tags, *marks.tags);
+  EXPECT_FALSE(catalogue_.GetFlight(id)->is_kept);
+  FlightChange keep;
+  keep.is_kept = true;
+  ASSERT_TRUE(catalogue_.ChangeFlight(id, keep));
+  ASSERT_TRUE(catalogue_.RenameFlight(id, "meadow"));
+  ASSERT_TRUE(catalogue_.SetFlightOptions(id, R"({"quality":80})"));
+  const Flight changed = *catalogue_.GetFlight(id);
+  EXPECT_EQ(changed.name, "meadow");
+  EXPECT_EQ(changed.options, R"({"quality":80})");
+  EXPECT_EQ(changed.tags, *marks.tags);
+  EXPECT_TRUE(changed.is_kept);
+  FlightChange none;
+  none.tags.emplace();
+  none.is_kept = false;
+  ASSERT_TRUE(catalogue_.ChangeFlight(id, none));
+  EXPECT_TRUE(catalogue_.GetFlight(id)->tags.empty());
+  EXPECT_FALSE(catalogue_.GetFlight(id)->is_kept);
+  EXPECT_EQ(catalogue_.ChangeFlight("01", keep).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(CatalogueTest, PagesThroughTheFlightsOfATag) {
+  const auto add = [&](std::vector<std::string> tags) {
+    FlightChange marks;
+    marks.tags = std::move(tags);
+    return catalogue_.AddFlight("f", "{}", Now(), "", marks)->id;
+  };
+  std::vector<std::string> maize;
+  for (int i = 0; i < 4; ++i) {
+    maize.push_back(add({"maize"}));
+    add({"maize, late", "mai"});
+    add({"Maize", "sweet maize"});
+    add({});
+  }
+  std::sort(maize.rbegin(), maize.rend());
+  std::vector<std::string> seen;
+  std::optional<std::string> cursor;
+  do {
+    const auto page = catalogue_.ListFlights(3, cursor, "maize");
+    ASSERT_TRUE(page) << page.error().detail;
+    for (const Flight& flight : page->flights) seen.push_back(flight.id);
+    cursor = page->next_cursor;
+  } while (cursor);
+  EXPECT_EQ(seen, maize);
+  EXPECT_TRUE(catalogue_.ListFlights(3, {}, "%")->flights.empty());
+}
+
 TEST_F(CatalogueTest, PagesThroughMapsWithWhatTheySay) {
   JobQueue queue(*db_);
   std::vector<std::string> with_map;

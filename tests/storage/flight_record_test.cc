@@ -43,6 +43,13 @@ TEST(FlightRecord, TellsAgainWhatWasWritten) {
   EXPECT_FALSE(read->files.at(first).is_removed);
   EXPECT_TRUE(read->files.at(second).is_removed);
   EXPECT_FALSE(read->is_deleted);
+  FlightRecord marks;
+  marks.tags = {"maize", "é"};
+  marks.is_kept = true;
+  ASSERT_TRUE(records.Change(id, marks));
+  EXPECT_EQ((*ReadFlightRecord(dir.Flight(id)))->tags, marks.tags);
+  EXPECT_EQ((*ReadFlightRecord(dir.Flight(id)))->is_kept, true);
+  EXPECT_EQ((*ReadFlightRecord(dir.Flight(id)))->name, "South");
   ASSERT_TRUE(records.Deleting(id, Now()));
   EXPECT_TRUE((*ReadFlightRecord(dir.Flight(id)))->is_deleting);
   ASSERT_TRUE(records.Change(id, {}));  // the deletion came to nothing

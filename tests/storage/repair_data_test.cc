@@ -50,6 +50,10 @@ Sample Fill(const fs::path& root) {
   sample.plain = catalogue.AddFlight("plain", "{}", Now())->id;
   Store(*opened, catalogue, sample.plain, "c.jpg");
   EXPECT_TRUE(catalogue.RenameFlight(sample.plain, "renamed"));
+  FlightChange marks;
+  marks.tags = {"maize", "north"};
+  marks.is_kept = true;
+  EXPECT_TRUE(catalogue.ChangeFlight(sample.plain, marks));
   sample.deleted = catalogue.AddFlight("deleted", "{}", Now())->id;
   Store(*opened, catalogue, sample.deleted, "d.jpg");
   EXPECT_TRUE(catalogue.DeleteFlight(sample.deleted));  // its folder stays likewise
@@ -75,6 +79,9 @@ void ExpectAllBack(const fs::path& root, const Sample& sample) {
               static_cast<std::uintmax_t>(file.bytes));
   }
   EXPECT_EQ(catalogue.GetFlight(sample.plain)->name, "renamed");
+  EXPECT_EQ(catalogue.GetFlight(sample.plain)->tags, (std::vector<std::string>{"maize", "north"}));
+  EXPECT_TRUE(catalogue.GetFlight(sample.plain)->is_kept);
+  EXPECT_FALSE(mapped->is_kept);
   EXPECT_EQ(catalogue.ListFiles(sample.plain)->at(0).name, "c.jpg");
   EXPECT_FALSE(*catalogue.HasFlight(sample.deleted));
   // The next map gets a number that none on disk has.

@@ -38,6 +38,26 @@ class SchemaTest : public testing::Test {
     EXPECT_TRUE(made) << made.error().detail;
     return db;
   }
+  // A catalogue of this version, made into one of an earlier by `undo`.
+  void ExpectToBeBroughtToThisOne(const char* undo) const {
+    std::string id;
+    {
+      const auto db = CatalogueDb::Open(path());
+      id = Catalogue(**db).AddFlight("f", "{}", Now())->id;
+    }
+    SqliteDb db = Make("");
+    const auto parts = Parts(db);
+    const auto undone = db.Exec(undo);
+    ASSERT_TRUE(undone) << undone.error().detail;
+    ASSERT_NE(Parts(db), parts);
+    const auto opened = CatalogueDb::OpenExisting(path());
+    ASSERT_TRUE(opened) << opened.error().detail;
+    EXPECT_EQ(Parts(db), parts);
+    const auto flight = Catalogue(**opened).GetFlight(id);
+    ASSERT_TRUE(flight);
+    EXPECT_TRUE(flight->tags.empty());
+    EXPECT_FALSE(flight->is_kept);
+  }
   std::filesystem::path path() const { return dir_.path() / "catalogue.db"; }
 
  private:
@@ -86,19 +106,14 @@ TEST_F(SchemaTest, OpensItsOwnCatalogueAgain) {
 }
 
 TEST_F(SchemaTest, BringsVersion17ToThisOneWithAllThatIsInIt) {
-  std::string id;
-  {
-    const auto db = CatalogueDb::Open(path());
-    id = Catalogue(**db).AddFlight("f", "{}", Now())->id;
-  }
-  SqliteDb db = Make("");
-  const auto parts = Parts(db);
-  ASSERT_TRUE(db.Exec("DROP TABLE idle_flight; PRAGMA user_version=17;"));
-  ASSERT_NE(Parts(db), parts);
-  const auto opened = CatalogueDb::OpenExisting(path());
-  ASSERT_TRUE(opened) << opened.error().detail;
-  EXPECT_EQ(Parts(db), parts);
-  EXPECT_TRUE(Catalogue(**opened).GetFlight(id));
+  ExpectToBeBroughtToThisOne(
+      "DROP TABLE idle_flight; ALTER TABLE flight DROP COLUMN tags;"
+      "ALTER TABLE flight DROP COLUMN is_kept; PRAGMA user_version=17;");
+}
+
+TEST_F(SchemaTest, BringsVersion18ToThisOneWithAllThatIsInIt) {
+  ExpectToBeBroughtToThisOne(
+      "ALTER TABLE flight DROP COLUMN tags; ALTER TABLE flight DROP COLUMN is_kept; PRAGMA user_version=18;");
 }
 
 TEST_F(SchemaTest, RefusesOlderAndNewerVersionsAndLeavesThemAsTheyAre) {

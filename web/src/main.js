@@ -14,7 +14,7 @@ import { overviewMap, placeOf } from './home/overview_map.js';
 import { clipName, formatDate } from './shared/format.js';
 import { icon } from './shared/icons.js';
 import { keepLanguage, kLanguages, language } from './shared/language.js';
-import { go, watchRoute } from './shared/router.js';
+import { go, routeHash, watchRoute } from './shared/router.js';
 import { strings } from './shared/strings.js';
 import { dropZone, holdsUploads, isUploading, uploadOf } from './upload/drop_zone.js';
 
@@ -61,6 +61,8 @@ const list = flightList({
   remove: (flight) => void remove(flight).catch(showError),
   on_shown: (flights) => overview.show(flights),
   on_point: (flight) => overview.point(flight?.id ?? ''),
+  // In place of the address that is there: a step back leaves the list rather than one choice.
+  on_tags: (tags) => history.replaceState(null, '', routeHash({ view: 'home', tags })),
 });
 const overview = overviewMap({ on_point: list.point });
 const bar_button = (/** @type {string} */ id, /** @type {string} */ label, /** @type {() => void} */ run) =>
@@ -151,7 +153,7 @@ async function remove(flight) {
   if (!(await deleteWithUndo(flight, () => void refreshList()))) return;
   focus_list = true;
   if (open_view?.id === flight.id) {
-    go({ view: 'home' });
+    go({ view: 'home', tags: list.tags() });
     return;
   }
   await refreshList();
@@ -210,11 +212,15 @@ async function defaultName({ chosen }) {
   return strings.flights.default_name(formatDate(new Date(taken_ms).toISOString(), { time_zone: taken_s === null ? undefined : 'UTC' }));
 }
 
+const homeHash = () => routeHash({ view: 'home', tags: list.tags() });
+
 /** @param {Route} route */
 function show(route) {
   const keeps_view = route.view !== 'home' && open_view?.id === route.id;
   document.body.dataset.view = route.view === 'home' ? 'home' : 'flight';
   welcome.hidden = route.view !== 'home';
+  // From a flight the way back leads to the list as it was.
+  byId('home-link').setAttribute('href', route.view === 'home' ? '#/' : homeHash());
   if (!keeps_view) {
     open_view?.close();
     open_view = null;
@@ -224,6 +230,7 @@ function show(route) {
     if (parts) parts.stage.hide();
     else byId('map-area').hidden = true;
     document.title = 'Skyquilt';
+    list.choose(route.tags ?? []);
     put(panel_body, list.element);
     focusList();
     void refreshList();
@@ -247,6 +254,8 @@ async function openFlight(route) {
       remove: (flight) => void remove(flight).catch(showError),
       share: showShareDialog,
       add_photos: pickers.choose_folder,
+      home: homeHash,
+      tags: list.known_tags,
       show_map: sheet.close,
       on_flight: (flight) => {
         byId('panel').setAttribute('aria-label', flight.name);

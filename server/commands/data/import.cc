@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "core/base/scoped_folder.h"
 #include "server/commands/fail.h"
@@ -15,6 +16,7 @@
 #include "server/imports/import_map.h"
 #include "storage/folder/elsewhere/settle_blobs.h"
 #include "storage/folder/open_data_folder.h"
+#include "storage/tags/flight_tags.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::server {
@@ -28,6 +30,7 @@ struct ImportArguments {
   fs::path file;
   fs::path data_dir;
   ImportOptions options;
+  std::vector<std::string> tags;
 };
 
 // Below incoming/, under a name that says it is temporary and ours; gone at the end unless it became a map.
@@ -62,6 +65,8 @@ storage::OpenedDataFolder OpenForImport(const fs::path& data_dir) {
 void Run(ImportArguments& arguments) {
   ImportOptions& options = arguments.options;
   if (options.title.empty()) options.title = arguments.file.stem().string();
+  auto tags = storage::CheckedTags(arguments.tags);
+  if (!tags) Fail(kImportCommand, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
   const storage::OpenedDataFolder opened = OpenForImport(arguments.data_dir);
   const ImportFolder folder(opened.dir);
   const Result<pipeline::MosaicReport> report = [&] {
@@ -69,7 +74,7 @@ void Run(ImportArguments& arguments) {
     return ImportMap(arguments.file, folder.path(), options, progress);
   }();
   if (!report) Fail(kImportCommand, report.error());
-  const Result<std::string> flight_id = EnterMap(opened, folder.path(), options.title);
+  const Result<std::string> flight_id = EnterMap(opened, folder.path(), options.title, *tags);
   if (!flight_id) Fail(kImportCommand, flight_id.error());
   fmt::print("{:.2f} ha at {:.3g} cm a pixel, {} tiles of zoom {} to {}\nflight {}\n", report->area_m2 / 1e4,
              report->gsd_m * 100.0, report->tile_count, report->min_zoom, report->max_zoom, *flight_id);
@@ -95,6 +100,10 @@ void AddImportCommand(CLI::App& app) {
                    "Data folder of \"serve\", which must not be running; made where it is missing")
       ->required();
   command->add_option("--name", arguments->options.title, "Name of the flight (default: that of the file)");
+  command
+      ->add_option("--tag", arguments->tags,
+                   "Word by which the flight is found again; may be given several times")
+      ->allow_extra_args(false);
   command
       ->add_option("--quality", arguments->options.quality,
                    "JPEG quality of tiles that are made from a GeoTIFF")

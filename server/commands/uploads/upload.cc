@@ -13,6 +13,7 @@
 #include "server/client/upload_flight.h"
 #include "server/commands/fail.h"
 #include "server/commands/terminal_progress.h"
+#include "storage/tags/flight_tags.h"
 
 namespace skyquilt::server {
 namespace {
@@ -45,6 +46,8 @@ void Run(UploadArguments& arguments) {
          {ErrorCode::kInvalidArgument,
           options.server.url + " is no address of a server; one looks like http://127.0.0.1:8080.", ""});
   }
+  const auto tags = storage::CheckedTags(options.tags);
+  if (!tags) Fail(kCommandName, {ErrorCode::kInvalidArgument, "--tag: " + tags.error().message, ""});
   options.waits = !arguments.no_wait;
   std::string flight_id;
   const Result<UploadedFlight> uploaded = [&] {
@@ -76,6 +79,12 @@ void AddUploadCommand(CLI::App& app) {
   command->add_option("--token", arguments->options.server.token, "Token, where the server asks for one")
       ->envname("SKYQUILT_TOKEN");
   command->add_option("--name", arguments->options.name, "Name of the flight (default: that of the folder)");
+  command
+      ->add_option("--tag", arguments->options.tags,
+                   "Word by which a new flight is found again; may be given several times")
+      ->allow_extra_args(false);
+  command->add_flag("--keep", arguments->options.is_kept,
+                    "A new flight is to be kept: \"serve --keep-days\" never puts it into the trash");
   command->add_option("--flight", arguments->options.flight_id,
                       "Id of a flight that is there: what it lacks is sent");
   command

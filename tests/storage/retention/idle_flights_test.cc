@@ -72,6 +72,11 @@ TEST_F(IdleFlightsTest, EveryChangeBeginsAnew) {
   ExpectToBeginAnewAfter("name", [&] { ASSERT_TRUE(catalogue_.RenameFlight(flight_, "meadow")); });
   ExpectToBeginAnewAfter("options",
                          [&] { ASSERT_TRUE(catalogue_.SetFlightOptions(flight_, R"({"format":"png"})")); });
+  ExpectToBeginAnewAfter("tags", [&] {
+    FlightChange change;
+    change.tags = {"maize"};
+    ASSERT_TRUE(catalogue_.ChangeFlight(flight_, change));
+  });
   ExpectToBeginAnewAfter("file", [&] {
     ASSERT_TRUE(catalogue_.AddFile(flight_, {"map_notes.geojson", "notes1", 9}, Now()));
   });
@@ -90,6 +95,25 @@ TEST_F(IdleFlightsTest, EveryChangeBeginsAnew) {
     ASSERT_TRUE(trash_.Put(flight_, Now()));
     ASSERT_TRUE(trash_.Restore(flight_));
   });
+}
+
+TEST_F(IdleFlightsTest, OneThatIsMarkedIsKept) {
+  FlightChange change;
+  IdleOn(0);
+  change.is_kept = true;
+  ASSERT_TRUE(catalogue_.ChangeFlight(flight_, change));
+  EXPECT_FALSE(PutOn(30));
+  EXPECT_TRUE(IdleOn(30).empty());
+  EXPECT_TRUE(IdleOn(300).empty());
+  change.is_kept = false;
+  ASSERT_TRUE(catalogue_.ChangeFlight(flight_, change));
+  // Its days begin with the last look that found it marked.
+  EXPECT_FALSE(PutOn(329));
+  EXPECT_EQ(IdleOn(330), std::vector<std::string>{flight_});
+  // Between the look and the transaction.
+  change.is_kept = true;
+  ASSERT_TRUE(catalogue_.ChangeFlight(flight_, change));
+  EXPECT_FALSE(PutOn(331));
 }
 
 TEST_F(IdleFlightsTest, AJobThatWaitsOrRunsKeepsItsFlight) {
@@ -197,12 +221,27 @@ TEST_F(IdleFlightsTest, ForgetsAndBeginsAnew) {
 // As a server of the version before left it.
 TEST_F(IdleFlightsTest, ACatalogueOfVersion17GetsItsTable) {
   ASSERT_TRUE(db_->Lock()->Exec("DROP TABLE idle_flight"));
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN tags"));
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN is_kept"));
   ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=17"
                                                 : "PRAGMA user_version=17"));
   const auto reopened = OpenTestCatalogue(data_.Catalogue());
   ASSERT_TRUE(reopened) << reopened.error().message << reopened.error().detail;
   EXPECT_EQ(Catalogue(**reopened).GetFlight(flight_)->name, "field");
   EXPECT_TRUE(IdleOn(0).empty());
+  EXPECT_EQ(IdleOn(30), std::vector<std::string>{flight_});
+}
+
+TEST_F(IdleFlightsTest, DaysOfACatalogueOfVersion18GoOnAsTheyWere) {
+  IdleOn(0);
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN tags"));
+  ASSERT_TRUE(db_->Lock()->Exec("ALTER TABLE flight DROP COLUMN is_kept"));
+  ASSERT_TRUE(db_->Lock()->Exec(TestsPostgres() ? "UPDATE catalogue_version SET version=18"
+                                                : "PRAGMA user_version=18"));
+  const auto reopened = OpenTestCatalogue(data_.Catalogue());
+  ASSERT_TRUE(reopened) << reopened.error().message << reopened.error().detail;
+  EXPECT_TRUE(Catalogue(**reopened).GetFlight(flight_)->tags.empty());
+  EXPECT_FALSE(Catalogue(**reopened).GetFlight(flight_)->is_kept);
   EXPECT_EQ(IdleOn(30), std::vector<std::string>{flight_});
 }
 

@@ -12,6 +12,7 @@ import { gzipSync } from 'node:zlib';
 import { tilePosition } from '../../../web/src/map/tile_addresses.js';
 import { boundsOf, moveByPairs, photosGeoJson, reportOf } from './mock_flight.js';
 import { answerExports } from './mock_exports.js';
+import { heightsOf } from './mock_heights.js';
 import { answerIndices, index_facts, indexTile } from './mock_indices.js';
 import { mockTus } from './mock_tus.js';
 import { countrysidePicture, countrysideTile, encodePng } from './tile_picture.js';
@@ -34,7 +35,7 @@ export const security_headers = {
 const stages = ['read', 'pose', 'align', 'expose', 'render', 'export'];
 
 /**
- * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, page_limit?: number}} [options] upload_ms: time each file takes at least;
+ * @param {{port?: number, job_ms?: number, upload_ms?: number, basemap_makers?: string, has_tokens?: boolean, scope?: 'read'|'upload'|'admin', trash_days?: number, keep_days?: number, is_whole?: boolean, is_unplaced?: boolean, has_indices?: boolean, page_limit?: number}} [options] upload_ms: time each file takes at least;
  *   basemap_makers: there is a basemap, of theirs; has_tokens: it asks for tokens where flights are shared; scope: what
  *   every token may do; page_limit: flights in one answer, few so that paging is used; is_whole: maps have all photos; is_unplaced: they lie nowhere until they are placed
  */
@@ -61,7 +62,7 @@ export async function startMockServer(options = {}) {
 
   function addFlight(name) {
     const flight = {
-      id: newId(), name, created_at: new Date(Date.UTC(2026, 4, 12, 9, 30 + counter)).toISOString(), files: new Map(), shares: [],
+      id: newId(), name, created_at: new Date(Date.UTC(2026, 4, 12, 9, 30 + counter)).toISOString(), files: new Map(), shares: [], tags: /** @type {string[]} */ ([]), keep: false,
       job: null, ready: false, captured: { first: '2026-05-12T09:31:00+02:00', last: '2026-05-12T09:31:34+02:00' },
       verdict: { photos_by_images: 0, gsd_m: 0.0173, area_m2: 24_310, expected_seconds: 21, left_out: [], warnings: [] }, revision: null, error: null,
       place: { lon: 7.4391, lat: 46.9512, half_m: 105, season: counter },
@@ -120,7 +121,7 @@ export async function startMockServer(options = {}) {
       bytes: [...flight.files.values()].reduce((a, b) => a + b, 0), revision: flight.revision, job,
       bounds: report?.bounds ?? null, georeferenced: report ? report.bounds.some((/** @type {number} */ degrees) => Math.abs(degrees) >= 0.1) : null, min_zoom: report?.min_zoom ?? null, max_zoom: report?.max_zoom ?? null,
       photos: report?.photos ?? null, captured: flight.ready ? flight.captured : null, gsd_m: report?.gsd_m ?? null,
-      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, may_change: flight.may_change ?? options.scope !== 'read',
+      tilejson: flight.ready ? `/tiles/${flight.id}.json` : null, preview: null, error: flight.error, tags: flight.tags, keep: flight.keep, may_change: flight.may_change ?? options.scope !== 'read',
     };
   }
 
@@ -167,7 +168,7 @@ export async function startMockServer(options = {}) {
       await readBody();
       return problem(403, 'Forbidden', 'This token may not do that: it needs the scope "upload".');
     }
-    if (path === '/api/v1/access') return send(200, { needs_token: Boolean(options.has_tokens), scope: options.scope ?? 'admin', flight: null });
+    if (path === '/api/v1/access') return send(200, { needs_token: Boolean(options.has_tokens), scope: options.scope ?? 'admin', flight: null, keep_days: options.keep_days ?? 0 });
     if (path === '/basemap.json') {
       if (!options.basemap_makers) return send(200, { tilejson: '3.0.0', tiles: [] });
       return send(200, { tilejson: '3.0.0', tiles: [`http://${request.headers.host}/basemap.png?{z}/{x}/{y}`], attribution: options.basemap_makers });
@@ -218,7 +219,7 @@ export async function startMockServer(options = {}) {
         return problem(404, 'No such flight', 'This flight does not exist.');
       }
       if (rest === '' && request.method === 'PATCH') {
-        flight.name = JSON.parse((await readBody()).toString()).name;
+        Object.assign(flight, JSON.parse((await readBody()).toString()));
         return send(200, flightJson(flight));
       }
       if (rest === '' && request.method === 'DELETE') {
@@ -227,6 +228,11 @@ export async function startMockServer(options = {}) {
         return send(204, null);
       }
       if (rest === '') return send(200, flightJson(flight));
+      if (rest === '/heights') {
+        flight.asked_heights = (flight.asked_heights ?? 0) + 1;
+        const found = heightsOf(flight, JSON.parse((await readBody()).toString()));
+        return found ? send(200, found) : problem(404, 'Not found', 'This map knows no heights.');
+      }
       if (rest === '/verdict') {
         const photos = [...flight.files.keys()].filter((name) => /\.jpg$/i.test(name)).length;
         return send(200, { photos_readable: photos, photos_placeable: photos, ...flight.verdict });

@@ -9,6 +9,7 @@ import { flightFacts, isImported, mayChange, stateChip } from './flight_words.js
 import { chosenOptions } from './job_options.js';
 import { askOptions, lastOptions, optionsButton } from './options_dialog.js';
 import { flightActions } from './flight_actions.js';
+import { tagRow } from './flight_tags.js';
 import { followFlight } from './follow_flight.js';
 import { icon } from '../shared/icons.js';
 import { isOver, watchJob } from './job_watch.js';
@@ -28,6 +29,8 @@ import { waitingView } from './waiting_view.js';
  * @property {(flight: Flight) => void} remove
  * @property {(flight: Flight) => void} share
  * @property {() => void} add_photos
+ * @property {() => string} home address of the list, as it was left
+ * @property {() => string[]} tags of all flights of the list, as far as they are known
  * @property {() => void} show_map it is going to be worked on
  * @property {(flight: Flight) => void} on_flight called with each new state of the flight
  */
@@ -67,7 +70,7 @@ export class FlightView {
     this.stage = stage;
     this.actions = actions;
     this.element.append(
-      h('a', { class: 'back-link', href: '#/' }, icon('back'), strings.flights.back),
+      h('a', { class: 'back-link', href: actions.home() }, icon('back'), strings.flights.back),
       this.#head,
       this.#work,
       this.#result,
@@ -159,6 +162,10 @@ export class FlightView {
         ),
       ),
       h('p', { class: 'flight-facts' }, stateChip(flight), ' ', flightFacts(flight)),
+      tagRow(flight, this.actions.tags, (changed) => {
+        Object.assign(flight, { tags: changed.tags, keep: changed.keep });
+        this.drawHead(flight);
+      }),
       flight.tilejson && flightActions(flight, this.actions.share, () => this.stage.outlines()),
     );
     if (focused) document.getElementById(focused)?.focus();

@@ -1,4 +1,4 @@
-// The list of flights in the panel: open, rename, delete; states that change are redrawn in place. A flight's picture is
+// The list of flights in the panel: open, rename, delete, search and tags; states that change are redrawn in place. A flight's picture is
 // fetched when its row comes into sight.
 /** @import { Flight } from '../shared/types.js' */
 import { h, put } from '../shared/dom.js';
@@ -7,7 +7,7 @@ import { mayChange, shortFacts, stateChip } from '../flight/flight_words.js';
 import { thumbnailPath } from '../shared/api.js';
 import { icon } from '../shared/icons.js';
 import { routeHash } from '../shared/router.js';
-import { nameOrder } from '../shared/language.js';
+import { nameOrder, number } from '../shared/language.js';
 import { strings } from '../shared/strings.js';
 
 // Letters that are no letter with a mark to Unicode, as one types them without.
@@ -22,10 +22,10 @@ export const plain = (text) => text.normalize('NFKD').replace(/\p{M}/gu, '').toL
 
 /**
  * @param {Flight} flight
- * @param {string} query words that must all be in its name or its date
+ * @param {string} query words that must all be in its name, its tags or its date
  */
 export function matches(flight, query) {
-  const text = plain(`${flight.name} ${flight.captured ? `${formatCaptureDay(flight.captured)} ${flight.captured.first.slice(0, 10)}` : ''}`);
+  const text = plain(`${[flight.name, ...(flight.tags ?? [])].join(' ')} ${flight.captured ? `${formatCaptureDay(flight.captured)} ${flight.captured.first.slice(0, 10)}` : ''}`);
   return plain(query).split(/\s+/).every((word) => text.includes(word));
 }
 
@@ -53,9 +53,10 @@ const kFilteredFrom = 6;
 
 /**
  * @param {{rename: (flight: Flight) => void, remove: (flight: Flight) => void, on_shown: (flights: Flight[]) => void,
- *          on_point: (flight: Flight|null) => void}} actions on_shown: those that the search leaves; on_point: the
- *   pointer or the focus is on one
- * @returns {{element: HTMLElement, update: (flights: Flight[]|null, error?: string) => void, point: (id: string) => void}}
+ *          on_point: (flight: Flight|null) => void, on_tags: (tags: string[]) => void}} actions on_shown: those that the
+ *   search leaves; on_point: the pointer or the focus is on one; on_tags: these tags are chosen now
+ * @returns {{element: HTMLElement, update: (flights: Flight[]|null, error?: string) => void, point: (id: string) => void,
+ *            tags: () => string[], known_tags: () => string[], choose: (tags: string[]) => void}}
  */
 export function flightList(actions) {
   /** @type {Map<string, {row: HTMLLIElement, shown: string, picture: HTMLElement, drawn: string}>} */
@@ -86,6 +87,10 @@ export function flightList(actions) {
   const kept = localStorage.getItem(kOrder) ?? '';
   if (kept in orders) order.value = kept;
   const filters = h('div', { class: 'filters' }, search, order);
+  const tag_filter = tagFilter((tags) => {
+    choose(tags);
+    actions.on_tags(tags);
+  });
   const in_sight = new IntersectionObserver(
     (entries) => {
       for (const { isIntersecting, target } of entries) {
@@ -100,6 +105,7 @@ export function flightList(actions) {
     { class: 'flight-list', 'aria-labelledby': 'flights-heading' },
     h('h1', { class: 'list-heading', id: 'flights-heading', tabindex: -1 }, strings.flights.heading),
     filters,
+    tag_filter.element,
     list,
     message,
   );
@@ -107,8 +113,15 @@ export function flightList(actions) {
   let flights = null;
   let failure = '';
 
+  const choose = (/** @type {string[]} */ tags) => {
+    tag_filter.choose(tags);
+    redraw();
+  };
+
   const redraw = () => {
-    const shown = (flights ?? []).filter((flight) => matches(flight, search.value.trim())).sort(orders[/** @type {keyof typeof orders} */ (order.value)]);
+    const chosen = tag_filter.chosen();
+    tag_filter.update(flights ?? []);
+    const shown = (flights ?? []).filter((flight) => hasTags(flight, chosen) && matches(flight, search.value.trim())).sort(orders[/** @type {keyof typeof orders} */ (order.value)]);
     const kept_ids = new Set(shown.map(({ id }) => id));
     filters.hidden = (flights?.length ?? 0) < kFilteredFrom;
     actions.on_shown(shown);
@@ -130,7 +143,7 @@ export function flightList(actions) {
   /** @param {Flight} flight @returns {HTMLLIElement} */
   const rowOf = (flight) => {
     const chip = stateChip(flight);
-    const picture = JSON.stringify([flight.name, shortFacts(flight), chip.className, chip.textContent]);
+    const picture = JSON.stringify([flight.name, flight.tags, shortFacts(flight), chip.className, chip.textContent]);
     let entry = rows.get(flight.id);
     if (!entry) {
       entry = { row: h('li'), shown: '', picture: h('span', { class: 'thumb', 'aria-hidden': 'true' }), drawn: '' };
@@ -150,7 +163,7 @@ export function flightList(actions) {
           { class: 'flight-link', href: routeHash({ view: 'flight', id: flight.id }) },
           entry.picture,
           h('span', { class: 'flight-text' }, h('span', { class: 'flight-name' }, flight.name),
-            ...shortFacts(flight).map((line) => h('span', { class: 'flight-facts' }, line)), chip),
+            ...shortFacts(flight).map((line) => h('span', { class: 'flight-facts' }, line)), chip, rowTags(flight)),
         ),
         h(
           'span',
@@ -178,6 +191,9 @@ export function flightList(actions) {
       failure = error;
       redraw();
     },
+    tags: tag_filter.chosen,
+    known_tags: () => tagCounts(flights ?? [], []).map(([tag]) => tag),
+    choose,
     point(id) {
       for (const [own, { row }] of rows) row.classList.toggle('pointed', own === id);
     },
@@ -195,4 +211,67 @@ function showPicture(place) {
 /** @param {string} name @param {string} label @param {() => void} run */
 function action(name, label, run) {
   return h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: label, on: { click: run } }, icon(name));
+}
+
+const kRowTags = 4;  // of a flight's tags in its row
+
+/** @param {Flight} flight @param {string[]} chosen @returns {boolean} whether it has all of them */
+export const hasTags = (flight, chosen) => chosen.every((tag) => flight.tags?.includes(tag));
+
+/**
+ * @param {Flight[]} flights
+ * @param {string[]} chosen counted as well where no flight has them: they can be taken back
+ * @returns {[string, number][]} each tag with how many flights have it, the most used first
+ */
+export function tagCounts(flights, chosen) {
+  /** @type {Map<string, number>} */
+  const counts = new Map(chosen.map((tag) => [tag, 0]));
+  for (const tag of flights.flatMap(({ tags }) => tags ?? [])) counts.set(tag, (counts.get(tag) ?? 0) + 1);
+  return [...counts].sort(([a, count_a], [b, count_b]) => count_b - count_a || nameOrder().compare(a, b));
+}
+
+/** The tags of one flight in its row. @param {Flight} flight @returns {HTMLElement|null} */
+export function rowTags({ tags = [] }) {
+  if (tags.length === 0) return null;
+  const rest = tags.length - kRowTags;
+  return h('span', { class: 'tags' }, ...tags.slice(0, kRowTags).map((tag) => h('span', { class: 'tag' }, tag)), rest > 0 && h('span', { class: 'tag tag-more' }, `+${number(rest)}`));
+}
+
+/**
+ * @param {(chosen: string[]) => void} on_change
+ * @returns {{element: HTMLElement, chosen: () => string[], choose: (tags: string[]) => void, update: (flights: Flight[]) => void}}
+ */
+export function tagFilter(on_change) {
+  const element = h('div', { class: 'tag-filter', id: 'tag-filter', role: 'group', 'aria-label': strings.flights.tags_filter, hidden: true });
+  /** @type {string[]} */
+  let chosen = [];
+  let drawn = '';
+  return {
+    element,
+    chosen: () => chosen,
+    choose(tags) {
+      chosen = tags;
+    },
+    update(flights) {
+      const counts = tagCounts(flights, chosen);
+      const picture = JSON.stringify([counts, chosen]);
+      if (picture === drawn) return;
+      drawn = picture;
+      const focused = element.contains(document.activeElement) ? document.activeElement?.getAttribute('data-tag') : null;
+      element.hidden = counts.length === 0;
+      put(
+        element,
+        ...counts.map(([tag, count]) => {
+          const is_chosen = chosen.includes(tag);
+          const toggle = () => on_change(is_chosen ? chosen.filter((other) => other !== tag) : [...chosen, tag]);
+          return h(
+            'button',
+            { type: 'button', class: 'tag tag-button', 'data-tag': tag, 'aria-pressed': String(is_chosen), on: { click: toggle } },
+            h('span', { class: 'tag-word' }, tag), ' ', h('span', { class: 'tag-count' }, number(count)),
+          );
+        }),
+      );
+      if (focused !== null) /** @type {HTMLElement|undefined} */ ([...element.children].find((button) => button.getAttribute('data-tag') === focused))?.focus();
+    },
+  };
 }

@@ -9,6 +9,7 @@ import { h } from '../shared/dom.js';
 import { saveText } from '../flight/connect_files.js';
 import { geodesicLength, pathLength, polygonArea } from './geodesy.js';
 import { icon } from '../shared/icons.js';
+import { heightProfile } from '../heights/height_profile.js';
 import { measureLayers } from './map_style.js';
 import { measureMarks } from './measure_marks.js';
 import { measurementGeoJson, measurementGpx, measurementKml, polygonOf } from './measurement_files.js';
@@ -67,6 +68,7 @@ export function measureTool(view, listener) {
     button('KML', () => save('kml'), 'measure-kml'),
     button('GPX', () => save('gpx'), 'measure-gpx'),
   );
+  const heights = heightProfile(view);
   /** @type {Keeper|null} */
   let keeper = null;
   const keep_button = button(strings.notes.keep, () => keep(), 'measure-keep');
@@ -85,6 +87,7 @@ export function measureTool(view, listener) {
     h('div', { class: 'row' }, button(words.add, () => add([view.map.getCenter().lng, view.map.getCenter().lat])), undo_button, button(words.clear, () => change([]))),
     saving,
     keep_button,
+    heights.element,
   );
   const cross = h('div', { class: 'centre-cross', 'aria-hidden': 'true', hidden: true });
   const marks = measureMarks(view, {
@@ -93,7 +96,10 @@ export function measureTool(view, listener) {
       places[index] = place;
       draw(false);
     },
-    on_drop: () => tell(),
+    on_drop: () => {
+      showHeights();
+      tell();
+    },
     on_remove: (index) => change(places.filter((_, i) => i !== index)),
   });
 
@@ -108,12 +114,15 @@ export function measureTool(view, listener) {
     if (isCrossing()) announce(words.crossing);
     else if (result.textContent) announce(result.textContent);
   };
+  const showHeights = () => heights.show(kind === 'distance' ? [...places] : [], units);
+  /** @param {boolean} [tells] false: while a point is dragged */
   const draw = (tells = true) => {
     const source = view.map.getSource('measure');
     if (source) /** @type {any} */ (source).setData(drawing(places, kind ?? 'distance'));
     const is_ring = kind === 'area' && places.length > 2;
     const ends = is_ring ? [...places, places[0]] : places;
     marks.show(places, ends.slice(1).map((to, i) => ({ from: ends[i], to, text: lengthIn(geodesicLength(ends[i], to), units) })));
+    if (tells) showHeights();
     if (!kind) return;
     const found = measured();
     const is_crossing = isCrossing();
@@ -205,6 +214,7 @@ export function measureTool(view, listener) {
       keeper = next;
       draw(false);
     },
+    ofFlight: heights.of,
     /** @param {MeasureKind} next */
     start(next) {
       if (kind === next) {

@@ -291,6 +291,7 @@ export class Stage {
     this.#parts?.card.close();
     this.#parts?.place.end();  // its points are on another map
     if (is_new) this.#parts?.measure.end();
+    this.#parts?.measure.ofFlight(is_preview ? null : flight);
     const fits = this.#fits_next;
     this.#fits_next = false;
     await view.showMosaic(tilejson, bounds, is_preview, flight.id);

@@ -1,5 +1,5 @@
 // The server's HTTP API, one function a request. Every failure is an ApiError whose message can be shown.
-/** @import { Access, Flight, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
+/** @import { Access, Flight, GroundProfile, Job, MapExport, PhotoCollection, Report, ServerVerdict, Share, Sighting, StoredFile, TileJson, Trash } from './types.js' */
 import { kFallback, language } from './language.js';
 import { at } from './router.js';
 import { strings } from './strings.js';
@@ -153,10 +153,22 @@ export async function mayUpload() {
 }
 
 /** @param {string} id @param {string} name @returns {Promise<Flight>} */
-export const renameFlight = (id, name) => request('PATCH', flight_path(id), { name });
+export const renameFlight = (id, name) => changeFlight(id, { name });
+
+/** @param {string} id @param {{name?: string, tags?: string[], keep?: boolean}} change @returns {Promise<Flight>} */
+export const changeFlight = (id, change) => request('PATCH', flight_path(id), change);
 
 /** Into the trash, where the server keeps one. @param {string} id @returns {Promise<null>} */
 export const deleteFlight = (id) => request('DELETE', flight_path(id));
+
+/**
+ * The ground's height along a line.
+ * @param {string} id
+ * @param {[number, number][]} places
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<GroundProfile>} fails with 404 where the map knows no heights
+ */
+export const getHeights = (id, places, signal) => request('POST', `${flight_path(id)}/heights`, { type: 'LineString', coordinates: places }, signal);
 
 /** @param {AbortSignal} [signal] @returns {Promise<Trash>} */
 export const getTrash = (signal) => request('GET', '/api/v1/trash', undefined, signal);

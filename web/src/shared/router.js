@@ -2,7 +2,7 @@
 // on its host this server lies: at the root, or below a path that a proxy gives it ("/skyquilt").
 
 /**
- * @typedef {{view: 'home'}
+ * @typedef {{view: 'home', tags?: string[]}
  *   | {view: 'flight', id: string}
  *   | {view: 'compare', id: string, other: string}} Route
  */
@@ -17,7 +17,7 @@ export function parseRoute(hash) {
     if (parts[2] === 'compare' && parts[3]) return { view: 'compare', id: parts[1], other: parts[3] };
     return { view: 'flight', id: parts[1] };
   }
-  return { view: 'home' };
+  return { view: 'home', tags: new URLSearchParams(hash.split('?')[1] ?? '').getAll('tag') };
 }
 
 /** @param {string} part @returns {string} */
@@ -34,7 +34,7 @@ function decode(part) {
  * @returns {string}
  */
 export function routeHash(route) {
-  if (route.view === 'home') return '#/';
+  if (route.view === 'home') return route.tags?.length ? `#/?${new URLSearchParams(route.tags.map((tag) => ['tag', tag]))}` : '#/';
   const flight = `#/flights/${encodeURIComponent(route.id)}`;
   return route.view === 'compare' ? `${flight}/compare/${encodeURIComponent(route.other)}` : flight;
 }

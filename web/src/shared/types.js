@@ -45,6 +45,8 @@
  * @property {PhotoCounts|null} [photos]
  * @property {Captured|null} [captured] when the photos in the map were taken; null where that is not known
  * @property {number|null} [gsd_m]
+ * @property {string[]} [tags]
+ * @property {boolean} [keep] the server never puts it into the trash by itself
  * @property {string|null} [tilejson]
  * @property {Preview|null} [preview] until there is a map
  * @property {ServerError|string|null} [error]
@@ -59,7 +61,8 @@
 
 /**
  * What who asks may do here.
- * @typedef {{needs_token: boolean, scope: 'read'|'upload'|'admin', flight: string|null}} Access
+ * @typedef {{needs_token: boolean, scope: 'read'|'upload'|'admin', flight: string|null, keep_days?: number}} Access keep_days: after
+ *   which the server puts a flight that nobody changes into the trash; 0: never
  */
 
 /**
@@ -73,6 +76,22 @@
  * @property {number} expected_seconds
  * @property {LeftOut[]} left_out
  * @property {string[]} warnings
+ */
+
+/**
+ * @typedef {{distance_m: number, lon: number, lat: number, height_m: number|null}} ProfileSample height_m: null beside the map
+ */
+
+/**
+ * The ground along a line.
+ * @typedef {object} GroundProfile
+ * @property {'plane'|'grid'} ground plane: the map was made on level ground
+ * @property {number} length_m
+ * @property {number|null} lowest_m null where no sample has a height
+ * @property {number|null} highest_m
+ * @property {number} climb_m
+ * @property {number} descent_m
+ * @property {ProfileSample[]} samples
  */
 
 /** @typedef {{id: string, created_at: string, expires_at: string|null}} Share */

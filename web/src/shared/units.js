@@ -44,6 +44,22 @@ export function lengthIn(metres, units) {
   return feet < kMile_ft ? `${fixed(feet, feet < 100 ? 2 : 1)}\u00a0ft` : `${fixed(feet / kMile_ft, 3)}\u00a0mi`;
 }
 
+/** Metres in what heights are told in. @param {Units} units */
+export const metresPer = (units) => (units === 'metric' ? 1 : kFoot_m);
+
+/**
+ * A height, or a difference of two: to a decimetre, more than which no ground is known.
+ * @param {number} metres
+ * @param {Units} units
+ * @param {number[]} [among] whose values, in metres, it has to be told from
+ */
+export function heightIn(metres, units, among = []) {
+  const per_m = metresPer(units);
+  const is_whole = among.length > 0 && among.every((value) => Math.abs(value / per_m - Math.round(value / per_m)) < 1e-6);
+  const value = Number((metres / per_m).toFixed(1)) + 0;  // no minus before a zero
+  return `${fixed(value, is_whole ? 0 : 1)}\u00a0${units === 'metric' ? 'm' : 'ft'}`;
+}
+
 /** @param {number} square_metres @param {Units} units */
 export function areaIn(square_metres, units) {
   if (units === 'metric') return formatArea(square_metres);

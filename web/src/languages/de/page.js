@@ -46,6 +46,7 @@ export const page_words = {
     order: 'Sortieren nach',
     orders: { taken: 'Aufnahmedatum', newest: 'Hochgeladen', name: 'Name', area: 'Fläche' },
     uploaded: (date) => `hochgeladen am ${date}`,
+    tags_filter: 'Nur Flüge mit diesen Schlagwörtern zeigen',
     no_match: 'Keine passenden Flüge.',
     open: (name) => `${name} öffnen`,
     photos: (n) => count(n, photos),

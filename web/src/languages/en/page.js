@@ -45,6 +45,7 @@ export const page_words = {
     order: 'Sort by',
     orders: { taken: 'Date captured', newest: 'Date uploaded', name: 'Name', area: 'Area' },
     uploaded: (/** @type {string} */ date) => `uploaded ${date}`,
+    tags_filter: 'Show only flights with these tags',
     no_match: 'No flights match.',
     open: (/** @type {string} */ name) => `Open ${name}`,
     photos: (/** @type {number} */ n) => count(n, { one: 'photo', other: 'photos' }),

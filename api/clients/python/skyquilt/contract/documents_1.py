@@ -59,6 +59,10 @@ class JobOptions(TypedDict, total=False):
 class FlightFields(TypedDict, total=False):
     name: str
     options: JobOptions
+    # All of its tags; an empty list takes them off. Upper and lower case differ; no commas, no spaces at the ends
+    tags: List[str]
+    # true: never put it into the trash by itself (serve --keep-days)
+    keep: bool
 
 
 class JobError(TypedDict):
@@ -120,6 +124,10 @@ class FlightForSure(TypedDict):
     created_at: str
     file_count: int
     bytes: int
+    # Words by which it is found again, in the order of their bytes
+    tags: List[str]
+    # Whether it is to be kept: the server never puts it into the trash by itself (serve --keep-days)
+    keep: bool
     revision: Optional[int]
     job: Optional[Job]
     # west, south, east, north
@@ -332,6 +340,34 @@ class PointOfMap(PointOfMapForSure, total=False):
     index: PointOfMapIndex
 
 
+class GroundProfileSamplesItem(TypedDict):
+    # From the line's beginning
+    distance_m: float
+    lon: float
+    lat: float
+    # null beside the map
+    height_m: Optional[float]
+
+
+class GroundProfile(TypedDict):
+    revision: int
+    # plane: the map was rendered on level ground, so that all heights are the same
+    ground: Literal['plane', 'grid']
+    # Of the grid; null of a plane
+    cell_m: Optional[float]
+    # Of the line, along the ellipsoid
+    length_m: float
+    # The longest between two samples
+    step_m: float
+    # null: the line meets no ground that the map knows
+    lowest_m: Optional[float]
+    highest_m: Optional[float]
+    # The sum of what goes up from sample to sample
+    climb_m: float
+    descent_m: float
+    samples: List[GroundProfileSamplesItem]
+
+
 class MapStatisticsBandsItem(TypedDict):
     name: str
     min: Optional[float]
@@ -397,38 +433,3 @@ class ControlMark(TypedDict):
     x: float
     # Row in pixels; the centre of the first is 0
     y: float
-
-
-class ControlPointForSure(TypedDict):
-    """What ControlPoint always has."""
-    name: str
-    # East or longitude, in the reference system
-    x: float
-    # North or latitude, in the reference system
-    y: float
-
-
-class ControlPoint(ControlPointForSure, total=False):
-    # In the unit of the reference system; null where it was not surveyed
-    height: Optional[float]
-    # Degrees east; said by the server, and not read
-    lon: float
-    # Degrees north; said by the server, and not read
-    lat: float
-    marks: List[ControlMark]
-
-
-class ControlPointsForSure(TypedDict):
-    """What ControlPoints always has."""
-    points: List[ControlPoint]
-
-
-class ControlPoints(ControlPointsForSure, total=False):
-    # Of x, y and height, as a gcp_list.txt names it in its first line: EPSG:32611, WGS84 UTM 11N, +proj=...
-    reference_system: str
-    # Said by the server: rows of the list that were left out, and why
-    warnings: List[str]
-
-
-class NotePosition(TypedDict, total=False):
-    """Longitude and latitude in degrees of WGS84."""

@@ -17,7 +17,7 @@ class Flights(Calls):
                                                         path={"flight": flight}))
 
     def change_flight(self, flight: str, body: models.FlightFields) -> models.Flight:
-        """Rename a flight or set its options."""
+        """Rename a flight, set its options or tags, mark it to be kept."""
         return cast("models.Flight", self._send("PATCH", "/api/v1/flights/{flight}", json_body=body,
                                                 path={"flight": flight}))
 
@@ -50,6 +50,14 @@ class Flights(Calls):
         points with words, measured lines and areas."""
         return cast("models.MapNotes", self._send("GET", "/api/v1/flights/{flight}/notes", path={"flight": flight}))
 
+    def ground_heights(self, flight: str, body: Dict[str, Any]) -> models.GroundProfile:
+        """The ground's height along a line. Heights of the ground that the map was rendered on, as its alignment or an
+        elevation model says, at even steps along the line and at its corners. Metres above the ellipsoid WGS 84 as
+        the flight's records have it, as /point has them: what lies between two places of one map is much more
+        accurate than where zero lies. A map that was imported, or made before cameras were kept, knows none (404)."""
+        return cast("models.GroundProfile", self._send("POST", "/api/v1/flights/{flight}/heights", json_body=body,
+                                                       path={"flight": flight}))
+
     def ground_of_pixel(self, flight: str, name: str, x: float, y: float) -> models.GroundOfPixelAnswer:
         """Where a photo's pixel lies."""
         return cast("models.GroundOfPixelAnswer", self._send("GET", "/api/v1/flights/{flight}/photos/{name}/ground",
@@ -67,10 +75,11 @@ class Flights(Calls):
         """What is in the files, what is missing, what a map of them will be and cost; before any map is made."""
         return cast("Dict[str, Any]", self._send("GET", "/api/v1/flights/{flight}/verdict", path={"flight": flight}))
 
-    def list_flights(self, *, limit: Optional[int] = None, cursor: Optional[str] = None) -> models.ListFlightsAnswer:
+    def list_flights(self, *, limit: Optional[int] = None, cursor: Optional[str] = None,
+                     tag: Optional[str] = None) -> models.ListFlightsAnswer:
         """Flights, newest first."""
         return cast("models.ListFlightsAnswer", self._send("GET", "/api/v1/flights",
-                                                           query={"limit": limit, "cursor": cursor}))
+                                                           query={"limit": limit, "cursor": cursor, "tag": tag}))
 
     def list_shares(self, flight: str) -> models.ListSharesAnswer:
         """The shares of a flight that have not ended. For the token that made the flight, and those of scope admin."""

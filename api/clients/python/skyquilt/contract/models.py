@@ -6,6 +6,41 @@ from typing import Any, Dict, List, Literal, Optional, TypedDict, Union
 from .documents_1 import *  # noqa: F401,F403
 
 
+class ControlPointForSure(TypedDict):
+    """What ControlPoint always has."""
+    name: str
+    # East or longitude, in the reference system
+    x: float
+    # North or latitude, in the reference system
+    y: float
+
+
+class ControlPoint(ControlPointForSure, total=False):
+    # In the unit of the reference system; null where it was not surveyed
+    height: Optional[float]
+    # Degrees east; said by the server, and not read
+    lon: float
+    # Degrees north; said by the server, and not read
+    lat: float
+    marks: List[ControlMark]
+
+
+class ControlPointsForSure(TypedDict):
+    """What ControlPoints always has."""
+    points: List[ControlPoint]
+
+
+class ControlPoints(ControlPointsForSure, total=False):
+    # Of x, y and height, as a gcp_list.txt names it in its first line: EPSG:32611, WGS84 UTM 11N, +proj=...
+    reference_system: str
+    # Said by the server: rows of the list that were left out, and why
+    warnings: List[str]
+
+
+class NotePosition(TypedDict, total=False):
+    """Longitude and latitude in degrees of WGS84."""
+
+
 class MapNoteGeometry(TypedDict):
     type: Literal['Point']
     coordinates: NotePosition
@@ -128,6 +163,8 @@ class GetAccessAnswer(TypedDict):
     scope: Literal['read', 'upload', 'admin']
     # The one flight that the token opens; null for all
     flight: Optional[str]
+    # After how many days the server puts a flight that nobody changes into the trash; 0: never
+    keep_days: int
 
 
 class GroundOfPixelAnswer(TypedDict):

@@ -1,0 +1,110 @@
+// The tags of the open flight, where they can be changed: one is added by a word and Enter, taken off by its cross. Where
+// the server puts old flights into the trash, whether this one is to be kept.
+/** @import { Flight } from '../shared/types.js' */
+import { showError } from '../shared/announce.js';
+import { changeFlight, ownAccess } from '../shared/api.js';
+import { h } from '../shared/dom.js';
+import { icon } from '../shared/icons.js';
+import { strings } from '../shared/flight_strings.js';
+import { mayChange } from './flight_words.js';
+
+export const kMaxTags = 20;
+const kMaxLength = 40;
+
+/**
+ * What is typed as tags: words with commas between them.
+ * @param {string} text
+ * @returns {string[]} each once, none empty
+ */
+export const typedTags = (text) => [...new Set(text.split(/[,;\n]/).map((tag) => tag.trim().replace(/\s+/g, ' ')).filter(Boolean))];
+
+/**
+ * @param {Flight} flight
+ * @param {() => string[]} known tags of other flights, to be proposed
+ * @param {(changed: Flight) => void} on_change
+ * @returns {HTMLElement|null} null where there is nothing to see and nothing to change
+ */
+export function tagRow(flight, known, on_change) {
+  const words = strings.tags;
+  const tags = flight.tags ?? [];
+  const may_change = mayChange(flight);
+  if (!may_change && tags.length === 0) return null;
+  /** @param {{tags?: string[], keep?: boolean}} change @param {string} focus id of what takes the focus when it is done */
+  const save = async (change, focus) => {
+    try {
+      on_change(await changeFlight(flight.id, change));
+      await ownAccess();  // the switch is there again
+    } catch (error) {
+      showError(error);
+    }
+    document.getElementById(focus)?.focus();
+  };
+  const chip = (/** @type {string} */ tag) => {
+    if (!may_change) return h('li', { class: 'tag' }, tag);
+    const label = words.remove(tag);
+    const cross = h('button', { type: 'button', class: 'tag-remove no-print', 'aria-label': label, title: label }, icon('close'));
+    cross.addEventListener('click', () => void save({ tags: tags.filter((other) => other !== tag) }, 'tag-add'));
+    return h('li', { class: 'tag' }, h('span', { class: 'tag-word' }, tag), cross);
+  };
+  const list = h('ul', { class: 'tags', id: 'flight-tags', 'aria-label': words.heading }, ...tags.map(chip));
+  const row = h('div', { class: 'flight-tags' }, list);
+  if (may_change && tags.length < kMaxTags) {
+    const add = h('button', { type: 'button', class: 'tag tag-button no-print', id: 'tag-add' }, icon('plus'), words.add);
+    add.addEventListener('click', () => askTag(flight, add, known().filter((tag) => !tags.includes(tag)), (typed) => save({ tags: [...new Set([...tags, ...typed])].slice(0, kMaxTags) }, 'tag-add')));
+    row.append(add);
+  }
+  if (may_change) void ownAccess().then((access) => (access?.keep_days || flight.keep) && row.after(keepSwitch(flight, access?.keep_days ?? 0, (keep) => save({ keep }, 'flight-keep'))));
+  return row;
+}
+
+/**
+ * A field in the button's place.
+ * @param {Flight} flight
+ * @param {HTMLButtonElement} add
+ * @param {string[]} proposed
+ * @param {(tags: string[]) => Promise<void>} on_tags
+ */
+function askTag(flight, add, proposed, on_tags) {
+  const words = strings.tags;
+  const input = h('input', { type: 'text', class: 'field tag-input', id: 'tag-input', maxlength: kMaxLength, 'aria-label': words.add_label(flight.name), placeholder: words.placeholder, list: 'tag-proposals', autocomplete: 'off', enterkeyhint: 'done' });
+  const form = h('form', { class: 'tag-form no-print' }, input, h('datalist', { id: 'tag-proposals' }, ...proposed.map((value) => h('option', { value }))));
+  let is_over = false;
+  const end = (/** @type {boolean} */ takes) => {
+    if (is_over) return;
+    is_over = true;
+    const typed = takes ? typedTags(input.value) : [];
+    form.replaceWith(add);
+    if (typed.length > 0) void on_tags(typed);
+    else add.focus();
+  };
+  form.addEventListener('submit', (event) => {
+    event.preventDefault();
+    end(true);
+  });
+  input.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    event.stopPropagation();
+    end(false);
+  });
+  // What was typed is not lost to a click elsewhere.
+  input.addEventListener('blur', () => end(true));
+  add.replaceWith(form);
+  input.focus();
+}
+
+/**
+ * @param {Flight} flight
+ * @param {number} keep_days of the server
+ * @param {(keep: boolean) => Promise<void>} on_keep
+ */
+function keepSwitch(flight, keep_days, on_keep) {
+  const words = strings.tags;
+  const input = h('input', { type: 'checkbox', id: 'flight-keep', checked: Boolean(flight.keep), 'aria-describedby': 'flight-keep-hint' });
+  input.addEventListener('change', () => void on_keep(input.checked));
+  return h(
+    'div',
+    { class: 'flight-keep no-print' },
+    h('label', { class: 'check', for: 'flight-keep' }, input, h('span', {}, words.keep)),
+    h('small', { class: 'muted', id: 'flight-keep-hint' }, keep_days ? words.keep_hint(keep_days) : words.keep_no_need),
+  );
+}
