@@ -25,6 +25,7 @@
 #include "storage/catalogue/tokens.h"
 #include "storage/catalogue/trash.h"
 #include "storage/catalogue/webhooks.h"
+#include "storage/exports/laid/laid_maps.h"
 #include "storage/jobs/job_queue.h"
 #include "storage/jobs/map_exports.h"
 #include "storage/rasters/band_rasters.h"
@@ -60,6 +61,7 @@ struct Service {
   int keep_days = 0;  // after which a flight that nobody changes goes to the trash; 0: never
   storage::PreviewCache preview_cache{store.dir(), previews};
   storage::MadeTiles made_tiles{};
+  storage::LaidMaps laid_maps{};
   TileFactsMemory tile_facts{};
   storage::BandRasters band_rasters{};
   storage::Webhooks webhooks{db};

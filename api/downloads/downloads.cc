@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
 #include <vector>
 
+#include "api/downloads/laid_product.h"
 #include "api/downloads/send_file.h"
 #include "api/downloads/small_picture.h"
 #include "api/downloads/zip_layout.h"
@@ -33,13 +36,25 @@ Result<Response> OfShownMap(Service& service, const std::string& flight_id,
   }
 }
 
+bool IsLaid(const std::string& name) {
+  return std::find(std::begin(kLaidProducts), std::end(kLaidProducts), name) != std::end(kLaidProducts);
+}
+
+// The file that the map has, as maps of earlier versions do; else what is laid out over its tiles.
+Result<Response> SendProduct(Service& service, const Request& request, const ShownMap& map,
+                             const std::string& id, const Product& product) {
+  Result<Response> sent =
+      SendBlob(request, service.store.blobs(), map.prefix + product.file, product.content_type,
+               fmt::format("\"{}-r{}-{}\"", id, map.revision, product.file));
+  if (sent || sent.error().code != ErrorCode::kNotFound || !IsLaid(product.file)) return sent;
+  SKYQUILT_TRY_ASSIGN(const storage::OpenLaid laid, OpenLaidProduct(service, map.prefix, product.file));
+  return SendLaid(request, laid, product.content_type);
+}
+
 Result<Response> Send(Service& service, const Request& request, const Product& product) {
   const std::string& id = request.Parameter("flight");
   return OfShownMap(service, id, [&](const ShownMap& map) -> Result<Response> {
-    SKYQUILT_TRY_ASSIGN(
-        Response sent,
-        SendBlob(request, service.store.blobs(), map.prefix + product.file, product.content_type,
-                 fmt::format("\"{}-r{}-{}\"", id, map.revision, product.file)));
+    SKYQUILT_TRY_ASSIGN(Response sent, SendProduct(service, request, map, id, product));
     if (product.extension != nullptr && sent.status != 304) {
       sent.headers.Add("Content-Disposition", Disposition(map.flight_name, product.extension));
     }
@@ -55,7 +70,7 @@ Response SendThumbnail(Service& service, const Request& request) {
   return sent ? *std::move(sent) : DownloadProblem(sent.error(), request);
 }
 
-// Everything that the map's folder has, as one archive.
+// Everything that the map's folder has, and what is laid out over its tiles, as one archive.
 Result<Response> SendAll(Service& service, const Request& request) {
   const std::string& id = request.Parameter("flight");
   SKYQUILT_TRY_ASSIGN(const ShownMap map, FindShownMap(service, id));
@@ -66,14 +81,23 @@ Result<Response> SendAll(Service& service, const Request& request) {
     std::string name = product.key.substr(map.prefix.size());
     if (name.find('/') != std::string::npos) continue;
     SKYQUILT_TRY_ASSIGN(storage::LocalBlob file, service.store.blobs().Local(product.key));
-    entries.push_back({std::move(name), "", file.path});
+    entries.push_back({std::move(name), "", file.path, {}});
     files.push_back(std::move(file));
+  }
+  const auto has = [&](const std::string& name) {
+    return std::any_of(entries.begin(), entries.end(),
+                       [&](const ZipEntry& entry) { return entry.name == name; });
+  };
+  for (const char* name : kLaidProducts) {
+    if (has(name) || !has("mosaic.mbtiles")) continue;
+    SKYQUILT_TRY_ASSIGN(storage::OpenLaid laid, OpenLaidProduct(service, map.prefix, name));
+    entries.push_back({name, "", {}, std::move(laid)});
   }
   if (entries.empty()) return Error{ErrorCode::kNotFound, "The map was replaced this moment. Ask again.", ""};
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
   const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
   Result<Response> sent =
-      SendParts(request, layout->length, "application/zip", fmt::format("\"{}-r{}-zip\"", id, map.revision),
+      SendParts(request, layout->length, "application/zip", ZipEtag(*layout),
                 [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
   if (!sent) return sent.error();
   sent->headers.Add("Content-Disposition", Disposition(map.flight_name, "zip"));

@@ -8,12 +8,16 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <tuple>
 #include <utility>
 
+#include "api/downloads/laid_product.h"
+#include "api/http/etag.h"
 #include "core/base/check.h"
+#include "core/base/parallel_for.h"
 #include "core/base/try.h"
 
 namespace skyquilt::api {
@@ -89,6 +93,49 @@ Result<Measured> MeasureFile(const std::filesystem::path& path) {
   if (known.size() >= kMaxKnown) known.clear();
   known[identity] = measured.crc;
   return measured;
+}
+
+Result<Measured> MeasureLaid(const storage::OpenLaid& laid) {
+  static std::mutex mutex;
+  static std::map<std::string, std::uint32_t> known;
+  Measured measured;
+  measured.size = laid.file->length();
+  {
+    const std::lock_guard lock(mutex);
+    const auto found = known.find(laid.identity);
+    if (found != known.end()) measured.crc = found->second;
+    if (found != known.end()) return measured;
+  }
+  const auto add = [](uLong crc, const std::string& bytes) {
+    return crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  };
+  uLong crc = add(crc32(0, nullptr, 0), laid.file->head());
+  std::optional<Error> failure;
+  constexpr std::size_t kWindow = 32;
+  ParallelOrdered<Result<std::string>>(
+      laid.file->PieceCount(), 0, kWindow,
+      [&](std::size_t i) { return laid.file->MakePiece(i, *laid.tiles); },
+      [&](std::size_t, Result<std::string>&& piece) {
+        if (!piece && !failure) failure = piece.error();
+        if (piece) crc = add(crc, *piece);
+      });
+  if (failure) return *failure;
+  measured.crc = static_cast<std::uint32_t>(crc);
+  constexpr std::size_t kMaxKnown = 4096;
+  const std::lock_guard lock(mutex);
+  if (known.size() >= kMaxKnown) known.clear();
+  known[laid.identity] = measured.crc;
+  return measured;
+}
+
+Result<Measured> Measure(const ZipEntry& entry) {
+  if (entry.laid) return MeasureLaid(*entry.laid);
+  if (!entry.path.empty()) return MeasureFile(entry.path);
+  Measured content;
+  content.size = entry.bytes.size();
+  content.crc = static_cast<std::uint32_t>(
+      crc32_z(crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(entry.bytes.data()), entry.bytes.size()));
+  return content;
 }
 
 void Put(std::string& out, std::uint64_t value, int bytes) {
@@ -193,7 +240,14 @@ class ZipSource final : public BodySource {
     const auto wanted =
         static_cast<std::size_t>(std::min<std::uint64_t>({into.size(), piece.length - inside, end_ - at_}));
     std::size_t got = wanted;
-    if (piece.path.empty()) {
+    if (piece.laid) {
+      if (laid_ == nullptr || laid_piece_ != piece_) {
+        SKYQUILT_TRY_ASSIGN(laid_, ReadLaid(*piece.laid, inside, piece.length - inside));
+        laid_piece_ = piece_;
+      }
+      SKYQUILT_TRY_ASSIGN(got, laid_->Read(into.first(wanted)));
+      if (got == 0) return Error{ErrorCode::kIo, "A file of the archive could not be read.", "short"};
+    } else if (piece.path.empty()) {
       std::memcpy(into.data(), piece.bytes.data() + inside, wanted);
     } else {
       ssize_t read = -1;
@@ -212,6 +266,8 @@ class ZipSource final : public BodySource {
   std::size_t first_piece_;
   std::size_t piece_;
   std::vector<OpenedFile> files_;
+  std::unique_ptr<BodySource> laid_;  // of the piece laid_piece_, from where the last read ended
+  std::size_t laid_piece_ = 0;
   std::uint64_t at_;
   std::uint64_t end_;
   std::uint64_t length_;
@@ -229,25 +285,21 @@ Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries) {
   };
   for (const ZipEntry& entry : entries) {
     SKYQUILT_CHECK(!entry.name.empty() && entry.name.size() < 0xffff, "an entry needs a name");
-    Measured content;
-    if (entry.path.empty()) {
-      content.size = entry.bytes.size();
-      content.crc = static_cast<std::uint32_t>(crc32_z(
-          crc32(0, nullptr, 0), reinterpret_cast<const Bytef*>(entry.bytes.data()), entry.bytes.size()));
-    } else {
-      SKYQUILT_TRY_ASSIGN(const Measured measured, MeasureFile(entry.path));
-      content = measured;
-    }
+    SKYQUILT_TRY_ASSIGN(const Measured content, Measure(entry));
     placed.push_back({entry.name, content, layout.length});
     std::string header = LocalHeader(placed.back());
     const std::uint64_t header_bytes = header.size();
-    add({std::move(header), {}, 0, header_bytes});
-    add({entry.path.empty() ? entry.bytes : std::string(), entry.path, 0, content.size});
+    add({std::move(header), {}, {}, 0, header_bytes});
+    add({entry.bytes, entry.path, entry.laid, 0, content.size});
   }
   std::string directory = Directory(placed, layout.length);
   const std::uint64_t directory_bytes = directory.size();
-  add({std::move(directory), {}, 0, directory_bytes});
+  add({std::move(directory), {}, {}, 0, directory_bytes});
   return layout;
+}
+
+std::string ZipEtag(const ZipLayout& layout) {
+  return StrongEtag(std::hash<std::string>()(layout.pieces.back().bytes), "zip");
 }
 
 Result<std::unique_ptr<BodySource>> ReadZip(std::shared_ptr<const ZipLayout> layout, std::uint64_t offset,

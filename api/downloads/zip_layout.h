@@ -7,24 +7,28 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "api/http/http_message.h"
 #include "core/base/result.h"
+#include "storage/exports/laid/laid_maps.h"
 
 namespace skyquilt::api {
 
 struct ZipEntry {
-  std::string name;            // "folder/file.ext" in the archive
-  std::string bytes;           // its content, or
-  std::filesystem::path path;  // the file with its content, when not empty
+  std::string name;                       // "folder/file.ext" in the archive
+  std::string bytes;                      // its content, or
+  std::filesystem::path path;             // the file with its content, when not empty, or
+  std::optional<storage::OpenLaid> laid;  // a file that is nowhere on the disk
 };
 
 struct ZipPiece {
   std::string bytes;           // headers and small entries
   std::filesystem::path path;  // or a whole file
-  std::uint64_t offset = 0;    // in the archive
+  std::optional<storage::OpenLaid> laid;
+  std::uint64_t offset = 0;  // in the archive
   std::uint64_t length = 0;
 };
 
@@ -33,8 +37,12 @@ struct ZipLayout {
   std::uint64_t length = 0;
 };
 
-// Reads every file once for its checksum; those of unchanged files are remembered. Errors: kNotFound, kIo.
+// Reads every file once for its checksum; those of unchanged files are remembered. Errors: kNotFound, kIo,
+// those of laid files.
 Result<ZipLayout> PlanZip(const std::vector<ZipEntry>& entries);
+
+// A strong entity tag: of the directory at the end, which has every name, size and checksum.
+std::string ZipEtag(const ZipLayout& layout);
 
 // A part of the archive as a body. Its files are open before the first byte, so that they may be unlinked
 // meanwhile. Errors: kNotFound, kIo.

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <sstream>
 
+#include "api/downloads/laid_product.h"
 #include "api/downloads/send_file.h"
 #include "api/downloads/zip_layout.h"
-#include "api/http/etag.h"
 #include "api/http/problem.h"
 #include "api/json/json_codec.h"
 #include "api/nodeodm/node_option_list.h"
@@ -129,9 +129,14 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
   std::vector<ZipEntry> entries;
   for (const auto& [ours, theirs] : kFiles) {
     Result<storage::LocalBlob> file = blobs.Local(prefix + ours);
-    if (!file && file.error().code == ErrorCode::kNotFound) continue;
-    if (!file) return file.error();
-    entries.push_back({std::string(theirs), "", file->path});
+    if (!file && file.error().code != ErrorCode::kNotFound) return file.error();
+    if (!file) {
+      Result<storage::OpenLaid> laid = OpenLaidProduct(service, prefix, ours);
+      if (!laid && laid.error().code != ErrorCode::kNotFound) return laid.error();
+      if (laid) entries.push_back({std::string(theirs), "", {}, *std::move(laid)});
+      continue;
+    }
+    entries.push_back({std::string(theirs), "", file->path, {}});
     files_in_use.push_back(*std::move(file));
   }
   const fs::path folder = blobs.FolderOf(prefix);
@@ -145,13 +150,14 @@ Result<std::vector<ZipEntry>> EntriesOf(Service& service, const storage::NodeTas
     images.push_back({{"filename", file.name}, {"size", file.bytes}});
   std::string output;
   for (const std::string& line : lines) output += line + "\n";
-  entries.push_back({"odm_report/shots.geojson", DumpIndented(Shots(photos)), {}});
-  entries.push_back({"odm_report/stats.json", DumpIndented(Stats(report, photos)), {}});
-  entries.push_back({"images.json", DumpIndented(images), {}});
-  entries.push_back({"task_output.txt", output, {}});
+  entries.push_back({"odm_report/shots.geojson", DumpIndented(Shots(photos)), {}, {}});
+  entries.push_back({"odm_report/stats.json", DumpIndented(Stats(report, photos)), {}, {}});
+  entries.push_back({"images.json", DumpIndented(images), {}, {}});
+  entries.push_back({"task_output.txt", output, {}, {}});
   entries.push_back({"log.json",
                      DumpIndented({{"options", Value::parse(task.options, nullptr, false)},
                                    {"timings", report.value("timings", Value::array())}}),
+                     {},
                      {}});
   return entries;
 }
@@ -203,10 +209,8 @@ Result<Response> Archive(Service& service, const Request& request, const storage
   KeepWanted(task, entries);
   SKYQUILT_TRY_ASSIGN(ZipLayout planned, PlanZip(entries));
   const auto layout = std::make_shared<const ZipLayout>(std::move(planned));
-  // The directory at the end has every name, size and checksum.
-  const std::string etag = StrongEtag(std::hash<std::string>()(layout->pieces.back().bytes), "zip");
   return SendParts(
-      request, layout->length, "application/zip", etag,
+      request, layout->length, "application/zip", ZipEtag(*layout),
       [&](std::uint64_t offset, std::uint64_t length) { return ReadZip(layout, offset, length); });
 }
 

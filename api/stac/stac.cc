@@ -162,7 +162,7 @@ Response AnswerSearch(Service& service, const Request& request, const Result<Sta
   if (!found) return Problem(found.error(), request);
   StacJson features = StacJson::array();
   for (const storage::ShownFlight& map : found->maps)
-    features.push_back(StacJson::parse(StacItem(request, service.store.blobs(), map)));
+    features.push_back(StacJson::parse(StacItem(request, map)));
   StacJson links = StacJson::array();
   links.push_back(StacLink(request, "/stac", "root", kJsonType));
   links.push_back(StacLink(request, self, "self", kGeoJsonType));
@@ -221,7 +221,7 @@ Response AnswerItem(Service& service, const Request& request, const std::string&
          "This item is no more: the flight shows another map now. It is " + StacItemId(*shown) + ".", ""},
         request);
   }
-  Response response = Text(200, StacItem(request, service.store.blobs(), *shown), kGeoJsonType);
+  Response response = Text(200, StacItem(request, *shown), kGeoJsonType);
   response.headers.Add("Cache-Control", "no-cache");
   return response;
 }

@@ -7,7 +7,6 @@
 #include "api/http/links.h"
 #include "api/json/json_codec.h"
 #include "api/stac/stac_search.h"
-#include "storage/folder/data_dir.h"
 
 namespace skyquilt::api {
 namespace {
@@ -16,12 +15,6 @@ using ItemJson = nlohmann::ordered_json;
 
 ItemJson ItemLink(const std::string& href, const char* rel, const char* type) {
   return {{"rel", rel}, {"href", href}, {"type", type}};
-}
-
-// Maps that lie elsewhere are read from their PMTiles: all of them have one.
-bool HasPmtiles(storage::BlobStore& blobs, const storage::ShownFlight& map) {
-  return !blobs.IsFolder() ||
-         blobs.Find(storage::RevisionPrefix(map.flight_id, map.revision.revision) + "mosaic.pmtiles").ok();
 }
 
 ItemJson Rectangle(double west, double south, double east, double north) {
@@ -62,7 +55,7 @@ std::string StacItemId(const storage::ShownFlight& map) {
   return fmt::format("{}-r{}", map.flight_id, map.revision.revision);
 }
 
-std::string StacItem(const Request& request, storage::BlobStore& blobs, const storage::ShownFlight& map) {
+std::string StacItem(const Request& request, const storage::ShownFlight& map) {
   const std::string& id = map.flight_id;
   const auto to = [&](const std::string& path) { return LinkTo(request, path); };
   ItemJson item;
@@ -91,6 +84,8 @@ std::string StacItem(const Request& request, storage::BlobStore& blobs, const st
   wms["wms:layers"] = {"map"};
   links.push_back(wms);
   const std::string api = "/api/v1/flights/" + id;
+  constexpr const char* kPmtiles = "application/vnd.pmtiles";
+  links.push_back(ItemLink(to(api + "/download.pmtiles"), "pmtiles", kPmtiles));
   const auto asset = [&](const std::string& path, const char* type, const char* title, const char* role) {
     return ItemJson{{"href", to(api + path)}, {"type", type}, {"title", title}, {"roles", {role}}};
   };
@@ -98,14 +93,10 @@ std::string StacItem(const Request& request, storage::BlobStore& blobs, const st
       {"cog",
        asset("/download.tif", "image/tiff; application=geotiff; profile=cloud-optimized", "Map", "data")},
       {"mbtiles", asset("/download.mbtiles", "application/vnd.sqlite3", "Tiles", "data")},
+      {"pmtiles", asset("/download.pmtiles", kPmtiles, "Tiles", "data")},
       {"photos", asset("/photos.geojson", "application/geo+json", "Photo footprints", "metadata")},
       {"report", asset("/report", "application/json", "How it was made", "metadata")},
       {"thumbnail", asset("/thumbnail.png", "image/png", "The map, small", "thumbnail")}};
-  if (HasPmtiles(blobs, map)) {
-    constexpr const char* kPmtiles = "application/vnd.pmtiles";
-    item["assets"]["pmtiles"] = asset("/download.pmtiles", kPmtiles, "Tiles", "data");
-    links.push_back(ItemLink(to(api + "/download.pmtiles"), "pmtiles", kPmtiles));
-  }
   item["links"] = links;
   return item.dump(-1, ' ', false, ItemJson::error_handler_t::replace);
 }

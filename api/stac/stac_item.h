@@ -6,14 +6,13 @@
 #include <string>
 
 #include "api/http/http_message.h"
-#include "storage/blobs/blob_store.h"
 #include "storage/catalogue/catalogue.h"
 
 namespace skyquilt::api {
 
 // "ID-r3": another revision is another item.
 std::string StacItemId(const storage::ShownFlight& map);
-// JSON text. Asks the store only for what not every map has.
-std::string StacItem(const Request& request, storage::BlobStore& blobs, const storage::ShownFlight& map);
+// JSON text.
+std::string StacItem(const Request& request, const storage::ShownFlight& map);
 
 }  // namespace skyquilt::api

@@ -22,7 +22,7 @@ struct KeptBlock {
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
   geo::Bounds2 covered_in_merc;
-  std::vector<std::uint8_t> half;  // half its size, by PackPicture; empty: no tile
+  std::vector<std::uint8_t> topmost;  // the block as one tile, as it was put; empty: no tile
 };
 
 // What an earlier run left: finished blocks and facts of the flight, so that a job that was killed goes on

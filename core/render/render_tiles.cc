@@ -11,7 +11,7 @@
 #include "core/base/trace.h"
 #include "core/geo/web_mercator.h"
 #include "core/pyramid/build_overviews.h"
-#include "core/pyramid/pack_picture.h"
+#include "core/pyramid/half_of_tile.h"
 #include "core/render/blocks/block_digest.h"
 #include "core/render/blocks/block_weights.h"
 
@@ -30,8 +30,7 @@ struct FinishedBlock {
   bool has_png_fringe = false;   // it did, with PNG where WebP is wanted
   std::vector<FinishedTile>
       tiles;  // base zoom first, then the block's own overviews but the topmost's parents
-  std::optional<image::RgbaImage> half;   // the block as half a tile; nothing if no pixel is covered
-  std::vector<std::uint8_t> packed_half;  // the same, only where somebody remembers
+  std::optional<image::RgbaImage> half;  // the block as half a tile; nothing if no pixel is covered
   std::int64_t base_tiles = 0;
   std::int64_t covered_pixels = 0;
   geo::Bounds2 covered_in_merc;
@@ -99,7 +98,14 @@ FinishedBlock FinishBlock(const RenderContext& context, const RenderOptions& opt
     }
     if (level > 0) image = pyramid::Halve(image);
   }
-  finished.half = pyramid::Halve(image);
+  // Of coverage too thin to show nothing was stored.
+  if (finished.tiles.empty() || finished.tiles.back().tile != block.tile) return finished;
+  Result<image::RgbaImage> half = pyramid::HalfOfTile(finished.tiles.back().encoded.bytes, tile_px);
+  if (half) {
+    finished.half = *std::move(half);
+  } else {
+    finished.error = half.error();
+  }
   return finished;
 }
 
@@ -130,7 +136,7 @@ Result<pyramid::KeptBlock> TakeOver(const MosaicPlan& plan, const geo::TileId& t
   for (const FinishedTile& finished : block.tiles) put(finished.tile, finished.encoded);
   pyramid::KeptBlock kept{plan.block_levels,     static_cast<std::int64_t>(block.tiles.size()),
                           block.base_tiles,      block.covered_pixels,
-                          block.covered_in_merc, block.packed_half};
+                          block.covered_in_merc, {}};
   if (memory == nullptr) return kept;
   if (const Result<void> remembered = memory->map.Keep(tile, *block.digest, kept); !remembered)
     return remembered.error();
@@ -185,10 +191,7 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
               earlier == DigestBlock(context, with_png, memory->photo_digests, block, geometry);
           finished.is_kept = finished.has_png_fringe;
         }
-        if (!finished.is_kept) {
-          finished = FinishBlock(context, options, block, geometry);
-          if (finished.half) finished.packed_half = pyramid::PackPicture(*finished.half);
-        }
+        if (!finished.is_kept) finished = FinishBlock(context, options, block, geometry);
         finished.digest = digest;
         return finished;
       },
@@ -211,8 +214,8 @@ Result<RenderReport> RenderTiles(const RenderContext& context, const RenderOptio
           report.tiles += kept->tiles;
           ++report.blocks_kept;
         }
-        if (block.is_kept && !kept->half.empty()) {
-          auto half = pyramid::UnpackPicture(kept->half, context.plan.tile_size_px / 2);
+        if (block.is_kept && !kept->topmost.empty()) {
+          auto half = pyramid::HalfOfTile(kept->topmost, context.plan.tile_size_px);
           if (!half) {
             failure = half.error();
             stop = true;

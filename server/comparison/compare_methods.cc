@@ -48,7 +48,6 @@ int StitchAlone(const std::vector<flight::InputFile>& files, const pipeline::Mos
                 const fs::path& folder) {
   StitchJobOptions job;
   job.mosaic = options;
-  job.write_cog = job.write_pmtiles = false;
   try {
     TerminalProgress progress;
     const Result<pipeline::MosaicReport> report = StitchToDirectory(files, job, folder, progress);

@@ -10,8 +10,6 @@
 #include "server/imports/import_tiles.h"
 #include "server/imports/imported_tileset.h"
 #include "server/tileset_metadata.h"
-#include "storage/exports/cog_writer.h"
-#include "storage/exports/pmtiles_writer.h"
 #include "storage/exports/thumbnail_writer.h"
 #include "storage/tilesets/publish_file.h"
 
@@ -50,11 +48,7 @@ Result<pipeline::MosaicReport> ImportMap(const fs::path& file, const fs::path& o
   SKYQUILT_TRY(IsSqlite(file) ? ImportTiles(file, mbtiles, report, progress)
                               : ImportRaster(file, mbtiles, options, report, progress));
   progress.BeginStage("export");
-  SKYQUILT_TRY(storage::WritePmtiles(mbtiles, out_dir / "mosaic.pmtiles", progress));
-  SKYQUILT_TRY(
-      storage::WriteCog(mbtiles, out_dir / "mosaic.tif", {options.quality, options.threads}, progress));
-  SKYQUILT_TRY(
-      storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kImportThumbnailPx));
+  SKYQUILT_TRY(storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kImportThumbnailPx));
   for (const auto& [name, text] :
        {std::pair{"photos.geojson", std::string(R"({"type":"FeatureCollection","features":[]})"
                                                 "\n")},

@@ -1,5 +1,5 @@
 // ImportMap: a map of others (a georeferenced GeoTIFF, an MBTiles of pictures) as the products of a finished
-// map in a folder: mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, thumbnail.png, report.json, photos.geojson, as
+// map in a folder: mosaic.mbtiles, thumbnail.png, report.json, photos.geojson, as
 // StitchToDirectory leaves them, without photos. Foreign bytes: run by a user on his own files. Blocking.
 // Errors: kUnsupportedFormat, kUnprocessable, kCorrupt, kTooLarge (the message says what to do), kCancelled,
 // kOutOfSpace, kIo.

@@ -111,6 +111,7 @@ std::string ToText(const StitchTask& task) {
                   {"units_dir", task.units_dir.string()},
                   {"unit", JsonOf(task.unit)},
                   {"renders", task.renders},
+                  {"with_pmtiles", task.with_pmtiles},
                   {"memory_bytes", task.memory_bytes},
                   {"cpu_s", task.cpu_s}});
 }
@@ -129,6 +130,7 @@ Result<StitchTask> ParseTask(std::string_view text) {
     task.units_dir = json.at("units_dir").get<std::string>();
     task.unit = UnitOf(json.at("unit"));
     task.renders = json.at("renders");
+    task.with_pmtiles = json.at("with_pmtiles");
     task.memory_bytes = json.at("memory_bytes");
     task.cpu_s = json.at("cpu_s");
     return task;

@@ -30,6 +30,7 @@ struct StitchTask {
   std::filesystem::path units_dir = {};  // empty: it is not cut
   std::optional<UnitToDo> unit = {};
   int renders = 0;
+  bool with_pmtiles = false;      // the map is to lie where its tiles are read by ranges
   std::int64_t memory_bytes = 0;  // address space beyond the program's own
   std::int64_t cpu_s = 0;
 };

@@ -125,6 +125,7 @@ StitchedApart Stitch(WorkerContext& context, const storage::Lease& lease, const 
   const Result<void> fetched = FetchShown(context, lease.flight_id, *made, progress);
   if (!fetched) return {fetched.error()};
   made->task.out_dir = out_dir;
+  made->task.with_pmtiles = !context.blobs.IsFolder();
   if (cut.step == CutStep::kPutTogether) {
     Result<PartsHere> parts = FetchParts(context, lease, UnitKind::kRender, progress);
     if (!parts) return {parts.error()};

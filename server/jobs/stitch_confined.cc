@@ -67,6 +67,7 @@ Result<StitchOutcome> Stitch(const StitchTask& task, Progress& progress) {
   StitchJobOptions job;
   job.mosaic = std::move(options);
   job.previous_dir = task.previous_dir;
+  job.write_pmtiles = task.with_pmtiles;
   if (!task.units_dir.empty()) {
     job.facts_file = units.Facts();
     for (int number = 0; number < task.renders; ++number)

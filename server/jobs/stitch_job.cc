@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/parallel_for.h"
+#include "core/base/scoped_folder.h"
 #include "core/base/scoped_timer.h"
 #include "core/base/trace.h"
 #include "core/base/try.h"
@@ -17,6 +18,7 @@
 #include "server/inputs/film_frames.h"
 #include "server/inputs/open_elevation_model.h"
 #include "server/tileset_metadata.h"
+#include "storage/db/ids.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/kmz_writer.h"
 #include "storage/exports/pmtiles_writer.h"
@@ -43,6 +45,24 @@ Result<void> MakeFolder(const std::filesystem::path& folder) {
   return {};
 }
 
+// From the GeoTIFF that was asked for, or from one that goes again.
+Result<void> WriteUtm(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
+                      const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
+                      Progress& progress) {
+  const storage::UtmOptions utm{report.bounds.Middle(), options.mosaic.OutputGsdM(report.gsd_m),
+                                options.mosaic.jpeg_quality, options.mosaic.threads};
+  const std::filesystem::path path = out_dir / "mosaic_utm.tif";
+  if (options.write_cog) return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", path, utm, progress);
+  const std::filesystem::path made = out_dir / (".utm-" + storage::NewId());
+  std::error_code unmade;
+  std::filesystem::create_directory(made, unmade);
+  if (unmade) return storage::FileError("cannot make", made, unmade.value());
+  const ScopedFolder scratch(made);
+  const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
+  SKYQUILT_TRY(storage::WriteCog(mbtiles, scratch.path() / "mosaic.tif", cog, progress));
+  return storage::WriteUtmGeotiff(scratch.path() / "mosaic.tif", path, utm, progress);
+}
+
 // The tileset in the other formats that were asked for.
 Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions& options,
                     const pipeline::MosaicReport& report, const std::filesystem::path& out_dir,
@@ -57,20 +77,13 @@ Result<void> Export(const std::filesystem::path& mbtiles, const StitchJobOptions
     const storage::CogOptions cog{options.mosaic.jpeg_quality, options.mosaic.threads};
     if (auto written = storage::WriteCog(mbtiles, out_dir / "mosaic.tif", cog, progress); !written)
       return written;
-    if (auto written =
-            storage::WriteThumbnail(out_dir / "mosaic.tif", out_dir / "thumbnail.png", kThumbnailPx);
-        !written)
-      return written;
   }
+  if (auto written = storage::WriteTilesThumbnail(mbtiles, out_dir / "thumbnail.png", kThumbnailPx); !written)
+    return written;
   if (options.write_kmz) {
     if (auto written = storage::WriteKmz(mbtiles, out_dir / "mosaic.kmz", progress); !written) return written;
   }
-  if (options.write_utm) {
-    const storage::UtmOptions utm{report.bounds.Middle(), options.mosaic.OutputGsdM(report.gsd_m),
-                                  options.mosaic.jpeg_quality, options.mosaic.threads};
-    return storage::WriteUtmGeotiff(out_dir / "mosaic.tif", out_dir / "mosaic_utm.tif", utm, progress);
-  }
-  return {};
+  return options.write_utm ? WriteUtm(mbtiles, options, report, out_dir, progress) : Result<void>();
 }
 
 // The layers that were asked for, each a tileset of its own, and what their colours mean. Those of an earlier

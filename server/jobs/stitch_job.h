@@ -1,5 +1,5 @@
-// StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, mosaic.pmtiles,
-// mosaic.tif (COG) with thumbnail.png, bands.tif for cameras of several bands, mosaic_utm.tif, mosaic.kmz and
+// StitchToDirectory: one flight from files to finished products in a folder: mosaic.mbtiles, thumbnail.png,
+// bands.tif for cameras of several bands, mosaic.pmtiles, mosaic.tif (COG), mosaic_utm.tif, mosaic.kmz and
 // layer_*.mbtiles with layers.json by option, report.json, photos.geojson, and for OpenDroneMap cameras.json
 // and geo.txt, each written under a temporary name and published by rename. What both the `stitch` command
 // and the worker run. Blocking; one call at a time per process (it uses all the threads asked for). Errors:
@@ -19,9 +19,10 @@ namespace skyquilt::server {
 
 struct StitchJobOptions {
   pipeline::MosaicOptions mosaic;
-  bool write_cog = true;
-  bool write_pmtiles = true;
-  bool write_utm = false;  // needs write_cog
+  // The same pyramid once more; a server makes both from the tiles as they are asked for.
+  bool write_cog = false;
+  bool write_pmtiles = false;
+  bool write_utm = false;
   bool write_kmz = false;
   bool is_fresh = false;  // nothing is taken from earlier runs
   // A finished map of the same flight: what has not changed is taken from it. Empty: that of the folder

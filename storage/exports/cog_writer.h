@@ -6,12 +6,24 @@
 // kOutOfSpace, kCorrupt, kCancelled.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "storage/exports/tiff_head.h"
+#include "storage/exports/tile_grid.h"
+#include "storage/tilesets/tile_source.h"
 
 namespace skyquilt::storage {
+
+// Beyond this a classic TIFF's 32-bit places might not reach.
+inline constexpr std::uint64_t kClassicTiffLimitBytes = std::uint64_t{3500} << 20;
+
+// What the GeoTIFF of a tileset is like.
+int TileSizeOf(const TilesetFacts& metadata);
+TiffTiles TiffTilesOf(const TilesetFacts& metadata);
+GridAlignment GridAlignmentOf(TiffTiles tiles);
 
 struct CogOptions {
   int jpeg_quality = 85;  // of tiles encoded anew

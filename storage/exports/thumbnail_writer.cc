@@ -7,13 +7,58 @@
 #include <gdal_utils.h>
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "core/base/try.h"
+#include "core/image/png_encoder.h"
+#include "core/image/shrink_picture.h"
+#include "storage/exports/cog_writer.h"
+#include "storage/exports/laid/cog_cells.h"
 #include "storage/rasters/register_gdal.h"
+#include "storage/tilesets/mbtiles_reader.h"
 #include "storage/tilesets/publish_file.h"
 
 namespace skyquilt::storage {
+namespace {
+
+// The smallest overview that has `longer_side_px` pixels, or the map itself.
+const GridLevel& LevelFor(const std::vector<GridLevel>& grid, int longer_side_px) {
+  std::size_t level = grid.size() - 1;
+  while (level > 0 && std::max(grid[level].width_px, grid[level].height_px) < longer_side_px) --level;
+  return grid[level];
+}
+
+}  // namespace
+
+Result<void> WriteTilesThumbnail(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
+                                 int longer_side_px) {
+  SKYQUILT_TRY_ASSIGN(const auto tiles, MbtilesReader::Open(mbtiles));
+  SKYQUILT_TRY_ASSIGN(auto db, SqliteDb::Open(mbtiles, OpenMode::kReadOnlyImmutable));
+  const int tile_px = TileSizeOf(tiles->metadata());
+  const TiffTiles kind = TiffTilesOf(tiles->metadata());
+  SKYQUILT_TRY_ASSIGN(const std::vector<GridLevel> grid, GridOf(db, tile_px, GridAlignmentOf(kind)));
+  const GridLevel& level = LevelFor(grid, longer_side_px);
+  const CogCells cells(kind, tile_px, CogOptions().jpeg_quality);
+  const auto width_px = static_cast<int>(level.width_px), height_px = static_cast<int>(level.height_px);
+  image::RgbaImage whole = image::RgbaImage::Transparent(width_px, height_px);
+  for (std::int64_t cell = 0; cell < level.CellCount(); ++cell) {
+    SKYQUILT_TRY_ASSIGN(const std::optional<image::RgbaImage> pixels, cells.PixelsOf(level, cell, *tiles));
+    if (!pixels) continue;
+    const auto left = static_cast<int>(cell % level.columns) * tile_px,
+               top = static_cast<int>(cell / level.columns) * tile_px;
+    const std::size_t row_bytes = 4 * static_cast<std::size_t>(std::min(tile_px, width_px - left));
+    for (int y = 0; y < std::min(tile_px, height_px - top); ++y)
+      std::memcpy(whole.Pixel(left, top + y), pixels->Pixel(0, y), row_bytes);
+  }
+  const std::vector<std::uint8_t> png =
+      image::EncodeWholePng(image::ShrinkPicture(std::move(whole), longer_side_px), image::PngAlpha::kAsItIs);
+  return WriteFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
 
 Result<void> WriteThumbnail(const std::filesystem::path& cog, const std::filesystem::path& path,
                             int longer_side_px) {

@@ -1,5 +1,6 @@
-// WriteThumbnail: the whole map as one small PNG, transparent where it is empty, from the overviews of its
-// GeoTIFF. Published by rename. Blocking. Errors: kIo, kOutOfSpace.
+// WriteThumbnail: the whole map as one small PNG, transparent where it is empty, from the overviews of a
+// GeoTIFF. WriteTilesThumbnail: from the tiles of an MBTiles, as far as its GeoTIFF would reach. Published by
+// rename. Blocking. Errors: kIo, kOutOfSpace, kCorrupt.
 #pragma once
 
 #include <filesystem>
@@ -11,5 +12,7 @@ namespace skyquilt::storage {
 // longer_side_px: of the picture; a smaller map is not enlarged.
 Result<void> WriteThumbnail(const std::filesystem::path& cog, const std::filesystem::path& path,
                             int longer_side_px);
+Result<void> WriteTilesThumbnail(const std::filesystem::path& mbtiles, const std::filesystem::path& path,
+                                 int longer_side_px);
 
 }  // namespace skyquilt::storage

@@ -1,6 +1,7 @@
 #include "storage/exports/tile_grid.h"
 
 #include <algorithm>
+#include <string>
 
 #include "core/base/try.h"
 
@@ -12,17 +13,26 @@ struct Extent {
 };
 
 // `turn` moves the place where columns begin to count, so that a map across the date line stays in one piece.
-Result<Extent> ExtentOf(SqliteDb& mbtiles, int zoom, std::int64_t turn) {
+Result<Extent> ExtentOf(SqliteDb& mbtiles, const std::string& table, int zoom, std::int64_t turn) {
   SKYQUILT_TRY_ASSIGN(
       auto query,
       mbtiles.Prepare(
           "SELECT min((tile_column + ?2) % ?3), max((tile_column + ?2) % ?3), min(tile_row), max(tile_row) "
-          "FROM tiles WHERE zoom_level = ?1"));
+          "FROM " +
+          table + " WHERE zoom_level = ?1"));
   const std::int64_t side = std::int64_t{1} << zoom;
   query.Bind(1, zoom).Bind(2, turn);
   SKYQUILT_TRY(query.Bind(3, side).Step());
   return Extent{query.ColumnInt64(0) + turn, query.ColumnInt64(1) + turn, side - 1 - query.ColumnInt64(3),
                 side - 1 - query.ColumnInt64(2)};
+}
+
+// Where the tiles' places stand: apart from their bytes, if the tileset has that.
+Result<std::string> TableOfPlaces(SqliteDb& mbtiles) {
+  SKYQUILT_TRY_ASSIGN(auto apart,
+                      mbtiles.Prepare("SELECT count(*) FROM sqlite_master WHERE name = 'tiles_shallow'"));
+  SKYQUILT_TRY(apart.Step());
+  return std::string(apart.ColumnInt64(0) > 0 ? "tiles_shallow" : "tiles");
 }
 
 // How many levels above the finest may share its corner for the price of an eighth of the map.
@@ -48,8 +58,9 @@ std::optional<geo::TileId> GridLevel::TileOf(std::int64_t cell, int east, int so
 
 Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridAlignment alignment) {
   int finest = 0, coarsest = 0;
+  SKYQUILT_TRY_ASSIGN(const std::string table, TableOfPlaces(mbtiles));
   {
-    SKYQUILT_TRY_ASSIGN(auto zooms, mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM tiles"));
+    SKYQUILT_TRY_ASSIGN(auto zooms, mbtiles.Prepare("SELECT max(zoom_level), min(zoom_level) FROM " + table));
     SKYQUILT_TRY(zooms.Step());
     if (zooms.IsNull(0))
       return Error{ErrorCode::kCorrupt, "The tileset of the map holds no tiles. Stitch the flight again.",
@@ -58,10 +69,10 @@ Result<std::vector<GridLevel>> GridOf(SqliteDb& mbtiles, int tile_size_px, GridA
     coarsest = static_cast<int>(zooms.ColumnInt64(1));
   }
   const std::int64_t half = finest > 0 ? std::int64_t{1} << (finest - 1) : 0;
-  auto extent = ExtentOf(mbtiles, finest, 0);
+  auto extent = ExtentOf(mbtiles, table, finest, 0);
   if (!extent) return extent.error();
   if (finest >= 2 && extent->last_column - extent->first_column >= half) {
-    auto turned = ExtentOf(mbtiles, finest, half);
+    auto turned = ExtentOf(mbtiles, table, finest, half);
     if (!turned) return turned.error();
     if (turned->last_column - turned->first_column < half) extent = turned;
   }

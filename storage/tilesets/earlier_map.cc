@@ -33,11 +33,10 @@ Result<std::unique_ptr<EarlierMap>> OpenEarlierMap(const MapFiles& paths, bool i
   for (const auto& [db, sql, statement] :
        {std::tuple{&earlier->tiles, kTilesOfLevel, &earlier->select_tiles},
         std::tuple{&earlier->tiles, "SELECT count(*) FROM tiles_shallow", &count},
-        std::tuple{
-            &earlier->state,
-            "SELECT levels, tiles, base_tiles, covered_pixels, west, south, east, north, half FROM blocks "
-            "WHERE zoom = ?1 AND column = ?2 AND row = ?3",
-            &earlier->select_block},
+        std::tuple{&earlier->state,
+                   "SELECT levels, tiles, base_tiles, covered_pixels, west, south, east, north FROM blocks "
+                   "WHERE zoom = ?1 AND column = ?2 AND row = ?3",
+                   &earlier->select_block},
         std::tuple{&earlier->state, "SELECT name, bytes FROM facts", &facts},
         std::tuple{&earlier->state, "SELECT zoom, column, row, digest FROM blocks", &digests}}) {
     SKYQUILT_TRY(prepare(*db, sql, *statement));

@@ -26,7 +26,7 @@ PRAGMA synchronous = OFF;
 BEGIN;
 CREATE TABLE blocks (zoom INTEGER NOT NULL, column INTEGER NOT NULL, row INTEGER NOT NULL, levels INTEGER NOT NULL,
   digest BLOB NOT NULL, tiles INTEGER NOT NULL, base_tiles INTEGER NOT NULL, covered_pixels INTEGER NOT NULL,
-  west REAL, south REAL, east REAL, north REAL, half BLOB NOT NULL, PRIMARY KEY (zoom, column, row));
+  west REAL, south REAL, east REAL, north REAL, PRIMARY KEY (zoom, column, row));
 CREATE TABLE facts (name TEXT NOT NULL PRIMARY KEY, bytes BLOB NOT NULL);
 )sql";
 constexpr int kBlocksACommit = 8;
@@ -107,7 +107,7 @@ Result<std::unique_ptr<MapKeeper>> MapKeeper::Create(const fs::path& folder, con
   state->db = std::move(db);
   SKYQUILT_TRY(state->db.Exec(kKeeperSchema));
   SKYQUILT_TRY_ASSIGN(
-      auto keep, state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13)"));
+      auto keep, state->db.Prepare("INSERT INTO blocks VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12)"));
   state->keep = std::move(keep);
   SKYQUILT_TRY_ASSIGN(auto remember, state->db.Prepare("INSERT OR REPLACE INTO facts VALUES (?1, ?2)"));
   state->remember = std::move(remember);
@@ -172,8 +172,6 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& diges
     kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(4), row.ColumnDouble(5)));
     kept.covered_in_merc.Include(Eigen::Vector2d(row.ColumnDouble(6), row.ColumnDouble(7)));
   }
-  const auto half = row.ColumnBlob(8);
-  kept.half.assign(half.begin(), half.end());
   row.Reset();
   std::int64_t tiles = 0;
   for (int level = 0; level <= kept.levels; ++level) {
@@ -191,11 +189,14 @@ Result<KeptBlock> MapKeeper::Reuse(const geo::TileId& block, const Digest& diges
                           geo::TileId::Make(zoom, select.ColumnInt64(0),
                                             (std::int64_t{1} << zoom) - 1 - select.ColumnInt64(1)));
       const auto bytes = select.ColumnBlob(2);
+      if (level == 0) kept.topmost.assign(bytes.begin(), bytes.end());
       if (fringe_quality && FormatOf(bytes) == image::PictureFormat::kPng) {
         SKYQUILT_TRY_ASSIGN(
             const image::RgbaImage picture,
             image::DecodePicture({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
-        SKYQUILT_TRY(Put(tile, image::PictureFormat::kWebp, image::EncodeFringe(picture, *fringe_quality)));
+        const std::vector<std::uint8_t> fringe = image::EncodeFringe(picture, *fringe_quality);
+        if (level == 0) kept.topmost = fringe;
+        SKYQUILT_TRY(Put(tile, image::PictureFormat::kWebp, fringe));
       } else {
         SKYQUILT_TRY(Put(tile, FormatOf(bytes), bytes));
       }
@@ -224,7 +225,6 @@ Result<void> MapKeeper::Keep(const geo::TileId& block, const Digest& digest, con
     row.Bind(9, kept.covered_in_merc.min.x()).Bind(10, kept.covered_in_merc.min.y());
     row.Bind(11, kept.covered_in_merc.max.x()).Bind(12, kept.covered_in_merc.max.y());
   }
-  row.Bind(13, std::span<const std::uint8_t>(kept.half));
   if (auto kept_row = row.Run(); !kept_row) return kept_row;
   if (++state_->uncommitted < kBlocksACommit) return {};
   return state_->Commit();

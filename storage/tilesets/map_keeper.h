@@ -1,15 +1,15 @@
 // MapKeeper: the memory of a map between runs, in a file `mosaic.state` beside `mosaic.mbtiles`: for every
-// block a digest of what it was made from and the block as one small picture (its parents are made from it),
-// and the pipeline's facts about the flight. A run looks for what earlier ones left: its own folder's
+// block a digest of what it was made from, and the pipeline's facts about the flight. No pixels: the tiles
+// have them. A run looks for what earlier ones left: its own folder's
 // temporary files (a run that was killed) and a finished map (of the same folder or of `previous`). Blocks of
 // the same digest are copied tile by tile, so their bytes and entity tags stay. Everything is checked to be
 // there before it is believed; what is not is rendered anew.
 //
 // The file is SQLite: blocks(zoom, column, row, levels, digest, tiles, base_tiles, covered_pixels, west,
-// south, east, north, half), rows from the north, bounds in EPSG:3857 metres, half as pyramid::PackPicture
-// has it; facts(name, bytes): 'flight' (core/pipeline/report/flight_facts.h), 'tiles' (how many the map has:
-// a state of another map is not believed). Deleting it costs time on the next run, nothing else. One thread
-// at a time, but DigestOf. Errors: kOutOfSpace, kIo, kCorrupt.
+// south, east, north), rows from the north, bounds in EPSG:3857 metres (earlier versions kept the block as a
+// small picture, too, which is not read); facts(name, bytes): 'flight' (core/pipeline/report/flight_facts.h),
+// 'tiles' (how many the map has: a state of another map is not believed). Deleting it costs time on the next
+// run, nothing else. One thread at a time, but DigestOf. Errors: kOutOfSpace, kIo, kCorrupt.
 #pragma once
 
 #include <filesystem>

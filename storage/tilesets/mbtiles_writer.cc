@@ -23,11 +23,17 @@ PRAGMA application_id = 0x4d504258;
 BEGIN;
 CREATE TABLE metadata (name TEXT NOT NULL UNIQUE, value TEXT);
 CREATE TABLE tiles_shallow (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT NULL,
-  tile_data_id INTEGER NOT NULL, PRIMARY KEY (zoom_level, tile_column, tile_row)) WITHOUT ROWID;
+  tile_data_id INTEGER NOT NULL, tile_bytes INTEGER NOT NULL, tile_format INTEGER NOT NULL,
+  PRIMARY KEY (zoom_level, tile_column, tile_row)) WITHOUT ROWID;
 CREATE TABLE tiles_data (tile_data_id INTEGER PRIMARY KEY, tile_data BLOB NOT NULL);
 CREATE VIEW tiles AS SELECT s.zoom_level AS zoom_level, s.tile_column AS tile_column, s.tile_row AS tile_row,
   d.tile_data AS tile_data FROM tiles_shallow s JOIN tiles_data d ON s.tile_data_id = d.tile_data_id;
 )sql";
+
+// As tile_table.h reads it.
+std::int64_t StoredFormat(image::PictureFormat format) {
+  return format == image::PictureFormat::kJpeg ? 0 : format == image::PictureFormat::kWebp ? 1 : 2;
+}
 
 }  // namespace
 
@@ -76,7 +82,7 @@ Result<std::unique_ptr<MbtilesWriter>> MbtilesWriter::Create(const std::filesyst
   for (const auto& [statement, sql] :
        {std::pair{&state->find_bytes, "SELECT tile_data FROM tiles_data WHERE tile_data_id = ?1"},
         std::pair{&state->add_bytes, "INSERT INTO tiles_data VALUES (?1, ?2)"},
-        std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4)"}}) {
+        std::pair{&state->add_tile, "INSERT INTO tiles_shallow VALUES (?1, ?2, ?3, ?4, ?5, ?6)"}}) {
     SKYQUILT_TRY(prepare(*statement, sql));
   }
   return std::unique_ptr<MbtilesWriter>(new MbtilesWriter(std::move(state)));
@@ -111,6 +117,8 @@ Result<void> MbtilesWriter::Put(const geo::TileId& tile, image::PictureFormat fo
       .Bind(2, static_cast<std::int64_t>(tile.x()))
       .Bind(3, static_cast<std::int64_t>(tile.TmsRow()))
       .Bind(4, id)
+      .Bind(5, static_cast<std::int64_t>(bytes.size()))
+      .Bind(6, StoredFormat(format))
       .Run();
 }
 

@@ -51,7 +51,7 @@ def main():
             for case, (more, _) in CASES.items():
                 out = flight / case.replace(" ", "_")
                 subprocess.run([arguments.program, "stitch", flight / "photos", flight / "logs/flight.BIN", "-o", out,
-                                "--no-cog", "--method", arguments.method, "--origin", origin, *more], check=True,
+                                "--method", arguments.method, "--origin", origin, *more], check=True,
                                capture_output=True)
                 features = json.loads((out / "photos.geojson").read_text())["features"]
                 measured[case].append(list(errors_of(truth, features)))

@@ -219,7 +219,7 @@ def main():
                     harsh_flights.make(name, options.program, folder, options.photos, seed)
             inputs = [folder / "photos"] + ([folder / "logs"] if (folder / "logs").is_dir() else [])
             method = ["--method", options.method] if options.method else []
-            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", "--no-cog", "--no-pmtiles", *method,
+            done = subprocess.run([options.program, "stitch", *inputs, "-o", folder / "map", *method,
                                    *TOLD.get(name, [])],
                                   capture_output=True, text=True)
             if done.returncode != 0:

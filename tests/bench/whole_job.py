@@ -114,7 +114,7 @@ def measure_peers(program, photos, files, threads):
             return
         print(f"{name:<34} wall {wall_s:7.1f} s  cpu {cpu_s:7.1f} s  peak {peak / (1 << 30):5.2f} GiB", flush=True)
     with tempfile.TemporaryDirectory() as out:
-        timed([program, "stitch", photos, "-o", out, "--threads", threads])
+        timed([program, "stitch", photos, "-o", out, "--threads", threads, "--formats", "geotiff"])
         zoom = json.loads(pathlib.Path(out, "report.json").read_text())["max_zoom"]
         add("pyramid alone: gdal2tiles", ["gdal2tiles.py"], lambda: timed(
             ["gdal2tiles.py", "-q", "--xyz", f"--processes={os.cpu_count()}", f"{out}/mosaic.tif", f"{out}/tiles"]))

@@ -64,6 +64,7 @@ class StitchUnits : public testing::Test {
     files_ = *flight::ListInputFiles({*folder_ / "photos"});
     StitchJobOptions options;
     options.mosaic = Options();
+    options.write_cog = options.write_pmtiles = true;
     const auto whole = StitchToDirectory(files_, options, *folder_ / "whole", progress);
     ASSERT_TRUE(whole.ok()) << whole.error().message;
     ASSERT_EQ(whole->photos_aligned, 12);
@@ -114,6 +115,7 @@ class StitchUnits : public testing::Test {
     ASSERT_GT(placed->blocks, renders);
     StitchJobOptions options;
     options.mosaic = Options();
+    options.write_cog = options.write_pmtiles = true;
     options.facts_file = units.Facts();
     for (int number = 0; number < renders; ++number) {
       const auto rendered = Run(

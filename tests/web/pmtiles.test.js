@@ -41,7 +41,7 @@ test('the archive answers with exactly the tiles of the MBTiles', { skip, timeou
   const folder = mkdtempSync(join(tmpdir(), 'skyquilt_pmtiles_'));
   try {
     run(program ?? '', ['simulate', '-o', join(folder, 'flight'), '--photos', '6', '--size', '640x480', '--no-world']);
-    run(program ?? '', ['stitch', join(folder, 'flight/photos'), '-o', join(folder, 'map'), '--no-cog']);
+    run(program ?? '', ['stitch', join(folder, 'flight/photos'), '-o', join(folder, 'map'), '--formats', 'pmtiles']);
     const rows = run('sqlite3', [
       '-readonly', join(folder, 'map/mosaic.mbtiles'), 'SELECT zoom_level, tile_column, tile_row, hex(tile_data) FROM tiles',
     ]).trim().split('\n').map((line) => line.split('|'));

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -29,6 +31,9 @@
 namespace skyquilt::server {
 namespace {
 
+// Of the map, beside mosaic.mbtiles.
+enum class OtherFormat : std::uint8_t { kGeotiff, kPmtiles, kUtm, kKmz };
+
 struct StitchArguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path out_dir;
@@ -38,6 +43,7 @@ struct StitchArguments {
   double max_memory_gib = 1.0;
   std::string origin;
   std::filesystem::path boundary;
+  std::vector<OtherFormat> formats;
   bool no_cog = false;
   bool no_pmtiles = false;
   bool utm = false;
@@ -116,10 +122,18 @@ void Run(StitchArguments& arguments) {
   if (!arguments.boundary.empty())
     arguments.job.mosaic.boundary = ReadBoundary("skyquilt", arguments.boundary);
   arguments.job.mosaic.max_memory_bytes = static_cast<std::int64_t>(arguments.max_memory_gib * (1 << 30));
-  arguments.job.write_cog = !arguments.no_cog;
-  arguments.job.write_pmtiles = !arguments.no_pmtiles;
-  arguments.job.write_utm = arguments.utm;
-  arguments.job.write_kmz = arguments.kmz;
+  // What a map in this folder was written as before is written again, so that no file there shows another
+  // map.
+  const auto is_wanted = [&](OtherFormat format, const char* name) {
+    const auto& asked = arguments.formats;
+    std::error_code none;
+    return std::find(asked.begin(), asked.end(), format) != asked.end() ||
+           std::filesystem::exists(arguments.out_dir / name, none);
+  };
+  arguments.job.write_cog = !arguments.no_cog && is_wanted(OtherFormat::kGeotiff, "mosaic.tif");
+  arguments.job.write_pmtiles = !arguments.no_pmtiles && is_wanted(OtherFormat::kPmtiles, "mosaic.pmtiles");
+  arguments.job.write_utm = arguments.utm || is_wanted(OtherFormat::kUtm, "mosaic_utm.tif");
+  arguments.job.write_kmz = arguments.kmz || is_wanted(OtherFormat::kKmz, "mosaic.kmz");
   if (const Result<void> possible = arguments.job.mosaic.Validate(); !possible)
     Fail("skyquilt", possible.error());
   auto files = flight::ListInputFiles(arguments.inputs);
@@ -165,8 +179,8 @@ void AddStitchCommand(CLI::App& app) {
       ->check(CLI::ExistingPath);
   command
       ->add_option("-o,--out", arguments->out_dir,
-                   "Folder for mosaic.mbtiles, mosaic.pmtiles, mosaic.tif, report.json, photos.geojson, "
-                   "cameras.json and geo.txt, and bands.tif of cameras with several bands; made if missing")
+                   "Folder for mosaic.mbtiles, report.json, photos.geojson, cameras.json and geo.txt, and "
+                   "bands.tif of cameras with several bands; made if missing")
       ->required();
   command->add_option("--gsd", arguments->gsd_m,
                       "Ground size of a map pixel in metres (default: that of the photos)");
@@ -227,12 +241,22 @@ void AddStitchCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--max-memory", arguments->max_memory_gib, "Memory for photos and tiles in GiB")
       ->capture_default_str();
-  CLI::Option* no_cog =
-      command->add_flag("--no-cog", arguments->no_cog, "Skip mosaic.tif (the MBTiles holds the same pixels)");
   command
-      ->add_flag("--utm", arguments->utm,
-                 "Also mosaic_utm.tif: the map in its UTM zone, for measuring in metres")
-      ->excludes(no_cog);
+      ->add_option(
+          "--formats", arguments->formats,
+          "Also the map in other files, each as large as mosaic.mbtiles: geotiff (mosaic.tif, a "
+          "cloud-optimised GeoTIFF), pmtiles (mosaic.pmtiles), utm (mosaic_utm.tif: a GeoTIFF in its "
+          "UTM zone, for measuring in metres), kmz (mosaic.kmz, for Google Earth). \"skyquilt export\" "
+          "makes each of them later, and a server offers both of the first for download without storing "
+          "them. Those that the folder has of an earlier map are written again")
+      ->delimiter(',')
+      ->transform(OneOf(std::vector<std::pair<std::string, OtherFormat>>{{"geotiff", OtherFormat::kGeotiff},
+                                                                         {"pmtiles", OtherFormat::kPmtiles},
+                                                                         {"utm", OtherFormat::kUtm},
+                                                                         {"kmz", OtherFormat::kKmz}}));
+  command->add_flag("--no-cog", arguments->no_cog,
+                    "No mosaic.tif, also where the folder has one of an earlier map");
+  command->add_flag("--utm", arguments->utm, "As --formats utm");
   command
       ->add_option(
           "--layers", arguments->job.mosaic.layers,
@@ -243,9 +267,9 @@ void AddStitchCommand(CLI::App& app) {
           std::vector<std::pair<std::string, render::MapLayer>>{{"photo", render::MapLayer::kPhoto},
                                                                 {"error", render::MapLayer::kError},
                                                                 {"height", render::MapLayer::kHeight}}));
-  command->add_flag("--kmz", arguments->kmz, "Also mosaic.kmz: the map as a super-overlay for Google Earth");
+  command->add_flag("--kmz", arguments->kmz, "As --formats kmz");
   command->add_flag("--no-pmtiles", arguments->no_pmtiles,
-                    "Skip mosaic.pmtiles (the MBTiles holds the same tiles)");
+                    "No mosaic.pmtiles, also where the folder has one of an earlier map");
   CLI::Option* append = command->add_flag(
       "--append", arguments->append,
       "IN are photos more for the finished map in the folder: they are placed against it, and "
@@ -266,7 +290,7 @@ void AddStitchCommand(CLI::App& app) {
       "  skyquilt stitch /media/sd/DCIM -o map\n"
       "  skyquilt stitch photos/ flight.BIN -o map\n"
       "  skyquilt stitch more/ -o map --append\n"
-      "  gdalinfo map/mosaic.tif");
+      "  skyquilt stitch photos/ -o map --formats geotiff && gdalinfo map/mosaic.tif");
   command->callback([arguments] { Run(*arguments); });
 }
 

@@ -58,7 +58,7 @@ def center(quaternion, translation):
 
 def skyquilt(program, photos, scratch, _):
     out = scratch / "skyquilt"
-    _, wall_s, cpu_s, peak_mib = run(program, "stitch", photos, "-o", out, "--no-cog", "--no-pmtiles")
+    _, wall_s, cpu_s, peak_mib = run(program, "stitch", photos, "-o", out)
     report = json.loads((out / "report.json").read_text())
     located = json.loads((out / "locate.json").read_text())
     places = {camera["name"]: center(camera["rotation_wxyz"], camera["translation_m"]) for camera in located["cameras"]}

@@ -73,7 +73,8 @@ def main():
                 folder = pathlib.Path(scratch)
                 subprocess.run([options.program, "simulate", "-o", folder / "flight", "--photos", options.photos, "--seed", str(seed),
                                 "--size", "800x600", "--noise", "rtk", *words], check=True, capture_output=True)
-                subprocess.run([options.by or options.program, "stitch", folder / "flight" / "photos", "-o", folder / "map"], check=True,
+                subprocess.run([options.by or options.program, "stitch", folder / "flight" / "photos", "-o", folder / "map",
+                                "--formats", "geotiff"], check=True,
                                capture_output=True)
                 gradient = float(words[words.index("--gradient-per-km") + 1]) if "--gradient-per-km" in words else 0.0
                 rms, plane, rest, kept = measure(folder, gradient)

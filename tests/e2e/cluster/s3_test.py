@@ -27,7 +27,7 @@ class Flow(S3TestCase):
         base = f"/api/v1/flights/{flight_id}"
         names = {key.split("/", 2)[2] for key in self.keys("flights/")}
         self.assertEqual(len([name for name in names if name.startswith("files/")]), 6)
-        for name in ("mosaic.pmtiles", "mosaic.mbtiles", "mosaic.state", "mosaic.tif", "report.json", "layer_photo.mbtiles"):
+        for name in ("mosaic.pmtiles", "mosaic.mbtiles", "mosaic.state", "report.json", "layer_photo.mbtiles"):
             self.assertIn(f"r1/{name}", names)
         self.assertEqual(self.left_behind(server), [])
         here = Server(tempfile.mkdtemp(dir=self.scratch), "--trash-days", "0")

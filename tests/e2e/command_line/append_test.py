@@ -54,7 +54,7 @@ class Append(unittest.TestCase):
 
     @classmethod
     def stitch(cls, photos, out, *arguments):
-        subprocess.run([BINARY, "stitch", photos, "-o", out, "--no-cog", "--no-pmtiles", *arguments], check=True,
+        subprocess.run([BINARY, "stitch", photos, "-o", out, *arguments], check=True,
                        capture_output=True)
         return json.loads((out / "report.json").read_text())
 

@@ -42,7 +42,7 @@ class BadRecords(unittest.TestCase):
 
     def stitch(self, photos, *arguments):
         out = pathlib.Path(tempfile.mkdtemp(dir=self.scratch))
-        subprocess.run([BINARY, "stitch", photos, "-o", out, "--no-cog", "--no-pmtiles", *arguments], check=True, capture_output=True)
+        subprocess.run([BINARY, "stitch", photos, "-o", out, *arguments], check=True, capture_output=True)
         self.report = json.loads((out / "report.json").read_text())
         return self.report
 

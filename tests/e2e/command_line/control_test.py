@@ -62,7 +62,7 @@ class Control(unittest.TestCase):
 
     @classmethod
     def stitch(cls, out, *more):
-        subprocess.run([BINARY, "stitch", cls.scratch / "sim" / "photos", *more, "-o", out, "--no-cog", "--no-pmtiles"], check=True,
+        subprocess.run([BINARY, "stitch", cls.scratch / "sim" / "photos", *more, "-o", out], check=True,
                        capture_output=True)
         return json.loads((out / "report.json").read_text())
 

@@ -18,7 +18,8 @@ class Export(unittest.TestCase):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_export_"))
         subprocess.run([BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world"],
                        check=True, capture_output=True)
-        subprocess.run([BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map"], check=True, capture_output=True)
+        subprocess.run([BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map", "--formats", "geotiff,pmtiles"],
+                       check=True, capture_output=True)
         cls.report = json.loads((cls.scratch / "map/report.json").read_text())
 
     @classmethod

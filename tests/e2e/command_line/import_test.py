@@ -24,7 +24,7 @@ class Import(unittest.TestCase):
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_import_"))
         run(BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world")
-        run(BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map")
+        run(BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map", "--formats", "geotiff,pmtiles")
         cls.report = json.loads((cls.scratch / "map/report.json").read_text())
         cls.cog = cls.scratch / "map/mosaic.tif"
         cls.swiss = cls.scratch / "swiss.tif"
@@ -96,7 +96,8 @@ class Import(unittest.TestCase):
 
     def test_what_a_pixel_shows_lies_where_it_did(self):
         flight = self.imported(self.swiss)
-        ours = self.data / "flights" / flight / "r1" / "mosaic.tif"
+        ours = self.scratch / "ours.tif"
+        run(BINARY, "export", self.data / "flights" / flight / "r1", "-o", ours)
         west, south, east, north = self.report["bounds"]
         far = 0
         for step in range(1, 20):

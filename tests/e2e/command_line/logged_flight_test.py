@@ -73,7 +73,7 @@ class LoggedFlightTest(unittest.TestCase):
 
     def stitch(self, log, *more):
         out = self.folder / ("map_" + log)
-        run("stitch", self.flight / "photos", self.flight / "logs" / log, "-o", out, "--no-cog", *more)
+        run("stitch", self.flight / "photos", self.flight / "logs" / log, "-o", out, *more)
         result = Result(self.flight, out)
         result.print(log)
         return result
@@ -156,7 +156,7 @@ class ExposureLogTest(unittest.TestCase):
                             f"{photo['lat_deg']:.9f},Lat\t{photo['lon_deg']:.9f},Lon\t"
                             f"{photo['height_ellipsoid_m']:.3f},Ellh\t0.010000, 0.010000, 0.020000\t50,Q\n")
             (flight / "photos/flight_Timestamp.MRK").write_text("".join(rows))
-            run("stitch", flight / "photos", "-o", flight / "map", "--method", "imu", "--no-cog")
+            run("stitch", flight / "photos", "-o", flight / "map", "--method", "imu")
             result = Result(flight, flight / "map")
             result.print("MRK")
             self.assertEqual(result.count, 24)
@@ -185,7 +185,7 @@ class HopWithoutGnssTest(unittest.TestCase):
     def stitch(self, name, seed, *more):
         flight = self.folder / f"hop_{seed}"
         out = self.folder / f"{name}_{seed}"
-        run("stitch", flight / "photos", flight / "logs/flight.BIN", "-o", out, "--no-cog", "--method", "imu", *more)
+        run("stitch", flight / "photos", flight / "logs/flight.BIN", "-o", out, "--method", "imu", *more)
         result = Result(flight, out)
         result.print(out.name)
         return result

@@ -33,7 +33,7 @@ class OutFolder(unittest.TestCase):
 
     @staticmethod
     def stitch(photos, out, *arguments):
-        return subprocess.run([BINARY, "stitch", photos, "-o", out, "--method", "imu", "--no-cog", "--no-pmtiles", *arguments],
+        return subprocess.run([BINARY, "stitch", photos, "-o", out, "--method", "imu", *arguments],
                               capture_output=True, text=True)
 
     def copy_of_map(self, name):

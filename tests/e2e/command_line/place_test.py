@@ -23,7 +23,7 @@ class Place(unittest.TestCase):
                         "--noise", "no-pose", "--no-world"], check=True, capture_output=True)
         cls.truth = json.loads((cls.scratch / "sim/truth/poses.json").read_text())
         cls.finished = cls.scratch / "finished"
-        subprocess.run([BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.finished, "--layers", "error"], check=True,
+        subprocess.run([BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.finished, "--layers", "error", "--formats", "geotiff,pmtiles"], check=True,
                        capture_output=True)
         report = json.loads((cls.finished / "report.json").read_text())
         assert not report["is_placed"]

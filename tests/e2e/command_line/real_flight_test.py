@@ -17,7 +17,7 @@ class RealFlight(unittest.TestCase):
         if not photos.is_dir() or shutil.which("exiftool") is None:
             self.skipTest("the Brighton Beach photos or exiftool are not here")
         with tempfile.TemporaryDirectory() as out:
-            subprocess.run([BINARY, "stitch", photos, "-o", out, "--method", "imu", "--no-cog"], check=True,
+            subprocess.run([BINARY, "stitch", photos, "-o", out, "--method", "imu"], check=True,
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             report = json.loads(pathlib.Path(out, "report.json").read_text())
             features = json.loads(pathlib.Path(out, "photos.geojson").read_text())["features"]

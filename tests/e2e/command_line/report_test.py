@@ -30,7 +30,7 @@ class Report(unittest.TestCase):
 
     def stitch(self, *arguments):
         out = self.scratch / ("out" + "".join(arguments))
-        subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, "--no-cog", *arguments],
+        subprocess.run([BINARY, "stitch", self.scratch / "sim" / "photos", "-o", out, *arguments],
                        check=True, capture_output=True)
         report = json.loads((out / "report.json").read_text())
         jsonschema.validate(report, SCHEMA)

@@ -36,7 +36,7 @@ class Resume(unittest.TestCase):
 
     @classmethod
     def command(cls, out, *arguments):
-        return [BINARY, "stitch", cls.scratch / "sim" / "photos", "-o", out, "--method", "imu", "--no-cog", "--no-pmtiles",
+        return [BINARY, "stitch", cls.scratch / "sim" / "photos", "-o", out, "--method", "imu",
                 "--threads", "1", *arguments]
 
     @classmethod

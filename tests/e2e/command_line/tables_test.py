@@ -58,7 +58,7 @@ class TablesTest(unittest.TestCase):
 
     def test_photos_without_gps_become_a_map_by_two_tables(self):
         out = self.folder / "map"
-        run("stitch", self.flight / "photos", self.tables, "-o", out, "--no-cog", "--no-pmtiles")
+        run("stitch", self.flight / "photos", self.tables, "-o", out)
         result = Result(self.flight, out)
         result.print("gnss.csv and triggers.csv")
         self.assertEqual(result.count, PHOTOS)
@@ -123,7 +123,7 @@ class TablesTest(unittest.TestCase):
             f"{(start + datetime.timedelta(seconds=float(row['t']))).isoformat(timespec='milliseconds')},{row['lat']},{row['lon']},"
             f"{row.get('alt_ell') or row.get('alt_msl')}\n" for row in self.fixes))
         out = self.folder / "named_map"
-        run("stitch", flight / "photos", flight / "telemetry.csv", "-o", out, "--method", "imu", "--no-cog", "--no-pmtiles")
+        run("stitch", flight / "photos", flight / "telemetry.csv", "-o", out, "--method", "imu")
         result = Result(flight, out)
         result.print("names and telemetry.csv")
         self.assertEqual(result.count, PHOTOS)

@@ -38,7 +38,7 @@ class Validate(unittest.TestCase):
     def setUpClass(cls):
         cls.scratch = pathlib.Path(tempfile.mkdtemp(prefix="skyquilt_validate_"))
         run(BINARY, "simulate", "-o", cls.scratch / "sim", "--photos", "6", "--size", "800x600", "--no-world")
-        run(BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map")
+        run(BINARY, "stitch", cls.scratch / "sim/photos", "-o", cls.scratch / "map", "--formats", "geotiff,pmtiles")
         cls.map = cls.scratch / "map"
 
     @classmethod

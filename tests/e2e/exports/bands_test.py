@@ -17,7 +17,7 @@ BANDS, COLOUR = DATA / "garfield_msp_5", DATA / "garfield_rgb_8"
 
 
 def stitch(out, *inputs):
-    subprocess.run([BINARY, "stitch", *inputs, "-o", out, "--no-pmtiles"], check=True, capture_output=True)
+    subprocess.run([BINARY, "stitch", *inputs, "-o", out], check=True, capture_output=True)
     report = json.loads((out / "report.json").read_text())
     jsonschema.validate(report, SCHEMA)
     return report

@@ -36,7 +36,7 @@ class BoundaryTest(unittest.TestCase):
 
     @classmethod
     def run_stitch(cls, out, *more):
-        return subprocess.run([BINARY, "stitch", cls.scratch / "sim" / "photos", *more, "-o", out, "--no-pmtiles"],
+        return subprocess.run([BINARY, "stitch", cls.scratch / "sim" / "photos", *more, "-o", out],
                               capture_output=True, text=True, check=False)
 
     @classmethod

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
 #include "storage/exports/cog_writer.h"
@@ -32,8 +33,35 @@ TEST(WriteThumbnail, ShowsTheMapSmallAndTransparentOutside) {
   EXPECT_GT(open, 1000);
 }
 
+TEST(WriteTilesThumbnail, ShowsWhatTheGeotiffShows) {
+  const ScratchDir dir;
+  test::WritePaintedTileset(dir.path() / "map.mbtiles",
+                            {.first_column = 512, .first_row = 512, .columns = 8, .rows = 4});
+  SilentProgress progress;
+  ASSERT_TRUE(WriteCog(dir.path() / "map.mbtiles", dir.path() / "map.tif", {85, 1}, progress));
+  ASSERT_TRUE(WriteThumbnail(dir.path() / "map.tif", dir.path() / "raster.png", 300));
+  ASSERT_TRUE(WriteTilesThumbnail(dir.path() / "map.mbtiles", dir.path() / "tiles.png", 300));
+  const cv::Mat raster = cv::imread((dir.path() / "raster.png").string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat tiles = cv::imread((dir.path() / "tiles.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(tiles.type(), CV_8UC4);
+  ASSERT_EQ(tiles.size(), raster.size());
+  int compared = 0;
+  double sum = 0.0;
+  for (int y = 0; y < tiles.rows; ++y) {
+    for (int x = 0; x < tiles.cols; ++x) {
+      const auto ours = tiles.at<cv::Vec4b>(y, x), theirs = raster.at<cv::Vec4b>(y, x);
+      if (ours[3] < 255 || theirs[3] < 255) continue;
+      ++compared;
+      for (int c = 0; c < 3; ++c) sum += std::abs(int{ours[c]} - int{theirs[c]});
+    }
+  }
+  EXPECT_GT(compared, 5000);
+  EXPECT_LT(sum / (3.0 * compared), 6.0);
+}
+
 TEST(WriteThumbnail, SaysWhatIsMissing) {
   const ScratchDir dir;
+  EXPECT_FALSE(WriteTilesThumbnail(dir.path() / "none.mbtiles", dir.path() / "small.png", 300));
   EXPECT_FALSE(WriteThumbnail(dir.path() / "none.tif", dir.path() / "small.png", 300));
 }
 

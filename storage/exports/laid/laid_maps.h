@@ -1,0 +1,40 @@
+// LaidMaps: the files that the maps of a server are offered as without lying on its disk, laid out once and
+// kept in memory within a bound of bytes, those not asked for longest going first. A map never changes, so
+// that what was laid out of it stays right. Any thread. Errors: kNotFound (no such map any more), those of
+// laying out.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "storage/exports/laid/laid_file.h"
+#include "storage/pmtiles/lru_memory.h"
+
+namespace skyquilt::storage {
+
+enum class LaidFormat { kPmtiles, kGeotiff };
+
+// A laid file with the tileset that its pieces are made from, which may be unlinked meanwhile.
+struct OpenLaid {
+  std::shared_ptr<const LaidFile> file;
+  std::shared_ptr<MapTiles> tiles;
+  std::string identity;  // equal ones are equal bytes; fit for an entity tag
+  std::shared_ptr<const void> in_use =
+      nullptr;  // what keeps the tileset's file where it is, if anything does
+};
+
+class LaidMaps {
+ public:
+  static constexpr std::size_t kUsualBytes = std::size_t{64} << 20;
+
+  explicit LaidMaps(std::size_t budget_bytes = kUsualBytes) : files_(budget_bytes) {}
+  // `map`: a name of this revision of this flight that no other map ever has.
+  Result<OpenLaid> Open(const std::filesystem::path& mbtiles, const std::string& map, LaidFormat format);
+
+ private:
+  LruMemory<LaidFile> files_;
+};
+
+}  // namespace skyquilt::storage
