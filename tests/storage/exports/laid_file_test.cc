@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <random>
 #include <string>
@@ -100,7 +101,15 @@ std::vector<std::uint8_t> Pixels(GDALRasterBand* band) {
   return out;
 }
 
-// As GDAL reads it: the picture and its mask at every level.
+double MeanDifference(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(int{a[i]} - int{b[i]});
+  return sum / static_cast<double>(a.size());
+}
+
+// As GDAL reads it: the picture and its mask at every level. Colours of tiles whose room is small are
+// coarser.
 TEST_F(LaidFileTest, GeotiffShowsWhatTheWritersShows) {
   GDALAllRegister();
   for (const image::TileEncoding encoding :
@@ -122,10 +131,10 @@ TEST_F(LaidFileTest, GeotiffShowsWhatTheWritersShows) {
       GDALRasterBand* ours = laid->GetRasterBand(band);
       GDALRasterBand* theirs = written->GetRasterBand(band);
       ASSERT_EQ(ours->GetOverviewCount(), theirs->GetOverviewCount());
-      EXPECT_TRUE(Pixels(ours) == Pixels(theirs));
+      EXPECT_LT(MeanDifference(Pixels(ours), Pixels(theirs)), 4.0);
       EXPECT_TRUE(Pixels(ours->GetMaskBand()) == Pixels(theirs->GetMaskBand()));
       for (int level = 0; level < ours->GetOverviewCount(); ++level) {
-        EXPECT_TRUE(Pixels(ours->GetOverview(level)) == Pixels(theirs->GetOverview(level))) << level;
+        EXPECT_LT(MeanDifference(Pixels(ours->GetOverview(level)), Pixels(theirs->GetOverview(level))), 4.0);
         EXPECT_TRUE(Pixels(ours->GetOverview(level)->GetMaskBand()) ==
                     Pixels(theirs->GetOverview(level)->GetMaskBand()))
             << level;
@@ -138,6 +147,7 @@ TEST_F(LaidFileTest, LaysOutTilesetsThatDoNotSayHowLargeTheirTilesAre) {
   const auto mbtiles = Painted(kPainted);
   const auto stated = maps_.Open(mbtiles, "stated", LaidFormat::kGeotiff);
   ASSERT_TRUE(stated);
+  const std::string whole = ReadAll(*stated, 0, stated->file->length(), 9999);
   auto db = *SqliteDb::Open(mbtiles, OpenMode::kReadWriteCreate);
   ASSERT_TRUE(db.Exec(
       "CREATE TABLE earlier (zoom_level INTEGER NOT NULL, tile_column INTEGER NOT NULL, tile_row INTEGER NOT "
@@ -150,8 +160,7 @@ TEST_F(LaidFileTest, LaysOutTilesetsThatDoNotSayHowLargeTheirTilesAre) {
   const auto measured = maps_.Open(mbtiles, "measured", LaidFormat::kGeotiff);
   ASSERT_TRUE(measured);
   ASSERT_EQ(measured->file->digest(), stated->file->digest());
-  EXPECT_TRUE(ReadAll(*measured, 0, measured->file->length(), 9999) ==
-              ReadAll(*stated, 0, stated->file->length(), 9999));
+  EXPECT_TRUE(ReadAll(*measured, 0, measured->file->length(), 9999) == whole);
 }
 
 // Noise in colour and in alpha: as WebP of low quality small, as JPEG larger than any room for it.
