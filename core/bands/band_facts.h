@@ -14,6 +14,7 @@ struct BandFacts {
   std::optional<double> wavelength_nm;
   std::optional<double> width_nm;  // full width at half maximum
   std::string capture_id;          // all bands of one capture share it; empty where none is written
+  bool is_look_too = false;        // the file's picture is one in colours, with the band's levels beside it
   bool is_panel = false;           // a picture of the calibration panel, not of the ground
   Radiometry radiometry;
 };

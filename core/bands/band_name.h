@@ -7,6 +7,8 @@
 
 namespace skyquilt::bands {
 
+inline constexpr const char* kThermalBand = "lwir";
+
 // Empty for a name without letters and digits.
 std::string BandNameOf(std::string_view written);
 

@@ -21,7 +21,6 @@ namespace {
 using flight::Flight;
 using flight::Photo;
 
-constexpr const char* kThermal = "lwir";
 // The shutters of one capture, where no id ties them together.
 constexpr std::chrono::milliseconds kOneCapture{500};
 
@@ -73,7 +72,9 @@ std::vector<Capture> Grouped(std::vector<BandPhoto> photos) {
 std::string ReferenceBand(const std::vector<Capture>& captures) {
   std::map<std::string, int> counts;
   for (const Capture& capture : captures) {
-    for (const BandPhoto& photo : capture.photos) ++counts[photo.facts.name];
+    // Thermal pictures are coarse: others are placed by them only where there are no others.
+    for (const BandPhoto& photo : capture.photos)
+      counts[photo.facts.name] += photo.facts.name == kThermalBand ? 0 : 1;
   }
   std::string best;
   std::pair<int, int> best_rank{std::numeric_limits<int>::max(), 0};
@@ -135,16 +136,36 @@ void DropOddCalibrations(const std::vector<Band>& bands, std::vector<Capture>& c
       dropped));
 }
 
+// Thermal levels that nobody can make temperatures of.
+bool IsOfUnknownScale(const BandFacts& facts) {
+  return facts.name == kThermalBand && facts.radiometry.calibration != Calibration::kKelvin;
+}
+
+// A thermal camera's JPEG without temperatures still is a picture: it stays in the flight as one.
+void KeepLooks(std::vector<std::optional<Result<BandFacts>>>& facts, Flight& flight) {
+  std::size_t kept = 0;
+  std::string reason;
+  for (auto& one : facts) {
+    if (!one || !one->ok() || !(**one).is_look_too || !IsOfUnknownScale(**one)) continue;
+    if (kept++ == 0) reason = (**one).radiometry.method;
+    one.reset();
+  }
+  if (kept == 0) return;
+  flight.warnings.push_back(fmt::format("{} thermal photos give no temperatures. {}", kept, reason));
+}
+
 }  // namespace
 
 Captures SetBandsApart(Flight& flight, int threads) {
   Captures apart;
   std::vector<std::optional<Result<BandFacts>>> facts = ReadAllFacts(flight.photos, threads);
+  KeepLooks(facts, flight);
   std::set<std::string> names;
   for (const auto& one : facts) {
-    if (one && one->ok() && (**one).name != kThermal) names.insert((**one).name);
+    if (one && one->ok() && !IsOfUnknownScale(**one)) names.insert((**one).name);
   }
-  if (names.size() < 2) return apart;  // a band alone is a grey picture
+  // A band alone is a grey picture, unless it has temperatures.
+  if (names.size() < 2 && !names.contains(kThermalBand)) return apart;
 
   std::vector<BandPhoto> band_photos;
   std::vector<Photo> others;
@@ -157,9 +178,10 @@ Captures SetBandsApart(Flight& flight, int threads) {
       others.push_back(std::move(photo));
     } else if (!facts[i]->ok()) {
       leave_out(photo, facts[i]->error().code, facts[i]->error().message);
-    } else if ((**facts[i]).name == kThermal) {
-      leave_out(photo, ErrorCode::kUnsupportedFormat,
-                "A picture of warmth, not of light: thermal bands do not go into bands.tif.");
+    } else if (IsOfUnknownScale(**facts[i])) {
+      leave_out(
+          photo, ErrorCode::kUnsupportedFormat,
+          "A thermal picture that does not say how many kelvins a level is (FLIR:TLinearGain in its XMP).");
     } else if ((**facts[i]).is_panel) {
       leave_out(photo, ErrorCode::kUnprocessable, "A picture of the calibration panel, not of the ground.");
     } else {

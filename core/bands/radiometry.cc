@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 namespace skyquilt::bands {
 namespace {
@@ -17,7 +19,30 @@ double Power(double x, int power) {
   return product;
 }
 
+// Sixteen bits have few levels: each one's temperature is worked out once.
+image::FloatImage KelvinsOf(const image::SampleImage& picture, const PlanckCurve& curve) {
+  constexpr std::size_t kLevels = std::size_t{1} << 16;
+  std::vector<float> kelvins(kLevels);
+  for (std::size_t level = 0; level < kLevels; ++level)
+    kelvins[level] = static_cast<float>(curve.KelvinOf(static_cast<double>(level)));
+  image::FloatImage values{picture.width_px, picture.height_px, {}};
+  values.values.reserve(picture.samples.size());
+  for (const std::uint16_t level : picture.samples) values.values.push_back(kelvins[level]);
+  return values;
+}
+
 }  // namespace
+
+double PlanckCurve::LevelOf(double kelvin) const { return r / (std::exp(b_k / kelvin) - f) - o; }
+
+double PlanckCurve::KelvinOf(double level) const {
+  const double of_object = (level - others_level) / object_share;
+  const double kelvin = b_k / std::log(r / (of_object + o) + f);
+  constexpr double kMaxKelvin = 5000.0;  // beyond, no camera measures
+  return of_object + o > 0.0 && kelvin > 0.0 && kelvin < kMaxKelvin
+             ? kelvin
+             : std::numeric_limits<double>::quiet_NaN();
+}
 
 double BandVignetting::Gain(double x_px, double y_px, int width_px, int height_px) const {
   double sum = 1.0;
@@ -35,6 +60,7 @@ double BandVignetting::Gain(double x_px, double y_px, int width_px, int height_p
 }
 
 image::FloatImage ValuesOf(const image::SampleImage& picture, const Radiometry& radiometry) {
+  if (radiometry.planck) return KelvinsOf(picture, *radiometry.planck);
   const int width = picture.width_px, height = picture.height_px;
   const int columns = width / kNodeStep + 2, rows = height / kNodeStep + 2;
   std::vector<float> gains;
@@ -74,6 +100,8 @@ const char* CalibrationName(Calibration calibration) {
   switch (calibration) {
     case Calibration::kReflectance:
       return "reflectance";
+    case Calibration::kKelvin:
+      return "kelvin";
     case Calibration::kRelative:
       return "relative reflectance";
     case Calibration::kRadiance:

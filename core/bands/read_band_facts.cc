@@ -6,6 +6,7 @@
 
 #include "core/bands/band_name.h"
 #include "core/bands/read_radiometry.h"
+#include "core/bands/thermal.h"
 #include "core/base/try.h"
 #include "core/flight/photos/image_header.h"
 
@@ -39,10 +40,37 @@ void ReadBandFrequency(const std::string& text, BandFacts& facts) {
     facts.width_nm = 2.0 * *half;
 }
 
+// Of a JPEG with a thermal sensor's levels in it. Where those are damaged, the method says so.
+BandFacts ReadFlirFacts(flight::ByteSource& source, const flight::ImageHeader& header) {
+  BandFacts facts;
+  facts.name = kThermalBand;
+  facts.is_look_too = true;
+  const Result<flight::FlirRecord> record = flight::ReadFlirRecord(source, header.flir);
+  if (!record) {
+    facts.radiometry.method = record.error().message;
+  } else if (auto temperature = FlirTemperature(record->constants)) {
+    facts.radiometry = *std::move(temperature);
+  } else {
+    facts.radiometry.method = "They lack the constants that make temperatures of the sensor's levels.";
+  }
+  return facts;
+}
+
+// A thermal TIFF that does not say what its levels are keeps them.
+Radiometry ReadThermalRadiometry(const flight::ExifTable& exif, const XmpTags& xmp) {
+  constexpr std::uint16_t kMakeTag = 0x010F;
+  if (auto linear = LinearTemperature(exif.Text(flight::ExifIfd::kImage, kMakeTag), xmp))
+    return *std::move(linear);
+  Radiometry radiometry;
+  radiometry.method = "stored levels";
+  return radiometry;
+}
+
 }  // namespace
 
 Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   SKYQUILT_TRY_ASSIGN(const flight::ImageHeader header, flight::ReadImageHeader(source));
+  if (!header.flir.empty()) return ReadFlirFacts(source, header);
   std::vector<std::string> notes;  // the photo has them already
   const XmpTags xmp = flight::ReadXmp(header, source, notes);
   BandFacts facts;
@@ -60,7 +88,8 @@ Result<BandFacts> ReadBandFacts(flight::ByteSource& source) {
   facts.capture_id = FirstOf(xmp, {"MicaSense:CaptureId", "Camera:CaptureUUID", "drone-dji:CaptureUUID"})
                          .substr(0, kMaxIdBytes);
   facts.is_panel = xmp.Number("Camera:CalibrationPicture").value_or(0.0) > 0.0;
-  facts.radiometry = ReadRadiometry(header.exif, xmp);
+  facts.radiometry =
+      facts.name == kThermalBand ? ReadThermalRadiometry(header.exif, xmp) : ReadRadiometry(header.exif, xmp);
   return facts;
 }
 

@@ -25,6 +25,8 @@ constexpr std::array kIndices = {
     SpectralIndex{"gli", "GLI", "(2*green-red-blue)/(2*green+red+blue)", -0.2, 0.3, "rdylgn"},
     // Woebbecke and others 1995, doi 10.13031/2013.27838: of the shares of the colours.
     SpectralIndex{"exg", "ExG", "(2*green-red-blue)/(red+green+blue)", -0.2, 0.5, "rdylgn"},
+    // Of thermal bands, which are in kelvin: degrees Celsius.
+    SpectralIndex{"celsius", "Temperature", "lwir-273.15", 0.0, 50.0, "inferno"},
 };
 
 bool EqualsInLowerCase(std::string_view name, std::string_view text) {

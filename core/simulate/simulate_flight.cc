@@ -18,6 +18,7 @@
 #include "core/simulate/sensors/shaking.h"
 #include "core/simulate/world/sun_direction.h"
 #include "core/simulate/world/world_raster.h"
+#include "core/simulate/writers/photo_tags.h"
 #include "core/simulate/writers/truth_json.h"
 #include "core/simulate/writers/write_csv.h"
 #include "core/simulate/writers/write_dataflash.h"
@@ -94,6 +95,24 @@ Result<void> WriteLogs(const SimulatedFlight& flight, const std::filesystem::pat
   return {};
 }
 
+std::string BandFileName(std::size_t capture, std::size_t band) {
+  return fmt::format("SIM_{:04}_{}.TIF", capture + 1, band + 1);
+}
+
+Result<void> WriteCapture(const SimulatedFlight& flight, std::size_t capture,
+                          const std::filesystem::path& folder) {
+  const SimulatedPhoto& photo = flight.photos[capture];
+  const double noise_levels = 65536.0 / 256.0 * 0.1 * flight.options.noise_counts;  // less than of a JPEG
+  for (std::size_t band = 0; band < flight.rig.size(); ++band) {
+    const BandExposure exposure = ExposureOf(flight.rig[band], capture, flight.options.seed);
+    const image::SampleImage picture =
+        RenderBand(flight.world, flight.rig[band], photo.pose, exposure, noise_levels, 1);
+    SKYQUILT_TRY(WriteBytes(folder / BandFileName(capture, band),
+                            BandTiffBytes(photo.recorded, flight.rig[band], exposure, picture)));
+  }
+  return {};
+}
+
 constexpr double kGyroNoiseRadps = 0.004;
 constexpr double kGyroBiasRadps = 0.003;
 constexpr double kFastestShakingRadps = 2.0;
@@ -151,6 +170,10 @@ Result<void> SimulateOptions::Validate() const {
     return Bad("The shaking must be from 0 to 114 degrees per second.");
   if (has_gyro && !(readout_s > 0.0 && shaking_radps > 0.0))
     return Bad("A gyro is recorded of a camera that shakes while it reads its rows: give both times.");
+  if (has_band_rig &&
+      (vignetting > 0.0 || exposure_jitter > 0.0 || hot_spot > 0.0 || shutter_s > 0.0 || readout_s > 0.0))
+    return Bad(
+        "A rig of bands has vignetting and exposures of its own: leave out those of the photos, and shutters.");
   if (jpeg_quality < 1 || jpeg_quality > 100) return Bad("The JPEG quality must be from 1 to 100.");
   if (!(std::abs(world.relief_m) <= 0.4 * trajectory.height_m)) {
     return Bad(
@@ -200,12 +223,15 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
   if (!poses) return poses.error();
   const std::vector<RecordedPose> recorded = RecordPoses(
       *poses, flight.frame, options.intrinsics, options.start, options.noise, options.clock, options.seed);
+  if (options.has_band_rig) flight.rig = MakeBandRig(options.intrinsics, options.seed);
   RandomStream exposure(options.seed, 301);
   for (std::size_t i = 0; i < poses->size(); ++i) {
     SimulatedPhoto photo;
     photo.pose = (*poses)[i];
     photo.recorded = recorded[i];
-    photo.photo = PhotoOfRecordedPose(fmt::format("SIM_{:04}.JPG", i + 1), recorded[i]);
+    photo.photo = PhotoOfRecordedPose(
+        options.has_band_rig ? BandFileName(i, kReferenceBand) : fmt::format("SIM_{:04}.JPG", i + 1),
+        recorded[i]);
     photo.render.supersample = options.supersample;
     photo.render.vignetting = options.vignetting;
     photo.render.hot_spot = options.hot_spot;
@@ -244,9 +270,10 @@ Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std
   ParallelFor(flight.photos.size(), options.threads, [&](std::size_t i) {
     if (progress.IsCancelled()) return;
     const SimulatedPhoto& photo = flight.photos[i];
-    const std::vector<std::uint8_t> bytes =
-        EncodePhoto(RenderSimulatedPhoto(flight, i), photo.recorded, options.jpeg_quality);
-    const Result<void> written = WriteBytes(photo.photo.path, bytes);
+    const Result<void> written =
+        flight.rig.empty() ? WriteBytes(photo.photo.path, EncodePhoto(RenderSimulatedPhoto(flight, i),
+                                                                      photo.recorded, options.jpeg_quality))
+                           : WriteCapture(flight, i, out_dir / "photos");
     const std::lock_guard lock(mutex);
     if (!written && !failure) failure = written.error();
     progress.Report(static_cast<double>(++done) / static_cast<double>(flight.photos.size()),

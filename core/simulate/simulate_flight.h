@@ -20,6 +20,7 @@
 #include "core/geo/local_frame.h"
 #include "core/geo/raster_frame.h"
 #include "core/image/decoded_image.h"
+#include "core/simulate/sensors/band_rig.h"
 #include "core/simulate/sensors/logged_survey.h"
 #include "core/simulate/sensors/recorded_pose.h"
 #include "core/simulate/sensors/trajectory.h"
@@ -52,6 +53,7 @@ struct SimulateOptions {
   double readout_s = 0.0;              // from the first row to the last; 0 = all rows at once
   double shaking_radps = 0.0;          // 1-sigma of how fast the camera turns while rows are read
   bool has_gyro = false;               // it records that, and the readout time
+  bool has_band_rig = false;           // a camera of five bands in place of one in colours
   int supersample = 0;                 // 0 = as needed
   int jpeg_quality = 92;
   bool write_world = true;
@@ -74,6 +76,7 @@ struct SimulatedFlight {
   World world{WorldOptions{}};
   std::vector<SimulatedPhoto> photos;
   std::optional<flight::FlightLog> log;  // of a flight with a survey
+  std::vector<RigBand> rig;  // of a flight with one; its photos are then those of the reference band
 
   double GsdM() const { return options.trajectory.height_m / options.intrinsics.MeanFocalPx(); }
   // Whole Web Mercator tiles that cover all footprints, at the zoom that fits the photos.
@@ -83,8 +86,8 @@ struct SimulatedFlight {
 Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options);
 image::DecodedImage RenderSimulatedPhoto(const SimulatedFlight& flight, std::size_t index, int threads = 1);
 
-// Writes out_dir/photos/*.JPG, out_dir/truth/poses.json, out_dir/truth/world.tif and, if asked for,
-// out_dir/logs/*. Errors: kInvalidArgument, kIo, kCancelled.
+// Writes out_dir/photos/*.JPG (of a rig a TIFF for each band), out_dir/truth/poses.json,
+// out_dir/truth/world.tif and, if asked for, out_dir/logs/*. Errors: kInvalidArgument, kIo, kCancelled.
 Result<SimulatedFlight> SimulateFlight(const SimulateOptions& options, const std::filesystem::path& out_dir,
                                        Progress& progress);
 

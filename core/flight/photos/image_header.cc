@@ -62,6 +62,7 @@ Result<ImageHeader> ReadJpeg(ByteSource& source) {
   header.height_px = segments.height_px;
   header.exif = ReadExifSegment(segments.exif);
   header.xmp_packets = std::move(segments.xmp);
+  header.flir = std::move(segments.flir);
   CollectXmp(header);
   return header;
 }

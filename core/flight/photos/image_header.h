@@ -7,6 +7,7 @@
 
 #include "core/base/result.h"
 #include "core/flight/metadata/exif_table.h"
+#include "core/flight/metadata/flir_record.h"
 #include "core/flight/metadata/xmp.h"
 #include "core/flight/photos/byte_source.h"
 
@@ -17,6 +18,7 @@ struct ImageHeader {
   int height_px = 0;
   ExifTable exif;
   std::vector<std::string> xmp_packets;
+  std::vector<FlirPart> flir;  // of a JPEG with a thermal camera's levels in it
 };
 
 // The XMP of a header, or of wherever else in the source it stands; what is damaged is said in `notes`.

@@ -17,6 +17,8 @@ constexpr std::size_t kMaxExtendedXmp = 1u << 20;
 constexpr std::uint64_t kEndIsWithin = std::uint64_t{64}
                                        << 20;  // previews and films may stand behind the picture
 constexpr std::string_view kExifHeader("Exif\0", 5);
+constexpr std::string_view kFlirHeader("FLIR\0", 5);
+constexpr std::size_t kFlirHeadBytes = 8;  // with the part's number and that of the last one
 constexpr std::string_view kXmpHeader("http://ns.adobe.com/xap/1.0/\0", 29);
 constexpr std::string_view kExtendedXmpHeader("http://ns.adobe.com/xmp/extension/\0", 35);
 
@@ -101,6 +103,10 @@ Result<JpegSegments> ScanJpegSegments(ByteSource& source) {
         if (found.xmp.size() < 8) found.xmp.emplace_back(payload.begin() + kXmpHeader.size(), payload.end());
       } else if (StartsWith(payload, kExtendedXmpHeader)) {
         extended.Add(payload);
+      } else if (StartsWith(payload, kFlirHeader) && payload.size() > kFlirHeadBytes) {
+        found.flir.push_back({payload_offset + kFlirHeadBytes,
+                              static_cast<std::uint32_t>(payload.size() - kFlirHeadBytes), payload[6],
+                              payload[7]});
       }
     }
     offset = payload_offset + length - 2;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/flight/metadata/flir_record.h"
 #include "core/flight/photos/byte_source.h"
 
 namespace skyquilt::flight {
@@ -21,6 +22,7 @@ struct JpegSegments {
   std::vector<std::uint8_t>
       exif;                      // the TIFF block of the EXIF segment, without its "Exif\0\0"; empty if none
   std::vector<std::string> xmp;  // packets in the order found; the joined extended packet last
+  std::vector<FlirPart> flir;    // of a thermal camera's own record
 };
 
 // Errors: kCorrupt when there is no readable frame header.

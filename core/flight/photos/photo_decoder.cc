@@ -12,8 +12,10 @@
 
 #include "core/base/check.h"
 #include "core/base/try.h"
+#include "core/flight/metadata/exif_table.h"
 #include "core/flight/photos/byte_source.h"
 #include "core/flight/photos/read_photo.h"
+#include "core/flight/photos/thermal_picture.h"
 #include "core/image/decode_errors.h"
 #include "core/image/jpeg_decoder.h"
 #include "core/image/png_decoder.h"
@@ -40,9 +42,49 @@ Result<cv::Mat> ReadByOpenCv(const std::vector<std::uint8_t>& bytes, int width_p
   return picture;
 }
 
+// Grey of sixteen bits to colours of eight. A thermal camera's levels fill a hundredth of them: those are
+// spread, from what a thousandth of the pixels lies below to what a thousandth lies above.
+cv::Mat EightBits(const cv::Mat& levels) {
+  constexpr std::size_t kLevels = std::size_t{1} << 16;
+  std::vector<std::int64_t> counts(kLevels, 0);
+  for (int y = 0; y < levels.rows; ++y) {
+    const std::uint16_t* row = levels.ptr<std::uint16_t>(y);
+    for (int x = 0; x < levels.cols; ++x) ++counts[row[x]];
+  }
+  const std::int64_t rare = static_cast<std::int64_t>(levels.total()) / 1000;
+  std::size_t low = 0, high = kLevels - 1;
+  for (std::int64_t below = counts[low]; below <= rare && low < high; below += counts[low]) ++low;
+  for (std::int64_t above = counts[high]; above <= rare && high > low; above += counts[high]) --high;
+  constexpr double kNarrow = kLevels / 16.0, kMaxByte = 255.0;
+  const auto range = static_cast<double>(high - low);
+  cv::Mat eight, bgr;
+  if (range >= kNarrow || range < 1.0) {
+    constexpr double kRoundDown = -0.498;
+    levels.convertTo(eight, CV_8U, 1.0 / 256.0, kRoundDown);
+  } else {
+    levels.convertTo(eight, CV_8U, kMaxByte / range, -kMaxByte / range * static_cast<double>(low));
+  }
+  cv::cvtColor(eight, bgr, cv::COLOR_GRAY2BGR);
+  return bgr;
+}
+
+bool IsGreyOf16Bits(const std::vector<std::uint8_t>& tiff) {
+  constexpr std::uint16_t kBitsTag = 0x0102, kSamplesPerPixelTag = 0x0115;
+  MemoryBytes source(tiff);
+  const auto tags = ReadTiffTags(source);
+  return tags && tags->Number(ExifIfd::kImage, kBitsTag) == 16.0 &&
+         tags->Number(ExifIfd::kImage, kSamplesPerPixelTag).value_or(1.0) == 1.0;
+}
+
 Result<DecodedImage> DecodeByOpenCv(const std::vector<std::uint8_t>& bytes, int width_px, int height_px,
                                     int denominator) {
-  SKYQUILT_TRY_ASSIGN(cv::Mat bgr, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_COLOR));
+  const bool is_grey = IsGreyOf16Bits(bytes);
+  SKYQUILT_TRY_ASSIGN(cv::Mat bgr, ReadByOpenCv(bytes, width_px, height_px,
+                                                is_grey ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR));
+  if (is_grey) {
+    if (bgr.type() != CV_16UC1) return image::PictureDamaged("the picture is not grey of 16 bits");
+    bgr = EightBits(bgr);
+  }
   if (denominator > 1) {
     const int width = CeilDiv(width_px, denominator);
     const int height = CeilDiv(height_px, denominator);
@@ -118,6 +160,7 @@ Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& by
   const std::int64_t needed_bytes =
       static_cast<std::int64_t>(bytes.size()) + WorkBytes(bytes, width_px, height_px);
   if (needed_bytes > max_bytes) return NeedsTooMuch(needed_bytes, max_bytes);
+  if (IsJpeg(bytes)) return DecodeThermalLevels(bytes, width_px, height_px);
   SKYQUILT_TRY_ASSIGN(cv::Mat stored, ReadByOpenCv(bytes, width_px, height_px, cv::IMREAD_UNCHANGED));
   if (stored.channels() != 1 || (stored.depth() != CV_16U && stored.depth() != CV_8U)) {
     return Error{

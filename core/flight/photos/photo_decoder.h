@@ -1,9 +1,9 @@
 // FilePhotoSource: decodes photos from the files their records name. JPEG by libjpeg-turbo, which makes the
-// smaller sizes while decoding; PNG by libpng, row by row; TIFF by OpenCV, whole (16 bits are brought to 8).
-// Grey and CMYK become RGB. EXIF orientation is not applied. At 1/d every output pixel covers exactly d x d
-// source pixels; the last row and column may hang over the edge. Any number of threads at a time; memory: one
-// file's bytes and the picture or part that is asked for a call, and what a format that cannot be read by
-// parts takes beside it, which is bounded.
+// smaller sizes while decoding; PNG by libpng, row by row; TIFF by OpenCV, whole (16 bits are brought to 8,
+// few levels spread). Grey and CMYK become RGB. EXIF orientation is not applied. At 1/d every output pixel
+// covers exactly d x d source pixels; the last row and column may hang over the edge. Any number of threads
+// at a time; memory: one file's bytes and the picture or part that is asked for a call, and what a format
+// that cannot be read by parts takes beside it, which is bounded.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,8 @@ class FilePhotoSource final : public PhotoSource {
 Result<image::DecodedImage> DecodePhotoBytes(const std::vector<std::uint8_t>& bytes, int width_px,
                                              int height_px, int denominator);
 
-// A TIFF or PNG of one channel, all 16 bits of it; one of 8 bits is brought to 16.
+// A TIFF or PNG of one channel, all 16 bits of it; one of 8 bits is brought to 16. Of a thermal camera's JPEG
+// the levels of its sensor (thermal_picture).
 Result<image::SampleImage> DecodeSampleBytes(const std::vector<std::uint8_t>& bytes, int width_px,
                                              int height_px, std::int64_t max_bytes = kMaxDecodeBytes);
 

@@ -42,9 +42,10 @@ std::string CameraKey(const Photo& photo, const ExifRecord& exif, const XmpTags&
 }
 
 // Of a camera that takes one band a picture; empty for colour.
-std::string BandNameOf(const ExifTable& exif, const XmpTags& xmp) {
+std::string BandNameOf(const ImageHeader& header, const XmpTags& xmp) {
   constexpr std::uint16_t kSamplesPerPixelTag = 0x0115;
-  if (exif.Number(ExifIfd::kImage, kSamplesPerPixelTag) != 1.0) return "";
+  if (!header.flir.empty()) return "LWIR";  // in colours for looking, with the sensor's levels beside
+  if (header.exif.Number(ExifIfd::kImage, kSamplesPerPixelTag) != 1.0) return "";
   std::string name = xmp.Text("Camera:BandName");
   if (name.empty()) name = xmp.Text("drone-dji:BandName");
   return name.find_first_of(",;") == std::string::npos ? name : "";
@@ -107,7 +108,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   const ChosenIntrinsics chosen = ChooseIntrinsics(header.width_px, header.height_px, exif, xmp, photo.notes);
   photo.intrinsics = chosen.intrinsics;
   photo.focal_source = chosen.source;
-  photo.band_name = BandNameOf(header.exif, xmp);
+  photo.band_name = BandNameOf(header, xmp);
   photo.camera_key = CameraKey(photo, exif, xmp);
   const CaptureTime time = ChooseCaptureTime(exif, xmp, photo.notes);
   photo.captured_at = time.captured_at;

@@ -43,13 +43,6 @@ std::vector<SubSample> MakeSubSamples(const RenderPhotoOptions& options, int sid
 
 constexpr double kHotSpotRad = 0.2;
 
-// About Gaussian, from the pixel's own hash: four uniform bytes summed.
-float NoiseOf(int x, int y, int channel, std::uint32_t seed) {
-  const std::uint32_t h = HashCell(x * 3 + channel, y, seed);
-  const int sum = static_cast<int>((h & 255u) + ((h >> 8) & 255u) + ((h >> 16) & 255u) + (h >> 24)) - 510;
-  return static_cast<float>(sum) * (1.0f / 147.8f);  // the sum's 1-sigma
-}
-
 // One photo in the making: everything that is the same for all its pixels.
 class PhotoRenderer {
  public:
@@ -87,10 +80,25 @@ class PhotoRenderer {
         for (int c = 0; c < 3; ++c) {
           float value = light * color[c];
           if (options_.noise_counts > 0.0) {
-            value += static_cast<float>(options_.noise_counts) * NoiseOf(x, y, c, options_.noise_seed);
+            value += static_cast<float>(options_.noise_counts) * SensorNoise(x, y, c, options_.noise_seed);
           }
           out[3 * x + c] = static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
         }
+      }
+    }
+  }
+
+  // The same of a band, into `light`.
+  void RenderLightOfRows(int begin, int end, const Eigen::Vector4f& of_color, float* light) const {
+    const int width = intrinsics_.width_px;
+    const std::vector<std::uint32_t> surfaces =
+        is_adaptive_ ? SurfacesOfRows(begin - 1, end + 1) : std::vector<std::uint32_t>{};
+    for (int y = begin; y < end; ++y) {
+      double hint_m = 0.0;
+      float* out = light + static_cast<std::ptrdiff_t>(y) * width;
+      for (int x = 0; x < width; ++x) {
+        const bool is_edge = is_adaptive_ && IsEdge(surfaces, x, y - begin + 1);
+        out[x] = of_color[0] + of_color.tail<3>().dot(Sampled(x, y, is_edge ? fine_ : plain_, hint_m));
       }
     }
   }
@@ -185,7 +193,35 @@ class PhotoRenderer {
   std::vector<SubSample> plain_, fine_;
 };
 
+// The batches do not depend on the number of threads, and no row depends on the one before.
+template <typename Render>
+void RenderInBatches(int height_px, int threads, const Render& render) {
+  const int batches = (height_px + kRowsPerBatch - 1) / kRowsPerBatch;
+  ParallelFor(static_cast<std::size_t>(batches), threads, [&](std::size_t batch) {
+    const int begin = static_cast<int>(batch) * kRowsPerBatch;
+    render(begin, std::min(height_px, begin + kRowsPerBatch));
+  });
+}
+
 }  // namespace
+
+// From the pixel's own hash: four uniform bytes summed.
+float SensorNoise(int x, int y, int channel, std::uint32_t seed) {
+  const std::uint32_t h = HashCell(x * 3 + channel, y, seed);
+  const int sum = static_cast<int>((h & 255u) + ((h >> 8) & 255u) + ((h >> 16) & 255u) + (h >> 24)) - 510;
+  return static_cast<float>(sum) * (1.0f / 147.8f);  // the sum's 1-sigma
+}
+
+image::FloatImage RenderLight(const World& world, const camera::Intrinsics& intrinsics,
+                              const geo::Rigid3& cam_from_enu, const Eigen::Vector4f& of_color, int threads) {
+  image::FloatImage light{intrinsics.width_px, intrinsics.height_px, {}};
+  light.values.resize(static_cast<std::size_t>(light.width_px) * static_cast<std::size_t>(light.height_px));
+  const PhotoRenderer renderer(world, intrinsics, cam_from_enu, {});
+  RenderInBatches(light.height_px, threads, [&](int begin, int end) {
+    renderer.RenderLightOfRows(begin, end, of_color, light.values.data());
+  });
+  return light;
+}
 
 image::DecodedImage RenderPhoto(const World& world, const camera::Intrinsics& intrinsics,
                                 const geo::Rigid3& cam_from_enu, const RenderPhotoOptions& options) {
@@ -196,12 +232,8 @@ image::DecodedImage RenderPhoto(const World& world, const camera::Intrinsics& in
   image.height_px = intrinsics.height_px;
   image.rgb.resize(static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px) * 3);
   const PhotoRenderer renderer(world, intrinsics, cam_from_enu, options);
-  // The batches do not depend on the number of threads, and no row depends on the one before.
-  const int batches = (image.height_px + kRowsPerBatch - 1) / kRowsPerBatch;
-  ParallelFor(static_cast<std::size_t>(batches), options.threads, [&](std::size_t batch) {
-    const int begin = static_cast<int>(batch) * kRowsPerBatch;
-    renderer.RenderRows(begin, std::min(image.height_px, begin + kRowsPerBatch), image.rgb.data());
-  });
+  RenderInBatches(image.height_px, options.threads,
+                  [&](int begin, int end) { renderer.RenderRows(begin, end, image.rgb.data()); });
   return image;
 }
 

@@ -10,6 +10,7 @@
 #include "core/camera/rolling_shutter.h"
 #include "core/geo/rigid3.h"
 #include "core/image/decoded_image.h"
+#include "core/image/sample_image.h"
 #include "core/simulate/world/world.h"
 
 namespace skyquilt::simulate {
@@ -32,5 +33,13 @@ struct RenderPhotoOptions {
 
 image::DecodedImage RenderPhoto(const World& world, const camera::Intrinsics& intrinsics,
                                 const geo::Rigid3& cam_from_enu, const RenderPhotoOptions& options);
+
+// The same of a band, without lens and sensor: first + the others times red, green and blue (0 to 255) of
+// what each pixel shows.
+image::FloatImage RenderLight(const World& world, const camera::Intrinsics& intrinsics,
+                              const geo::Rigid3& cam_from_enu, const Eigen::Vector4f& of_color, int threads);
+
+// A sensor's noise at a pixel: about Gaussian with 1-sigma of 1, the same at every call.
+float SensorNoise(int x, int y, int channel, std::uint32_t seed);
 
 }  // namespace skyquilt::simulate

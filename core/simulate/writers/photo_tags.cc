@@ -177,9 +177,11 @@ std::string GyroTags(const RecordedPose& recorded) {
       std::llround(-1e9 * samples.front().time_s), Base64(bytes));
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
+// The TIFF structure with EXIF and GPS, and as the first image's tags whatever `add_image` puts there; it is
+// told how long the structure becomes.
+template <typename AddImage>
+std::vector<std::uint8_t> TiffStructure(const RecordedPose& recorded, const Rational& exposure_s,
+                                        std::uint16_t iso, const AddImage& add_image) {
   const camera::Intrinsics& lens = recorded.intrinsics;
   const auto seconds = std::chrono::floor<std::chrono::seconds>(recorded.captured_at);
   const std::string time =
@@ -189,8 +191,9 @@ std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
   const double focal_35mm =
       lens.MeanFocalPx() * std::hypot(36.0, 24.0) / std::hypot(lens.width_px, lens.height_px);
 
-  const auto make_root = [&](std::size_t exif_offset, std::size_t gps_offset) {
+  const auto make_root = [&](std::size_t exif_offset, std::size_t gps_offset, std::size_t end) {
     Directory root;
+    add_image(root, end);
     root.Ascii(0x010F, kCameraMake);
     root.Ascii(0x0110, kCameraModel);
     root.Short(0x0112, 1);
@@ -202,9 +205,9 @@ std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
   };
 
   Directory exif;
-  exif.Rationals(0x829A, {{1, 1000}});
+  exif.Rationals(0x829A, {exposure_s});
   exif.Rationals(0x829D, {{28, 10}});
-  exif.Short(0x8827, 100);
+  exif.Short(0x8827, iso);
   exif.Bytes(0x9000, 7, {'0', '2', '3', '1'});
   exif.Ascii(0x9003, time);
   exif.Ascii(0x9004, time);
@@ -222,20 +225,22 @@ std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
   if (recorded.position) AddGps(recorded, gps);
 
   // Sizes first: the offsets that the root directory holds do not change its own size.
-  const std::size_t exif_at = 8 + make_root(0, 0).Size();
+  const std::size_t exif_at = 8 + make_root(0, 0, 0).Size();
   const std::size_t gps_at = exif_at + exif.Size();
+  const std::size_t end = gps_at + (recorded.position ? gps.Size() : 0);
 
-  std::vector<std::uint8_t> payload = {'E', 'x', 'i', 'f', 0, 0, 'I', 'I', 42, 0, 8, 0, 0, 0};
-  const auto append = [&payload](const std::vector<std::uint8_t>& bytes) {
-    payload.insert(payload.end(), bytes.begin(), bytes.end());
+  std::vector<std::uint8_t> structure = {'I', 'I', 42, 0, 8, 0, 0, 0};
+  const auto append = [&structure](const std::vector<std::uint8_t>& bytes) {
+    structure.insert(structure.end(), bytes.begin(), bytes.end());
   };
-  append(make_root(exif_at, gps_at).Build(8));
+  append(make_root(exif_at, gps_at, end).Build(8));
   append(exif.Build(exif_at));
   if (recorded.position) append(gps.Build(gps_at));
-  return payload;
+  return structure;
 }
 
-std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded) {
+// The packet with what every photo says, and `more` attributes of `more_spaces`.
+std::string XmpPacket(const RecordedPose& recorded, std::string_view more_spaces, std::string_view more) {
   const camera::Intrinsics& lens = recorded.intrinsics;
   std::string tags;
   const auto add = [&tags](std::string_view name, const std::string& value) {
@@ -287,14 +292,86 @@ std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded) {
     spaces += " xmlns:Camera=\"http://pix4d.com/camera/1.0/\"";
     tags += GyroTags(recorded);
   }
-  const std::string body = fmt::format(
+  spaces += more_spaces;
+  tags += more;
+  return fmt::format(
       "<?xpacket begin=\"\xEF\xBB\xBF\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
       "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n"
       " <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
       "  <rdf:Description rdf:about=\"\" {}{}/>\n"
       " </rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"w\"?>",
       spaces, tags);
-  return WithSignature("http://ns.adobe.com/xap/1.0/", body);
+}
+
+// Levels of a picture as the bytes of a strip.
+std::vector<std::uint8_t> StripOf(const image::SampleImage& picture) {
+  std::vector<std::uint8_t> strip;
+  strip.reserve(2 * picture.samples.size());
+  for (const std::uint16_t sample : picture.samples) {
+    strip.push_back(static_cast<std::uint8_t>(sample & 255));
+    strip.push_back(static_cast<std::uint8_t>(sample >> 8));
+  }
+  return strip;
+}
+
+std::string BandXmp(const RigBand& band, const BandExposure& exposure) {
+  std::string vignetting;
+  for (const double k : band.vignetting)
+    vignetting += fmt::format("{}{:.12g}", vignetting.empty() ? "" : ",", k);
+  std::string tags;
+  const auto add = [&tags](std::string_view name, const std::string& value) {
+    tags += fmt::format("\n   {}=\"{}\"", name, value);
+  };
+  add("Camera:BandName", band.name);
+  add("Camera:CentralWavelength", fmt::format("{}", band.wavelength_nm));
+  add("Camera:WavelengthFWHM", fmt::format("{}", band.width_nm));
+  add("Camera:RigCameraIndex", fmt::format("{}", band.index));
+  add("Camera:VignettingCenter", fmt::format("{:.6f},{:.6f}", band.vignetting_x_px, band.vignetting_y_px));
+  add("Camera:VignettingPolynomial", vignetting);
+  add("MicaSense:CaptureId", exposure.capture_id);
+  add("MicaSense:RadiometricCalibration", fmt::format("{:.12g},{:.12g},{:.12g}", band.a1, band.a2, band.a3));
+  add("DLS:SpectralIrradiance", fmt::format("{:.9g}", exposure.irradiance));
+  return tags;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
+  std::vector<std::uint8_t> payload = {'E', 'x', 'i', 'f', 0, 0};
+  const std::vector<std::uint8_t> structure =
+      TiffStructure(recorded, {1, 1000}, 100, [](Directory& /*root*/, std::size_t /*end*/) {});
+  payload.insert(payload.end(), structure.begin(), structure.end());
+  return payload;
+}
+
+std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded) {
+  return WithSignature("http://ns.adobe.com/xap/1.0/", XmpPacket(recorded, "", ""));
+}
+
+std::vector<std::uint8_t> BandTiffBytes(const RecordedPose& recorded, const RigBand& band,
+                                        const BandExposure& exposure, const image::SampleImage& picture) {
+  const std::string xmp = XmpPacket(recorded,
+                                    " xmlns:Camera=\"http://pix4d.com/camera/1.0/\" "
+                                    "xmlns:MicaSense=\"http://micasense.com/MicaSense/1.0/\" "
+                                    "xmlns:DLS=\"http://micasense.com/DLS/1.0/\"",
+                                    BandXmp(band, exposure));
+  const std::vector<std::uint8_t> strip = StripOf(picture);
+  std::vector<std::uint8_t> file = TiffStructure(
+      recorded, {exposure.exposure_us, 1'000'000}, exposure.iso, [&](Directory& root, std::size_t end) {
+        root.Long(0x0100, static_cast<std::uint32_t>(picture.width_px));
+        root.Long(0x0101, static_cast<std::uint32_t>(picture.height_px));
+        root.Short(0x0102, 16);
+        root.Short(0x0103, 1);  // not compressed
+        root.Short(0x0106, 1);  // black is zero
+        root.Long(0x0111, static_cast<std::uint32_t>(end));
+        root.Short(0x0115, 1);
+        root.Long(0x0116, static_cast<std::uint32_t>(picture.height_px));
+        root.Long(0x0117, static_cast<std::uint32_t>(strip.size()));
+        root.Bytes(0x02BC, 1, {xmp.begin(), xmp.end()});
+        root.Short(0xC61A, band.black_level);
+      });
+  file.insert(file.end(), strip.begin(), strip.end());
+  return file;
 }
 
 }  // namespace skyquilt::simulate

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/image/sample_image.h"
+#include "core/simulate/sensors/band_rig.h"
 #include "core/simulate/sensors/recorded_pose.h"
 
 namespace skyquilt::simulate {
@@ -14,5 +16,10 @@ namespace skyquilt::simulate {
 // The payloads of the two APP1 segments, with their signatures, without marker and length.
 std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded);
 std::vector<std::uint8_t> XmpPayload(const RecordedPose& recorded);
+
+// A TIFF of one band of 16 bits with the same, and with what makes reflectance of its levels as MicaSense's
+// cameras write it.
+std::vector<std::uint8_t> BandTiffBytes(const RecordedPose& recorded, const RigBand& band,
+                                        const BandExposure& exposure, const image::SampleImage& picture);
 
 }  // namespace skyquilt::simulate

@@ -59,6 +59,14 @@ std::string TruthJson(const SimulatedFlight& flight) {
                                {"velocity_in_enu_mps", Vector(photo.pose.velocity_in_enu_mps)},
                                {"line", photo.pose.line}});
   }
+  for (const RigBand& band : flight.rig) {
+    const Eigen::Vector4d& of_color = band.reflectance_of_color;
+    truth["bands"].push_back({{"name", band.name},
+                              {"wavelength_nm", band.wavelength_nm},
+                              {"reflectance_at_black", of_color[0]},
+                              {"reflectance_of_red_green_blue", {of_color[1], of_color[2], of_color[3]}},
+                              {"intrinsics", Lens(band.lens)}});
+  }
   return truth.dump(1) + "\n";
 }
 

@@ -250,6 +250,10 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--gyro", options.has_gyro,
                     "With --shaking-dps: the photos record the camera's gyro and its readout time");
+  command->add_flag(
+      "--bands", options.has_band_rig,
+      "A camera of five bands in place of one in colours: a TIFF for each, as MicaSense writes them, "
+      "with lenses that stand apart, vignetting, exposure and light of each band's own");
   command->add_option("--pixel-noise", options.noise_counts, "Sensor noise in 8-bit counts, 1-sigma")
       ->capture_default_str();
   command

@@ -8,6 +8,7 @@
 
 #include "core/flight/read_flight.h"
 #include "tests/core/bands/band_photos.h"
+#include "tests/core/flight/flir_photo.h"
 
 namespace skyquilt::bands {
 namespace {
@@ -121,6 +122,52 @@ TEST_F(CapturesTest, ABandAloneIsAGreyPicture) {
   flight::Flight flight = Read();
   EXPECT_TRUE(SetBandsApart(flight, 1).empty());
   EXPECT_EQ(flight.photos.size(), 2U);
+}
+
+constexpr const char* kGain = "xmlns:FLIR=\"http://ns.flir.com/FLIR/1.0/\" FLIR:TLinearGain=\"0.04\" ";
+
+TEST_F(CapturesTest, TemperaturesAloneAreABand) {
+  for (const char* name : {"a.TIF", "b.TIF"}) Add(name, "LWIR", kGain);
+  Add("unknown.TIF", "LWIR");
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 2);
+  EXPECT_EQ(NamesOf(flight), (std::vector<std::string>{"a.TIF", "b.TIF"}));
+  EXPECT_EQ(apart.reference_band, "lwir");
+  ASSERT_EQ(apart.bands.size(), 1U);
+  EXPECT_EQ(apart.bands[0].calibration, Calibration::kKelvin);
+  EXPECT_EQ(apart.captures.size(), 2U);
+  ASSERT_EQ(flight.left_out.size(), 1U);
+  EXPECT_NE(flight.left_out[0].reason.find("TLinearGain"), std::string::npos);
+}
+
+TEST_F(CapturesTest, TemperaturesFollowTheirRig) {
+  for (const char* id : {"a", "b"}) {
+    for (const char* band : {"Blue", "LWIR"}) {
+      Add(std::string(id) + "_" + band + ".TIF", band,
+          fmt::format("Camera:CaptureUUID=\"{}\" {}", id, band[0] == 'L' ? kGain : ""));
+    }
+  }
+  Add("c_LWIR.TIF", "LWIR", fmt::format("Camera:CaptureUUID=\"c\" {}", kGain));
+  flight::Flight flight = Read();
+  const Captures apart = SetBandsApart(flight, 1);
+  EXPECT_EQ(apart.reference_band, "blue");  // though more captures have temperatures
+  ASSERT_EQ(apart.captures.size(), 2U);
+  EXPECT_EQ(apart.captures[0].photos.size(), 2U);
+}
+
+TEST_F(CapturesTest, AThermalPictureWithoutTemperaturesStaysAPicture) {
+  for (const char* name : {"a.JPG", "b.JPG"}) {
+    flight::JpegParts parts;
+    parts.exif = UsualExif(name[0] == 'a' ? "2024:06:01 10:00:00" : "2024:06:01 10:00:02").Write();
+    const flight::Bytes bytes = flight::WithFlirRecord(flight::JpegHeader(parts), {'F', 'F', 'F', 0});
+    std::ofstream(folder_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  flight::Flight flight = Read();
+  EXPECT_TRUE(SetBandsApart(flight, 1).empty());
+  EXPECT_EQ(flight.photos.size(), 2U);
+  ASSERT_FALSE(flight.warnings.empty());
+  EXPECT_NE(flight.warnings.back().find("give no temperatures"), std::string::npos);
 }
 
 TEST_F(CapturesTest, ABandsValuesMeanTheSameInAllItsPhotos) {

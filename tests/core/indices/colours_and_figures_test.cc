@@ -35,7 +35,8 @@ TEST(SpectralIndexTest, BandsSayWhichCanBeMade) {
   EXPECT_EQ(NamesIn(IndicesOf({"red", "green", "blue"})), (std::vector<std::string>{"vari", "gli", "exg"}));
   EXPECT_EQ(NamesIn(IndicesOf({"green", "red", "rededge", "nir"})),
             (std::vector<std::string>{"ndvi", "ndre", "gndvi", "savi"}));
-  EXPECT_TRUE(IndicesOf({"lwir"}).empty());
+  EXPECT_EQ(NamesIn(IndicesOf({"lwir"})), (std::vector<std::string>{"celsius"}));
+  EXPECT_TRUE(IndicesOf({"panchro"}).empty());
   EXPECT_TRUE(IndicesOf({}).empty());
 }
 

@@ -141,6 +141,7 @@ export const flight_words = {
       vari: 'Grün einer Farbkarte',
       gli: 'Blätter einer Farbkarte',
       exg: 'Pflanzen gegen Boden',
+      celsius: 'Grad Celsius',
     }),
     expression: 'Formel',
     colours: 'Farben',

@@ -142,6 +142,7 @@ export const flight_words = {
       vari: 'green of a colour map',
       gli: 'leaves of a colour map',
       exg: 'plants against soil',
+      celsius: 'degrees Celsius',
     }),
     expression: 'Formula',
     colours: 'Colours',
