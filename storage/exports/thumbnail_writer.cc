@@ -16,7 +16,7 @@
 
 #include "core/base/try.h"
 #include "core/image/png_encoder.h"
-#include "core/image/shrink_picture.h"
+#include "core/image/shrink/shrink_picture.h"
 #include "storage/exports/cog_writer.h"
 #include "storage/exports/laid/cog_cells.h"
 #include "storage/rasters/register_gdal.h"

@@ -6,11 +6,13 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/median.h"
 #include "core/base/parallel_for.h"
@@ -136,10 +138,58 @@ void VisitMembers(Work& work, std::size_t lens, const Visit& visit) {
   }
 }
 
-// Stands and lens in turn, from the sightings that are there; pictures without take the camera's usual
-// rotation.
+Eigen::Vector3d TurnOf(const Member& member) {
+  return geo::VectorFromRotation(member.stand.band_from_reference);
+}
+
+std::vector<Eigen::Vector3d> TurnsOf(std::size_t lens, Work& work) {
+  std::vector<Eigen::Vector3d> turns;
+  VisitMembers(work, lens, [&](const Member& member) {
+    if (member.is_measured) turns.push_back(TurnOf(member));
+  });
+  return turns;
+}
+
+Eigen::Vector3d MiddleOf(const std::vector<Eigen::Vector3d>& turns) {
+  Eigen::Vector3d middle;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> along;
+    along.reserve(turns.size());
+    for (const Eigen::Vector3d& turn : turns) along.push_back(turn[axis]);
+    middle[axis] = Median(std::move(along));
+  }
+  return middle;
+}
+
+// How far a capture may stand from the camera's usual rotation: what an aircraft turns between two shutters,
+// or several times what most captures of this flight differ. Patches that agree on more than that are one
+// texture taken for another: nothing in the capture alone says so.
+double UsualReach(const std::vector<Eigen::Vector3d>& turns, const Eigen::Vector3d& usual) {
+  constexpr std::size_t kMinCaptures = 3;  // of fewer, nobody knows which is wrong
+  constexpr double kMinReachRad = 0.004, kSpreads = 5.0;
+  if (turns.size() < kMinCaptures) return std::numeric_limits<double>::infinity();
+  std::vector<double> apart;
+  apart.reserve(turns.size());
+  for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - usual).norm());
+  return std::max(kMinReachRad, kSpreads * Median(std::move(apart)));
+}
+
+// Pictures that found nothing, or stand apart from all others of the camera, take its usual rotation.
+void TakeUsual(std::size_t lens, Work& work) {
+  const std::vector<Eigen::Vector3d> turns = TurnsOf(lens, work);
+  if (turns.empty()) return;
+  const Eigen::Vector3d usual = MiddleOf(turns);
+  const double reach_rad = UsualReach(turns, usual);
+  VisitMembers(work, lens, [&](Member& member) {
+    if (member.is_measured && (TurnOf(member) - usual).norm() > reach_rad) member.is_measured = false;
+    if (!member.is_measured) member.stand = {{}, geo::RotationFromVector(usual), Eigen::Vector3d::Zero()};
+  });
+}
+
+// Stands and lens in turn, from the sightings that are there.
 void Refine(std::size_t lens, Work& work) {
   constexpr int kTurns = 10;
+  TakeUsual(lens, work);
   for (int turn = 0; turn < kTurns; ++turn) {
     std::vector<BandStand> stands;
     VisitMembers(work, lens, [&](const Member& member) {
@@ -151,17 +201,7 @@ void Refine(std::size_t lens, Work& work) {
       if (member.is_measured) FitStand(work.lenses[lens], kLastSearch.scale_px, member.stand);
     });
   }
-  std::array<std::vector<double>, 3> axes;
-  VisitMembers(work, lens, [&](const Member& member) {
-    if (!member.is_measured) return;
-    const Eigen::Vector3d turn = geo::VectorFromRotation(member.stand.band_from_reference);
-    for (std::size_t axis = 0; axis < axes.size(); ++axis)
-      axes[axis].push_back(turn[static_cast<Eigen::Index>(axis)]);
-  });
-  const Eigen::Vector3d usual(Median(axes[0]), Median(axes[1]), Median(axes[2]));
-  VisitMembers(work, lens, [&](Member& member) {
-    if (!member.is_measured) member.stand = {{}, geo::RotationFromVector(usual), Eigen::Vector3d::Zero()};
-  });
+  TakeUsual(lens, work);
 }
 
 BandRegistration Describe(std::size_t band, const Work& work) {
