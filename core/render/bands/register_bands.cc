@@ -138,51 +138,64 @@ void VisitMembers(Work& work, std::size_t lens, const Visit& visit) {
   }
 }
 
-Eigen::Vector3d TurnOf(const Member& member) {
-  return geo::VectorFromRotation(member.stand.band_from_reference);
+// Where a picture's stand shows the ground beside where another's does: across, down and about the axis, in
+// radians. A little turn and a little shift are hardly told apart from above, so that they count together.
+Eigen::Vector3d Beside(const BandStand& stand, const BandStand& other) {
+  std::vector<double> depths_m;
+  depths_m.reserve(stand.sightings.size());
+  for (const BandSighting& sighting : stand.sightings) depths_m.push_back(sighting.in_reference_cam.z());
+  const double depth_m = MedianIfAny(std::move(depths_m)).value_or(0.0);
+  Eigen::Vector2d shift_rad = Eigen::Vector2d::Zero();
+  if (depth_m > 0.0) shift_rad = (stand.shift_in_band_m - other.shift_in_band_m).head<2>() / depth_m;
+  const Eigen::Vector3d turn =
+      geo::VectorFromRotation(stand.band_from_reference * other.band_from_reference.conjugate());
+  return {turn.y() + shift_rad.x(), shift_rad.y() - turn.x(), turn.z()};
 }
 
-std::vector<Eigen::Vector3d> TurnsOf(std::size_t lens, Work& work) {
-  std::vector<Eigen::Vector3d> turns;
-  VisitMembers(work, lens, [&](const Member& member) {
-    if (member.is_measured) turns.push_back(TurnOf(member));
-  });
-  return turns;
-}
+// Of a camera: how it stands beside the reference in its middlemost picture, and how far from that another
+// picture may show the ground. Further than an aircraft turns between two shutters, and than several times
+// what most captures of this flight differ, patches agree on one texture taken for another.
+struct UsualStand {
+  BandStand stand;
+  double reach_rad = std::numeric_limits<double>::infinity();
+};
 
-Eigen::Vector3d MiddleOf(const std::vector<Eigen::Vector3d>& turns) {
-  Eigen::Vector3d middle;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    std::vector<double> along;
-    along.reserve(turns.size());
-    for (const Eigen::Vector3d& turn : turns) along.push_back(turn[axis]);
-    middle[axis] = Median(std::move(along));
-  }
-  return middle;
-}
-
-// How far a capture may stand from the camera's usual rotation: what an aircraft turns between two shutters,
-// or several times what most captures of this flight differ. Patches that agree on more than that are one
-// texture taken for another: nothing in the capture alone says so.
-double UsualReach(const std::vector<Eigen::Vector3d>& turns, const Eigen::Vector3d& usual) {
+std::optional<UsualStand> FindUsual(std::size_t lens, Work& work) {
   constexpr std::size_t kMinCaptures = 3;  // of fewer, nobody knows which is wrong
   constexpr double kMinReachRad = 0.004, kSpreads = 5.0;
-  if (turns.size() < kMinCaptures) return std::numeric_limits<double>::infinity();
+  std::vector<const BandStand*> stands;
+  VisitMembers(work, lens, [&](const Member& member) {
+    if (member.is_measured) stands.push_back(&member.stand);
+  });
+  if (stands.empty()) return std::nullopt;
+  std::vector<Eigen::Vector3d> places;
+  std::array<std::vector<double>, 3> axes;
+  for (const BandStand* stand : stands) {
+    places.push_back(Beside(*stand, *stands[0]));
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      axes[static_cast<std::size_t>(axis)].push_back(places.back()[axis]);
+  }
+  const Eigen::Vector3d middle(Median(axes[0]), Median(axes[1]), Median(axes[2]));
+  std::size_t nearest = 0;
   std::vector<double> apart;
-  apart.reserve(turns.size());
-  for (const Eigen::Vector3d& turn : turns) apart.push_back((turn - usual).norm());
-  return std::max(kMinReachRad, kSpreads * Median(std::move(apart)));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    apart.push_back((places[i] - middle).norm());
+    if (apart[i] < apart[nearest]) nearest = i;
+  }
+  UsualStand usual{{{}, stands[nearest]->band_from_reference, stands[nearest]->shift_in_band_m}};
+  if (stands.size() >= kMinCaptures)
+    usual.reach_rad = std::max(kMinReachRad, kSpreads * Median(std::move(apart)));
+  return usual;
 }
 
-// Pictures that found nothing, or stand apart from all others of the camera, take its usual rotation.
+// Pictures that found nothing, or stand apart from all others of the camera, take its usual stand.
 void TakeUsual(std::size_t lens, Work& work) {
-  const std::vector<Eigen::Vector3d> turns = TurnsOf(lens, work);
-  if (turns.empty()) return;
-  const Eigen::Vector3d usual = MiddleOf(turns);
-  const double reach_rad = UsualReach(turns, usual);
+  const std::optional<UsualStand> usual = FindUsual(lens, work);
+  if (!usual) return;
   VisitMembers(work, lens, [&](Member& member) {
-    if (member.is_measured && (TurnOf(member) - usual).norm() > reach_rad) member.is_measured = false;
-    if (!member.is_measured) member.stand = {{}, geo::RotationFromVector(usual), Eigen::Vector3d::Zero()};
+    if (member.is_measured && Beside(member.stand, usual->stand).norm() > usual->reach_rad)
+      member.is_measured = false;
+    if (!member.is_measured) member.stand = usual->stand;
   });
 }
 

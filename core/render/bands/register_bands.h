@@ -1,9 +1,10 @@
 // RegisterBands: how the other bands of each capture lie on its reference band, which is placed. From the
 // recorded lenses and the reference's pose, coarse to fine: patches of the pictures are found in each other
 // (band_patches), a rotation and a shift are fitted per capture and a lens per camera (fit_band_cameras). A
-// capture over ground without any edges takes its bands' usual rotation. Parallel over captures; the result
-// does not depend on threads. Memory: four pictures a thread. Blocking. A picture that cannot be decoded is
-// left out and said in the warnings; the only error is kCancelled.
+// capture over ground without any edges, or one whose patches put a band apart from where it lies in all
+// others, takes its usual stand. Parallel over captures; the result does not depend on threads. Memory: four
+// pictures a thread. Blocking. A picture that cannot be decoded is left out and said in the warnings; the
+// only error is kCancelled.
 #pragma once
 
 #include "core/alignment/aligned_flight.h"
