@@ -65,13 +65,22 @@ TEST(RenderTiles, DoesNotDependOnBlockSizeOrThreads) {
   test::MemorySink expected;
   RenderMap(map, seams, 1, expected);
   EXPECT_GT(expected.tiles.size(), 30u);
+  // Above a block its topmost tile as it is stored is what parents are made from: which zoom that is, is the
+  // plan's. Up to there the same pixels come from blocks of all sizes.
+  const auto up_to = [&](const test::MemorySink& sink, int levels) {
+    auto tiles = sink.tiles;
+    std::erase_if(tiles, [&](const auto& tile) { return tile.first.z() < planned.base_zoom - levels; });
+    return tiles;
+  };
   for (const int block_levels : {0, 1, 2}) {
     for (const int threads : {1, 2}) {
       map.plan = WithBlockLevels(planned, block_levels);
       test::MemorySink tiles;
       RenderMap(map, seams, threads, tiles);
-      EXPECT_TRUE(tiles.tiles == expected.tiles)
+      EXPECT_EQ(tiles.tiles.size(), expected.tiles.size());
+      EXPECT_TRUE(up_to(tiles, block_levels) == up_to(expected, block_levels))
           << block_levels << " block levels, " << threads << " threads";
+      if (block_levels == 2) EXPECT_TRUE(tiles.tiles == expected.tiles) << threads << " threads";
     }
   }
 }
