@@ -150,10 +150,10 @@ test('a long name is cut between letters, not inside one', () => {
 });
 
 test('addresses survive a round trip, broken ones lead home', () => {
-  for (const route of [{ view: 'home' }, { view: 'flight', id: 'a/b c' }, { view: 'compare', id: 'x', other: 'y%' }]) {
+  for (const route of [{ view: 'home', tags: [] }, { view: 'home', tags: ['maize', 'farm 3&?'] }, { view: 'flight', id: 'a/b c' }, { view: 'compare', id: 'x', other: 'y%' }]) {
     assert.deepEqual(parseRoute(routeHash(route)), route);
   }
-  assert.deepEqual(parseRoute('#/flights/%E0%A4%A'), { view: 'home' });
+  assert.deepEqual(parseRoute('#/flights/%E0%A4%A'), { view: 'home', tags: [] });
   assert.deepEqual(parseRoute('#/flights/abc?token=sq_x'), { view: 'flight', id: 'abc' });
 });
 
