@@ -113,6 +113,7 @@ Result<void> WriteCapture(const SimulatedFlight& flight, std::size_t capture,
   return {};
 }
 
+constexpr double kStoredGamma = 2.2;  // a stored value to this power goes with the light, roughly
 constexpr double kGyroNoiseRadps = 0.004;
 constexpr double kGyroBiasRadps = 0.003;
 constexpr double kFastestShakingRadps = 2.0;
@@ -229,14 +230,17 @@ Result<SimulatedFlight> PlanSimulatedFlight(const SimulateOptions& options) {
     SimulatedPhoto photo;
     photo.pose = (*poses)[i];
     photo.recorded = recorded[i];
+    photo.render.exposure_gain = std::exp(options.exposure_jitter * exposure.Gauss());
+    if (options.is_exposure_recorded) {
+      photo.recorded.exposure_time_s *= std::pow(photo.render.exposure_gain, kStoredGamma);
+    }
     photo.photo = PhotoOfRecordedPose(
         options.has_band_rig ? BandFileName(i, kReferenceBand) : fmt::format("SIM_{:04}.JPG", i + 1),
-        recorded[i]);
+        photo.recorded);
     photo.render.supersample = options.supersample;
     photo.render.vignetting = options.vignetting;
     photo.render.hot_spot = options.hot_spot;
     photo.render.sun_in_enu = SunDirection(options.origin, options.start);
-    photo.render.exposure_gain = std::exp(options.exposure_jitter * exposure.Gauss());
     photo.render.motion_in_enu_m = options.shutter_s * photo.pose.velocity_in_enu_mps;
     photo.render.readout_motion.shift_in_enu_m = options.readout_s * photo.pose.velocity_in_enu_mps;
     if (options.readout_s > 0.0 && options.shaking_radps > 0.0) Shake(options, i, photo);

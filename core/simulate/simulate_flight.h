@@ -47,6 +47,7 @@ struct SimulateOptions {
   std::vector<LogFormat> log_formats;  // written into out_dir/logs: flight.BIN, flight.ulg, flight.csv
   double vignetting = 0.0;             // share of light lost in the corners
   double exposure_jitter = 0.0;        // 1-sigma of each photo's brightness, relative
+  bool is_exposure_recorded = false;   // its exposure time says so
   double hot_spot = 0.0;               // share by which ground is brighter with the sun right behind
   double noise_counts = 1.0;           // sensor noise, 8-bit counts
   double shutter_s = 0.0;              // 0 = no motion blur

@@ -11,8 +11,9 @@ namespace {
 
 namespace tag {
 constexpr std::uint16_t kMake = 0x010F, kModel = 0x0110, kOrientation = 0x0112, kSoftware = 0x0131;
-constexpr std::uint16_t kDateTime = 0x0132, kExposureTime = 0x829A, kDateTimeOriginal = 0x9003;
-constexpr std::uint16_t kDateTimeDigitized = 0x9004, kOffsetTime = 0x9010, kOffsetTimeOriginal = 0x9011;
+constexpr std::uint16_t kDateTime = 0x0132, kExposureTime = 0x829A, kFNumber = 0x829D, kIso = 0x8827;
+constexpr std::uint16_t kDateTimeOriginal = 0x9003, kDateTimeDigitized = 0x9004, kOffsetTime = 0x9010,
+                        kOffsetTimeOriginal = 0x9011;
 constexpr std::uint16_t kOffsetTimeDigitized = 0x9012, kFocalLength = 0x920A, kSubSecTime = 0x9290;
 constexpr std::uint16_t kSubSecTimeOriginal = 0x9291, kSubSecTimeDigitized = 0x9292, kPixelWidth = 0xA002;
 constexpr std::uint16_t kPixelHeight = 0xA003, kFocalPlaneX = 0xA20E, kFocalPlaneY = 0xA20F;
@@ -212,6 +213,14 @@ std::optional<ExifTime> ParseExifTime(const std::string& text) {
   return time;
 }
 
+std::optional<double> ExposureTimeS(const ExifTable& table) {
+  return Within(table.Number(ExifIfd::kExif, tag::kExposureTime), 1e-7, 60.0);
+}
+
+std::optional<double> IsoOf(const ExifTable& table) {
+  return Within(table.Number(ExifIfd::kExif, tag::kIso), 1.0, 1e7);
+}
+
 ExifRecord InterpretExif(const ExifTable& table) {
   ExifRecord record;
   record.make = table.Text(ExifIfd::kImage, tag::kMake);
@@ -221,7 +230,9 @@ ExifRecord InterpretExif(const ExifTable& table) {
   if (const auto value = Within(table.Number(ExifIfd::kImage, tag::kOrientation), 1.0, 8.0)) {
     record.orientation = static_cast<int>(*value);
   }
-  record.exposure_time_s = Within(table.Number(ExifIfd::kExif, tag::kExposureTime), 1e-7, 60.0);
+  record.exposure_time_s = ExposureTimeS(table);
+  record.iso = IsoOf(table);
+  record.f_number = Within(table.Number(ExifIfd::kExif, tag::kFNumber), 0.3, 200.0);
   record.focal_length_mm = Within(table.Number(ExifIfd::kExif, tag::kFocalLength), 0.5, 2000.0);
   record.focal_length_35mm_mm = Within(table.Number(ExifIfd::kExif, tag::kFocalLength35), 5.0, 5000.0);
   record.focal_plane_x_px_per_mm = PixelsPerMm(table, tag::kFocalPlaneX);

@@ -23,6 +23,8 @@ struct ExifRecord {
   std::string serial_number;
   std::optional<int> orientation;  // 1..8, recorded only: the angles belong to the sensor as stored
   std::optional<double> exposure_time_s;
+  std::optional<double> iso;
+  std::optional<double> f_number;
   std::optional<double> focal_length_mm;
   std::optional<double> focal_length_35mm_mm;
   std::optional<double> focal_plane_x_px_per_mm;
@@ -46,6 +48,10 @@ struct ExifRecord {
 };
 
 ExifRecord InterpretExif(const ExifTable& table);
+
+// Of a file whose other tags do not matter.
+std::optional<double> ExposureTimeS(const ExifTable& table);
+std::optional<double> IsoOf(const ExifTable& table);
 
 // "2013:06:04 17:38:03.25", also with '-', 'T', and a zone ("Z", "+02:00") that is given back apart. The time
 // is as written; nothing for what is no date.

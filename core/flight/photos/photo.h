@@ -90,6 +90,7 @@ struct Photo {
   std::optional<RecordedVelocity> velocity;
   std::optional<RecordedTurning> turning;
   std::optional<double> exposure_time_s;
+  std::optional<double> exposure_log2;  // how much light counts: log2(time x ISO / 100 / f-number^2)
   std::optional<double> readout_s;    // from the first row to the last, of a camera known to read row by row
   bool is_resaved_by_viewer = false;  // the picture may have been turned after its angles were recorded
   std::vector<std::string> notes;     // what was corrected or doubted on reading, in words

@@ -69,6 +69,12 @@ void NoteOrientation(const ExifRecord& exif, Photo& photo) {
       *exif.orientation));
 }
 
+// A lens without an f-number has one opening.
+std::optional<double> ExposureOf(const ExifRecord& exif) {
+  if (!exif.exposure_time_s || !exif.iso) return std::nullopt;
+  return std::log2(*exif.exposure_time_s * *exif.iso / 100.0) - 2.0 * std::log2(exif.f_number.value_or(1.0));
+}
+
 // The rows of a picture that a sensor crops to another aspect take their share of its time. A picture stored
 // upright from a sensor on its side does not say which way its rows were read.
 std::optional<double> ReadoutOf(const Photo& photo, const XmpTags& xmp) {
@@ -119,6 +125,7 @@ Result<Photo> ReadPhotoFrom(const std::string& name, ByteSource& source) {
   photo.velocity = VelocityFromTags(xmp);
   photo.turning = TurningFromTags(xmp, photo.notes);
   photo.exposure_time_s = exif.exposure_time_s;
+  photo.exposure_log2 = ExposureOf(exif);
   photo.readout_s = ReadoutOf(photo, xmp);
   return photo;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/render/exposure/exposure_samples.h"
 #include "core/render/exposure/find_hot_spot.h"
 #include "core/render/exposure/light_equations.h"
@@ -18,12 +20,34 @@ constexpr double kMaxLogOfGain = 1.2;
 constexpr std::size_t kMinPhotos = 2, kMaxCameras = 16;
 // Directions are trusted as far out as most samples look.
 constexpr double kSamplesWithin = 0.99;
+// Four times the light and a quarter of it: what photos show of it, their tone curve decides no longer.
+constexpr double kMaxLogExposure = 1.4;
 // How many samples in the middle of a hot spot the flight's own value counts for.
 constexpr double kSpotPrior = 0.5;
 constexpr double kWidestLook = 1.7;  // 60 degrees
 
+// Each photo's recorded exposure against the usual one of its camera, as a natural logarithm; 0: not
+// recorded.
+std::vector<double> ExposuresOf(const alignment::AlignedFlight& flight) {
+  std::map<std::string, std::vector<double>> of_camera;
+  for (const auto& photo : flight.photos)
+    if (photo.photo.exposure_log2) of_camera[photo.photo.camera_key].push_back(*photo.photo.exposure_log2);
+  std::map<std::string, double> usual;
+  for (auto& [key, exposures] : of_camera) usual.emplace(key, Median(std::move(exposures)));
+  std::vector<double> exposures;
+  for (const auto& photo : flight.photos) {
+    const double log =
+        photo.photo.exposure_log2
+            ? std::numbers::ln2 * (*photo.photo.exposure_log2 - usual.at(photo.photo.camera_key))
+            : 0.0;
+    exposures.push_back(std::clamp(log, -kMaxLogExposure, kMaxLogExposure));
+  }
+  return exposures;
+}
+
 LightTerms TermsOf(const alignment::AlignedFlight& flight, const std::vector<ExposureSample>& samples) {
   LightTerms terms;
+  terms.exposure_of_photo = ExposuresOf(flight);
   std::map<std::string, std::size_t> photos_of;
   for (const auto& photo : flight.photos) ++photos_of[photo.photo.camera_key];
   std::vector<std::pair<std::size_t, std::string>> cameras;
@@ -89,10 +113,14 @@ ExposureModel EstimateExposure(const alignment::AlignedFlight& flight, const gro
   model.light.directions = terms.directions;
   for (std::size_t channel = 0; channel < 3; ++channel) {
     const SolvedLight solved = SolveLight(samples, channel, terms);
-    const double mean = solved.log_gains.mean();
+    const Eigen::VectorXd log_gains =
+        solved.log_gains -
+        solved.terms[LightTerms::kExposure] *
+            Eigen::Map<const Eigen::VectorXd>(terms.exposure_of_photo.data(), solved.log_gains.size());
+    const double mean = log_gains.mean();
     for (std::size_t i = 0; i < flight.photos.size(); ++i) {
-      model.photos[i].gain[channel] = std::exp(
-          std::clamp(solved.log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogOfGain, kMaxLogOfGain));
+      model.photos[i].gain[channel] =
+          std::exp(std::clamp(log_gains[static_cast<Eigen::Index>(i)] - mean, -kMaxLogOfGain, kMaxLogOfGain));
     }
     std::copy_n(solved.terms.data(), kDirectionTerms, model.light.of_directions[channel].begin());
     const std::vector<double> spots = HotSpotsOf(samples, channel, terms, solved);

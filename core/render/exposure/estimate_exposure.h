@@ -1,7 +1,10 @@
 // EstimateExposure: gains and vignetting from what several photos say of the same ground, for the whole
-// flight in one robust least-squares problem on logarithms. The mean gain of the flight is 1: the ground
-// keeps its natural contrast. Deterministic; one thread; O(photos x samples). Source: gain compensation of
-// Brown and Lowe (2007), extended by a vignetting polynomial and a robust loss.
+// flight in one robust least-squares problem on logarithms. Exposures that cameras record count for as much
+// as the photos show them: neighbours that differ by them say how much that is, and with it what no overlap
+// shows, a drift across the flight, is known; a camera that followed the light shows nothing of them. The
+// mean gain of the flight is 1: the ground keeps its natural contrast. Deterministic; one thread; O(photos x
+// samples). Source: gain compensation of Brown and Lowe (2007), extended by a vignetting polynomial and a
+// robust loss.
 #pragma once
 
 #include <vector>

@@ -19,6 +19,8 @@ constexpr double kRobustScale = 0.12;
 // pair of photos go together, and many such pairs in a row would add up to a drift.
 constexpr double kGainSigma = 0.15;
 constexpr double kTermSigma = 0.25;
+// How much of a recorded exposure photos show without evidence: a camera may have followed the light.
+constexpr double kExposureSigma = 1.0;
 constexpr double kSampleSigma = 0.35;
 // What lens and light do somewhere in a photo, without evidence: keeps corners that few samples show from
 // following a high power. Asked at so many places a side.
@@ -27,17 +29,18 @@ constexpr int kPriorSteps = 7;
 
 double WeightOf(double sigma) { return (kSampleSigma / sigma) * (kSampleSigma / sigma); }
 
-constexpr std::size_t kOwnTerms = kDirectionTerms + kCameraTerms;
+constexpr std::size_t kOwnTerms = LightTerms::kOfFlight + kCameraTerms;
 
-// What the terms are multiplied with for one sample: of direction, then of its photo's camera.
+// What the terms are multiplied with for one sample: of direction, of exposure, then of its photo's camera.
 std::array<double, kOwnTerms> OwnBasis(const ExposureSample& sample, const LightTerms& terms) {
   std::array<double, kOwnTerms> own{};
   const auto direction =
       terms.directions.Basis(Eigen::Vector2f(sample.look[0], sample.look[1]).cast<double>());
   std::copy(direction.begin(), direction.end(), own.begin());
+  own[LightTerms::kExposure] = terms.exposure_of_photo[sample.photo];
   if (terms.camera_of_photo[sample.photo] == LightTerms::kNone) return own;
   const auto camera = CameraBasis(Eigen::Vector2f(sample.place[0], sample.place[1]).cast<double>());
-  std::copy(camera.begin(), camera.end(), own.begin() + kDirectionTerms);
+  std::copy(camera.begin(), camera.end(), own.begin() + LightTerms::kOfFlight);
   return own;
 }
 
@@ -45,11 +48,11 @@ std::array<double, kOwnTerms> OwnBasis(const ExposureSample& sample, const Light
 class OwnTerms {
  public:
   OwnTerms(const LightTerms& terms, std::uint32_t photo)
-      : count_(terms.camera_of_photo[photo] == LightTerms::kNone ? kDirectionTerms : kOwnTerms),
+      : count_(terms.camera_of_photo[photo] == LightTerms::kNone ? LightTerms::kOfFlight : kOwnTerms),
         camera_(count_ == kOwnTerms ? LightTerms::OfCamera(terms.camera_of_photo[photo]) : 0) {}
   std::size_t count() const { return count_; }
   Eigen::Index operator[](std::size_t i) const {
-    return static_cast<Eigen::Index>(i < kDirectionTerms ? i : camera_ + i - kDirectionTerms);
+    return static_cast<Eigen::Index>(i < LightTerms::kOfFlight ? i : camera_ + i - LightTerms::kOfFlight);
   }
 
  private:
@@ -69,19 +72,40 @@ struct Normal {
         terms_right(Eigen::VectorXd::Zero(mixed.cols())) {}
 };
 
+Eigen::Vector2d PriorPlace(int point) {  // -1 to 1
+  const int row = point / kPriorSteps, column = point % kPriorSteps;
+  return {2.0 * column / (kPriorSteps - 1) - 1.0, 2.0 * row / (kPriorSteps - 1) - 1.0};
+}
+
+// What light does at places all over the widest look, a row each, without what grows evenly with the look:
+// that is a slope of the ground or of the gains just as well (brightness by place less brightness by camera),
+// and to take it out of a hot spot would tilt the map. Gains without evidence have no slope, which decides.
+Eigen::MatrixXd DirectionsAllOver(const Directions& directions) {
+  Eigen::MatrixXd all(kPriorSteps * kPriorSteps, static_cast<Eigen::Index>(kDirectionTerms));
+  for (int point = 0; point < kPriorSteps * kPriorSteps; ++point) {
+    const auto direction = directions.Basis(PriorPlace(point) * directions.widest_look);
+    all.row(point) = Eigen::Map<const Eigen::RowVectorXd>(direction.data(), kDirectionTerms);
+  }
+  // The first two terms, which are orthogonal: the places are the same to all sides.
+  const Eigen::MatrixX2d slopes = all.leftCols<2>();
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const Eigen::RowVectorXd shares = slopes.col(k).transpose() * all / slopes.col(k).squaredNorm();
+    all -= slopes.col(k) * shares;
+  }
+  return all;
+}
+
 void AddPriors(const LightTerms& terms, Normal& normal) {
   for (Eigen::Index photo = 0; photo < normal.mixed.rows(); ++photo)
     normal.gains.emplace_back(photo, photo, WeightOf(kGainSigma));
   normal.terms.diagonal().array() += WeightOf(kTermSigma);
+  constexpr auto kExposure = static_cast<Eigen::Index>(LightTerms::kExposure);
+  normal.terms(kExposure, kExposure) += WeightOf(kExposureSigma) - WeightOf(kTermSigma);
+  const Eigen::MatrixXd directions = DirectionsAllOver(terms.directions);
+  normal.terms.topLeftCorner<kDirectionTerms, kDirectionTerms>() +=
+      WeightOf(kShadeSigma) * directions.transpose() * directions;
   for (int point = 0; point < kPriorSteps * kPriorSteps; ++point) {
-    const int row = point / kPriorSteps, column = point % kPriorSteps;
-    const Eigen::Vector2d at{2.0 * column / (kPriorSteps - 1) - 1.0,
-                             2.0 * row / (kPriorSteps - 1) - 1.0};  // -1 to 1
-    const auto direction = terms.directions.Basis(at * terms.directions.widest_look);
-    const Eigen::Map<const Eigen::VectorXd> of_direction(direction.data(), kDirectionTerms);
-    normal.terms.topLeftCorner<kDirectionTerms, kDirectionTerms>() +=
-        WeightOf(kShadeSigma) * of_direction * of_direction.transpose();
-    const auto camera = CameraBasis(at * std::numbers::sqrt2 / 2.0);
+    const auto camera = CameraBasis(PriorPlace(point) * std::numbers::sqrt2 / 2.0);
     const Eigen::Map<const Eigen::VectorXd> of_camera(camera.data(), kCameraTerms);
     for (std::size_t k = 0; k < terms.cameras.size(); ++k) {
       const auto first = static_cast<Eigen::Index>(LightTerms::OfCamera(k));

@@ -21,16 +21,19 @@ struct LightTerms {
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> camera_of_photo;  // in `cameras`; kNone: of too few photos for terms of its own
   std::vector<std::string> cameras;          // their keys
+  std::vector<double> exposure_of_photo;     // the recorded one as a logarithm, less its camera's usual one
   Directions directions;
 
   std::size_t photos() const { return camera_of_photo.size(); }
-  std::size_t count() const { return kDirectionTerms + kCameraTerms * cameras.size(); }
-  static std::size_t OfCamera(std::size_t camera) { return kDirectionTerms + kCameraTerms * camera; }
+  static constexpr std::size_t kExposure = kDirectionTerms;  // how much of a recorded exposure photos show
+  static constexpr std::size_t kOfFlight = kExposure + 1;
+  std::size_t count() const { return kOfFlight + kCameraTerms * cameras.size(); }
+  static std::size_t OfCamera(std::size_t camera) { return kOfFlight + kCameraTerms * camera; }
 };
 
 struct SolvedLight {
   Eigen::VectorXd log_gains;  // by photo
-  Eigen::VectorXd terms;      // of direction, then of each camera
+  Eigen::VectorXd terms;      // of direction, of exposure, then of each camera
 };
 
 // How much a sample counts with such a misfit.

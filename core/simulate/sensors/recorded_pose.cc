@@ -133,7 +133,8 @@ flight::Photo PhotoOfRecordedPose(const std::string& name, const RecordedPose& r
     const Eigen::Vector3d& v = *recorded.velocity_in_enu_mps;
     photo.velocity = flight::RecordedVelocity{v.x(), v.y(), v.z()};
   }
-  photo.exposure_time_s = 1.0 / 1000.0;
+  photo.exposure_time_s = recorded.exposure_time_s;
+  photo.exposure_log2 = std::log2(recorded.exposure_time_s) - 2.0 * std::log2(kFNumber);
   return photo;
 }
 

@@ -25,6 +25,8 @@ enum class NoiseClass {
   kNoPose,      // neither: only the picture, its time and its lens
 };
 
+inline constexpr double kFNumber = 2.8;
+
 struct RecordedPose {
   std::optional<geo::Wgs84> position;
   std::optional<double> height_above_takeoff_m;
@@ -33,6 +35,7 @@ struct RecordedPose {
   std::optional<Eigen::Vector3d> velocity_in_enu_mps;
   std::optional<flight::RecordedTurning> turning;  // and with it the readout time
   double readout_s = 0.0;
+  double exposure_time_s = 1.0 / 1000.0;
   bool is_rtk_fixed = false;
   camera::Intrinsics intrinsics;  // as recorded
   bool is_lens_recorded = true;   // the whole lens; otherwise the focal length alone

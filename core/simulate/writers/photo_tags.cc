@@ -206,7 +206,7 @@ std::vector<std::uint8_t> TiffStructure(const RecordedPose& recorded, const Rati
 
   Directory exif;
   exif.Rationals(0x829A, {exposure_s});
-  exif.Rationals(0x829D, {{28, 10}});
+  exif.Rationals(0x829D, {{static_cast<std::uint32_t>(std::lround(10.0 * kFNumber)), 10}});
   exif.Short(0x8827, iso);
   exif.Bytes(0x9000, 7, {'0', '2', '3', '1'});
   exif.Ascii(0x9003, time);
@@ -339,7 +339,8 @@ std::string BandXmp(const RigBand& band, const BandExposure& exposure) {
 std::vector<std::uint8_t> ExifPayload(const RecordedPose& recorded) {
   std::vector<std::uint8_t> payload = {'E', 'x', 'i', 'f', 0, 0};
   const std::vector<std::uint8_t> structure =
-      TiffStructure(recorded, {1, 1000}, 100, [](Directory& /*root*/, std::size_t /*end*/) {});
+      TiffStructure(recorded, {1, static_cast<std::uint32_t>(std::llround(1.0 / recorded.exposure_time_s))},
+                    100, [](Directory& /*root*/, std::size_t /*end*/) {});
   payload.insert(payload.end(), structure.begin(), structure.end());
   return payload;
 }

@@ -225,6 +225,8 @@ void AddSimulateCommand(CLI::App& app) {
       ->add_option("--exposure-jitter", options.exposure_jitter,
                    "Brightness differs from photo to photo, 1-sigma (0.1 is 10%)")
       ->capture_default_str();
+  command->add_flag("--exposure-recorded", options.is_exposure_recorded,
+                    "With --exposure-jitter: the exposure times in the photos say so, as a camera's do");
   command->add_option("--vignetting", options.vignetting, "Share of light lost in the corners")
       ->capture_default_str();
   command

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "core/flight/photos/read_photo.h"
 #include "tests/core/flight/synthetic_photo.h"
@@ -244,6 +245,18 @@ TEST(ReadPhotoTime, MarksALocalClockAndRefusesImpossibleDates) {
                            "2021:06:03 25:00:00", "    :  :     :  :  ", ""}) {
     EXPECT_FALSE(Read(ExifWriter().Ascii(ExifIfd::kExif, 0x9003, text)).captured_at) << text;
   }
+}
+
+TEST(Exposure, IsTimeBySensitivityAndOpening) {
+  const auto tags = [] { return ExifWriter().Rational(ExifIfd::kExif, 0x829A, {{1, 400}}); };
+  const Photo whole =
+      Read(tags().Short(ExifIfd::kExif, 0x8827, 200).Rational(ExifIfd::kExif, 0x829D, {{4, 1}}));
+  EXPECT_NEAR(whole.exposure_log2.value(), std::log2(1.0 / 400.0) + 1.0 - 4.0, 1e-9);
+  const Photo fixed_lens = Read(tags().Short(ExifIfd::kExif, 0x8827, 100));
+  EXPECT_NEAR(fixed_lens.exposure_log2.value(), std::log2(1.0 / 400.0), 1e-9);
+  EXPECT_FALSE(Read(tags()).exposure_log2);
+  EXPECT_FALSE(Read(tags().Short(ExifIfd::kExif, 0x8827, 0)).exposure_log2);
+  EXPECT_FALSE(Read(ExifWriter().Short(ExifIfd::kExif, 0x8827, 100)).exposure_log2);
 }
 
 }  // namespace

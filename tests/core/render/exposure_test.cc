@@ -91,6 +91,41 @@ TEST(Exposure, LeavesPhotosThatAgreeAsTheyAre) {
   }
 }
 
+// A drift of exposures across the flight is what no overlap shows.
+TEST(Exposure, KnowsADriftByRecordedExposuresThatPhotosShow) {
+  simulate::SimulateOptions options = SmallPhotos();
+  options.exposure_jitter = 0.08;
+  options.is_exposure_recorded = true;
+  test::SimulatedMap map = test::MakeSimulatedMap(options);
+  const auto worst = [](const ExposureModel& exposure, const simulate::SimulatedFlight& simulated) {
+    double error = 0.0, mean = 0.0;
+    const auto count = static_cast<double>(exposure.photos.size());
+    for (std::size_t i = 0; i < exposure.photos.size(); ++i)
+      mean += std::log(exposure.photos[i].gain[1] * simulated.photos[i].render.exposure_gain) / count;
+    for (std::size_t i = 0; i < exposure.photos.size(); ++i) {
+      const double log = std::log(exposure.photos[i].gain[1] * simulated.photos[i].render.exposure_gain);
+      error = std::max(error, std::abs(log - mean));
+    }
+    return error;
+  };
+  const double known = worst(map.exposure, map.truth);
+  for (auto& photo : map.flight.photos) photo.photo.exposure_log2.reset();
+  const double unknown = worst(EstimateExposure(map.flight, map.ground, map.thumbnails), map.truth);
+  EXPECT_LT(known, 0.02);
+  EXPECT_GT(unknown, 2.0 * known);
+}
+
+// The light changed and the camera followed it: photos show nothing of what it records.
+TEST(Exposure, DoesNotBelieveRecordedExposuresThatPhotosDoNotShow) {
+  test::SimulatedMap map = test::MakeSimulatedMap(SmallPhotos());
+  for (std::size_t i = 0; i < map.flight.photos.size(); ++i)
+    map.flight.photos[i].photo.exposure_log2 = 0.7 * std::sin(1.7 * static_cast<double>(i));
+  map.flight.photos[3].photo.exposure_log2 = 40.0;
+  map.flight.photos[4].photo.exposure_log2.reset();
+  const ExposureModel exposure = EstimateExposure(map.flight, map.ground, map.thumbnails);
+  for (const PhotoLight& photo : exposure.photos) EXPECT_NEAR(photo.gain[1], 1.0, 0.02);
+}
+
 TEST(Exposure, AddedPhotosGetTheLightOfTheOthers) {
   simulate::SimulateOptions options = SmallPhotos();
   options.vignetting = 0.25;
