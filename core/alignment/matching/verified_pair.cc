@@ -31,6 +31,45 @@ Tolerance MakeTolerance(const VerificationOptions& options, double tolerance_m) 
           tolerance_m + options.relief_share * length};
 }
 
+// The places of the matches in both photos, one coordinate after the other: most of a flight's comparing is
+// counting which of them a motion explains.
+class MatchedPlaces {
+ public:
+  explicit MatchedPlaces(const std::vector<std::pair<Complex, Complex>>& places) {
+    for (const auto& [a, b] : places) {
+      ax_.push_back(a.real()), ay_.push_back(a.imag());
+      bx_.push_back(b.real()), by_.push_back(b.imag());
+    }
+  }
+
+  // How many `motion` explains; fewer than that where they are no more than `most` in any case.
+  std::size_t CountInliers(const GroundSimilarity& motion, const Tolerance& tolerance,
+                           std::size_t most) const {
+    constexpr std::size_t kStep = 64;
+    const double cos = motion.turn_and_scale.real(), sin = motion.turn_and_scale.imag();
+    const double x = motion.shift.real(), y = motion.shift.imag();
+    const double along_x = tolerance.along.real(), along_y = -tolerance.along.imag();
+    std::size_t inliers = 0;
+    for (std::size_t from = 0; from < ax_.size(); from += kStep) {
+      if (inliers + (ax_.size() - from) <= most) return inliers;
+      const std::size_t to = std::min(from + kStep, ax_.size());
+      int held = 0;
+      for (std::size_t k = from; k < to; ++k) {
+        const double off_x = bx_[k] - (cos * ax_[k] - sin * ay_[k] + x);
+        const double off_y = by_[k] - (cos * ay_[k] + sin * ax_[k] + y);
+        const double along = off_x * along_x - off_y * along_y, across = off_x * along_y + off_y * along_x;
+        held += static_cast<int>(std::abs(along) <= tolerance.along_m) &
+                static_cast<int>(std::abs(across) <= tolerance.across_m);
+      }
+      inliers += static_cast<std::size_t>(held);
+    }
+    return inliers;
+  }
+
+ private:
+  std::vector<double> ax_, ay_, bx_, by_;
+};
+
 // Do the inliers crowd around the motion more than matches would that had fallen anywhere in the search
 // area?
 bool StandsOut(const std::vector<int>& inliers, const std::vector<std::pair<Complex, Complex>>& places,
@@ -92,6 +131,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
     return inliers;
   };
 
+  const MatchedPlaces matched(places);
   const Tolerance loose = MakeTolerance(options, options.first_tolerance_m);
   GroundSimilarity best;
   std::size_t most = 0;
@@ -104,7 +144,7 @@ std::optional<VerifiedPair> VerifyPair(const GroundView& first, const GroundView
       if (!options.any_turn && std::abs(turn) > kTrustedTurnRad) continue;
       const Complex rotor = std::polar(1.0, turn);
       const GroundSimilarity motion{rotor, places[k].second - rotor * places[k].first};
-      const std::size_t inliers = find_inliers(motion, loose).size();
+      const std::size_t inliers = matched.CountInliers(motion, loose, most);
       if (inliers > most) {
         most = inliers;
         best = motion;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/alignment/reconstruction/absolute_pose.h"
+#include "core/alignment/reconstruction/resect_over_ground.h"
 #include "core/base/parallel_for.h"
 
 namespace skyquilt::alignment {
@@ -19,6 +20,7 @@ constexpr double kGrown = 1.4;          // adjusted whole when grown by that
 constexpr int kLensFromPhotos = 5;
 constexpr std::size_t kMaxNeighbours = 10;
 constexpr int kMinKept = 10;  // points of a photo that stays
+constexpr int kMinKeptOverGround = 20;
 
 struct Beginning {
   std::size_t pair = 0, pose = 0;
@@ -161,6 +163,29 @@ std::vector<int> TakeRound(const std::vector<char>& is_taken, std::size_t most, 
   return taken;
 }
 
+// One photo that shows what placed ones show, but hardly any of their points (ResectOverGround), if it then
+// shares points enough. Each is tried once.
+bool TakeOverGround(const std::vector<char>& is_taken, const ViewGraph& graph, const GrowOptions& options,
+                    int threads, std::vector<char>& was_tried, Block& block) {
+  std::vector<char> is_asked(is_taken.size(), 0);
+  for (std::size_t i = 0; i < is_taken.size(); ++i) is_asked[i] = !is_taken[i] && !was_tried[i] ? 1 : 0;
+  for (const GroundedPose& one : ResectOverGround(block, graph.pairs, is_asked, threads)) {
+    was_tried[static_cast<std::size_t>(one.photo)] = 1;
+    Block grown = block;
+    grown.Place(one.photo, one.cam_from_world);
+    grown.TriangulateSeenBy({one.photo}, threads);
+    grown.Adjust({}, WholeAdjustment(grown, options), threads);
+    DropUnheld(threads, grown);
+    if (grown.Has(one.photo) &&
+        grown.PointsSeen()[static_cast<std::size_t>(one.photo)] >= kMinKeptOverGround &&
+        grown.size() > block.size()) {
+      block = std::move(grown);
+      return true;
+    }
+  }
+  return false;
+}
+
 struct Tried {
   Block block;
   int observations = 0;
@@ -216,9 +241,10 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
   return std::move((*best)->block);
 }
 
-int GrowBlock(const std::vector<char>& is_taken, const GrowOptions& options, int threads, Progress& progress,
-              Block& block) {
+int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const GrowOptions& options,
+              int threads, Progress& progress, Block& block) {
   const int before = block.size();
+  std::vector<char> was_tried(is_taken.size(), 0);
   std::vector<int> failed_at(is_taken.size(), 0);
   int whole_at = block.size();
   bool asked_again = false;
@@ -227,7 +253,12 @@ int GrowBlock(const std::vector<char>& is_taken, const GrowOptions& options, int
     const std::vector<int> taken = TakeRound(is_taken, most, options, threads, failed_at, block);
     if (taken.empty()) {
       // Once more with everything in its best place, where somebody still waits for it.
-      if (asked_again || PhotosThatSee(block, is_taken, options.min_inliers).empty()) break;
+      if (asked_again || PhotosThatSee(block, is_taken, options.min_inliers).empty()) {
+        if (!TakeOverGround(is_taken, graph, options, threads, was_tried, block)) break;
+        failed_at.assign(is_taken.size(), 0);
+        asked_again = false;
+        continue;
+      }
       asked_again = true;
       block.Adjust({}, WholeAdjustment(block, options), threads);
       DropUnheld(threads, block);

@@ -25,8 +25,9 @@ std::optional<Block> BeginBlock(const RegistrationInput& input, const ViewGraph&
                                 const std::vector<char>& is_taken, const GrowOptions& options, int threads);
 
 // Takes in photos that `is_taken` leaves until no more follow; how many it took in. The block is adjusted as
-// a whole at the end.
-int GrowBlock(const std::vector<char>& is_taken, const GrowOptions& options, int threads, Progress& progress,
-              Block& block);
+// a whole at the end. Where no photo sees enough of the points, one that shows what placed ones show is taken
+// in over the ground (resect_over_ground.h), and the others follow it.
+int GrowBlock(const ViewGraph& graph, const std::vector<char>& is_taken, const GrowOptions& options,
+              int threads, Progress& progress, Block& block);
 
 }  // namespace skyquilt::alignment

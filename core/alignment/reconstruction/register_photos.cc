@@ -89,7 +89,7 @@ std::vector<Block> GrowBlocks(const RegistrationInput& input, const ViewGraph& g
   while (!progress.IsCancelled()) {
     std::optional<Block> begun = BeginBlock(input, graph, scene, lenses, is_taken, options.grow, threads);
     if (!begun) break;
-    GrowBlock(is_taken, options.grow, threads, progress, *begun);
+    GrowBlock(graph, is_taken, options.grow, threads, progress, *begun);
     AdjustLast(options, threads, *begun);
     // The largest knows the lenses best: the others start from there.
     if (blocks.empty()) lenses = begun->lenses();

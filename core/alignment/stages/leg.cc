@@ -7,6 +7,7 @@
 #include "core/alignment/adjustment/tracks.h"
 #include "core/base/large_blocks_apart.h"
 #include "core/base/median.h"
+#include "core/base/scoped_timer.h"
 
 namespace skyquilt::alignment {
 namespace {
@@ -45,10 +46,13 @@ Leg Adjusted(Leg leg, const BundleOptions& bundle_options, const AlignOptions& o
   if (leg.input.views.size() >= kManyPhotos) ReturnFreedMemory();  // the matcher's, before the solver's
   TrackOptions track_options;
   track_options.observations_per_photo = options.observations_per_photo;
-  leg.problem.tracks = {};  // not both at a time
-  leg.problem.tracks = BuildTracks(leg.matched.links, leg.input.features, leg.input.views, track_options);
-  std::erase_if(leg.problem.tracks, [&](Track& track) { return !Triangulate(leg.input.views, track); });
-  leg.adjusted = AdjustBundle(leg.problem, bundle_options);
+  {
+    ScopedTimer timer(leg.adjustment_s);
+    leg.problem.tracks = {};  // not both at a time
+    leg.problem.tracks = BuildTracks(leg.matched.links, leg.input.features, leg.input.views, track_options);
+    std::erase_if(leg.problem.tracks, [&](Track& track) { return !Triangulate(leg.input.views, track); });
+    leg.adjusted = AdjustBundle(leg.problem, bundle_options);
+  }
   leg.iterations += leg.adjusted.iterations;
   leg.is_adjusted = true;
   return leg;
@@ -60,15 +64,18 @@ Relief AdjustedRelief(const Leg& leg) {
 }
 
 Leg Rematched(Leg leg, const MatchingPass& pass, const AlignOptions& options) {
-  leg.input.views = ViewsOf(leg.problem);
-  leg.relief = AdjustedRelief(leg);
   const std::size_t count = leg.input.views.size();
-  leg.matched.pairs =
-      OnlyWithinComponents(SelectPairs(leg.input.views, std::vector<double>(count, 0.0), leg.relief, {}),
-                           leg.matched.links, count);
-  leg.matched.links = {};  // not both at a time
-  leg.matched.links = MatchAndVerify(leg.input, ProjectAllToGround(leg.input, leg.relief, options.threads),
-                                     leg.matched.pairs, pass, options.threads);
+  {
+    ScopedTimer timer(leg.matching_s);
+    leg.input.views = ViewsOf(leg.problem);
+    leg.relief = AdjustedRelief(leg);
+    leg.matched.pairs =
+        OnlyWithinComponents(SelectPairs(leg.input.views, std::vector<double>(count, 0.0), leg.relief, {}),
+                             leg.matched.links, count);
+    leg.matched.links = {};  // not both at a time
+    leg.matched.links = MatchAndVerify(leg.input, ProjectAllToGround(leg.input, leg.relief, options.threads),
+                                       leg.matched.pairs, pass, options.threads);
+  }
   return leg;
 }
 

@@ -13,7 +13,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr double kHeightM = 60.0;
+constexpr double kCameraHeightM = 60.0;
 constexpr double kReadoutS = 0.05;
 const Eigen::Vector3d kEastwards(8.0, 0.0, 0.0);
 
@@ -30,10 +30,10 @@ BundleProblem NinePhotos(double readout_s, double turn_rad) {
   for (int i = 0; i < 9; ++i) {
     BundlePhoto photo;
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(i * turn_rad, Eigen::Vector3d::UnitZ()));
-    photo.cam_from_enu = photo.prior_cam_from_enu =
-        geo::Rigid3::FromRotationAndTargetOrigin(turned * down, {14.0 * (i % 3), 14.0 * (i / 3), kHeightM});
+    photo.cam_from_enu = photo.prior_cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
+        turned * down, {14.0 * (i % 3), 14.0 * (i / 3), kCameraHeightM});
     photo.sigma_position_m = Eigen::Vector3d::Constant(0.5);
-    photo.height_above_ground_m = kHeightM;
+    photo.height_above_ground_m = kCameraHeightM;
     photo.velocity_in_enu_mps = kEastwards;
     problem.photos.push_back(photo);
   }

@@ -12,7 +12,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr double kHeightM = 60.0;
+constexpr double kFlownHeightM = 60.0;
 
 geo::Rigid3 Downwards(const Eigen::Vector3d& center) {
   return geo::Rigid3::FromRotationAndTargetOrigin(
@@ -21,14 +21,14 @@ geo::Rigid3 Downwards(const Eigen::Vector3d& center) {
 
 // Three lines of four photos, level and right by their angles; the last half's heights count from `step_m`
 // lower; the adjusted state lies tilted about the north by `tilt_rad`.
-struct Flown {
+struct TiltedFlight {
   BundleProblem problem;
   std::vector<PhotoRecord> records;
 
-  explicit Flown(double tilt_rad, double step_m = 0.0) {
+  explicit TiltedFlight(double tilt_rad, double step_m = 0.0) {
     const Eigen::Quaterniond tilted(Eigen::AngleAxisd(tilt_rad, Eigen::Vector3d::UnitY()));
     for (int i = 0; i < 12; ++i) {
-      const Eigen::Vector3d center(30.0 * (i / 4), 15.0 * (i % 4), kHeightM);
+      const Eigen::Vector3d center(30.0 * (i / 4), 15.0 * (i % 4), kFlownHeightM);
       PhotoRecord record;
       record.center_in_enu = center + Eigen::Vector3d(0.0, 0.0, i < 6 ? 0.0 : step_m);
       record.sigma_m = {1.5, 1.5, 2.0};
@@ -51,14 +51,14 @@ struct Flown {
 
 TEST(FindLevelling, LeavesWhatLiesAsItsAnglesSay) {
   for (const double tilt : {0.0, 0.02, -0.035}) {
-    const Flown flown(tilt);
+    const TiltedFlight flown(tilt);
     EXPECT_FALSE(FindLevelling(flown.problem, flown.records)) << tilt;
   }
   EXPECT_FALSE(FindLevelling({}, {}));
 }
 
 TEST(FindLevelling, LaysATiltedFlightLevel) {
-  Flown flown(-0.2, 15.0);
+  TiltedFlight flown(-0.2, 15.0);
   const auto levelling = FindLevelling(flown.problem, flown.records);
   ASSERT_TRUE(levelling);
   EXPECT_NEAR(levelling->tilt_rad, 0.2, 1e-9);
@@ -73,12 +73,13 @@ TEST(FindLevelling, LaysATiltedFlightLevel) {
     EXPECT_NEAR(photo.cam_from_enu.TargetOriginInSource().z(), first_z, 1e-9);
     EXPECT_NEAR(photo.prior_cam_from_enu.TargetOriginInSource().z(), first_z, 1e-9)
         << "the step is taken out of the records";
-    EXPECT_NEAR(flown.problem.tracks[static_cast<std::size_t>(i)].point_in_enu.z(), first_z - kHeightM, 1e-9);
+    EXPECT_NEAR(flown.problem.tracks[static_cast<std::size_t>(i)].point_in_enu.z(), first_z - kFlownHeightM,
+                1e-9);
   }
 }
 
 TEST(FindLevelling, BelievesNoAnglesThatAreFewOrRoughOrOfTwoMinds) {
-  Flown rough(0.2), few(0.2), two_minds(0.2), rtk(0.2), nowhere(0.2);
+  TiltedFlight rough(0.2), few(0.2), two_minds(0.2), rtk(0.2), nowhere(0.2);
   for (std::size_t i = 0; i < 12; ++i) {
     rough.records[i].sigma_tilt_rad = 0.035;  // an airframe's
     if (i % 3 != 0) few.records[i].cam_from_enu.reset();
@@ -90,13 +91,13 @@ TEST(FindLevelling, BelievesNoAnglesThatAreFewOrRoughOrOfTwoMinds) {
     rtk.records[i].sigma_m.z() = 0.05;
     nowhere.records[i].sigma_m.z() = std::numeric_limits<double>::infinity();
   }
-  for (const Flown* flown : {&rough, &few, &two_minds, &rtk, &nowhere})
+  for (const TiltedFlight* flown : {&rough, &few, &two_minds, &rtk, &nowhere})
     EXPECT_FALSE(FindLevelling(flown->problem, flown->records));
-  ASSERT_TRUE(FindLevelling(Flown(0.2).problem, Flown(0.2).records));
+  ASSERT_TRUE(FindLevelling(TiltedFlight(0.2).problem, TiltedFlight(0.2).records));
 }
 
 TEST(Level, TurnsWhatWasExpectedOfPhotosThatTheImagesPlaced) {
-  Flown flown(0.2);
+  TiltedFlight flown(0.2);
   for (BundlePhoto& photo : flown.problem.photos) {
     photo.prior_cam_from_enu = photo.cam_from_enu;
     photo.has_record = false;

@@ -18,12 +18,12 @@ geo::Rigid3 At(const Eigen::Vector3d& center) {
 }
 
 // Lines to and fro (or all northwards), right by their photos; records late by `lag_s`, with noise.
-struct Flown {
+struct LaggingFlight {
   BundleProblem problem;
   std::vector<PhotoRecord> records;
   std::vector<double> times_s;
 
-  explicit Flown(double lag_s, double noise_m = 0.3, int lines = 4, bool is_to_and_fro = true) {
+  explicit LaggingFlight(double lag_s, double noise_m = 0.3, int lines = 4, bool is_to_and_fro = true) {
     std::mt19937 random(5);
     std::normal_distribution<double> noise(0.0, noise_m);
     for (int i = 0; i < lines * kPerLine; ++i) {
@@ -51,7 +51,7 @@ struct Flown {
 
 TEST(FindPositionLag, FindsItEitherWay) {
   for (const double lag_s : {0.4, 2.0, -0.8}) {
-    const Flown flown(lag_s);
+    const LaggingFlight flown(lag_s);
     const auto lag = flown.Find();
     ASSERT_TRUE(lag) << lag_s;
     EXPECT_NEAR(lag->lag_s, lag_s, 4.0 * lag->sigma_s);
@@ -65,9 +65,9 @@ TEST(FindPositionLag, FindsItEitherWay) {
 }
 
 TEST(FindPositionLag, LeavesPositionsThatAgree) {
-  EXPECT_FALSE(Flown(0.0).Find());
-  EXPECT_FALSE(Flown(0.0, 3.0).Find());
-  EXPECT_FALSE(Flown(0.02).Find()) << "ten centimetres change nothing";
+  EXPECT_FALSE(LaggingFlight(0.0).Find());
+  EXPECT_FALSE(LaggingFlight(0.0, 3.0).Find());
+  EXPECT_FALSE(LaggingFlight(0.02).Find()) << "ten centimetres change nothing";
 }
 
 // Errors that last for minutes look like a lag on two or three lines by chance.
@@ -76,7 +76,7 @@ TEST(FindPositionLag, IsNotMisledByReceiversThatWander) {
   for (std::uint32_t seed = 0; seed < 100; ++seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> of_line(0.0, 1.5);
-    Flown flown(0.0, 0.1, 4);
+    LaggingFlight flown(0.0, 0.1, 4);
     for (int line = 0; line < 4; ++line) {
       const Eigen::Vector3d off(of_line(random), of_line(random), 0.0);
       for (int k = 0; k < kPerLine; ++k) {
@@ -91,12 +91,12 @@ TEST(FindPositionLag, IsNotMisledByReceiversThatWander) {
 }
 
 TEST(FindPositionLag, IsNotToldFromAShiftOnOneCourse) {
-  EXPECT_FALSE(Flown(2.0, 0.3, 4, false).Find());
-  EXPECT_FALSE(Flown(2.0, 0.3, 1).Find());
+  EXPECT_FALSE(LaggingFlight(2.0, 0.3, 4, false).Find());
+  EXPECT_FALSE(LaggingFlight(2.0, 0.3, 1).Find());
 }
 
 TEST(FindPositionLag, IsNotMisledByAQuarterOfWrongPositions) {
-  Flown flown(1.0);
+  LaggingFlight flown(1.0);
   for (std::size_t i = 0; i < flown.records.size(); i += 4) {
     const Eigen::Vector3d wrong = *flown.records[i].center_in_enu + Eigen::Vector3d(40.0, 30.0, 0.0);
     flown.records[i].center_in_enu = wrong;
@@ -109,13 +109,13 @@ TEST(FindPositionLag, IsNotMisledByAQuarterOfWrongPositions) {
 
 TEST(FindPositionLag, TakesFlightsWithoutPhotosPositionsOrMotion) {
   EXPECT_FALSE(FindPositionLag({}, {}, {}));
-  Flown nowhere(1.0);
+  LaggingFlight nowhere(1.0);
   for (PhotoRecord& record : nowhere.records) record.center_in_enu.reset();
   EXPECT_FALSE(nowhere.Find());
-  Flown still(1.0);
+  LaggingFlight still(1.0);
   for (BundlePhoto& photo : still.problem.photos) photo.cam_from_enu = At({0.0, 0.0, 60.0});
   EXPECT_FALSE(still.Find());
-  Flown at_once(1.0);
+  LaggingFlight at_once(1.0);
   at_once.times_s.assign(at_once.times_s.size(), 7.0);
   EXPECT_FALSE(at_once.Find());
 }

@@ -11,7 +11,7 @@
 namespace skyquilt::alignment {
 namespace {
 
-constexpr double kHeightM = 40.0;
+constexpr double kLowHeightM = 40.0;
 const Eigen::Vector3d kStill = Eigen::Vector3d::Zero();
 
 struct Picture {
@@ -26,8 +26,8 @@ Picture Take(simulate::TextureLevel texture, double east_m, double yaw_rad, cons
   Picture picture;
   picture.view.intrinsics = camera::Intrinsics::Centered(600, 450, 600.0);
   picture.view.cam_from_enu = geo::Rigid3::FromRotationAndTargetOrigin(
-      simulate::CamFromEnuOfGimbal({yaw_rad, -0.5 * geo::kPi, 0.0}), {east_m, 0.0, kHeightM});
-  picture.view.height_above_ground_m = kHeightM;
+      simulate::CamFromEnuOfGimbal({yaw_rad, -0.5 * geo::kPi, 0.0}), {east_m, 0.0, kLowHeightM});
+  picture.view.height_above_ground_m = kLowHeightM;
   simulate::RenderPhotoOptions options;
   options.motion_in_enu_m = motion_m;
   options.noise_counts = 0.25;  // what shrinking leaves of it
@@ -83,7 +83,7 @@ TEST(SharpnessAgainst, SaysNothingFromDistancesTooDifferent) {
   Picture near = Take(simulate::TextureLevel::kRich, 0.0, 0.0, kStill);
   Picture far = near;
   far.view.cam_from_enu =
-      geo::Rigid3::FromRotationAndTargetOrigin(far.view.cam_from_enu.rotation, {0.0, 0.0, 2.0 * kHeightM});
+      geo::Rigid3::FromRotationAndTargetOrigin(far.view.cam_from_enu.rotation, {0.0, 0.0, 2.0 * kLowHeightM});
   EXPECT_FALSE(SharpnessAgainst(near.detail, near.view, far.detail, far.view, Relief(0.0)).has_value());
 }
 

@@ -17,18 +17,18 @@ using Complex = std::complex<double>;
 
 constexpr int kPixelsAcross = 5;
 
-struct Seen {
+struct SeenPoint {
   Complex now, truth;
   std::size_t photo = 0;
 };
 
-std::vector<Seen> Observe(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
-                          const ground::GroundSurface& surface) {
+std::vector<SeenPoint> Observe(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
+                               const ground::GroundSurface& surface) {
   std::map<std::string, const simulate::SimulatedPhoto*> by_name;
   for (const simulate::SimulatedPhoto& photo : truth.photos) by_name[photo.photo.name] = &photo;
   // The aligned flight has its own local frame; both tell WGS84.
   const geo::Rigid3 truth_from_flight = truth.frame.ecef_from_enu().Inverse() * flight.frame.ecef_from_enu();
-  std::vector<Seen> seen;
+  std::vector<SeenPoint> seen;
   for (std::size_t i = 0; i < flight.photos.size(); ++i) {
     const AlignedPhoto& photo = flight.photos[i];
     const simulate::SimulatedPhoto& real = *by_name.at(photo.photo.name);
@@ -60,31 +60,31 @@ std::vector<Seen> Observe(const simulate::SimulatedFlight& truth, const AlignedF
 }
 
 // Moves what was seen by the similarity of the plane that brings it nearest to the truth.
-void MoveOntoTruth(std::vector<Seen>& seen) {
+void MoveOntoTruth(std::vector<SeenPoint>& seen) {
   Complex mean_now, mean_truth;
-  for (const Seen& one : seen) {
+  for (const SeenPoint& one : seen) {
     mean_now += one.now / static_cast<double>(seen.size());
     mean_truth += one.truth / static_cast<double>(seen.size());
   }
   Complex cross;
   double square = 0.0;
-  for (const Seen& one : seen) {
+  for (const SeenPoint& one : seen) {
     cross += std::conj(one.now - mean_now) * (one.truth - mean_truth);
     square += std::norm(one.now - mean_now);
   }
   const Complex turn = cross / square;
-  for (Seen& one : seen) one.now = turn * (one.now - mean_now) + mean_truth;
+  for (SeenPoint& one : seen) one.now = turn * (one.now - mean_now) + mean_truth;
 }
 
-std::vector<double> MissesM(const std::vector<Seen>& seen) {
+std::vector<double> MissesM(const std::vector<SeenPoint>& seen) {
   std::vector<double> errors_m;
-  for (const Seen& one : seen) errors_m.push_back(std::abs(one.now - one.truth));
+  for (const SeenPoint& one : seen) errors_m.push_back(std::abs(one.now - one.truth));
   return errors_m;
 }
 
-std::vector<double> MedianOfEachPhoto(const std::vector<Seen>& seen, std::size_t photos) {
+std::vector<double> MedianOfEachPhoto(const std::vector<SeenPoint>& seen, std::size_t photos) {
   std::vector<std::vector<double>> errors_m(photos);
-  for (const Seen& one : seen) errors_m[one.photo].push_back(std::abs(one.now - one.truth));
+  for (const SeenPoint& one : seen) errors_m[one.photo].push_back(std::abs(one.now - one.truth));
   std::vector<double> errors;
   for (const std::vector<double>& of_photo : errors_m) errors.push_back(Percentile(of_photo, 0.5));
   return errors;
@@ -99,15 +99,16 @@ std::vector<double> PhotoErrorsM(const simulate::SimulatedFlight& truth, const A
 
 std::vector<double> RelativePhotoErrorsM(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                          const ground::GroundSurface& surface) {
-  std::vector<Seen> seen = Observe(truth, flight, surface);
+  std::vector<SeenPoint> seen = Observe(truth, flight, surface);
   MoveOntoTruth(seen);
   return MedianOfEachPhoto(seen, flight.photos.size());
 }
 
 GroundError MeasureGroundError(const simulate::SimulatedFlight& truth, const AlignedFlight& flight,
                                const ground::GroundSurface& surface, const std::set<std::string>& without) {
-  std::vector<Seen> seen = Observe(truth, flight, surface);
-  std::erase_if(seen, [&](const Seen& one) { return without.contains(flight.photos[one.photo].photo.name); });
+  std::vector<SeenPoint> seen = Observe(truth, flight, surface);
+  std::erase_if(seen,
+                [&](const SeenPoint& one) { return without.contains(flight.photos[one.photo].photo.name); });
   GroundError error;
   error.absolute_ce90_m = Percentile(MissesM(seen), 0.9);
   MoveOntoTruth(seen);

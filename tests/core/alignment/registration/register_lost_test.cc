@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kLost = 2;
 
 // Five photos of one line over level ground; the third is lost, the others lie where they were taken.
-struct Case {
+struct LostPhoto {
   SyntheticScene scene = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0});
   std::vector<const PhotoFeatures*> features;
   std::vector<View> views;
@@ -19,7 +19,7 @@ struct Case {
   std::vector<Track> tracks;
   Relief relief{0.0};
 
-  Case() {
+  LostPhoto() {
     for (std::size_t i = 0; i < scene.features.size(); ++i) {
       features.push_back(&scene.features[i]);
       View view;
@@ -53,7 +53,7 @@ struct Case {
 };
 
 TEST(RegisterLost, FindsThePhotoByThePointsThatOthersSee) {
-  Case of;
+  LostPhoto of;
   of.AddTracks(1);
   const std::vector<RegisteredLost> found = of.Register();
   ASSERT_EQ(found.size(), 1u);
@@ -63,7 +63,7 @@ TEST(RegisterLost, FindsThePhotoByThePointsThatOthersSee) {
 }
 
 TEST(RegisterLost, FindsItByTheGroundWhereHardlyAPointIsATrack) {
-  Case of;
+  LostPhoto of;
   of.AddTracks(400);
   const std::vector<RegisteredLost> found = of.Register();
   ASSERT_EQ(found.size(), 1u);
@@ -71,7 +71,7 @@ TEST(RegisterLost, FindsItByTheGroundWhereHardlyAPointIsATrack) {
 }
 
 TEST(RegisterLost, LeavesAPhotoOfAnotherPlaceLost) {
-  Case of;
+  LostPhoto of;
   of.AddTracks(1);
   const SyntheticScene elsewhere = MakeScene({.columns = 5, .rows = 1, .relief_m = 0.0, .seed = 77});
   of.features[kLost] = &elsewhere.features[kLost];

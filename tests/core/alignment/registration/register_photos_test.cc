@@ -70,6 +70,22 @@ TEST(RegisterPhotos, AClimbByFiveTimes) {
   ExpectAllRight(options, 1.0);
 }
 
+// Across the gap no point is seen by three photos: what two show alike is projected to the ground.
+TEST(RegisterPhotos, ALineWithAGapThatOnlyTwoPhotosLookAcross) {
+  SyntheticOptions options;
+  options.columns = 10;
+  options.rows = 1;
+  options.step_m = 13.0;
+  options.relief_m = 1.0;
+  SyntheticScene scene = MakeScene(options);
+  scene.cam_from_enu.erase(scene.cam_from_enu.begin() + 4, scene.cam_from_enu.begin() + 6);
+  scene.features.erase(scene.features.begin() + 4, scene.features.begin() + 6);
+  const Judged judged = Judge(scene, Register(InputOf(scene)));
+  EXPECT_EQ(judged.in_first_block, 8);
+  EXPECT_LT(judged.worst_center_m, 5.0);
+  EXPECT_LT(judged.worst_turn_rad, 0.1);
+}
+
 TEST(RegisterPhotos, AFocalLengthThatIsTenPercentOffIsCorrected) {
   SyntheticOptions options;
   options.any_yaw = true;
